@@ -1,0 +1,223 @@
+"""The settings of every stage, as frozen dataclasses with units in the names.
+
+They stand beneath the stages, and import nothing heavy, so that a study file is checked in milliseconds and a step of
+the pipeline can be keyed by exactly the settings it uses. The study file has one table per class; defaults are the
+choices of a careful analyst, and ``paper`` mode replaces them with what the paper did (see ``PAPER``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+from annotated_types import Ge, Gt, Le, MinLen
+
+Positive = Annotated[float, Gt(0)]
+NonNegative = Annotated[float, Ge(0)]
+Fraction = Annotated[float, Gt(0), Le(1)]
+
+FORBID_UNKNOWN_KEYS: dict[str, Any] = {"extra": "forbid"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmgChannelSettings:
+    """One muscle's EMG channel."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    name: Annotated[str, MinLen(1)]
+    "Channel name as the file writes it."
+    unit: Literal["V", "mV", "uV"] | None = None
+    "Unit of the stored values; replaces the file's own statement. Needed where the file states none."
+    gain: Positive = 1.0
+    "Amplifier gain to divide by (100, 1000 or 10000 for a Bagnoli through a DAQ; 1 for input-referred files)."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceChannelSettings:
+    """The pressing force channel."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    name: Annotated[str, MinLen(1)]
+    "Channel name as the file writes it."
+    unit: Annotated[str, MinLen(1)] | None = None
+    "Unit of the stored values (N, mN, kN, lbf, kgf, gf, or any other together with newtons_per_unit)."
+    newtons_per_unit: Positive | None = None
+    "Declared newtons per stored unit, for units that are not a force (%MVC, counts, V)."
+    sign: Literal[1, -1] = 1
+    "-1 where the sensor reports compression as negative."
+    tare: Literal["rest", "none"] = "rest"
+    "rest: subtract the force of the pre-contact rest; none: the channel is already zeroed."
+    delay_s: NonNegative = 0.0
+    "Known delay of the sensor's own filter, in seconds; removed from the pairing of force and EMG."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelSettings:
+    """Which channel plays which role."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    emg: Annotated[dict[str, EmgChannelSettings], MinLen(1)]
+    "Muscle role (EDC, FDS, ...) to channel."
+    force: ForceChannelSettings
+    "The pressing force."
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilterSettings:
+    """Conditioning of EMG and force (paper IV.B)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    band_hz: tuple[Positive, Positive] = (10.0, 450.0)
+    "EMG band-pass edges. An upper edge at or above fs/2 is dropped: a high-pass at the lower edge, recorded."
+    band_order: Annotated[int, Ge(1), Le(8)] = 2
+    "Butterworth order in scipy's and MATLAB's sense (a band-pass of order 2 has four poles)."
+    envelope: Literal["fir", "rms"] = "fir"
+    "fir: rectify and FIR low-pass; rms: moving root mean square."
+    fir_order: Annotated[int, Ge(2), Le(2000)] = 50
+    "Order of the Hamming low-pass (taps - 1); even, so that its delay is a whole number of samples."
+    fir_cutoff_hz: Positive = 20.0
+    "Cut-off given to the window design (its -6 dB edge is near it only for long filters; the true edge is printed)."
+    rms_window_s: Positive = 0.1
+    "Length of the moving RMS window."
+    phase: Literal["zero-phase", "compensated", "causal"] = "zero-phase"
+    "zero-phase: forward and backward; compensated: causal, then shifted by the known delay; causal: as on line."
+    force_cutoff_hz: Positive = 5.0
+    "Butterworth low-pass on force."
+    force_filter: bool = True
+    "false: take force as it is (already filtered by the sensor)."
+    force_order: Annotated[int, Ge(1), Le(8)] = 2
+    "Butterworth order of the force low-pass."
+    output_fs_hz: Positive | None = 100.0
+    "Rate of the conditioned curves; the nearest whole divisor of the EMG rate is used. Omitted: the EMG rate itself."
+
+
+@dataclass(frozen=True, kw_only=True)
+class CocontractionSettings:
+    """How the envelopes of the muscles become one activity."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    index: Literal["sum", "rudolph", "falconer-winter", "minimum"] = "sum"
+    "sum (paper); Rudolph 2000; Falconer and Winter 1985; minimum ('wasted contraction')."
+    normalise: Literal["none", "session-max", "mvc"] = "none"
+    "none: volts, comparable within one session only; session-max or mvc: fraction of that level."
+    mvc_v: dict[str, Positive] = field(default_factory=dict)
+    "Envelope level of the maximum voluntary contraction per muscle, volts; used by normalise = 'mvc'."
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowSettings:
+    """Which part of a recording is a trial, and which trials are good."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    force_n: tuple[Positive, Positive] = (0.5, 7.0)
+    "Loading phase, lower and upper force in newtons."
+    min_duration_s: Positive = 0.5
+    "A loading phase shorter than this is rejected."
+    max_duration_s: Positive = 20.0
+    "A loading phase longer than this is rejected."
+    max_falling_share: Fraction = 0.1
+    "Largest share of the force path that may fall (beyond noise) before the trial is rejected."
+    warn_falling_share: Fraction = 0.03
+    "The same, for a warning."
+    max_gap_force_n: Positive = 0.25
+    "The rest level must lie this close to zero after taring; else the trial is warned."
+    min_snr_db: float = 6.0
+    "EMG of the loading phase over EMG of the rest; below it the trial is warned."
+    clip_share: Fraction = 0.001
+    "Share of samples at the extreme value above which a channel counts as clipped and the trial is rejected."
+    expected_trials: Annotated[int, Ge(1)] | None = None
+    "Number of presses a recording should hold; another number is reported."
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitSettings:
+    """The logarithmic fit v = a + b log F, equation (6)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    points: Literal["bins", "samples"] = "bins"
+    "bins: means over force bins, honest standard errors; samples: the paper's fit on the curve itself."
+    bin_n: Positive = 0.3
+    "Width of the force bins, newtons."
+    weights: Literal["inverse-variance", "none"] = "inverse-variance"
+    "inverse-variance: 1/v^2 of a first fit (the envelope's noise grows with its level); none: ordinary least squares."
+    robust: bool = False
+    "Huber weights on top, for bursts and artefacts."
+    confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
+    "Level of the intervals."
+
+
+@dataclass(frozen=True, kw_only=True)
+class HypothesisSettings:
+    """The tests on b of section IV.B."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
+    "Significance level."
+    kept_specimens: tuple[str, ...] = ()
+    "Specimens among which the worst p is taken (paper: S1, S3, S5); empty: all."
+    use: Literal["ok", "ok+warned"] = "ok+warned"
+    "Verdicts of the trials that enter."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProfileSettings:
+    """Mean trends and the profile of a new specimen."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    participant: str | None = None
+    "Exemplary participant; omitted: mean over all."
+    specimens: tuple[str, ...] = ()
+    "Specimens whose profiles are exported; empty: all."
+    new_specimen: str | None = None
+    "Name of the specimen to interpolate."
+    new_stiffness_n_per_mm: Positive | None = None
+    "Its stiffness, N/mm."
+    interpolation: Literal["bracket", "paper", "log-stiffness", "coefficients"] = "bracket"
+    "bracket: linear in stiffness; paper: weight kappa/10; log-stiffness; coefficients: a and b instead of curves."
+    extrapolate: bool = False
+    "Allow a new specimen outside the stiffness bracket."
+    grid_points: Annotated[int, Ge(2), Le(10000)] = 100
+    "Forces at which curves are evaluated."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScheduleSettings:
+    """Mapping (7) of co-contraction to actuator stiffness, and the ramp of (8)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    stiffness_percent: tuple[NonNegative, Annotated[float, Gt(0), Le(100)]] = (20.0, 80.0)
+    "Stiffness preset at the smallest and the largest co-contraction, percent of the maximum preset."
+    step_n: Positive = 0.3
+    "Force step, newtons; a shorter last step is kept and marked."
+    actuator: Literal["qbmove-advanced", "qbmove-maker-pro"] = "qbmove-advanced"
+    "Spring model used to state the stiffness in N m/rad at zero load."
+    max_preset_ticks: Annotated[int, Gt(0)] = 3000
+    "Largest stiffness preset of the device, in its ticks (32768 a turn); read from the device before a run."
+    probe_speed_mm_per_s: Positive = 5.0
+    "Speed of the probe along the specimen's vertical axis."
+    gear_mm_per_degree: Positive = 0.2
+    "Probe travel per degree of the output shaft."
+    travel_mm: Positive = 15.0
+    "Length of the position ramp."
+    conditions: tuple[Literal["modular", "constant-min", "constant-mean", "constant-max"], ...] = (
+        "modular", "constant-min", "constant-mean", "constant-max",
+    )
+    "Conditions exported."
+
+
+PAPER: dict[str, dict[str, Any]] = {
+    "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": None},
+    "fit": {"points": "samples", "weights": "none", "robust": False},
+    "profile": {"interpolation": "paper"},
+}
+"""What ``mode = "paper"`` sets, unless the study says otherwise (method notes 1 and 3)."""
