@@ -91,8 +91,8 @@ class FilterSettings:
     "false: take force as it is (already filtered by the sensor)."
     force_order: Annotated[int, Ge(1), Le(8)] = 2
     "Butterworth order of the force low-pass."
-    output_fs_hz: Positive | None = 100.0
-    "Rate of the conditioned curves; the nearest whole divisor of the EMG rate is used. Omitted: the EMG rate itself."
+    output_fs_hz: Positive | Literal["native"] = 100.0
+    "Rate of the conditioned curves; the nearest whole divisor of the EMG rate is used. native: the EMG rate itself."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,8 +215,46 @@ class ScheduleSettings:
     "Conditions exported."
 
 
+@dataclass(frozen=True, kw_only=True)
+class SimulationSettings:
+    """The synthetic study: continuous recordings whose truth is known (``emg2vsa simulate``)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    seed: Annotated[int, Ge(0)] = 1
+    "Same seed, same bytes."
+    repetitions: Annotated[int, Ge(1), Le(1000)] = 10
+    "Presses per recording."
+    fs_hz: Positive = 1000.0
+    "Sampling rate of EMG and force."
+    a_v: dict[str, float] = field(default_factory=dict)
+    "True intercept of the co-contraction per specimen, volts."
+    b_v: dict[str, float] = field(default_factory=dict)
+    "True slope per specimen, volts per natural-log newton."
+    muscle_share: dict[str, Fraction] = field(default_factory=lambda: {"EDC": 0.4, "FDS": 0.6})
+    "Share of each muscle in the co-contraction; the shares sum to one."
+    participant_sd: NonNegative = 0.0
+    "Relative spread of b between participants."
+    repetition_sd: NonNegative = 0.05
+    "Relative spread of b between the repetitions of one cell."
+    emg_noise_v: NonNegative = 1.2e-6
+    "Sensor noise, volts rms."
+    mains_v: NonNegative = 5e-7
+    "Mains hum at mains_hz, volts rms."
+    mains_hz: Positive = 50.0
+    "Mains frequency."
+    force_noise_n: NonNegative = 0.02
+    "Force sensor noise, newtons rms per sample."
+    force_offset_n: float = 0.35
+    "Largest bias of the force sensor (drawn per recording), newtons."
+    loading_s: tuple[Positive, Positive] = (2.0, 3.0)
+    "Shortest and longest loading phase, seconds."
+    rest_s: tuple[Positive, Positive] = (1.5, 2.5)
+    "Shortest and longest rest between presses, seconds."
+
+
 PAPER: dict[str, dict[str, Any]] = {
-    "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": None},
+    "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": "native"},
     "fit": {"points": "samples", "weights": "none", "robust": False},
     "profile": {"interpolation": "paper"},
 }
