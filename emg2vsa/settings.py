@@ -16,7 +16,7 @@ Positive = Annotated[float, Gt(0)]
 NonNegative = Annotated[float, Ge(0)]
 Fraction = Annotated[float, Gt(0), Le(1)]
 
-FORBID_UNKNOWN_KEYS: dict[str, Any] = {"extra": "forbid"}
+FORBID_UNKNOWN_KEYS: dict[str, Any] = {"extra": "forbid", "allow_inf_nan": False}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,52 @@
+"""Preconditions of arrays: what every stage asks of samples before it computes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from emg2vsa.errors import SignalError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def samples_1d(values: ArrayLike, where: str, *, at_least: int = 1) -> Floats:
+    """``values`` as a contiguous float64 vector (n,), n >= ``at_least``; SignalError where it is not."""
+    samples = np.ascontiguousarray(values, dtype=np.float64)
+    if samples.ndim != 1 or samples.size < at_least:
+        found = f"{samples.size} samples" if samples.ndim == 1 else f"an array of shape {samples.shape}"
+        raise SignalError(where, wanted=f"one row of at least {at_least} samples", found=found, do="Record for longer.")
+    return samples
+
+
+def bridge_gaps(samples: Floats, where: str) -> tuple[Floats, NDArray[np.bool_]]:
+    """Samples with every non-finite one replaced by linear interpolation, and the mask (n,) of those replaced.
+
+    SignalError where fewer than half of the samples are numbers: nothing sensible can be said of such a channel.
+    """
+    missing = ~np.isfinite(samples)
+    n_missing = int(np.count_nonzero(missing))
+    if n_missing == 0:
+        return samples, missing
+    if 2 * n_missing > samples.size:
+        found = f"{n_missing} of {samples.size} samples that are not"
+        raise SignalError(where, wanted="finite numbers", found=found, do="Check the export of this channel.")
+    index = np.arange(samples.size)
+    filled = samples.copy()
+    filled[missing] = np.interp(index[missing], index[~missing], samples[~missing])
+    return filled, missing
+
+
+def runs_of(mask: NDArray[np.bool_]) -> tuple[Ints, Ints]:
+    """First index and one past the last index of every run of True in ``mask`` (n,)."""
+    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    return edges[0::2], edges[1::2]
+
+
+def exponent_of(values: Floats) -> NDArray[np.int32]:
+    """Binary exponent e of the largest |value| along the last axis (kept), for finite values; 0 where all are zero.
+
+    |value| <= 2^e: rows scaled by 2^-e can be squared and summed without overflow or underflow, and without rounding.
+    """
+    return np.frexp(np.max(np.abs(values), axis=-1, keepdims=True, initial=0.0))[1]

@@ -1,0 +1,48 @@
+"""The command ``emg2vsa``: one file per sub-command, heavy modules loaded only by the one that runs."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+import emg2vsa
+from emg2vsa.errors import Emg2vsaError, StudyError
+
+COMMANDS = ("simulate", "check", "run", "status", "fit", "schedule", "report", "power")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
+    arguments = _parser().parse_args(argv)
+    try:
+        status: int = arguments.run(arguments)
+        sys.stdout.flush()
+        return status
+    except StudyError as error:
+        count = len(error.problems)
+        print(f"{error}\n{count} problem{'s' if count != 1 else ''}; nothing was run.", file=sys.stderr)
+    except Emg2vsaError as error:
+        print(f"emg2vsa: {error}", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("\nStopped. What was finished is kept; the same command goes on from there.", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    return 2
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="emg2vsa",
+        description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
+        epilog="Try: emg2vsa simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml",
+    )
+    parser.add_argument("--version", action="version", version=f"emg2vsa {emg2vsa.__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for name in COMMANDS:
+        importlib.import_module(f"emg2vsa.cli.{name}").add_to(commands)
+    return parser

@@ -1,0 +1,158 @@
+"""``emg2vsa fit``: one recording, no study; its presses and their fits v = a + b log F."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+
+if TYPE_CHECKING:
+    from emg2vsa.fits import Fits
+    from emg2vsa.trials import Trials
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "fit",
+        run,
+        "Find the presses of one recording and fit v = a + b log F to each.",
+        "Without --emg and --force the channels of the file are listed. "
+        "Example: emg2vsa fit P01_S1.csv --emg EDC --emg FDS --force Fz --sign -1",
+    )
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="recording: CSV, EMGworks, Discover, C3D, EDF, BDF, .mat"
+    )
+    channels = parser.add_argument_group("channels")
+    channels.add_argument(
+        "--emg", action="append", default=[], metavar="CH", help="EMG channel; repeat for each muscle"
+    )
+    channels.add_argument("--force", metavar="CH", help="force channel")
+    channels.add_argument(
+        "--force-file", type=Path, metavar="FILE", help="second file that holds the force, same clock"
+    )
+    channels.add_argument("--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, where the file states none")
+    channels.add_argument("--gain", type=float, default=1.0, help="amplifier gain to divide the EMG by (default 1)")
+    channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, where the file states none")
+    channels.add_argument("--newtons-per-unit", type=float, metavar="X", help="newtons per stored unit (counts, %%MVC)")
+    channels.add_argument(
+        "--sign", type=int, choices=(1, -1), default=1, help="-1: the sensor reports pressing as negative"
+    )
+    channels.add_argument("--no-tare", action="store_true", help="the force is zeroed already, or there is no rest")
+    method = parser.add_argument_group("method")
+    method.add_argument(
+        "--window", type=float, nargs=2, metavar=("LOW", "HIGH"), help="force window, N (default 0.5 7)"
+    )
+    method.add_argument("--min-duration", type=float, metavar="S", help="shortest loading phase, s (default 0.5)")
+    method.add_argument("--band", type=float, nargs=2, metavar=("LOW", "HIGH"), help="EMG band, Hz (default 10 450)")
+    method.add_argument("--output-fs", type=float, metavar="HZ", help="rate of the fitted curves, Hz (default 100)")
+    method.add_argument("--bin", type=float, metavar="N", help="force bin, N (default 0.3)")
+    method.add_argument("--force-cutoff", type=float, metavar="HZ", help="force low-pass, Hz (default 5)")
+    method.add_argument(
+        "--paper", action="store_true", help="the paper's method: causal filters, least squares on samples"
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    if not arguments.emg or arguments.force is None:
+        return _list_channels(arguments)
+    from emg2vsa.fits import fit_trials
+    from emg2vsa.pipeline.recording_work import trials_of
+    from emg2vsa.settings import CocontractionSettings
+    from emg2vsa.study import RecordingEntry
+
+    settings = _settings(arguments)
+    fit = settings.pop("fit")
+    entry = RecordingEntry(arguments.file.stem, "", arguments.file, arguments.force_file, **settings)
+    trials = trials_of(entry, CocontractionSettings())
+    fits = fit_trials(trials, fit, entry.window)
+    if arguments.json:
+        print_json({"file": str(arguments.file), "notes": list(trials.notes), "trials": _rows(trials, fits)})
+    else:
+        _print(trials, fits)
+    return 0
+
+
+def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The settings of each stage, checked as a study file's are."""
+    from emg2vsa.errors import StudyError
+    from emg2vsa.settings import PAPER, ChannelSettings, FilterSettings, FitSettings, WindowSettings
+    from emg2vsa.study_file.problems import checked
+
+    paper = PAPER if arguments.paper else {}
+    emg = {name: {"name": name, "unit": arguments.emg_unit, "gain": arguments.gain} for name in arguments.emg}
+    force = {
+        "name": arguments.force,
+        "unit": arguments.force_unit,
+        "newtons_per_unit": arguments.newtons_per_unit,
+        "sign": arguments.sign,
+        "tare": "none" if arguments.no_tare else "rest",
+    }
+    filters = {
+        "band_hz": arguments.band, "output_fs_hz": arguments.output_fs, "force_cutoff_hz": arguments.force_cutoff,
+    }  # fmt: skip
+    asked = {
+        "channels": (ChannelSettings, {"emg": emg, "force": force}),
+        "filters": (FilterSettings, {**paper.get("filters", {}), **_given(filters)}),
+        "window": (WindowSettings, _given({"force_n": arguments.window, "min_duration_s": arguments.min_duration})),
+        "fit": (FitSettings, {**paper.get("fit", {}), **_given({"bin_n": arguments.bin})}),
+    }
+    made, problems = {}, []
+    for name, (kind, values) in asked.items():
+        made[name], found = checked(kind, values, (name,))
+        problems += [f"emg2vsa fit: {problem}" for problem in found]
+    if problems:
+        raise StudyError(tuple(problems))
+    return made
+
+
+def _given(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _list_channels(arguments: argparse.Namespace) -> int:
+    from emg2vsa.readers import inspect
+
+    name, channels = inspect(arguments.file)
+    if arguments.json:
+        print_json({"format": name, "channels": [vars(channel) for channel in channels]})
+        return 2
+    print(f"{arguments.file}: {name}, {len(channels)} channels. Choose with --emg and --force:")
+    for channel in channels:
+        print(
+            f"  {channel.name:<36} {channel.unit or 'no unit':<10} {channel.fs_hz:10.4f} Hz {channel.n_samples:>9} samples"
+        )
+    return 2
+
+
+def _rows(trials: Trials, fits: Fits) -> list[dict[str, Any]]:
+    names = (
+        "repetition", "verdict", "start_s", "a_v", "b_v", "a_se_v", "b_se_v", "b_lo_v", "b_hi_v", "n_points", "adj_r2",
+        "r2_bins", "adj_r2_bins", "r2_samples", "adj_r2_samples", "n_effective", "lag1",
+    )  # fmt: skip
+    rows = [{name: getattr(fits, name)[i].item() for name in names} for i in range(fits.repetition.size)]
+    for row, reason, stop_s in zip(rows, trials.reasons, trials.stop_s, strict=True):
+        row |= {"reason": reason, "stop_s": float(stop_s), "unit": trials.activity_unit}
+    return rows
+
+
+def _print(trials: Trials, fits: Fits) -> None:
+    rows = _rows(trials, fits)
+    ok = sum(row["verdict"] == "ok" for row in rows)
+    print(f"{len(rows)} press{'es' if len(rows) != 1 else ''} found, {ok} ok; v = a + b log(F / N), v in microvolts")
+    head = ("press", "from s", "to s", "verdict", "a", "b", "b 95 % interval", "adj R2 bins", "samples", "n eff")
+    print("{:>5} {:>8} {:>8} {:<9} {:>8} {:>8} {:>20} {:>11} {:>8} {:>6}".format(*head))
+    for row in rows:
+        interval = f"{row['b_lo_v'] * 1e6:.3g} to {row['b_hi_v'] * 1e6:.3g}"
+        print(
+            f"{row['repetition']:>5} {row['start_s']:>8.3f} {row['stop_s']:>8.3f} {row['verdict']:<9} "
+            f"{row['a_v'] * 1e6:>8.3f} {row['b_v'] * 1e6:>8.3f} {interval:>20} "
+            f"{row['adj_r2_bins']:>11.3f} {row['adj_r2_samples']:>8.3f} {row['n_effective']:>6.0f}"
+        )
+        if row["reason"]:
+            print(f"      {row['reason']}")
+    for note in trials.notes:
+        print(f"note: {note}")

@@ -1,0 +1,54 @@
+"""``emg2vsa run``: recordings in, report out; only what is stale."""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+from emg2vsa.cli.arguments import Commands, add_command, add_jobs, add_json, add_study, jobs_of, print_json
+
+STAGE_NAMES = ("trials", "fits", "hypotheses", "profiles", "schedules", "pages", "report")
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(commands, "run", run, "Run a study: recordings in, fits, tests, schedules and report out.")
+    add_study(parser)
+    parser.add_argument("--only", choices=STAGE_NAMES, metavar="STAGE", help=f"stop after: {', '.join(STAGE_NAMES)}")
+    parser.add_argument("--explain", action="store_true", help="say for every step why it runs")
+    add_jobs(parser)
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.study_file import load_study
+
+    start = time.monotonic()
+    study = load_study(arguments.study)
+    board = run_study(
+        study, only=arguments.only, jobs=jobs_of(arguments), progress=progress(arguments.explain, arguments.json)
+    )
+    failures = board.failures()
+    study_failed = any(item == "study" for item, _, _ in failures)
+    ran = [state.step.id for state in board.states.values() if state.status == "done"]
+    fresh = sum(state.status == "fresh" for state in board.states.values())
+    if arguments.json:
+        print_json(
+            {
+                "study": study.name,
+                "ran": ran,
+                "fresh": fresh,
+                "failures": [dict(zip(("item", "stage", "message"), failure, strict=True)) for failure in failures],
+                "report": str(study.reports / "index.html"),
+                "seconds": round(time.monotonic() - start, 3),
+            }
+        )
+    else:
+        for item, stage, message in failures:
+            print(f"not used: {item} ({stage}): {message}")
+        seconds = time.monotonic() - start
+        print(f"{study.name}: {len(ran)} steps run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s")
+        if arguments.only in {None, "report"} and not study_failed:
+            print(f"Report: {study.reports / 'index.html'}")
+    return 1 if study_failed else 0

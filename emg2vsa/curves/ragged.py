@@ -1,0 +1,20 @@
+"""Trials of different length: rows cut from one long array by offsets, and their padding."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, Ints
+
+
+def row_of_each(offsets: Ints) -> Ints:
+    """Row number of every element (N,) for ``offsets`` (k + 1,), which start at 0 and end at N."""
+    return np.repeat(np.arange(offsets.size - 1), np.diff(offsets))
+
+
+def pad_rows(values: Floats, offsets: Ints) -> Floats:
+    """Rows ``values[offsets[i]:offsets[i + 1]]`` as (k, longest), NaN beyond the end of each."""
+    rows = row_of_each(offsets)
+    padded = np.full((offsets.size - 1, int(np.max(np.diff(offsets), initial=0))), np.nan)
+    padded[rows, np.arange(values.size) - offsets[:-1][rows]] = values
+    return padded

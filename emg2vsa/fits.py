@@ -1,0 +1,166 @@
+"""The stage of equation (6): every trial's co-contraction fitted as v = a + b ln F, with errors that can be believed.
+
+The samples of an envelope are far from independent, so the fit reported by default runs on force bins; what the same
+trial gives sample by sample, as in the paper, stands beside it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.curves.force_bins import bin_edges, bin_means
+from emg2vsa.curves.logarithmic import LogFit, fit_log, level_weights
+from emg2vsa.curves.ragged import pad_rows
+from emg2vsa.errors import DataError
+from emg2vsa.settings import FitSettings, WindowSettings
+from emg2vsa.stats.autocorrelation import residual_memory
+from emg2vsa.trials import Trials
+
+MIN_POINTS = 3
+"""Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""
+_COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
+
+
+@dataclass(frozen=True)
+class Fits:
+    """One row per trial, of one recording or of many (``concatenate``); all arrays (n,) unless said.
+
+    Trials that could not be fitted stay, with NaN, verdict "rejected" and the reason.
+    """
+
+    participant: NDArray[np.str_]
+    specimen: NDArray[np.str_]
+    repetition: Ints
+    verdict: NDArray[np.str_]
+    reason: NDArray[np.str_]
+    start_s: Floats
+    a_v: Floats
+    "Intercept of the reported fit: activity at 1 N, in ``activity_unit``."
+    b_v: Floats
+    "Slope of the reported fit, ``activity_unit`` per unit of ln(F / N)."
+    a_se_v: Floats
+    b_se_v: Floats
+    b_lo_v: Floats
+    "Student-t interval of b at ``confidence``."
+    b_hi_v: Floats
+    n_points: Ints
+    "Bins or samples the reported fit rests on."
+    adj_r2: Floats
+    "Of the reported fit, weighted as it was."
+    r2_bins: Floats
+    "Of ordinary least squares on the bins, whatever is reported; likewise the next three."
+    adj_r2_bins: Floats
+    r2_samples: Floats
+    adj_r2_samples: Floats
+    n_effective: Floats
+    "Independent observations that the samples are worth, from the autocorrelation of their residuals."
+    lag1: Floats
+    "Autocorrelation of the sample residuals at a lag of one sample."
+    v_min_v: Floats
+    "Fitted activity at the lower force of the window."
+    v_max_v: Floats
+    "Fitted activity at the upper force of the window."
+    bin_edges_n: Floats
+    "(B + 1,) newtons."
+    bin_force_n: Floats
+    "(n, B) geometric mean force of each bin, NaN where empty."
+    bin_v: Floats
+    "(n, B) mean activity of each bin, NaN where empty."
+    activity_unit: str
+    points: str
+    weights: str
+    confidence: float
+
+
+def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits:
+    """Fit every trial of a recording, the rejected ones too.
+
+    Reported is the fit that ``fit`` asks for. With inverse-variance weights a bin counts as its number of samples over
+    the square of its level in a first, ordinary fit (``level_weights`` says how a level near zero is bounded).
+    """
+    edges = bin_edges(*window.force_n, fit.bin_n)
+    bins = bin_means(trials.force_n, trials.activity, trials.offsets, edges)
+    force, v = pad_rows(trials.force_n, trials.offsets), pad_rows(trials.activity, trials.offsets)
+    on_bins, on_samples = fit_log(bins.force_n, bins.v), fit_log(force, v)
+    lag1, n_effective = residual_memory(v - on_samples.at(force))
+    if fit.points == "bins":
+        reported = _refit(on_bins, bins.force_n, bins.v, bins.samples, fit)
+    else:
+        reported = _refit(on_samples, force, v, np.ones(v.shape, dtype=np.int64), fit)
+    fitted = (reported.n >= MIN_POINTS) & np.isfinite(reported.b) & np.isfinite(reported.b_se)
+    at_ends = reported.at(window.force_n)
+    n = fitted.size
+    shown = {
+        "a_v": reported.a, "b_v": reported.b, "a_se_v": reported.a_se, "b_se_v": reported.b_se,
+        "b_lo_v": reported.b_lo, "b_hi_v": reported.b_hi, "adj_r2": reported.adj_r2,
+        "v_min_v": at_ends[:, 0], "v_max_v": at_ends[:, 1],
+    }  # fmt: skip
+    return Fits(
+        participant=np.full(n, trials.participant),
+        specimen=np.full(n, trials.specimen),
+        repetition=trials.repetition,
+        verdict=np.where(fitted, trials.verdict, "rejected").astype("<U8"),
+        reason=_reasons(trials.reasons, fitted, reported.n, fit.points),
+        start_s=trials.start_s,
+        n_points=reported.n,
+        r2_bins=on_bins.r2,
+        adj_r2_bins=on_bins.adj_r2,
+        r2_samples=on_samples.r2,
+        adj_r2_samples=on_samples.adj_r2,
+        n_effective=n_effective,
+        lag1=lag1,
+        bin_edges_n=edges,
+        bin_force_n=bins.force_n,
+        bin_v=bins.v,
+        activity_unit=trials.activity_unit,
+        points=fit.points,
+        weights=fit.weights,
+        confidence=fit.confidence,
+        **{name: np.where(fitted, values, np.nan) for name, values in shown.items()},
+    )
+
+
+def _refit(first: LogFit, force_n: Floats, v: Floats, samples: Ints, fit: FitSettings) -> LogFit:
+    weights = samples * level_weights(force_n, first) if fit.weights == "inverse-variance" else None
+    return fit_log(force_n, v, weights, robust=fit.robust, confidence=fit.confidence)
+
+
+def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str) -> NDArray[np.str_]:
+    kind = "force bins" if points == "bins" else "samples"
+    reasons = list(given)
+    for i in np.flatnonzero(~fitted):
+        why = f"no fit: {n[i]} {kind}" if n[i] < MIN_POINTS else "no fit: force does not change"
+        reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
+    return np.array(reasons, dtype=np.str_)
+
+
+def usable(fits: Fits, use: str) -> NDArray[np.bool_]:
+    """Trials (n,) that enter a test or a profile: verdict "ok", or also "warned" with ``use="ok+warned"``, and fitted."""
+    return np.isin(fits.verdict, use.split("+")) & np.isfinite(fits.b_v)
+
+
+def concatenate(parts: Sequence[Fits]) -> Fits:
+    """Fits of several recordings as one table, in the order given. DataError unless made with the same settings."""
+    if not parts:
+        raise DataError("fits", wanted="at least one recording", found="none", do="Fit a recording first.")
+    for name in _COMMON:
+        for part in parts:
+            if not np.array_equal(getattr(part, name), getattr(parts[0], name)):
+                raise DataError(
+                    f"fits, {name}",
+                    wanted="the same in all recordings",
+                    found=f"{getattr(parts[0], name)} and {getattr(part, name)}",
+                    do="Fit all recordings with the same settings.",
+                )
+    joined = {
+        f.name: np.concatenate([getattr(part, f.name) for part in parts])
+        for f in dataclasses.fields(Fits)
+        if f.name not in _COMMON
+    }
+    return dataclasses.replace(parts[0], **joined)

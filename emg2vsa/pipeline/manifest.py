@@ -1,0 +1,28 @@
+"""Files that a step wrote outside the store (pages, reports): is what it wrote still there?"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from emg2vsa.atomic import write_text_atomic
+
+
+def write_manifest(path: Path, files: Sequence[Path]) -> None:
+    """Remember the files a step wrote outside the store, and their sizes."""
+    write_text_atomic(path, json.dumps({str(file): file.stat().st_size for file in files}))
+
+
+def manifest_holds(path: Path) -> bool:
+    """Whether all files of a manifest are still there, as long as they were."""
+    try:
+        sizes: Mapping[str, int] = json.loads(path.read_text())
+        return all(Path(file).stat().st_size == size for file, size in sizes.items())
+    except (OSError, ValueError):
+        return False
+
+
+def manifest_files(path: Path) -> list[Path]:
+    """The files that a step wrote."""
+    return [Path(file) for file in json.loads(path.read_text())]

@@ -1,0 +1,65 @@
+"""Tasks on several processes; a process that dies takes only its own task with it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+
+from emg2vsa.pipeline.tasks import Ended, Task
+
+ALONE = 2
+"""Up to this many tasks run in the calling process: starting workers would take longer."""
+
+PRELOAD = ("emg2vsa.pipeline.recording_work", "emg2vsa.pipeline.page_work")
+
+
+def available_cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run_tasks(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None]) -> None:
+    """Run all tasks and report each step as it ends."""
+    if jobs == 1 or len(tasks) <= ALONE:
+        for task in tasks:
+            _report(task(), on_end)
+        return
+    left = _run_in_pool(tasks, jobs, on_end)
+    for task in left:  # some process died: one at a time, so that the task that kills it is known
+        if _run_in_pool([task], 1, on_end):
+            died = "its process died (out of memory, or killed). Run again with --jobs 1 if memory is short."
+            _report([Ended(step, "failed", died) for step in task.steps], on_end)
+
+
+def _run_in_pool(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None]) -> list[Task]:
+    with _executor(min(jobs, len(tasks))) as pool:
+        waiting = {pool.submit(task): task for task in tasks}
+        try:
+            for future in as_completed(list(waiting)):
+                _report(future.result(), on_end)
+                del waiting[future]
+        except BrokenProcessPool:
+            return list(waiting.values())
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return []
+
+
+def _executor(jobs: int) -> ProcessPoolExecutor:
+    method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+    context = multiprocessing.get_context(method)
+    if method == "forkserver":
+        # workers are forked from a server that has done the imports once
+        context.set_forkserver_preload(list(PRELOAD))
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    return ProcessPoolExecutor(jobs, mp_context=context)
+
+
+def _report(ended: Sequence[Ended], on_end: Callable[[Ended], None]) -> None:
+    for end in ended:
+        on_end(end)

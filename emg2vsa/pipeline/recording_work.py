@@ -1,0 +1,56 @@
+"""The steps of one recording: read, condition, find the trials, fit them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from emg2vsa import artifacts
+from emg2vsa.fits import fit_trials
+from emg2vsa.pipeline.tasks import Ended, guarded
+from emg2vsa.readers.roles import read_roles
+from emg2vsa.settings import CocontractionSettings, FitSettings
+from emg2vsa.study import RecordingEntry
+from emg2vsa.trials import Trials, extract_trials
+
+
+def trials_of(entry: RecordingEntry, cocontraction: CocontractionSettings) -> Trials:
+    """Read one recording and extract its trials."""
+    roles = read_roles(entry.emg_file, entry.force_file, entry.channels)
+    return extract_trials(
+        roles.emg,
+        roles.force,
+        participant=entry.participant,
+        specimen=entry.specimen,
+        filters=entry.filters,
+        cocontraction=cocontraction,
+        window=entry.window,
+        force_channel=entry.channels.force,
+        notes=roles.notes,
+    )
+
+
+def run(
+    entry: RecordingEntry,
+    cocontraction: CocontractionSettings,
+    fit: FitSettings,
+    trials_path: Path,
+    fits_path: Path,
+    stages: tuple[str, ...],
+) -> list[Ended]:
+    """Make and store what is asked for of ``trials`` and ``fits``."""
+    made: list[Trials] = []
+    ended: list[Ended] = []
+
+    def make_trials() -> None:
+        made.append(trials_of(entry, cocontraction))
+        artifacts.save(trials_path, made[0])
+
+    def make_fits() -> None:
+        trials = made[0] if made else artifacts.load(trials_path)
+        artifacts.save(fits_path, fit_trials(trials, fit, entry.window))
+
+    if "trials" in stages:
+        ended.append(guarded(f"trials/{entry.key}", make_trials))
+    if "fits" in stages and (made or "trials" not in stages):
+        ended.append(guarded(f"fits/{entry.key}", make_fits))
+    return ended

@@ -1,0 +1,118 @@
+"""Run what is stale, stage by stage; keep going when something fails; leave what is fresh alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from emg2vsa.pipeline.fingerprint import Fingerprints
+from emg2vsa.pipeline.ledger import Ledger
+from emg2vsa.pipeline.plan import Board, State
+from emg2vsa.pipeline.pool import run_tasks
+from emg2vsa.pipeline.steps import STAGES, stages_for
+from emg2vsa.pipeline.tasks import Ended, Task
+from emg2vsa.study import Study
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a screen may show while a study runs; every function may do nothing."""
+
+    begin: Callable[[str, int], None]
+    """Stages (joined by "+") and the number of their steps that will run."""
+    step: Callable[[State], None]
+    """A step ended."""
+    end: Callable[[], None]
+    """The stages ended."""
+
+
+def run_study(study: Study, *, only: str | None, jobs: int, progress: Progress) -> Board:
+    """Bring the study up to the stage ``only`` (default: the report) and say how every step ended."""
+    board = Board(study, Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
+    stages = stages_for(only)
+    try:
+        for wave in _waves(stages):
+            _run_wave(board, wave, jobs, progress)
+    finally:
+        board.prints.save()
+    board.ledger.compact()
+    return board
+
+
+def _waves(stages: Sequence[str]) -> list[tuple[str, ...]]:
+    """Stages that run together: both of a recording in one task, each of the study's own alone."""
+    first = tuple(stage for stage in stages if STAGES[stage].per == "recording")
+    rest = sorted((s for s in stages if s not in first), key=lambda s: (s == "report", STAGES[s].per != "participant"))
+    return [first, *((stage,) for stage in rest)]
+
+
+def _run_wave(board: Board, stages: Sequence[str], jobs: int, progress: Progress) -> None:
+    states = [state for stage in stages for state in board.add_stage(stage)]
+    stale = [state for state in states if state.status == "stale"]
+    if not stale:
+        return
+    progress.begin("+".join(stages), len(stale))
+
+    def on_end(ended: Ended) -> None:
+        board.end(ended.step, ended.status, ended.message, ended.final)
+        progress.step(board.states[ended.step])
+
+    run_tasks([*_tasks(board, stages, stale)], jobs, on_end)
+    for state in stale:
+        if state.status == "stale":  # fits whose trials failed in this very run
+            state.status, state.message = "blocked", "its trials failed"
+            progress.step(state)
+    progress.end()
+
+
+def _tasks(board: Board, stages: Sequence[str], stale: Sequence[State]) -> list[Task]:
+    kind = STAGES[stages[0]].per
+    if kind == "recording":
+        return _recording_tasks(board, stale)
+    if kind == "participant":
+        return [_page_task(board, state) for state in stale]
+    return [_study_task(board, state) for state in stale]
+
+
+def _recording_tasks(board: Board, stale: Sequence[State]) -> list[Task]:
+    by_item: dict[str, list[State]] = {}
+    for state in stale:
+        by_item.setdefault(state.step.item, []).append(state)
+    entries = {entry.key: entry for entry in board.study.recordings}
+    tasks = []
+    for item, states in by_item.items():
+        arguments = {
+            "entry": entries[item],
+            "cocontraction": board.study.cocontraction,
+            "fit": board.study.fit,
+            "trials_path": board.result(f"trials/{item}"),
+            "fits_path": board.result(f"fits/{item}") if f"fits/{item}" in board.states else board.study.results,
+            "stages": tuple(state.step.stage for state in states),
+        }
+        tasks.append(Task(tuple(s.step.id for s in states), "emg2vsa.pipeline.recording_work:run", arguments))
+    return tasks
+
+
+def _page_task(board: Board, state: State) -> Task:
+    prefix = f"{state.step.item}/"
+    arguments = {
+        "study": board.study,
+        "participant": state.step.item,
+        "trials": board.done("trials", prefix),
+        "fits": board.done("fits", prefix),
+        "failures": board.failures(prefix),
+        "result": board.result(state.step.id),
+    }
+    return Task((state.step.id,), "emg2vsa.pipeline.page_work:run", arguments)
+
+
+def _study_task(board: Board, state: State) -> Task:
+    stage = state.step.stage
+    arguments = {
+        "study": board.study,
+        "inputs": {need: board.done(need) for need in STAGES[stage].needs if need != "pages"},
+        "failures": board.failures(),
+        "keys": {name: other.step.key for name, other in board.states.items()},
+        "result": board.result(state.step.id),
+    }
+    return Task((state.step.id,), f"emg2vsa.pipeline.study_work:{stage}", arguments)

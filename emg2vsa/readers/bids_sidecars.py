@@ -1,0 +1,121 @@
+"""Side files of BIDS-EMG: ``_channels.tsv`` and ``_emg.json`` beside ``_emg.edf`` or ``_emg.bdf`` (BIDS 1.11)."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.units import canonical
+
+_ABSENT = ("", "n/a")
+
+
+@dataclass(frozen=True)
+class SideChannel:
+    """One row of ``_channels.tsv``; None where the column is absent or "n/a"."""
+
+    unit: str | None = None
+    fs_hz: float | None = None
+    status: str | None = None
+    status_description: str | None = None
+
+    def warnings(self, name: str, fs_hz: float) -> tuple[str, ...]:
+        """What a user of the channel should know, given the rate the data file states."""
+        notes = []
+        if self.status == "bad":
+            why = f" ({self.status_description})" if self.status_description else ""
+            notes.append(f"{name}: channels.tsv marks this channel bad{why}.")
+        if self.fs_hz is not None and abs(self.fs_hz - fs_hz) > 1e-3 * fs_hz:
+            notes.append(f"{name}: channels.tsv states {self.fs_hz:g} Hz, the file {fs_hz:g} Hz; the file counts.")
+        return tuple(notes)
+
+
+@dataclass(frozen=True)
+class SideFiles:
+    """channels : label to row. emg : the ``_emg.json`` of the recording, with what it inherits."""
+
+    channels: Mapping[str, SideChannel] = field(default_factory=dict)
+    emg: Mapping[str, Any] = field(default_factory=dict)
+
+    def notes(self, fs_hz: float) -> list[str]:
+        stated = self.emg.get("SamplingFrequency")
+        if isinstance(stated, (int, float)) and abs(stated - fs_hz) > 1e-3 * fs_hz:
+            return [f"_emg.json states {stated:g} Hz, the file {fs_hz:g} Hz; the file counts."]
+        return []
+
+
+def side_files(path: Path) -> SideFiles:
+    """The side files of a BIDS-named recording; empty where it has none. Raises RecordingError for damaged ones."""
+    entities, _, suffix = path.stem.rpartition("_")
+    if suffix != "emg":
+        return SideFiles()
+    tables = _inherited(path.parent, entities, "_channels.tsv")
+    emg: dict[str, Any] = {}
+    for level in _inherited(path.parent, entities, "_emg.json"):
+        emg.update(_json(level))
+    return SideFiles(_channels(tables[-1]) if tables else {}, emg)
+
+
+def _inherited(folder: Path, entities: str, ending: str) -> list[Path]:
+    """Files that apply to a recording by the inheritance principle, the most general first."""
+    own = set(entities.split("_"))
+    levels = [folder]
+    while not (levels[-1] / "dataset_description.json").exists() and len(levels) < 4:
+        levels.append(levels[-1].parent)
+    if not (levels[-1] / "dataset_description.json").exists():
+        levels = levels[:1]
+    found = []
+    for level in reversed(levels):
+        fitting = [
+            p
+            for p in level.glob(f"*{ending.lstrip('_')}")
+            if set(p.name.removesuffix(ending.lstrip("_")).strip("_").split("_")) - {""} <= own
+        ]
+        found += sorted(fitting, key=lambda p: len(p.name))
+    return found
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError) as error:
+        raise RecordingError(path, wanted="a JSON object", found=str(error), do="Correct the side file.") from error
+    return content if isinstance(content, dict) else {}
+
+
+def _channels(path: Path) -> dict[str, SideChannel]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = list(csv.DictReader(file, delimiter="\t"))
+    except (OSError, ValueError, csv.Error) as error:
+        raise RecordingError(
+            path, wanted="a tab-separated table", found=str(error), do="Correct the side file."
+        ) from error
+    if rows and "name" not in rows[0]:
+        raise RecordingError(
+            path, wanted="a column 'name'", found=", ".join(map(str, rows[0])), do="Add the column (BIDS channels.tsv)."
+        )
+    return {row["name"].strip(): _side_channel(path, number, row) for number, row in enumerate(rows, start=2)}
+
+
+def _side_channel(path: Path, line: int, row: Mapping[str, str | None]) -> SideChannel:
+    def cell(name: str) -> str | None:
+        text = (row.get(name) or "").strip()
+        return None if text in _ABSENT else text
+
+    fs, unit = cell("sampling_frequency"), cell("units")
+    try:
+        fs_hz = float(fs) if fs else None
+    except ValueError as error:
+        raise RecordingError(
+            f"{path}, line {line}, column 'sampling_frequency'",
+            wanted="a number or n/a",
+            found=repr(fs),
+            do="Correct it.",
+        ) from error
+    return SideChannel(canonical(unit) if unit else None, fs_hz, cell("status"), cell("status_description"))

@@ -1,0 +1,104 @@
+"""C3D: the analogue channels, and the force plates as channels "plate 1 Fx", "plate 1 Fy", "plate 1 Fz" in N.
+
+The plates' forces come from ezc3d's force-platform module, which applies calibration matrix and sign of the plate type
+(www.c3d.org). The clock counts from frame 1 of the measurement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import ezc3d
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
+from emg2vsa.recordings import ChannelInfo
+
+_AXES = ("Fx", "Fy", "Fz")
+
+
+@dataclass(frozen=True)
+class C3dRecording:
+    """analogs : (channels, n) in the units of ANALOG:UNITS. The first n names are analogue channels, the rest plates."""
+
+    path: Path
+    contents: Contents
+    analogs: NDArray[np.float64]
+    units: tuple[str | None, ...]
+    fs_hz: float
+    start_s: float
+
+    def describe(self) -> tuple[ChannelInfo, ...]:
+        n = self.analogs.shape[1]
+        return tuple(
+            ChannelInfo(name, unit, self.fs_hz, n) for name, unit in zip(self.contents.names, self.units, strict=True)
+        )
+
+    def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        n_analogs = self.analogs.shape[0]
+        plates = _plates(self.path) if any(i >= n_analogs for i in indices) else []
+        channels = []
+        for i in indices:
+            plate, axis = divmod(i - n_analogs, 3)
+            samples = self.analogs[i] if i < n_analogs else plates[plate]["force"][axis]
+            unit = self.units[i] if i < n_analogs else plates[plate]["unit_force"]
+            own = np.array(samples, dtype=np.float64)
+            channels.append(StoredChannel(self.contents.names[i], own, unit, self.fs_hz, self.start_s))
+        return channels
+
+
+def open_recording(path: Path) -> C3dRecording:
+    """Raises RecordingError where ezc3d refuses the file, or where it holds no analogue samples or no rate."""
+    file = _read(path, plates=False)
+    parameters = file["parameters"]
+    analogs = np.asarray(file["data"]["analogs"])[0]
+    fs_hz = float(_values(parameters, "ANALOG", "RATE", 1, 0.0)[0])
+    if analogs.size == 0 or fs_hz <= 0:
+        raise RecordingError(
+            path, wanted="analogue channels with a rate", found=f"{analogs.shape[0]} channels, {fs_hz:g} Hz",
+            do="Export the analogue data into the C3D file.",
+        )  # fmt: skip
+    n = analogs.shape[0]
+    names = [str(label) for label in _values(parameters, "ANALOG", "LABELS", n, "")]
+    units = [str(unit).strip() or None for unit in _values(parameters, "ANALOG", "UNITS", n, "")]
+    n_plates = int(_values(parameters, "FORCE_PLATFORM", "USED", 1, 0)[0])
+    names += [f"plate {plate + 1} {axis}" for plate in range(n_plates) for axis in _AXES]
+    units += ["N"] * (3 * n_plates)
+    points = file["header"]["points"]
+    start_s = points["first_frame"] / points["frame_rate"] if points["frame_rate"] > 0 else 0.0
+    return C3dRecording(path, Contents(unique_names(names)), analogs, tuple(units), fs_hz, float(start_s))
+
+
+def _read(path: Path, plates: bool) -> Any:
+    with path.open("rb") as file:
+        if file.read(2)[1:] != b"\x50":
+            raise RecordingError(
+                path, wanted="a C3D file", found="another content", do="Export or copy the file again."
+            )
+    try:
+        return ezc3d.c3d(str(path), extract_forceplat_data=plates)
+    except (OSError, RuntimeError, ValueError, IndexError, MemoryError) as error:
+        reason = str(error).partition(". If you want to ignore")[0]
+        raise RecordingError(
+            path, wanted="a C3D file that ezc3d reads", found=f"a refusal ({reason})",
+            do="Open it in the program that wrote it and export it again.",
+        ) from error  # fmt: skip
+
+
+def _plates(path: Path) -> list[Any]:
+    return list(_read(path, plates=True)["data"]["platform"])
+
+
+def _values(parameters: Any, group: str, name: str, n: int, default: Any) -> list[Any]:
+    """``n`` values of a parameter, those beyond 255 from its continuations (LABELS2, ...), missing ones as ``default``."""
+    values: list[Any] = []
+    part = 1
+    while group in parameters and (key := name if part == 1 else f"{name}{part}") in parameters[group]:
+        values += list(parameters[group][key]["value"])
+        part += 1
+    return (values + [default] * n)[:n]

@@ -1,0 +1,94 @@
+"""Number columns of a delimited text body; a cell that is no number is reported with its line and column."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.dialect import Dialect
+
+_MISSING = ["", "NaN", "nan", "NAN"]
+
+
+@dataclass(frozen=True)
+class Body:
+    """The data lines of a text table. first_line : number of their first line in the file. n_fields : most cells a row has."""
+
+    path: Path
+    data: bytes
+    first_line: int
+    dialect: Dialect
+    n_fields: int
+
+    def columns(self, names: Mapping[int, str]) -> dict[int, NDArray[np.float64]]:
+        """Decode the columns (index to the name used in messages), blank cells as NaN; rows align with lines of the file.
+
+        A column beyond the last cell of every row is empty.
+        """
+        wanted = sorted(column for column in names if column < self.n_fields)
+        try:
+            frame = self._parse(wanted, {"dtype": np.float64})
+        except pd.errors.ParserError as error:
+            raise self._ragged(str(error)) from error
+        except (ValueError, OverflowError) as error:
+            raise self._no_number(names) from error
+        found = {column: np.array(frame[column].to_numpy(), dtype=np.float64) for column in wanted}
+        return {column: found.get(column, np.empty(0)) for column in names}
+
+    def _parse(self, wanted: list[int], how: Mapping[str, Any]) -> pd.DataFrame:
+        return pd.read_csv(  # type: ignore[call-overload, no-any-return]
+            io.BytesIO(self.data),
+            sep=self.dialect.separator,
+            decimal=self.dialect.decimal,
+            header=None,
+            names=range(self.n_fields),
+            index_col=False,
+            usecols=wanted,
+            na_values=_MISSING,
+            keep_default_na=False,
+            skipinitialspace=True,
+            skip_blank_lines=False,
+            engine="c",
+            **how,
+        )
+
+    def line(self, row: int) -> str:
+        """Place of data row ``row`` (from 0) in the file."""
+        return f"line {self.first_line + row}"
+
+    def _ragged(self, message: str) -> RecordingError:
+        match = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
+        where = f"{self.path}, {self.line(int(match[2]) - 1)}" if match else str(self.path)
+        return RecordingError(
+            where, wanted=f"{match[1] if match else self.n_fields} cells", found=match[3] if match else message,
+            do="Correct the line; a decimal comma in a comma-separated file does this too.",
+        )  # fmt: skip
+
+    def _no_number(self, names: Mapping[int, str]) -> RecordingError:
+        wanted = sorted(column for column in names if column < self.n_fields)
+        frame = self._parse(wanted, {"dtype": str})
+        foreign = "." if self.dialect.decimal == "," else ","
+        first: tuple[int, int] | None = None
+        for column in wanted:
+            text = (
+                frame[column].str.replace(foreign, "?", regex=False).str.replace(self.dialect.decimal, ".", regex=False)
+            )
+            bad = np.flatnonzero((pd.to_numeric(text, errors="coerce").isna() & text.notna()).to_numpy())
+            if bad.size and (first is None or bad[0] < first[0]):
+                first = int(bad[0]), column
+        if first is None:
+            return RecordingError(self.path, wanted="numbers", found="cells that are none", do="Export the file again.")
+        row, column = first
+        return RecordingError(
+            f"{self.path}, {self.line(row)}, column {names[column]!r}", wanted="a number",
+            found=repr(frame[column].iloc[row]), do="Correct the cell, or leave it blank where the channel has ended.",
+        )  # fmt: skip

@@ -1,0 +1,145 @@
+"""MATLAB .mat files: up to version 7 through scipy, 7.3 (HDF5) through the optional package pymatreader.
+
+Every numeric vector is a channel named after its variable; the rows or columns of a matrix, whichever are fewer, are
+channels "variable[1]", "variable[2]", ...; fields and cells are reached by "struct.field". A text cell array with as many
+entries as a matrix has channels names them and states their units, as OT Biolab's ``Description`` does
+("acquired data[ %(MVC)]"). The rate comes from a variable called SamplingFrequency, fs or alike, or from a time vector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+from numpy.typing import NDArray
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.matlab_tree import Leaves, flatten
+from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
+from emg2vsa.readers.timing import even_clock
+from emg2vsa.readers.units import split_unit
+from emg2vsa.recordings import ChannelInfo
+
+_RATE_NAMES = {"samplingfrequency", "samplingrate", "samplerate", "srate", "fs", "fshz", "fsamp", "sfreq", "freq"}
+_TIME_NAMES = {"time", "t", "times", "timestamp", "timestamps", "timevector"}
+
+
+@dataclass(frozen=True)
+class MatlabRecording:
+    """series : per channel a (n,) view into the file's arrays."""
+
+    path: Path
+    contents: Contents
+    series: tuple[NDArray[Any], ...]
+    units: tuple[str | None, ...]
+    clocks: Mapping[int, tuple[float, float]]
+    "Number of samples to (rate in Hz, start in s)."
+
+    def describe(self) -> tuple[ChannelInfo, ...]:
+        return tuple(
+            ChannelInfo(name, unit, self._clock(series.size)[0], series.size)
+            for name, unit, series in zip(self.contents.names, self.units, self.series, strict=True)
+        )
+
+    def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        channels = []
+        for i in indices:
+            fs_hz, start_s = self._clock(self.series[i].size)
+            samples = np.array(self.series[i], dtype=np.float64)
+            channels.append(StoredChannel(self.contents.names[i], samples, self.units[i], fs_hz, start_s))
+        return channels
+
+    def _clock(self, n: int) -> tuple[float, float]:
+        return self.clocks.get(n) or self.clocks.get(0) or (float("nan"), 0.0)
+
+
+def open_recording(path: Path) -> MatlabRecording:
+    """Raises RecordingError for a damaged file, one without numeric vectors, or rate and time that disagree."""
+    leaves = flatten(_variables(path))
+    clocks = _clocks(path, leaves)
+    names: list[str] = []
+    units: list[str | None] = []
+    series: list[NDArray[Any]] = []
+    aliases: dict[str, int] = {}
+    for variable, array in leaves.arrays.items():
+        if _key(variable) in _TIME_NAMES or array.size < 2:
+            continue
+        rows = (
+            array.reshape(1, -1)
+            if 1 in array.shape or array.ndim == 1
+            else array
+            if array.shape[0] < array.shape[1]
+            else array.T
+        )
+        labels = next((text for text in leaves.texts.values() if len(text) == len(rows) > 1), None)
+        for i, row in enumerate(rows):
+            own = variable if len(rows) == 1 else f"{variable}[{i + 1}]"
+            name, unit = split_unit(labels[i]) if labels else (own, None)
+            if labels:
+                aliases[own] = len(series)
+            names.append(name)
+            units.append(unit)
+            series.append(row)
+    if not series:
+        raise RecordingError(
+            path, wanted="numeric vectors", found="none", do="Save the signals as vectors or matrices."
+        )
+    return MatlabRecording(path, Contents(unique_names(names), aliases), tuple(series), tuple(units), clocks)
+
+
+def _variables(path: Path) -> dict[str, Any]:
+    with path.open("rb") as file:
+        head = file.read(128)
+    try:
+        if head.startswith(b"MATLAB 7.3"):
+            return _variables_of_hdf5(path)
+        return dict(scipy.io.loadmat(path))
+    except RecordingError:
+        raise
+    except Exception as error:  # scipy and h5py raise whatever their parsers stumble over
+        raise RecordingError(
+            path, wanted="a MATLAB file", found=f"a damaged one ({type(error).__name__}: {error})", do="Save it again."
+        ) from error
+
+
+def _variables_of_hdf5(path: Path) -> dict[str, Any]:
+    try:
+        import pymatreader
+    except ImportError as error:
+        raise RecordingError(
+            path, wanted="a MATLAB file up to version 7", found="version 7.3, which needs the package pymatreader",
+            do="Install it (pip install 'emg2vsa[formats]'), or save with -v7.",
+        ) from error  # fmt: skip
+    return dict(pymatreader.read_mat(str(path)))
+
+
+def _key(variable: str) -> str:
+    return variable.rpartition(".")[2].lower().replace("_", "")
+
+
+def _clocks(path: Path, leaves: Leaves) -> dict[int, tuple[float, float]]:
+    """Length of a channel to (rate, start); length 0 holds for all others."""
+    rates = {
+        name: float(a.reshape(-1)[0]) for name, a in leaves.arrays.items() if a.size == 1 and _key(name) in _RATE_NAMES
+    }
+    if len({rate for rate in rates.values()}) > 1:
+        raise RecordingError(
+            path, wanted="one sampling rate", found=", ".join(f"{name} = {rate:g}" for name, rate in rates.items()),
+            do="Save the channels of one rate in a file of their own.",
+        )  # fmt: skip
+    stated = next(iter(rates.values()), None)
+    clocks = {0: (stated, 0.0)} if stated else {}
+    for name, array in leaves.arrays.items():
+        if _key(name) in _TIME_NAMES and array.size > 1 and array.size == max(array.shape):
+            where = f"{path}, variable {name!r}"
+            fs_hz, start_s = even_clock(array.reshape(-1).astype(np.float64), where, lambda i: f"element {i + 1}")
+            if stated and abs(stated - fs_hz) > 1e-3 * stated:
+                raise RecordingError(
+                    where, wanted=f"the stated rate, {stated:g} Hz", found=f"{fs_hz:g} Hz", do="Correct one of the two."
+                )
+            clocks[array.size] = (stated or fs_hz, start_s)
+    return clocks

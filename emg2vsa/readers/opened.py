@@ -1,0 +1,92 @@
+"""What every format module offers: a validated, opened file that decodes only the channels asked for."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.recordings import ChannelInfo
+
+
+@dataclass(frozen=True)
+class StoredChannel:
+    """One channel as the file holds it.
+
+    samples : (n,) float64 in the file's ``unit`` (None where it states none), owned by this object.
+    fs_hz : the file's own statement, or measured on its time stamps. start_s : time of the first sample.
+    notes : what a reader of the results should know about this channel.
+    """
+
+    name: str
+    samples: NDArray[np.float64]
+    unit: str | None
+    fs_hz: float
+    start_s: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Contents:
+    """Names of a file's channels in file order, other spellings of them, and notes on the whole file.
+
+    started : the file's own statement of when it began ("" where it makes none).
+    """
+
+    names: tuple[str, ...]
+    aliases: Mapping[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    started: str = ""
+
+
+class OpenRecording(Protocol):
+    """A file that passed validation. ``load`` raises RecordingError for channels that cannot be used."""
+
+    path: Path
+    contents: Contents
+
+    def describe(self) -> tuple[ChannelInfo, ...]: ...
+
+    def load(self, indices: Sequence[int]) -> list[StoredChannel]: ...
+
+
+def unique_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Repeated names get " #2", " #3", ... from their second use on; blank ones become "channel 5"."""
+    seen: Counter[str] = Counter()
+    result = []
+    for position, raw in enumerate(names, start=1):
+        name = raw.strip() or f"channel {position}"
+        seen[name] += 1
+        result.append(name if seen[name] == 1 else f"{name} #{seen[name]}")
+    return tuple(result)
+
+
+def usable(path: Path, name: str, channel: StoredChannel) -> StoredChannel:
+    """``channel`` under the name it was asked by; RecordingError where it is empty, of unknown rate or not finite."""
+    where = f"{path}, channel {name!r}"
+    if channel.samples.size == 0:
+        raise RecordingError(where, wanted="samples", found="none", do="Choose another channel.")
+    if not channel.fs_hz > 0:
+        raise RecordingError(
+            where, wanted="a sampling rate", found="none the file states", do="Export the channel with its time column."
+        )
+    if not math.isfinite(
+        channel.samples.sum()
+    ):  # one pass decides the usual case; a sum may overflow, hence the second
+        bad = np.flatnonzero(~np.isfinite(channel.samples))
+        if bad.size:
+            first = int(bad[0])
+            raise RecordingError(
+                where, wanted="finite samples",
+                found=f"{channel.samples[first]} at sample {first} ({channel.start_s + first / channel.fs_hz:.6g} s; "
+                f"{bad.size} of {channel.samples.size} samples)",
+                do="Repair or cut that stretch, or choose another channel.",
+            )  # fmt: skip
+    return replace(channel, name=name)

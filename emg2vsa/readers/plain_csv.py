@@ -1,0 +1,109 @@
+"""Plain CSV: a header row of channel names, units in brackets if any, and a time column.
+
+``EMG (mV)``, ``Fz [N]``; a time column is called time, t, timestamp or X, with its unit in brackets or after an underscore
+(``time_ms``). Channels belong to the nearest time column on their left, so that a file may hold several clocks. Lines
+that begin with ``#`` before the header are comments.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.cells import Body
+from emg2vsa.readers.dialect import Dialect, sniff
+from emg2vsa.readers.opened import Contents, unique_names
+from emg2vsa.readers.text_file import Line, TextFile, open_text
+from emg2vsa.readers.timed_columns import Column, TimedColumns
+from emg2vsa.readers.units import seconds_per, split_unit
+
+SNIFFED_ROWS = 50
+_TIME = re.compile(r"(time|times|t|x|timestamps?|elapsed[ _]time)(?:_(s|ms|us|min))?", re.IGNORECASE)
+
+
+def open_recording(path: Path) -> TimedColumns:
+    """Validate header, dialect and time column. Raises RecordingError; cells are checked when they are read."""
+    text = open_text(path)
+    header, rows = header_and_rows(text)
+    body_data = text.data[header.end :]
+    dialect = sniff(path, header, rows, body_data)
+    labels = dialect.split(header.text)
+    check_width(path, dialect, labels, rows)
+    channels = _columns(path, header, labels)
+    contents = Contents(
+        tuple(c.name for c in channels),
+        {labels[c.index]: i for i, c in reversed(list(enumerate(channels)))},
+        tuple(filter(None, [dialect.note])),
+    )
+    body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows))
+    return TimedColumns(path, contents, body, channels, shared_length=True)
+
+
+def header_and_rows(text: TextFile, start: int = 0, number: int = 1) -> tuple[Line, list[Line]]:
+    """The header line and the first data lines."""
+    lines = text.filled_lines(SNIFFED_ROWS + 1, start, number)
+    if len(lines) < 2:
+        raise RecordingError(
+            text.path,
+            wanted="a header row and data",
+            found=f"{len(lines)} filled lines",
+            do="Export the recording again.",
+        )
+    return lines[0], lines[1:]
+
+
+def widest(dialect: Dialect, rows: Sequence[Line]) -> int:
+    """Most cells in any of the rows."""
+    return max(len(dialect.split(row.text)) for row in rows)
+
+
+def check_width(path: Path, dialect: Dialect, labels: Sequence[str], rows: Sequence[Line]) -> None:
+    """Refuse a first row with more filled cells than the header has names."""
+    filled = "".join("x" if cell else " " for cell in dialect.split(rows[0].text)).rstrip()
+    if len(filled) > len(labels):
+        hint = (
+            "Separate the columns by semicolons if the numbers have decimal commas." if dialect.separator == "," else ""
+        )
+        raise RecordingError(
+            f"{path}, line {rows[0].number}", wanted=f"{len(labels)} cells, as the header names", found=str(len(filled)),
+            do=hint or "Correct the header row.",
+        )  # fmt: skip
+
+
+def time_unit_s(label: str) -> tuple[bool, float | None]:
+    """(whether the label names a time column, seconds in its unit or None where it states none)."""
+    name, unit = split_unit(label)
+    match = _TIME.fullmatch(name)
+    if match is None or (unit is not None and seconds_per(unit) is None):
+        return False, None
+    if name.lower() == "x" and unit is None:  # without [s] an X is more often a coordinate
+        return False, None
+    stated = unit or match[2]
+    return True, seconds_per(stated) if stated else None
+
+
+def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, ...]:
+    times = [time_unit_s(label) for label in labels]
+    clocks = [i for i, (is_time, _) in enumerate(times) if is_time]
+    if not clocks:
+        raise RecordingError(
+            f"{path}, line {header.number}", wanted='a time column ("time (s)", "t", "X[s]")',
+            found="columns " + ", ".join(map(repr, labels[:12])) + (", ..." if len(labels) > 12 else ""),
+            do="Add a time column, or name it so; the sampling rate cannot be known without one.",
+        )  # fmt: skip
+    found = [(i, *split_unit(label)) for i, label in enumerate(labels) if not times[i][0] and label]
+    if not found:
+        raise RecordingError(
+            f"{path}, line {header.number}",
+            wanted="channels beside the time",
+            found="none",
+            do="Export the channels too.",
+        )
+    names = unique_names([name for _, name, _ in found])
+    columns = []
+    for name, (i, _, unit) in zip(names, found, strict=True):
+        clock = max((c for c in clocks if c < i), default=clocks[0])
+        columns.append(Column(name, unit, i, clock, times[clock][1]))
+    return tuple(columns)

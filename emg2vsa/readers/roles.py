@@ -1,0 +1,135 @@
+"""The channels of a study by their role: every muscle's EMG in volts, the pressing force in newtons."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers import load_named, open_recording
+from emg2vsa.readers.opened import OpenRecording, StoredChannel
+from emg2vsa.readers.si import scaled, unit_step
+from emg2vsa.readers.units import si_factor
+from emg2vsa.recordings import Channel
+from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
+
+
+@dataclass(frozen=True)
+class RoleChannels:
+    """One recording as the analysis wants it.
+
+    emg : muscle role to channel in V, gain divided out. force : channel in N, sign applied, not tared.
+    format : of the file, or "EMG format + force format". notes : conversions aside, what the files made worth saying.
+    """
+
+    emg: dict[str, Channel]
+    force: Channel
+    format: str
+    notes: tuple[str, ...]
+
+
+def read_roles(emg_file: Path, force_file: Path | None, channels: ChannelSettings) -> RoleChannels:
+    """Read a recording; ``force_file`` None means that force and EMG are in one file.
+
+    Two files must share a clock: time 0 of both is taken as the same moment, and their time ranges must overlap.
+
+    Raises RecordingError: unusable file, unknown channel, non-finite sample, a unit that is no voltage (EMG) or force
+    and that the study does not replace, or no overlap in time.
+    """
+    emg_format, emg_open = open_recording(emg_file)
+    emg_names = [settings.name for settings in channels.emg.values()]
+    if force_file is None or Path(force_file) == Path(emg_file):
+        *emg_stored, force_stored = load_named(emg_open, [*emg_names, channels.force.name])
+        force_open, name = emg_open, emg_format
+    else:
+        force_format, force_open = open_recording(force_file)
+        emg_stored = load_named(emg_open, emg_names)
+        (force_stored,) = load_named(force_open, [channels.force.name])
+        name = emg_format if emg_format == force_format else f"{emg_format} + {force_format}"
+    emg = {
+        role: _emg_in_v(emg_open.path, stored, settings)
+        for (role, settings), stored in zip(channels.emg.items(), emg_stored, strict=True)
+    }
+    force = _force_in_n(force_open.path, force_stored, channels.force)
+    _refuse_disjoint(emg_open.path, emg, force_open.path, force)
+    return RoleChannels(emg, force, name, _notes(emg_open, force_open, [*emg_stored, force_stored]))
+
+
+def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:
+    known = si_factor(settings.unit or stored.unit)
+    if known is None or known[0] != "V":
+        raise RecordingError(
+            f"{path}, channel {stored.name!r}", wanted="an EMG in V, mV or uV", found=_stated(stored),
+            do='State it in the study: unit = "mV" (or "V", "uV") under the channel.',
+        )  # fmt: skip
+    steps = [_unit_said(settings.unit, stored), unit_step(str(settings.unit or stored.unit), known[1], "V")]
+    if settings.gain != 1.0:
+        steps.append(f"/ gain {settings.gain:.10g}")
+    return scaled(stored, known[1] / settings.gain, "V", _joined(steps))
+
+
+def _force_in_n(path: Path, stored: StoredChannel, settings: ForceChannelSettings) -> Channel:
+    unit = settings.unit or stored.unit
+    known = si_factor(unit)
+    where = f"{path}, channel {stored.name!r}"
+    if settings.newtons_per_unit is not None:
+        if known is not None and known[0] == "N":
+            raise RecordingError(
+                where, wanted="either a force unit or newtons_per_unit",
+                found=f"unit {unit} and newtons_per_unit = {settings.newtons_per_unit:.10g}", do="Remove one of the two.",
+            )  # fmt: skip
+        factor = settings.newtons_per_unit
+        step = f"{unit or 'stored unit'} x {factor:.10g} N per unit = N"
+    elif known is not None and known[0] == "N":
+        factor, step = known[1], unit_step(str(unit), known[1], "N")
+    else:
+        raise RecordingError(
+            where, wanted="a force (N, mN, kN, lbf, kgf, gf)", found=_stated(stored),
+            do='State unit = "N" (or another force unit), or newtons_per_unit, under the force channel of the study.',
+        )  # fmt: skip
+    steps = [_unit_said(settings.unit, stored), step, "sign reversed" if settings.sign < 0 else ""]
+    return scaled(stored, factor * settings.sign, "N", _joined(steps))
+
+
+def _stated(stored: StoredChannel) -> str:
+    found = f"unit {stored.unit!r}" if stored.unit else "no unit"
+    return "; ".join([found, *stored.notes])
+
+
+def _unit_said(override: str | None, stored: StoredChannel) -> str:
+    if override is None or override == stored.unit:
+        return ""
+    return f"unit {override} by the study (the file states {stored.unit or 'none'})"
+
+
+def _joined(steps: Sequence[str]) -> str:
+    return "; ".join(step for step in steps if step)
+
+
+def _refuse_disjoint(emg_path: Path, emg: dict[str, Channel], force_path: Path, force: Channel) -> None:
+    for role, channel in emg.items():
+        start = max(channel.start_s, force.start_s)
+        stop = min(channel.start_s + channel.duration_s, force.start_s + force.duration_s)
+        if start >= stop:
+            raise RecordingError(
+                f"{emg_path}, channel {channel.name!r} ({role})",
+                wanted=f"time in common with the force ({_range(force)} in {force_path.name})", found=_range(channel),
+                do="Give the two files of one recording, exported with the same time zero.",
+            )  # fmt: skip
+
+
+def _range(channel: Channel) -> str:
+    return f"{channel.start_s:.6g} to {channel.start_s + channel.duration_s:.6g} s"
+
+
+def _notes(emg: OpenRecording, force: OpenRecording, stored: Sequence[StoredChannel]) -> tuple[str, ...]:
+    notes = [*emg.contents.notes, *(force.contents.notes if force is not emg else ())]
+    notes += [note for channel in stored for note in channel.notes]
+    begun = (emg.contents.started, force.contents.started)
+    if all(begun) and begun[0] != begun[1]:
+        notes.append(
+            f"The EMG file states that it began at {begun[0]}, the force file at {begun[1]}; "
+            "time 0 of both was taken as the same moment."
+        )
+    return tuple(dict.fromkeys(notes))

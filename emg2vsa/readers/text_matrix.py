@@ -1,0 +1,103 @@
+"""Headerless number tables: channels are rows or columns, whichever are fewer, and one of them is the time.
+
+The first row or column whose values rise in even steps is the time, in seconds. The others are named by their place in the
+file: "row 2", "column 3".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.cells import Body
+from emg2vsa.readers.dialect import Dialect, sniff
+from emg2vsa.readers.opened import Contents, StoredChannel
+from emg2vsa.readers.text_file import Line, TextFile, open_text
+from emg2vsa.readers.timing import even_clock
+from emg2vsa.recordings import ChannelInfo
+
+_MOST_ROWS = 1000
+"""A table with more rows than this and than columns has its channels in columns."""
+_NOTES = ("The file has no header: the time was recognised by its even steps, in seconds.",)
+
+
+@dataclass(frozen=True)
+class TextMatrix:
+    """series : (channels, n), time excluded."""
+
+    path: Path
+    contents: Contents
+    series: NDArray[np.float64]
+    fs_hz: float
+    start_s: float
+
+    def describe(self) -> tuple[ChannelInfo, ...]:
+        return tuple(ChannelInfo(name, None, self.fs_hz, self.series.shape[1]) for name in self.contents.names)
+
+    def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        names = self.contents.names
+        return [StoredChannel(names[i], self.series[i].copy(), None, self.fs_hz, self.start_s) for i in indices]
+
+
+def open_recording(path: Path) -> TextMatrix:
+    """Read the table and find its time. Raises RecordingError with the line of a fault."""
+    text = open_text(path)
+    lines = text.filled_lines(_MOST_ROWS + 1)
+    dialect = sniff(path, None, lines[:200], text.data)
+    width = len(dialect.split(lines[0].text))
+    by_rows = len(lines) <= _MOST_ROWS and len(lines) < width
+    matrix = _from_rows(path, dialect, lines) if by_rows else _from_columns(text, dialect, lines)
+    word = "row" if by_rows else "column"
+    time = next((i for i, values in enumerate(matrix) if _is_clock(values)), None)
+    if time is None:
+        raise RecordingError(
+            path, wanted=f"a {word} of time stamps in seconds, rising in even steps",
+            found=f"{matrix.shape[0]} {word}s without one", do="Add the time as a row or column, or export with a header.",
+        )  # fmt: skip
+    fs_hz, start_s = even_clock(matrix[time], f"{path}, {word} {time + 1}", lambda i: f"value {i + 1}")
+    names = tuple(f"{word} {i + 1}" for i in range(matrix.shape[0]) if i != time)
+    notes = (*_NOTES, *filter(None, [dialect.note]))
+    return TextMatrix(path, Contents(names, {}, notes), np.delete(matrix, time, axis=0), fs_hz, start_s)
+
+
+def _is_clock(values: NDArray[np.float64]) -> bool:
+    """Even steps of less than half a second (steps of one are a count, not a time)."""
+    step = np.diff(values)
+    return bool(
+        step.size and np.isfinite(step).all() and 0 < step.min() and step.max() < min(0.5, 1.5 * np.median(step))
+    )
+
+
+def _from_rows(path: Path, dialect: Dialect, lines: Sequence[Line]) -> NDArray[np.float64]:
+    rows = []
+    for line in lines:
+        cells = dialect.split(line.text)
+        try:
+            rows.append(np.array([cell.replace(dialect.decimal, ".") for cell in cells], dtype=np.float64))
+        except ValueError as error:
+            raise RecordingError(
+                f"{path}, line {line.number}",
+                wanted="numbers",
+                found=str(error).rpartition(": ")[2],
+                do="Correct the cell.",
+            ) from error
+        if rows[-1].size != rows[0].size:
+            raise RecordingError(
+                f"{path}, line {line.number}", wanted=f"{rows[0].size} values, as in line {lines[0].number}",
+                found=str(rows[-1].size), do="Export the table again.",
+            )  # fmt: skip
+    return np.array(rows)
+
+
+def _from_columns(text: TextFile, dialect: Dialect, lines: Sequence[Line]) -> NDArray[np.float64]:
+    width = len(dialect.split(lines[0].text))
+    body = Body(text.path, text.data[lines[0].start :], lines[0].number, dialect, width)
+    columns = body.columns({i: f"column {i + 1}" for i in range(width)})
+    matrix = np.array([columns[i] for i in range(width)])
+    blank = np.isnan(matrix).all(axis=0)
+    return matrix[:, : matrix.shape[1] - int(np.argmin(blank[::-1]))]

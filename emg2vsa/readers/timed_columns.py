@@ -1,0 +1,133 @@
+"""Text tables whose channels are columns: each with a clock of its own, a shared one, or a rate the file states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.cells import Body
+from emg2vsa.readers.opened import Contents, StoredChannel
+from emg2vsa.readers.timing import even_clock
+from emg2vsa.recordings import ChannelInfo
+
+_RATE_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Column:
+    """One channel of a table.
+
+    index, time_index : columns of samples and of time stamps (None: no stamps). time_unit_s : seconds in one unit of time;
+    None where the file does not say (then seconds, if that gives a believable rate).
+    fs_hz : the rate the file states. start_s : start it states. expected : number of samples it states.
+    digits : significant digits of the time stamps, where the format is known to round them.
+    notes : about the channel as such.
+    """
+
+    name: str
+    unit: str | None
+    index: int
+    time_index: int | None = None
+    time_unit_s: float | None = 1.0
+    fs_hz: float | None = None
+    start_s: float = 0.0
+    expected: int | None = None
+    digits: int | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class TimedColumns:
+    """An opened text table."""
+
+    path: Path
+    contents: Contents
+    body: Body
+    columns: tuple[Column, ...]
+    shared_length: bool = False
+    "True where a channel that ends before the others deserves a note."
+
+    def describe(self) -> tuple[ChannelInfo, ...]:
+        cells = self._cells(self.columns)
+        return tuple(self._info(column, cells) for column in self.columns)
+
+    def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        asked = [self.columns[i] for i in indices]
+        cells = self._cells(asked)
+        return [self._channel(column, cells) for column in asked]
+
+    def _info(self, column: Column, cells: Mapping[int, NDArray[np.float64]]) -> ChannelInfo:
+        try:
+            channel = self._channel(column, cells)
+        except RecordingError:  # it is said in full when the channel is asked for
+            return ChannelInfo(column.name, column.unit, float("nan"), _filled(cells[column.index]))
+        return ChannelInfo(column.name, column.unit, channel.fs_hz, channel.samples.size)
+
+    def _cells(self, asked: Sequence[Column]) -> dict[int, NDArray[np.float64]]:
+        names = {column.index: column.name for column in asked}
+        names |= {c.time_index: f"time of {c.name}" for c in asked if c.time_index is not None}
+        return self.body.columns(names)
+
+    def _channel(self, column: Column, cells: Mapping[int, NDArray[np.float64]]) -> StoredChannel:
+        samples = cells[column.index]
+        n = _filled(samples)
+        notes = list(column.notes)
+        fs_hz, start_s = column.fs_hz or float("nan"), column.start_s
+        if column.time_index is not None:
+            time = cells[column.time_index]
+            if column.digits is not None:
+                n = _without_zero_padding(time, n)
+            if n:
+                fs_hz, start_s, said = self._clock(column, time[:n])
+                notes += said
+        if column.expected is not None and column.expected != n:
+            notes.append(f"{column.name}: the header promises {column.expected} samples, the file holds {n}.")
+        elif self.shared_length and n < _filled(cells[column.time_index] if column.time_index is not None else samples):
+            notes.append(
+                f"{column.name}: ends after {n} of {_filled(cells[column.time_index or 0])} rows; blank cells were cut."
+            )
+        return StoredChannel(column.name, samples[:n].copy(), column.unit, fs_hz, start_s, tuple(notes))
+
+    def _clock(self, column: Column, time: NDArray[np.float64]) -> tuple[float, float, list[str]]:
+        where = f"{self.path}, time of {column.name!r}"
+        time_s = time * (column.time_unit_s or 1.0)
+        fs_hz, start_s = even_clock(time_s, where, self.body.line, _resolution(time_s, column.digits))
+        notes = []
+        if column.time_unit_s is None:
+            if fs_hz <= 2:
+                raise RecordingError(
+                    where, wanted="a time unit", found=f"none, and a step of {1 / fs_hz:g}",
+                    do='Write it in the header, like "time (ms)"; a plain count of samples is no time.',
+                )  # fmt: skip
+            notes.append("The time column states no unit; seconds were taken.")
+        if column.fs_hz is not None:
+            if abs(column.fs_hz - fs_hz) > _RATE_TOLERANCE * column.fs_hz:
+                raise RecordingError(
+                    where, wanted=f"the stated rate, {column.fs_hz:g} Hz", found=f"{fs_hz:g} Hz by the time stamps",
+                    do="Export the recording again; header and time disagree.",
+                )  # fmt: skip
+            fs_hz = column.fs_hz
+        return fs_hz, start_s, notes
+
+
+def _filled(samples: NDArray[np.float64]) -> int:
+    """Length without the blank cells at the end."""
+    filled = np.flatnonzero(~np.isnan(samples[::-1]))
+    return samples.size - int(filled[0]) if filled.size else 0
+
+
+def _without_zero_padding(time: NDArray[np.float64], n: int) -> int:
+    """Length without the rows some exports fill up with time 0."""
+    later = np.flatnonzero(time[:n])
+    return min(n, int(later[-1]) + 1) if later.size else n
+
+
+def _resolution(time_s: NDArray[np.float64], digits: int | None) -> float:
+    """Rounding of the largest stamp written with that many significant digits."""
+    largest = float(np.nanmax(np.abs(time_s))) if time_s.size else 0.0
+    return 10.0 ** (np.floor(np.log10(largest)) + 1 - digits) if digits is not None and largest > 0 else 0.0

@@ -1,0 +1,136 @@
+"""The envelope of the rectified signal, evaluated only at the instants that are asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from scipy import signal
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.errors import SettingError
+from emg2vsa.settings import FilterSettings
+from emg2vsa.signals.filters import IirFilter
+from emg2vsa.signals.windowed import Pieces, filter_windows
+
+
+@dataclass(frozen=True)
+class Smoother:
+    """A symmetric kernel over the rectified signal.
+
+    taps : (t,) of unit sum. squared : over the square, then the root (RMS); else over the absolute value.
+    before, after : samples used before and after the instant of output. delay_s : of the output; 0 when centred.
+    """
+
+    name: str
+    taps: Floats
+    squared: bool
+    before: int
+    after: int
+    delay_s: float
+    edge_hz: float
+    notes: tuple[str, ...]
+
+
+def smoother(filters: FilterSettings, fs_hz: float, step: int) -> Smoother:
+    """The envelope kernel of ``filters`` at ``fs_hz``; ``step`` is the decimation, for the warning on aliasing."""
+    centred = filters.phase == "zero-phase"
+    if filters.envelope == "rms":
+        window = max(3, round(filters.rms_window_s * fs_hz) // 2 * 2 + 1)
+        return _smoother("EMG envelope RMS", window, None, centred, fs_hz, step)
+    if filters.fir_order % 2:
+        do = f"Use {filters.fir_order + 1}."
+        raise SettingError("filters.fir_order", wanted="an even order", found=str(filters.fir_order), do=do)
+    if filters.fir_cutoff_hz >= fs_hz / 2:
+        wanted, found = f"less than half the EMG rate, {fs_hz / 2:g} Hz", f"{filters.fir_cutoff_hz:g} Hz"
+        raise SettingError("filters.fir_cutoff_hz", wanted=wanted, found=found, do="Lower it.")
+    return _smoother("EMG envelope FIR", filters.fir_order + 1, filters.fir_cutoff_hz, centred, fs_hz, step)
+
+
+@lru_cache(maxsize=64)
+def _smoother(name: str, n_taps: int, cutoff_hz: float | None, centred: bool, fs_hz: float, step: int) -> Smoother:
+    if cutoff_hz is None:
+        taps = np.full(n_taps, 1 / n_taps)
+    else:
+        taps = np.asarray(signal.firwin(n_taps, cutoff_hz, window="hamming", fs=fs_hz), dtype=np.float64)
+    half = n_taps // 2
+    before, after, delay_s = (half, half, 0.0) if centred else (n_taps - 1, 0, half / fs_hz)
+    edge_hz = _edge_hz(taps, fs_hz)
+    delay = "centred, no delay" if centred else f"delay {1e3 * delay_s:.3g} ms"
+    design = "moving window" if cutoff_hz is None else f"Hamming, {cutoff_hz:g} Hz"
+    notes = [f"{name}: {design}, {n_taps} taps; true -3 dB at {edge_hz:.4g} Hz; {delay}"]
+    leak = 20 * math.log10(max(_gain(taps, fs_hz / step / 2, fs_hz), 1e-12))
+    if step > 1 and leak > -20:
+        notes.append(
+            f"{name}: only {-leak:.0f} dB down at half the output rate ({fs_hz / step / 2:.3g} Hz); "
+            "a longer kernel or a higher output_fs_hz avoids aliasing"
+        )
+    return Smoother(name, taps, cutoff_hz is None, before, after, delay_s, edge_hz, tuple(notes))
+
+
+def _gain(taps: Floats, frequency_hz: float, fs_hz: float) -> float:
+    return float(abs(np.exp(-2j * np.pi * frequency_hz / fs_hz * np.arange(taps.size)) @ taps))
+
+
+def _edge_hz(taps: Floats, fs_hz: float) -> float:
+    grid = np.linspace(0, fs_hz / 2, 4096)
+    response = np.abs(np.exp(-2j * np.pi / fs_hz * np.outer(grid, np.arange(taps.size))) @ taps)
+    below = np.flatnonzero(response < math.sqrt(0.5))
+    if below.size == 0:
+        return math.nan
+    last = int(below[0])
+    return float(np.interp(math.sqrt(0.5), response[[last, last - 1]], grid[[last, last - 1]]))
+
+
+def envelopes_at(
+    channels: Sequence[Floats], first: Ints, counts: Ints, step: int, iir: IirFilter, kernel: Smoother
+) -> Floats:
+    """Envelopes of all windows, one after the other: (channels, sum of counts), in the unit of the channels.
+
+    Window w is evaluated at the samples ``first[w] + step * arange(counts[w])``, all inside the record. Within the
+    kernel's reach of an end of the record, the taps that remain are rescaled to unit sum.
+    """
+    last = first + step * (np.maximum(counts, 1) - 1)
+    n = channels[0].size
+    starts, stops = np.maximum(first - kernel.before, 0), np.minimum(last + kernel.after + 1, n)
+    pieces = filter_windows(channels, starts, stops, iir)
+    inside = np.arange(np.max(counts, initial=0)) < counts[:, None]
+    smoothed = _smooth(pieces, starts, stops, first, inside.shape[1], step, kernel)[:, inside]
+    smoothed /= _tap_sum(kernel, (first[:, None] + step * np.arange(inside.shape[1]))[inside], n)
+    # a Hamming low-pass has tiny negative side taps; an envelope is never negative
+    return np.sqrt(np.maximum(smoothed, 0)) if kernel.squared else np.maximum(smoothed, 0)
+
+
+def _smooth(
+    pieces: Pieces, starts: Ints, stops: Ints, first: Ints, n_out: int, step: int, kernel: Smoother
+) -> Floats:
+    n_channels = pieces.rows.shape[0]
+    n_taps = kernel.taps.size
+    # the first full overlap of the convolution must fall on a multiple of the step
+    lead = -(n_taps - 1) % step
+    length = lead + n_taps + step * max(n_out - 1, 0)
+    rectified = np.zeros((n_channels, first.size, length))
+    for w, (piece, start, stop, begin) in enumerate(zip(pieces.piece, starts, stops, first, strict=True)):
+        origin = pieces.first[piece]
+        source = pieces.rows[:, piece, start - origin : stop - origin]
+        at = lead + start - (begin - kernel.before)
+        target = rectified[:, w, at : at + stop - start]
+        np.square(source, out=target) if kernel.squared else np.abs(source, out=target)
+    skip = (lead + n_taps - 1) // step
+    return np.asarray(signal.upfirdn(kernel.taps, rectified, down=step)[:, :, skip : skip + n_out], dtype=np.float64)
+
+
+def _tap_sum(kernel: Smoother, at: Ints, n_samples: int) -> Floats:
+    cumulative = np.concatenate(([0.0], np.cumsum(kernel.taps)))
+    missing_before = np.maximum(kernel.before - at, 0)
+    missing_after = np.maximum(at + kernel.after - (n_samples - 1), 0)
+    return np.asarray(cumulative[kernel.taps.size - missing_after] - cumulative[missing_before], dtype=np.float64)
+
+
+def decimation(fs_hz: float, output_fs_hz: float | Literal["native"]) -> int:
+    """Whole number of samples between outputs, nearest to the rate that is asked for."""
+    return 1 if output_fs_hz == "native" else max(1, round(fs_hz / output_fs_hz))

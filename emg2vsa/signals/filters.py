@@ -1,0 +1,154 @@
+"""Butterworth filters as second-order sections, and what they truly do: -3 dB edges, delay, length of memory.
+
+Always sections in float64: transfer-function coefficients lose 10 digits at order 4 and all of them at order 8.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from scipy import signal
+
+from emg2vsa.arrays import Floats
+from emg2vsa.errors import SettingError
+from emg2vsa.settings import FilterSettings
+
+TRUNCATION = 1e-12
+"Share of a transient that may be left after ``support_samples``."
+
+Phase = Literal["zero-phase", "compensated", "causal"]
+
+
+@dataclass(frozen=True)
+class IirFilter:
+    """One filter as it is run.
+
+    sos : (sections, 6). state : (sections, 2) steady state for a unit step. zero_phase : run forward and backward.
+    edges_hz : true -3 dB frequencies of the whole run (both passes), NaN where there is no edge.
+    delay_s : group delay at ``delay_at_hz`` of one causal pass; 0 when zero-phase.
+    support_samples : after so many samples the memory of the start has fallen below ``TRUNCATION``.
+    pad_samples : length of the odd extension at the ends of a record (scipy's rule); 0 for one causal pass.
+    notes : what must be said aloud, the Nyquist rule first.
+    """
+
+    name: str
+    sos: Floats
+    state: Floats
+    zero_phase: bool
+    edges_hz: tuple[float, float]
+    delay_s: float
+    delay_at_hz: float
+    support_samples: int
+    pad_samples: int
+    notes: tuple[str, ...]
+
+
+def band_pass(filters: FilterSettings, fs_hz: float) -> IirFilter:
+    """The EMG band-pass of ``filters`` at ``fs_hz``.
+
+    An upper edge at or above fs/2 cannot be built (paper: 500 Hz at 1000 Hz). It is dropped: what remains is a
+    high-pass at the lower edge of the same order, and a note says so.
+    """
+    return _band_pass(filters.band_hz, filters.band_order, filters.phase, fs_hz)
+
+
+def force_low_pass(filters: FilterSettings, fs_hz: float) -> IirFilter | None:
+    """The force low-pass of ``filters``; None where the study takes force as it is."""
+    if not filters.force_filter:
+        return None
+    return _low_pass(filters.force_cutoff_hz, filters.force_order, filters.phase, fs_hz)
+
+
+@lru_cache(maxsize=64)
+def _band_pass(band_hz: tuple[float, float], order: int, phase: Phase, fs_hz: float) -> IirFilter:
+    low, high = band_hz
+    half = fs_hz / 2
+    if not 0 < low < min(high, half):
+        found, do = f"{low:g} to {high:g} Hz at {fs_hz:g} Hz", "Give lower edge, then upper edge."
+        raise SettingError("filters.band_hz", wanted=f"0 < lower < upper, lower < {half:g} Hz", found=found, do=do)
+    if high < half:
+        sos = signal.butter(order, (low, high), "bandpass", fs=fs_hz, output="sos")
+        return _described("EMG band-pass", sos, phase, fs_hz, math.sqrt(low * high), ())
+    sos = signal.butter(order, low, "highpass", fs=fs_hz, output="sos")
+    rule = (
+        f"NYQUIST RULE: upper edge {high:g} Hz is at or above half the EMG rate ({half:g} Hz) and cannot be built; "
+        f"dropped, EMG is high-passed at {low:g} Hz"
+    )
+    return _described("EMG high-pass", sos, phase, fs_hz, math.sqrt(low * half), (rule,))
+
+
+@lru_cache(maxsize=64)
+def _low_pass(cutoff_hz: float, order: int, phase: Phase, fs_hz: float) -> IirFilter:
+    if cutoff_hz >= fs_hz / 2:
+        raise SettingError(
+            "filters.force_cutoff_hz",
+            wanted=f"less than half the force rate, {fs_hz / 2:g} Hz",
+            found=f"{cutoff_hz:g} Hz",
+            do="Lower it, or set force_filter = false.",
+        )
+    sos = signal.butter(order, cutoff_hz, "lowpass", fs=fs_hz, output="sos")
+    return _described("force low-pass", sos, phase, fs_hz, 0.0, ())
+
+
+def _described(
+    name: str, sos: Floats, phase: Phase, fs_hz: float, delay_at_hz: float, notes: tuple[str, ...]
+) -> IirFilter:
+    zero_phase = phase == "zero-phase"
+    delay_s = 0.0 if zero_phase else group_delay_samples(sos, delay_at_hz, fs_hz) / fs_hz
+    edges = true_edges_hz(sos, fs_hz, passes=2 if zero_phase else 1, inside_hz=delay_at_hz)
+    runs = "forward and backward" if zero_phase else "forward only"
+    order = f"Butterworth, {sos.shape[0]} section{'s' if sos.shape[0] > 1 else ''}, run {runs}"
+    delay = "no delay" if zero_phase else f"delay {1e3 * delay_s:.3g} ms at {delay_at_hz:.3g} Hz"
+    shown = " and ".join(f"{edge:.4g} Hz" for edge in edges if not math.isnan(edge))
+    said = f"{name}: {order}; true -3 dB at {shown}; {delay}"
+    state = signal.sosfilt_zi(sos)
+    support = support_samples(sos)
+    pad = default_pad_samples(sos) if zero_phase else 0
+    return IirFilter(name, sos, state, zero_phase, edges, delay_s, delay_at_hz, support, pad, (*notes, said))
+
+
+def gain(sos: Floats, frequency_hz: float, fs_hz: float) -> float:
+    """Magnitude of the response of one pass at one frequency."""
+    z = np.exp(-2j * np.pi * frequency_hz / fs_hz) ** np.arange(3)
+    return float(np.prod(np.abs(sos[:, :3] @ z) / np.abs(sos[:, 3:] @ z)))
+
+
+def group_delay_samples(sos: Floats, frequency_hz: float, fs_hz: float) -> float:
+    """Group delay of one pass at one frequency, from the derivative of every section's polynomials."""
+    powers = np.arange(3)
+    z = np.exp(-2j * np.pi * frequency_hz / fs_hz) ** powers
+    numerator = (sos[:, :3] @ (powers * z)) / (sos[:, :3] @ z)
+    denominator = (sos[:, 3:] @ (powers * z)) / (sos[:, 3:] @ z)
+    return float(np.sum((numerator - denominator).real))
+
+
+def true_edges_hz(sos: Floats, fs_hz: float, *, passes: int, inside_hz: float) -> tuple[float, float]:
+    """Frequencies below and above ``inside_hz`` where the gain of all passes is 3.01 dB down; NaN where it never is."""
+    target = 0.5 ** (0.5 / passes)
+
+    def edge(outside_hz: float) -> float:
+        if gain(sos, outside_hz, fs_hz) >= target:
+            return math.nan
+        inside, outside = inside_hz, outside_hz
+        for _ in range(60):
+            middle = (inside + outside) / 2
+            inside, outside = (middle, outside) if gain(sos, middle, fs_hz) >= target else (inside, middle)
+        return inside
+
+    return edge(0.0), edge(fs_hz / 2)
+
+
+def support_samples(sos: Floats) -> int:
+    """Samples after which a start-up transient has decayed below ``TRUNCATION``, from the slowest pole radius."""
+    radius = max(float(np.max(np.abs(np.roots(section[3:])))) for section in sos)
+    return math.ceil(math.log(TRUNCATION) / math.log(radius))
+
+
+def default_pad_samples(sos: Floats) -> int:
+    """Odd extension that ``scipy.signal.sosfiltfilt`` puts at both ends by default."""
+    taps = 2 * sos.shape[0] + 1
+    return 3 * (taps - int(min(np.sum(sos[:, 2] == 0), np.sum(sos[:, 5] == 0))))

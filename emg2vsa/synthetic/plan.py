@@ -1,0 +1,119 @@
+"""Who is recorded on what, when, and with which coefficients: everything random about a study except its signals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from emg2vsa.errors import SettingError
+from emg2vsa.settings import ChannelSettings, SimulationSettings, WindowSettings
+from emg2vsa.study import RecordingEntry, Study
+from emg2vsa.synthetic.activity import check_coefficients
+from emg2vsa.synthetic.presses import longest_record_s
+from emg2vsa.synthetic.recording import SyntheticRecording, make_recording, spread
+
+FIRST_SESSION = datetime(2026, 1, 5, 9, 0, 0)
+"The first participant's first recording; the others follow, one participant a day. No clock is read."
+SLOT_S = 300
+"Recordings of one session begin at multiples of this time, where none lasts longer."
+
+
+@dataclass(frozen=True)
+class PlannedRecording:
+    """One recording to make. ``position`` is its 1-based place in the participant's random order of specimens."""
+
+    participant: str
+    specimen: str
+    channels: ChannelSettings
+    window: WindowSettings
+    a_v: float
+    b_v: float
+    position: int
+    acquired: datetime
+    seed: np.random.SeedSequence
+
+    def make(self, settings: SimulationSettings) -> SyntheticRecording:
+        return make_recording(
+            self.seed,
+            settings,
+            a_v=self.a_v,
+            b_v=self.b_v,
+            window_n=self.window.force_n,
+            force_delay_s=self.channels.force.delay_s,
+        )
+
+
+def plan_study(study: Study) -> tuple[SimulationSettings, tuple[PlannedRecording, ...]]:
+    """Every recording of the study, participants in order, specimens in order.
+
+    Raises SettingError where the simulation settings do not fit the study.
+    """
+    settings = _checked_settings(study)
+    entries = {(entry.participant, entry.specimen): entry for entry in study.recordings}
+    planned = []
+    for index, participant in enumerate(study.participants):
+        # the seed of a recording is its address, so it does not depend on how many others there are
+        rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
+        factor = float(spread(rng, settings.participant_sd, 1)[0])
+        places = np.argsort(rng.random(len(study.specimens))).argsort()
+        for number, specimen in enumerate(study.specimens):
+            entry = entries.get((participant, specimen.name))
+            if entry is not None:
+                planned.append(_planned(settings, entry, (index, number), int(places[number]), factor))
+    return settings, tuple(planned)
+
+
+def _planned(
+    settings: SimulationSettings, entry: RecordingEntry, address: tuple[int, int], place: int, factor: float
+) -> PlannedRecording:
+    slot = timedelta(seconds=SLOT_S * -(-longest_record_s(settings) // SLOT_S))
+    return PlannedRecording(
+        participant=entry.participant,
+        specimen=entry.specimen,
+        channels=entry.channels,
+        window=entry.window,
+        a_v=settings.a_v[entry.specimen] * factor,
+        b_v=settings.b_v[entry.specimen] * factor,
+        position=place + 1,
+        acquired=FIRST_SESSION + timedelta(days=address[0]) + place * slot,
+        seed=np.random.SeedSequence(settings.seed, spawn_key=address),
+    )
+
+
+def _checked_settings(study: Study) -> SimulationSettings:
+    settings = study.simulation
+    if settings is None:
+        raise SettingError(
+            f"{study.path}, [simulation]", wanted="simulation settings", found="none", do="Add a [simulation] table."
+        )
+    shares = settings.muscle_share
+    if abs(sum(shares.values()) - 1) > 1e-9:
+        raise _refused(study, "muscle_share", "shares that sum to one", f"{sum(shares.values()):g}", "Change a share.")
+    for key in ("loading_s", "rest_s"):
+        shortest, longest = getattr(settings, key)
+        if shortest > longest:
+            found = f"{shortest:g} above {longest:g}"
+            raise _refused(study, key, "the shorter time first", found, "Swap the two.")
+    for entry in study.recordings:
+        _check_recording(study, settings, entry)
+    return settings
+
+
+def _check_recording(study: Study, settings: SimulationSettings, entry: RecordingEntry) -> None:
+    if set(settings.muscle_share) != set(entry.channels.emg):
+        wanted = "a share for each muscle of the channels: " + ", ".join(sorted(entry.channels.emg))
+        found = ", ".join(sorted(settings.muscle_share))
+        raise _refused(study, "muscle_share", wanted, found, "Name the same muscles in both.")
+    for key in ("a_v", "b_v"):
+        values = getattr(settings, key)
+        if entry.specimen not in values:
+            found = ", ".join(values) or "none"
+            raise _refused(study, key, f"a value for specimen {entry.specimen}", found, "Add it.")
+    a_v, b_v = settings.a_v[entry.specimen], settings.b_v[entry.specimen]
+    check_coefficients(f"{study.path}, simulation, specimen {entry.specimen}", a_v, b_v, entry.window.force_n[0])
+
+
+def _refused(study: Study, key: str, wanted: str, found: str, do: str) -> SettingError:
+    return SettingError(f"{study.path}, simulation.{key}", wanted=wanted, found=found, do=do)

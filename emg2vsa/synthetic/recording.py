@@ -1,0 +1,115 @@
+"""One continuous synthetic recording, in volts and newtons, with the truth behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.settings import SimulationSettings
+from emg2vsa.synthetic.activity import true_cocontraction_v
+from emg2vsa.synthetic.carrier import below, emg_carrier, gaussian_noise
+from emg2vsa.synthetic.presses import Presses, make_presses
+
+FloatArray = NDArray[np.float64]
+
+EMG_DRIFT_V, EMG_DRIFT_HZ = 3e-6, 1.0
+"Baseline drift of each EMG channel, rms, and the frequency it ends at."
+FORCE_DRIFT_N, FORCE_DRIFT_HZ = 0.01, 0.02
+"Drift of the force sensor, rms, and the frequency it ends at."
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What was put in. a_v, b_v : (r,) coefficients of each repetition; cocontraction_v : (n,) at every sample.
+
+    force_offset_n : bias of the force sensor over the whole recording.
+    """
+
+    a_v: FloatArray
+    b_v: FloatArray
+    presses: Presses
+    cocontraction_v: FloatArray
+    force_offset_n: float
+
+
+@dataclass(frozen=True)
+class SyntheticRecording:
+    """Sensor signals: emg_v maps muscle to (n,) volts at the electrode; force_n : (n,) compression positive, biased."""
+
+    fs_hz: float
+    emg_v: dict[str, FloatArray]
+    force_n: FloatArray
+    truth: Truth
+
+    @property
+    def duration_s(self) -> float:
+        return self.force_n.size / self.fs_hz
+
+
+def make_recording(
+    seed: np.random.SeedSequence,
+    settings: SimulationSettings,
+    *,
+    a_v: float,
+    b_v: float,
+    window_n: tuple[float, float],
+    force_delay_s: float = 0.0,
+) -> SyntheticRecording:
+    """Simulate one recording; the same seed gives the same recording, whatever else is simulated.
+
+    a_v, b_v : coefficients of this participant on this specimen; every repetition scales both by one random factor of
+    relative spread ``settings.repetition_sd``. window_n : force window, newtons. force_delay_s : delay of the force sensor.
+    """
+    # one stream per part: a further muscle leaves force and the other muscles as they are
+    presses_rng, scale_rng, force_rng, *muscle_rngs = map(
+        np.random.default_rng, seed.spawn(3 + len(settings.muscle_share))
+    )
+    presses = make_presses(presses_rng, settings, window_n, settings.repetitions)
+    scale = spread(scale_rng, settings.repetition_sd, settings.repetitions)
+    unit_v = true_cocontraction_v(presses.force_n, a_v, b_v, window_n[0])
+    cocontraction_v = unit_v * _scale_over_time(presses, scale, settings.fs_hz)
+    emg_v = {
+        muscle: _emg_channel(rng, share * cocontraction_v, settings)
+        for rng, (muscle, share) in zip(muscle_rngs, settings.muscle_share.items(), strict=True)
+    }
+    offset_n = float(force_rng.uniform(-settings.force_offset_n, settings.force_offset_n))
+    force_n = _force_channel(force_rng, presses.force_n, offset_n, force_delay_s, settings)
+    truth = Truth(a_v * scale, b_v * scale, presses, cocontraction_v, offset_n)
+    return SyntheticRecording(settings.fs_hz, emg_v, force_n, truth)
+
+
+def spread(rng: np.random.Generator, relative_sd: float, n: int) -> FloatArray:
+    """``n`` factors around 1; a wide spread is cut at 0.1, for a co-contraction stays positive."""
+    return np.maximum(1 + relative_sd * rng.standard_normal(n), 0.1)
+
+
+def _scale_over_time(presses: Presses, scale: FloatArray, fs_hz: float) -> FloatArray:
+    """Each repetition's factor, changing smoothly from the one before it around the cue that precedes the press."""
+    cue_s = presses.cue_start_s
+    knots_s = np.column_stack([cue_s - 0.1, cue_s + 0.1]).ravel()
+    levels = np.repeat(np.concatenate([scale[:1], scale]), 2)[1:-1]
+    return np.interp(np.arange(presses.force_n.size) / fs_hz, knots_s, levels)
+
+
+def _emg_channel(rng: np.random.Generator, envelope_v: FloatArray, settings: SimulationSettings) -> FloatArray:
+    """Carrier times envelope, mains, baseline drift and white sensor noise."""
+    n, fs_hz = envelope_v.size, settings.fs_hz
+    phase = rng.uniform(0, 2 * np.pi)
+    mains = np.sqrt(2) * settings.mains_v * np.sin(2 * np.pi * settings.mains_hz * np.arange(n) / fs_hz + phase)
+    drift = EMG_DRIFT_V * gaussian_noise(rng, n, fs_hz, below(EMG_DRIFT_HZ))
+    noise = settings.emg_noise_v * rng.standard_normal(n)
+    return envelope_v * emg_carrier(rng, n, fs_hz) + mains + drift + noise
+
+
+def _force_channel(
+    rng: np.random.Generator, force_n: FloatArray, offset_n: float, delay_s: float, settings: SimulationSettings
+) -> FloatArray:
+    """True force as a sensor with delay, offset, slow drift and white noise reports it."""
+    n, fs_hz = force_n.size, settings.fs_hz
+    drift = FORCE_DRIFT_N * gaussian_noise(rng, n, fs_hz, below(FORCE_DRIFT_HZ))
+    noise = settings.force_noise_n * rng.standard_normal(n)
+    if delay_s > 0:
+        force_n = np.interp(np.arange(n) - delay_s * fs_hz, np.arange(n), force_n)
+    return force_n + offset_n + drift + noise
