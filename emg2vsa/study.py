@@ -62,6 +62,10 @@ class Study:
     simulation: SimulationSettings | None
     results: Path
     reports: Path
+    data: Path = Path("data")
+    "Folder of the recordings; a simulation writes there."
+    window: WindowSettings = WindowSettings()
+    "The study's force window; all recordings share its forces, and may differ in the rest."
 
     @property
     def stiffness_n_per_mm(self) -> dict[str, float]:

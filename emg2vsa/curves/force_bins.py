@@ -21,7 +21,7 @@ class ForceBins:
 
 
 def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
-    """Edges (B + 1,) from ``lowest_n`` in steps of ``bin_n``; the last, shorter bin is kept (0.5, 0.8, ... 6.8, 7 N)."""
+    """Edges (B + 1,) from ``lowest_n`` in steps of ``bin_n``; a last, shorter bin is kept (0.5, 0.8, ... 6.8, 7)."""
     if not highest_n > lowest_n:
         raise SettingError(
             "window.force_n", wanted="a lower and a higher force", found=f"{lowest_n}, {highest_n} N", do="Swap them."

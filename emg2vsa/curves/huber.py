@@ -23,7 +23,7 @@ def fit_line_huber(x: Floats, y: Floats, weights: Floats) -> Line:
     and statsmodels' RLM; R^2 is that of the final weighted fit.
     """
     used = weights > 0
-    root = np.sqrt(weights / np.max(weights, axis=1, keepdims=True, initial=np.finfo(np.float64).tiny))
+    root = np.sqrt(weights)
     line = fit_line(x, y, weights)
     huber = np.ones_like(y)
     scaled = np.zeros_like(y)

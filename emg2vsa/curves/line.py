@@ -6,6 +6,8 @@ tiny or huge scale costs digits; statistics notes 3b: the best and the fastest o
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,14 +15,12 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, exponent_of
 
-_ROWS_AT_ONCE = 256  # keeps the few temporaries of a block inside the processor's cache
 _SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
-_Fields = tuple[Floats, ...]
 
 
 @dataclass(frozen=True)
 class Line:
-    """k lines; every field (k,), NaN where undefined (fewer than two points, one abscissa only, no degree of freedom)."""
+    """k lines; every field (k,), NaN where undefined (too few points, one abscissa only)."""
 
     intercept: Floats
     slope: Floats
@@ -36,51 +36,62 @@ def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
     """Least squares of y on x, row by row.
 
     x, y : (k, p), finite. weights : (k, p), >= 0; a weight of zero leaves the point out. None: all points, alike.
-    Only ratios of weights matter; the variance of a point is estimated as s^2 / weight with s^2 from the residuals.
+    Only ratios of weights matter (the largest of a row should be near 1): the variance of a point is taken as
+    s^2 / weight with s^2 from the residuals.
     """
-    if weights is not None:
-        weights = weights / np.max(weights, axis=1, keepdims=True, initial=np.finfo(np.float64).tiny)
-    starts = range(0, max(len(y), 1), _ROWS_AT_ONCE)
-    cuts = [slice(i, i + _ROWS_AT_ONCE) for i in starts]
-    blocks = [_fit_block(x[cut], y[cut], None if weights is None else weights[cut]) for cut in cuts]
-    *reals, n, dof = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
-    return Line(*reals, n=n.astype(np.int64), dof=dof.astype(np.int64))
-
-
-def _fit_block(x: Floats, y: Floats, weights: Floats | None, unit: NDArray[np.int32] | None = None) -> _Fields:
-    """The fields of ``Line`` for a block of rows; ``unit`` (k,): binary exponents by which y is scaled down."""
-    n = np.full(len(y), float(y.shape[1])) if weights is None else np.count_nonzero(weights, axis=1).astype(np.float64)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        total = n if weights is None else np.sum(weights, axis=1)
-        x_centre, dx = _centred(x, weights, total)
-        y_centre, dy = _centred(y if unit is None else np.ldexp(y, -unit[:, None]), weights, total)
-        syy = _sum_of(dy, dy, weights)
-        if unit is None and not np.all((syy > _SAFE) & (syy < 1 / _SAFE)):
-            return _fit_block(x, y, weights, exponent_of(y)[:, 0])
-        sxx = _sum_of(dx, dx, weights)
-        slope = _sum_of(dx, dy, weights) / np.where(sxx > 0, sxx, np.nan)
-        dy -= slope[:, None] * dx
-        sse = _sum_of(dy, dy, weights)
-        dof = np.maximum(n - 2, 0)
-        s2 = np.where(dof > 0, sse / dof, np.nan)
-        unexplained = sse / syy
-        in_units_of_y = (
-            y_centre - slope * x_centre,
-            slope,
-            np.sqrt(s2 * (1 / total + x_centre * x_centre / sxx)),
-            np.sqrt(s2 / sxx),
-        )
-        adj_r2 = np.where(dof > 0, 1 - unexplained * (n - 1) / dof, np.nan)
-        scaled_back = (values if unit is None else np.ldexp(values, unit) for values in in_units_of_y)
-        return (*scaled_back, 1 - unexplained, adj_r2, n, dof)
+        plain = _fit(x, y, weights)
+        if np.all((plain.syy > _SAFE) & (plain.syy < 1 / _SAFE)):
+            return plain.line
+        return _scaled(_fit(x, y, weights))
+
+
+def join(lines: Sequence[Line]) -> Line:
+    """Lines one after the other; at least one ``Line``."""
+    return Line(*(np.concatenate([getattr(line, f.name) for line in lines]) for f in dataclasses.fields(Line)))
+
+
+def _fit(x: Floats, y: Floats, weights: Floats | None, unit: NDArray[np.int32] | None) -> Line | None:
+    """``fit_line`` with y scaled by 2^-unit, unit (k,); None where unscaled squares would leave the range of float64."""
+    k, n_points = y.shape
+    n = np.full(k, n_points) if weights is None else np.count_nonzero(weights, axis=1)
+    total = n if weights is None else np.sum(weights, axis=1)
+    x_centre, dx = _centred(x, weights, total)
+    y_centre, dy = _centred(y if unit is None else np.ldexp(y, -unit[:, None]), weights, total)
+    syy = _sum_of(dy, dy, weights)
+    if unit is None and not np.all((syy > _SAFE) & (syy < 1 / _SAFE)):
+        return None
+    sxx = _sum_of(dx, dx, weights)
+    slope = _sum_of(dx, dy, weights) / np.where(sxx > 0, sxx, np.nan)
+    dx *= slope[:, None]
+    dy -= dx
+    sse = _sum_of(dy, dy, weights)
+    dof = np.maximum(n - 2, 0)
+    error = np.sqrt(np.where(dof > 0, sse / dof, np.nan))
+    unexplained = sse / syy
+    in_unit_of_y = (
+        y_centre - slope * x_centre,
+        slope,
+        error * np.sqrt(1 / total + x_centre * x_centre / sxx),
+        error / np.sqrt(sxx),
+    )
+    return Line(
+        *(in_unit_of_y if unit is None else (np.ldexp(values, unit) for values in in_unit_of_y)),
+        r2=1 - unexplained,
+        adj_r2=np.where(dof > 0, 1 - unexplained * (n - 1) / dof, np.nan),
+        n=n,
+        dof=dof,
+    )
 
 
 def _centred(values: Floats, weights: Floats | None, total: Floats) -> tuple[Floats, Floats]:
     """Mean (k,), and values minus mean (k, p), both through differences from the row's first used value."""
     if values.shape[1] == 0:
         return np.full(len(values), np.nan), values
-    first = 0 if weights is None else np.argmax(weights > 0, axis=1)
-    origin = values[np.arange(len(values)), first]
+    if weights is None:
+        origin = values[:, 0]
+    else:
+        origin = values[np.arange(len(values)), np.argmax(weights > 0, axis=1)]
     shifted = values - origin[:, None]
     mean = (np.sum(shifted, axis=1) if weights is None else np.einsum("kp,kp->k", weights, shifted)) / total
     shifted -= mean[:, None]

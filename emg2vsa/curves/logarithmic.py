@@ -10,11 +10,13 @@ from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.huber import fit_line_huber
-from emg2vsa.curves.line import fit_line
+from emg2vsa.curves.line import Line, fit_line, join
 from emg2vsa.errors import DataError
 
 LEVEL_FLOOR = 0.1
 """Smallest fitted level that sets a weight, as a share of the trial's largest: no weight exceeds 100 times another."""
+
+_POINTS_AT_ONCE = 46_000  # keeps the temporaries of a block inside the processor's cache
 
 
 @dataclass(frozen=True)
@@ -58,15 +60,9 @@ def fit_log(
     force = np.asarray(force_n, dtype=np.float64)
     w = None if weights is None else np.asarray(weights, dtype=np.float64)
     _check_shapes(v, force, w)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x = np.broadcast_to(np.log(force), v.shape)
-    valid = np.isfinite(x) & np.isfinite(v)
-    if w is not None:
-        valid &= (w > 0) & np.isfinite(w)
-    if w is not None or robust or not np.all(valid):
-        w = np.where(valid, 1.0 if w is None else w, 0.0)
-        x, v = np.where(valid, x, 0.0), np.where(valid, v, 0.0)
-    line = fit_line_huber(x, v, w) if robust and w is not None else fit_line(x, v, w)
+    rows = max(1, _POINTS_AT_ONCE // max(v.shape[1], 1))
+    cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
+    line = join([_fit_block(v[cut], _cut(force, cut), None if w is None else _cut(w, cut), robust) for cut in cuts])
     reach = _t_quantile(line.dof, confidence) * line.slope_se
     return LogFit(
         a=line.intercept,
@@ -80,6 +76,25 @@ def fit_log(
         n=line.n,
         dof=line.dof,
     )
+
+
+def _cut(array: Floats, rows: slice) -> Floats:
+    return array if array.ndim == 1 else array[rows]
+
+
+def _fit_block(v: Floats, force: Floats, weights: Floats | None, robust: bool) -> Line:
+    """The line through (ln F, v) for a block of rows; points that do not count get weight 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = np.broadcast_to(np.log(force), v.shape)
+    valid = np.isfinite(x) & np.isfinite(v)
+    if weights is None and not robust and np.all(valid):
+        return fit_line(x, v)
+    w = np.ones(v.shape) if weights is None else np.broadcast_to(weights, v.shape)
+    valid &= (w > 0) & np.isfinite(w)
+    w = np.where(valid, w, 0.0)
+    w /= np.max(w, axis=1, keepdims=True, initial=np.finfo(np.float64).tiny)
+    x, v = np.where(valid, x, 0.0), np.where(valid, v, 0.0)
+    return fit_line_huber(x, v, w) if robust else fit_line(x, v, w)
 
 
 def level_weights(force_n: ArrayLike, fit: LogFit) -> Floats:

@@ -82,7 +82,7 @@ def read(path: Path, names: Sequence[str]) -> Recording:
 
 
 def load_named(opened: OpenRecording, names: Sequence[str]) -> list[StoredChannel]:
-    """The named channels as stored, checked to be there, not empty and finite; each carries the name it was asked by."""
+    """The named channels as stored, each under the name it was asked by; checked to be there, not empty and finite."""
     contents = opened.contents
     index = {**contents.aliases, **{known: i for i, known in enumerate(contents.names)}}
     for name in names:

@@ -6,6 +6,7 @@ The plates' forces come from ezc3d's force-platform module, which applies calibr
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import ezc3d
 import numpy as np
+from ezc3d import ezc3d as binding
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
@@ -20,11 +22,16 @@ from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
 from emg2vsa.recordings import ChannelInfo
 
 _AXES = ("Fx", "Fy", "Fz")
+_UNKNOWN_FRAME = 65535
+"""Written where the frame number does not fit the header word."""
 
 
 @dataclass(frozen=True)
 class C3dRecording:
-    """analogs : (channels, n) in the units of ANALOG:UNITS. The first n names are analogue channels, the rest plates."""
+    """analogs : (channels, n) in the units of ANALOG:UNITS. Their names come first, those of the plates follow.
+
+    file : the ezc3d object the plates are computed from.
+    """
 
     path: Path
     contents: Contents
@@ -32,6 +39,7 @@ class C3dRecording:
     units: tuple[str | None, ...]
     fs_hz: float
     start_s: float
+    file: Any
 
     def describe(self) -> tuple[ChannelInfo, ...]:
         n = self.analogs.shape[1]
@@ -41,20 +49,29 @@ class C3dRecording:
 
     def load(self, indices: Sequence[int]) -> list[StoredChannel]:
         n_analogs = self.analogs.shape[0]
-        plates = _plates(self.path) if any(i >= n_analogs for i in indices) else []
+        plates = self._plate_forces_n() if any(i >= n_analogs for i in indices) else []
         channels = []
         for i in indices:
             plate, axis = divmod(i - n_analogs, 3)
-            samples = self.analogs[i] if i < n_analogs else plates[plate]["force"][axis]
-            unit = self.units[i] if i < n_analogs else plates[plate]["unit_force"]
-            own = np.array(samples, dtype=np.float64)
-            channels.append(StoredChannel(self.contents.names[i], own, unit, self.fs_hz, self.start_s))
+            samples = np.array(self.analogs[i] if i < n_analogs else plates[plate][:, axis], dtype=np.float64)
+            channels.append(StoredChannel(self.contents.names[i], samples, self.units[i], self.fs_hz, self.start_s))
         return channels
+
+    def _plate_forces_n(self) -> list[NDArray[np.float64]]:
+        """(n, 3) per plate. The binding is asked directly: the Python layer converts moments and centres too."""
+        try:
+            plates = binding.ForcePlatforms(self.file.c3d_swig).forcePlatforms()
+            return [np.array([force.to_array()[:, 0] for force in plate.forces()]) for plate in plates]
+        except (RuntimeError, ValueError, IndexError) as error:
+            raise RecordingError(
+                f"{self.path}, force plates", wanted="plates of a type that ezc3d knows", found=str(error),
+                do="Use the analogue channel of the vertical force instead.",
+            ) from error  # fmt: skip
 
 
 def open_recording(path: Path) -> C3dRecording:
     """Raises RecordingError where ezc3d refuses the file, or where it holds no analogue samples or no rate."""
-    file = _read(path, plates=False)
+    file = _read(path)
     parameters = file["parameters"]
     analogs = np.asarray(file["data"]["analogs"])[0]
     fs_hz = float(_values(parameters, "ANALOG", "RATE", 1, 0.0)[0])
@@ -71,17 +88,28 @@ def open_recording(path: Path) -> C3dRecording:
     units += ["N"] * (3 * n_plates)
     points = file["header"]["points"]
     start_s = points["first_frame"] / points["frame_rate"] if points["frame_rate"] > 0 else 0.0
-    return C3dRecording(path, Contents(unique_names(names)), analogs, tuple(units), fs_hz, float(start_s))
+    contents = Contents(unique_names(names), notes=_incomplete(path, analogs.shape[1]))
+    return C3dRecording(path, contents, analogs, tuple(units), fs_hz, float(start_s), file)
 
 
-def _read(path: Path, plates: bool) -> Any:
+def _incomplete(path: Path, n: int) -> tuple[str, ...]:
+    """ezc3d stops without a word where the file does; words 4, 5 and 10 of the header say where it should."""
+    with path.open("rb") as file:
+        first, last, per_frame = struct.unpack("<6xHH8xH", file.read(20))
+    promised = (last - first + 1) * per_frame
+    if last == _UNKNOWN_FRAME or n >= promised:
+        return ()
+    return (f"The header promises {promised} samples a channel, the file holds {n}: it is incomplete.",)
+
+
+def _read(path: Path) -> Any:
     with path.open("rb") as file:
         if file.read(2)[1:] != b"\x50":
             raise RecordingError(
                 path, wanted="a C3D file", found="another content", do="Export or copy the file again."
             )
     try:
-        return ezc3d.c3d(str(path), extract_forceplat_data=plates)
+        return ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError, IndexError, MemoryError) as error:
         reason = str(error).partition(". If you want to ignore")[0]
         raise RecordingError(
@@ -90,12 +118,8 @@ def _read(path: Path, plates: bool) -> Any:
         ) from error  # fmt: skip
 
 
-def _plates(path: Path) -> list[Any]:
-    return list(_read(path, plates=True)["data"]["platform"])
-
-
 def _values(parameters: Any, group: str, name: str, n: int, default: Any) -> list[Any]:
-    """``n`` values of a parameter, those beyond 255 from its continuations (LABELS2, ...), missing ones as ``default``."""
+    """``n`` values of a parameter, beyond 255 from its continuations (LABELS2, ...), missing ones as ``default``."""
     values: list[Any] = []
     part = 1
     while group in parameters and (key := name if part == 1 else f"{name}{part}") in parameters[group]:

@@ -37,7 +37,7 @@ class Dialect:
 def sniff(path: Path, header: Line | None, rows: Sequence[Line], body: bytes) -> Dialect:
     """The dialect in which header and rows agree.
 
-    rows : the first data lines. body : all data, searched for a decimal comma where the first rows hold whole numbers only.
+    rows : the first data lines. body : all data, searched for a decimal comma where those rows hold whole numbers only.
 
     Raises RecordingError where decimal points and decimal commas are mixed.
     """

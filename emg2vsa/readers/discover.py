@@ -1,9 +1,9 @@
 """CSV exports of Trigno Discover (1.4.2 to 1.7.0 seen; later ones add header rows, which are skipped).
 
-Rows 1-3: application, date, collection length. Then sensor names (only over a sensor's first column), sensor modes, channel
-names ("EMG 1 (mV)"; in 1.4.2 "EMG 1 (1259Hz)", without a unit) and, from 1.5 on, rates ("1259.2593 Hz"; "-1 Hz" for devices
-without one). Row i is each channel's own i-th sample, not a common time: the rate row alone says when a sample was taken.
-With "Time Series" columns each channel has its own time.
+Rows 1-3: application, date, collection length. Then sensor names (only over a sensor's first column), sensor modes,
+channel names ("EMG 1 (mV)"; in 1.4.2 "EMG 1 (1259Hz)", without a unit) and, from 1.5 on, rates ("1259.2593 Hz"; "-1 Hz"
+for devices without one). Row i is each channel's own i-th sample, not a common time: the rate row alone says when a
+sample was taken. With "Time Series" columns each channel has its own time.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from emg2vsa.readers.cells import Body
 from emg2vsa.readers.dialect import Dialect, sniff
 from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.plain_csv import SNIFFED_ROWS, widest
-from emg2vsa.readers.text_file import Line, TextFile, open_text
+from emg2vsa.readers.text_file import Line, open_text
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import split_unit
 
@@ -44,7 +44,7 @@ def open_recording(path: Path) -> TimedColumns:
     contents = Contents(
         tuple(c.name for c in columns), {}, tuple(filter(None, [dialect.note])), _started(heading, head)
     )
-    body = Body(path, body_data, head[first].number, dialect, widest(dialect, rows))
+    body = Body(path, body_data, head[first].number, dialect, widest(dialect, rows), None)
     return TimedColumns(path, contents, body, columns)
 
 

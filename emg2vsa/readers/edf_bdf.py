@@ -48,8 +48,8 @@ class EdfRecording:
 
     def _load(self, name: str, signal: Signal) -> StoredChannel:
         gain, offset = signal.calibration(f"{self.path}, channel {name!r}")
-        samples = np.multiply(self._digital(signal), gain, dtype=np.float64).reshape(-1)
-        samples += offset
+        samples = np.add(self._digital(signal), offset, dtype=np.float64).reshape(-1)
+        samples *= gain
         unit, notes = self._unit(signal)
         side = self.side.channels.get(signal.label, SideChannel())
         return StoredChannel(

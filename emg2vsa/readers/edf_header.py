@@ -29,7 +29,7 @@ class Signal:
         return self.label in ("EDF Annotations", "BDF Annotations")
 
     def calibration(self, where: str) -> tuple[float, float]:
-        """(gain, offset) with physical = gain * digital + offset."""
+        """(gain, offset) with physical = gain * (digital + offset)."""
         (low, high), (digital_low, digital_high) = self.physical, self.digital
         if low == high or digital_low == digital_high:
             raise RecordingError(
@@ -38,7 +38,7 @@ class Signal:
                 do="Export the channel again with its true range.",
             )  # fmt: skip
         gain = (high - low) / (digital_high - digital_low)
-        return gain, low - gain * digital_low
+        return gain, high / gain - digital_high
 
 
 @dataclass(frozen=True)

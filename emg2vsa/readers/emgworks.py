@@ -1,9 +1,9 @@
 """CSV exports of Delsys EMGworks 4, bare and verbose.
 
-Bare: a header ``X[s],"Avanti sensor 1: EMG 1",X[s],...`` where every channel has its own time column, written with seven
-significant digits; EMG in V, which the header does not say. Verbose: the same below lines of the form ``Label: ... Sampling
-frequency: ... Number of points: ... start: ... Unit: ... Domain Unit: s``. Slower channels end early: blank cells, or in
-some exports zeros.
+Bare: a header ``X[s],"Avanti sensor 1: EMG 1",X[s],...`` where every channel has its own time column, written with
+seven significant digits; EMG in V, which the header does not say. Verbose: the same below lines ``Label: ...
+Sampling frequency: ... Number of points: ... start: ... Unit: ... Domain Unit: s``. Slower channels end early: blank
+cells, or in some exports zeros.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.dialect import sniff
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.plain_csv import check_width, header_and_rows, widest
+from emg2vsa.readers.plain_csv import checked_width, header_and_rows, widest
 from emg2vsa.readers.text_file import TextFile, open_text
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import canonical, split_unit
@@ -36,14 +36,14 @@ def open_recording(path: Path) -> TimedColumns:
     body_data = text.data[header.end :]
     dialect = sniff(path, header, rows, body_data)
     labels = dialect.split(header.text)
-    check_width(path, dialect, labels, rows)
+    allowed = checked_width(path, dialect, labels, rows)
     channels = _pairs(path, header.number, labels)
     if stated:
         channels = _with_statements(path, channels, stated)
     names = unique_names([column.name for column in channels])
     columns = tuple(replace(column, name=name) for column, name in zip(channels, names, strict=True))
     contents = Contents(names, {}, tuple(filter(None, [dialect.note])))
-    body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows))
+    body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, columns)
 
 

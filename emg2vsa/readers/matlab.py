@@ -1,13 +1,15 @@
 """MATLAB .mat files: up to version 7 through scipy, 7.3 (HDF5) through the optional package pymatreader.
 
 Every numeric vector is a channel named after its variable; the rows or columns of a matrix, whichever are fewer, are
-channels "variable[1]", "variable[2]", ...; fields and cells are reached by "struct.field". A text cell array with as many
-entries as a matrix has channels names them and states their units, as OT Biolab's ``Description`` does
-("acquired data[ %(MVC)]"). The rate comes from a variable called SamplingFrequency, fs or alike, or from a time vector.
+channels "variable[1]", "variable[2]", ...; fields and cells are reached by "struct.field", "cell{2}". A text cell array
+with as many entries as a matrix has channels names them and states their units, as OT Biolab's ``Description`` does
+("acquired data[ %(MVC)]"); "variable[75]" still works. The rate comes from a variable called SamplingFrequency, fs or
+alike, or from a time vector.
 """
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -108,7 +110,7 @@ def _variables(path: Path) -> dict[str, Any]:
 
 def _variables_of_hdf5(path: Path) -> dict[str, Any]:
     try:
-        import pymatreader
+        pymatreader = importlib.import_module("pymatreader")
     except ImportError as error:
         raise RecordingError(
             path, wanted="a MATLAB file up to version 7", found="version 7.3, which needs the package pymatreader",
@@ -126,7 +128,7 @@ def _clocks(path: Path, leaves: Leaves) -> dict[int, tuple[float, float]]:
     rates = {
         name: float(a.reshape(-1)[0]) for name, a in leaves.arrays.items() if a.size == 1 and _key(name) in _RATE_NAMES
     }
-    if len({rate for rate in rates.values()}) > 1:
+    if len(set(rates.values())) > 1:
         raise RecordingError(
             path, wanted="one sampling rate", found=", ".join(f"{name} = {rate:g}" for name, rate in rates.items()),
             do="Save the channels of one rate in a file of their own.",

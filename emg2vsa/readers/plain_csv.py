@@ -1,8 +1,8 @@
 """Plain CSV: a header row of channel names, units in brackets if any, and a time column.
 
-``EMG (mV)``, ``Fz [N]``; a time column is called time, t, timestamp or X, with its unit in brackets or after an underscore
-(``time_ms``). Channels belong to the nearest time column on their left, so that a file may hold several clocks. Lines
-that begin with ``#`` before the header are comments.
+``EMG (mV)``, ``Fz [N]``; a time column is called time, t, timestamp or X[s], with its unit in brackets or after an
+underscore (``time_ms``). Channels belong to the nearest time column on their left: a file may hold several clocks.
+Lines that begin with ``#`` before the header are comments.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ def open_recording(path: Path) -> TimedColumns:
     body_data = text.data[header.end :]
     dialect = sniff(path, header, rows, body_data)
     labels = dialect.split(header.text)
-    check_width(path, dialect, labels, rows)
+    allowed = checked_width(path, dialect, labels, rows)
     channels = _columns(path, header, labels)
     contents = Contents(
         tuple(c.name for c in channels),
         {labels[c.index]: i for i, c in reversed(list(enumerate(channels)))},
         tuple(filter(None, [dialect.note])),
     )
-    body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows))
+    body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, channels, shared_length=True)
 
 
@@ -59,17 +59,17 @@ def widest(dialect: Dialect, rows: Sequence[Line]) -> int:
     return max(len(dialect.split(row.text)) for row in rows)
 
 
-def check_width(path: Path, dialect: Dialect, labels: Sequence[str], rows: Sequence[Line]) -> None:
-    """Refuse a first row with more filled cells than the header has names."""
-    filled = "".join("x" if cell else " " for cell in dialect.split(rows[0].text)).rstrip()
-    if len(filled) > len(labels):
-        hint = (
-            "Separate the columns by semicolons if the numbers have decimal commas." if dialect.separator == "," else ""
-        )
+def checked_width(path: Path, dialect: Dialect, labels: Sequence[str], rows: Sequence[Line]) -> int:
+    """Cells a row may have: one for each name, and blank ones beyond as the first row has them. Refuses filled ones."""
+    cells = dialect.split(rows[0].text)
+    filled = max((i for i, cell in enumerate(cells, start=1) if cell), default=0)
+    if filled > len(labels):
+        hint = "Separate the columns by semicolons if the numbers have decimal commas."
         raise RecordingError(
-            f"{path}, line {rows[0].number}", wanted=f"{len(labels)} cells, as the header names", found=str(len(filled)),
-            do=hint or "Correct the header row.",
+            f"{path}, line {rows[0].number}", wanted=f"{len(labels)} cells, as the header names",
+            found=str(filled), do=hint if dialect.separator == "," else "Correct the header row.",
         )  # fmt: skip
+    return max(len(labels), len(cells))
 
 
 def time_unit_s(label: str) -> tuple[bool, float | None]:

@@ -9,7 +9,7 @@ HEAD_BYTES = 4096
 """Number of leading bytes the recognisers look at."""
 
 _NUMBERS = re.compile(r"[\s,;]*([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|nan|inf)([\s,;]|$)", re.IGNORECASE)
-_X_SECONDS = re.compile(r'"?X\s*\[s\]"?\s*[,;\t]')
+_X_PAIRS = re.compile(r'"?X\s*\[s\]"?\s*[,;\t][^,;\t]*([,;\t]\s*"?X\s*\[s\]|[,;\t]*$)')
 
 
 def first_line(head: bytes) -> str:
@@ -45,7 +45,7 @@ def is_discover(path: Path, head: bytes) -> bool:
 
 def is_emgworks(path: Path, head: bytes) -> bool:
     line = first_line(head)
-    return bool(_X_SECONDS.match(line)) or (line.startswith("Label:") and "Sampling frequency:" in line)
+    return bool(_X_PAIRS.match(line)) or (line.startswith("Label:") and "Sampling frequency:" in line)
 
 
 def is_text_matrix(path: Path, head: bytes) -> bool:

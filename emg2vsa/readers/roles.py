@@ -76,8 +76,8 @@ def _force_in_n(path: Path, stored: StoredChannel, settings: ForceChannelSetting
     if settings.newtons_per_unit is not None:
         if known is not None and known[0] == "N":
             raise RecordingError(
-                where, wanted="either a force unit or newtons_per_unit",
-                found=f"unit {unit} and newtons_per_unit = {settings.newtons_per_unit:.10g}", do="Remove one of the two.",
+                where, wanted="either a force unit or newtons_per_unit", do="Remove one of the two.",
+                found=f"unit {unit} and newtons_per_unit = {settings.newtons_per_unit:.10g}",
             )  # fmt: skip
         factor = settings.newtons_per_unit
         step = f"{unit or 'stored unit'} x {factor:.10g} N per unit = N"

@@ -45,7 +45,7 @@ class TextFile:
 
 
 def open_text(path: Path) -> TextFile:
-    """Read a text file: UTF-8, UTF-16 with byte order mark, or else Latin-1. Raises RecordingError for binary content."""
+    """Read a file in UTF-8, UTF-16 with byte order mark, or else Latin-1. Raises RecordingError for binary content."""
     data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         data = data.decode("utf-16", errors="replace").encode()

@@ -1,7 +1,7 @@
 """Headerless number tables: channels are rows or columns, whichever are fewer, and one of them is the time.
 
-The first row or column whose values rise in even steps is the time, in seconds. The others are named by their place in the
-file: "row 2", "column 3".
+The first row or column whose values rise in even steps is the time, in seconds. The others are named by their place in
+the file: "row 2", "column 3".
 """
 
 from __future__ import annotations
@@ -57,7 +57,8 @@ def open_recording(path: Path) -> TextMatrix:
     if time is None:
         raise RecordingError(
             path, wanted=f"a {word} of time stamps in seconds, rising in even steps",
-            found=f"{matrix.shape[0]} {word}s without one", do="Add the time as a row or column, or export with a header.",
+            found=f"{matrix.shape[0]} {word}s without one",
+            do="Add the time as a row or column, or export with a header.",
         )  # fmt: skip
     fs_hz, start_s = even_clock(matrix[time], f"{path}, {word} {time + 1}", lambda i: f"value {i + 1}")
     names = tuple(f"{word} {i + 1}" for i in range(matrix.shape[0]) if i != time)
@@ -69,7 +70,7 @@ def _is_clock(values: NDArray[np.float64]) -> bool:
     """Even steps of less than half a second (steps of one are a count, not a time)."""
     step = np.diff(values)
     return bool(
-        step.size and np.isfinite(step).all() and 0 < step.min() and step.max() < min(0.5, 1.5 * np.median(step))
+        step.size and np.isfinite(step).all() and step.min() > 0 and step.max() < min(0.5, 1.5 * np.median(step))
     )
 
 
@@ -96,7 +97,7 @@ def _from_rows(path: Path, dialect: Dialect, lines: Sequence[Line]) -> NDArray[n
 
 def _from_columns(text: TextFile, dialect: Dialect, lines: Sequence[Line]) -> NDArray[np.float64]:
     width = len(dialect.split(lines[0].text))
-    body = Body(text.path, text.data[lines[0].start :], lines[0].number, dialect, width)
+    body = Body(text.path, text.data[lines[0].start :], lines[0].number, dialect, width, width)
     columns = body.columns({i: f"column {i + 1}" for i in range(width)})
     matrix = np.array([columns[i] for i in range(width)])
     blank = np.isnan(matrix).all(axis=0)

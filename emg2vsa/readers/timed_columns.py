@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,14 +16,18 @@ from emg2vsa.readers.timing import even_clock
 from emg2vsa.recordings import ChannelInfo
 
 _RATE_TOLERANCE = 1e-3
+_SLOWEST_UNSTATED_HZ = 2.0
+"""A time without a unit is believed to be in seconds only above this rate: slower ones are counts or milliseconds."""
+
+Cells = Mapping[int, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
 class Column:
     """One channel of a table.
 
-    index, time_index : columns of samples and of time stamps (None: no stamps). time_unit_s : seconds in one unit of time;
-    None where the file does not say (then seconds, if that gives a believable rate).
+    index, time_index : columns of samples and of time stamps (None: no stamps). time_unit_s : seconds in one unit of
+    time; None where the file does not say (then seconds, if that gives a believable rate).
     fs_hz : the rate the file states. start_s : start it states. expected : number of samples it states.
     digits : significant digits of the time stamps, where the format is known to round them.
     notes : about the channel as such.
@@ -53,66 +57,70 @@ class TimedColumns:
     "True where a channel that ends before the others deserves a note."
 
     def describe(self) -> tuple[ChannelInfo, ...]:
-        cells = self._cells(self.columns)
-        return tuple(self._info(column, cells) for column in self.columns)
+        cells, clocks = self._cells(self.columns), _Clocks({})
+        return tuple(self._info(column, cells, clocks) for column in self.columns)
 
     def load(self, indices: Sequence[int]) -> list[StoredChannel]:
         asked = [self.columns[i] for i in indices]
-        cells = self._cells(asked)
-        return [self._channel(column, cells) for column in asked]
+        cells, clocks = self._cells(asked), _Clocks({})
+        return [self._channel(column, cells, clocks) for column in asked]
 
-    def _info(self, column: Column, cells: Mapping[int, NDArray[np.float64]]) -> ChannelInfo:
+    def _info(self, column: Column, cells: Cells, clocks: _Clocks) -> ChannelInfo:
         try:
-            channel = self._channel(column, cells)
+            channel = self._channel(column, cells, clocks)
         except RecordingError:  # it is said in full when the channel is asked for
             return ChannelInfo(column.name, column.unit, float("nan"), _filled(cells[column.index]))
         return ChannelInfo(column.name, column.unit, channel.fs_hz, channel.samples.size)
 
-    def _cells(self, asked: Sequence[Column]) -> dict[int, NDArray[np.float64]]:
+    def _cells(self, asked: Sequence[Column]) -> Cells:
         names = {column.index: column.name for column in asked}
         names |= {c.time_index: f"time of {c.name}" for c in asked if c.time_index is not None}
         return self.body.columns(names)
 
-    def _channel(self, column: Column, cells: Mapping[int, NDArray[np.float64]]) -> StoredChannel:
+    def _channel(self, column: Column, cells: Cells, clocks: _Clocks) -> StoredChannel:
         samples = cells[column.index]
         n = _filled(samples)
         notes = list(column.notes)
         fs_hz, start_s = column.fs_hz or float("nan"), column.start_s
         if column.time_index is not None:
             time = cells[column.time_index]
-            if column.digits is not None:
-                n = _without_zero_padding(time, n)
+            n = _without_zero_padding(time, n) if column.digits is not None else n
             if n:
-                fs_hz, start_s, said = self._clock(column, time[:n])
-                notes += said
+                fs_hz, start_s = clocks.of(column, time[:n], f"{self.path}, time of {column.name!r}", self.body.line)
+                notes += ["The time column states no unit; seconds were taken."] if column.time_unit_s is None else []
+            if self.shared_length and n < (rows := _filled(time)):
+                notes.append(f"{column.name}: ends after {n} of {rows} rows; blank cells were cut.")
         if column.expected is not None and column.expected != n:
             notes.append(f"{column.name}: the header promises {column.expected} samples, the file holds {n}.")
-        elif self.shared_length and n < _filled(cells[column.time_index] if column.time_index is not None else samples):
-            notes.append(
-                f"{column.name}: ends after {n} of {_filled(cells[column.time_index or 0])} rows; blank cells were cut."
-            )
         return StoredChannel(column.name, samples[:n].copy(), column.unit, fs_hz, start_s, tuple(notes))
 
-    def _clock(self, column: Column, time: NDArray[np.float64]) -> tuple[float, float, list[str]]:
-        where = f"{self.path}, time of {column.name!r}"
-        time_s = time * (column.time_unit_s or 1.0)
-        fs_hz, start_s = even_clock(time_s, where, self.body.line, _resolution(time_s, column.digits))
-        notes = []
-        if column.time_unit_s is None:
-            if fs_hz <= 2:
-                raise RecordingError(
-                    where, wanted="a time unit", found=f"none, and a step of {1 / fs_hz:g}",
-                    do='Write it in the header, like "time (ms)"; a plain count of samples is no time.',
-                )  # fmt: skip
-            notes.append("The time column states no unit; seconds were taken.")
-        if column.fs_hz is not None:
-            if abs(column.fs_hz - fs_hz) > _RATE_TOLERANCE * column.fs_hz:
-                raise RecordingError(
-                    where, wanted=f"the stated rate, {column.fs_hz:g} Hz", found=f"{fs_hz:g} Hz by the time stamps",
-                    do="Export the recording again; header and time disagree.",
-                )  # fmt: skip
-            fs_hz = column.fs_hz
-        return fs_hz, start_s, notes
+
+@dataclass(frozen=True)
+class _Clocks:
+    """Rates and starts measured so far, by time column and length: channels that share one share the work."""
+
+    measured: dict[tuple[int | None, int], tuple[float, float]]
+
+    def of(
+        self, column: Column, time: NDArray[np.float64], where: str, place: Callable[[int], str]
+    ) -> tuple[float, float]:
+        """(rate, start) of a column; the rate its file states goes before the measured one, which must agree."""
+        key = (column.time_index, time.size)
+        if key not in self.measured:
+            time_s = time * (column.time_unit_s or 1.0)
+            self.measured[key] = even_clock(time_s, where, place, _resolution(time_s, column.digits))
+        fs_hz, start_s = self.measured[key]
+        if column.time_unit_s is None and fs_hz <= _SLOWEST_UNSTATED_HZ:
+            raise RecordingError(
+                where, wanted="a time unit", found=f"none, and a step of {1 / fs_hz:g}",
+                do='Write it in the header, like "time (ms)"; a plain count of samples is no time.',
+            )  # fmt: skip
+        if column.fs_hz is not None and abs(column.fs_hz - fs_hz) > _RATE_TOLERANCE * column.fs_hz:
+            raise RecordingError(
+                where, wanted=f"the stated rate, {column.fs_hz:g} Hz", found=f"{fs_hz:g} Hz by the time stamps",
+                do="Export the recording again; header and time disagree.",
+            )  # fmt: skip
+        return column.fs_hz or fs_hz, start_s
 
 
 def _filled(samples: NDArray[np.float64]) -> int:

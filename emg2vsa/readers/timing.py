@@ -17,7 +17,7 @@ def even_clock(
 ) -> tuple[float, float]:
     """Rate (Hz) and start (s) of evenly spaced time stamps.
 
-    time_s : (n,) seconds. where : the file and column, for messages. place : row index to a place in the file ("line 7").
+    time_s : (n,) seconds. where : file and column, for messages. place : row index to a place in the file ("line 7").
     resolution_s : rounding of the written stamps; equal neighbours within it are no fault.
 
     The rate is (n - 1) intervals over the whole span, which the checks below make as safe as the median step and which
@@ -48,7 +48,8 @@ def even_clock(
     if abs(time_s[worst] - grid[worst]) > 0.5 / fs_hz + resolution_s:
         raise RecordingError(
             f"{where}, {place(worst)}", wanted=f"evenly spaced time (every {1 / fs_hz:.6g} s)",
-            found=f"a stamp {time_s[worst] - grid[worst]:+.4g} s off that grid", do="Resample the recording evenly first.",
+            found=f"a stamp {time_s[worst] - grid[worst]:+.4g} s off that grid",
+            do="Resample the recording evenly first.",
         )  # fmt: skip
     return float(f"{fs_hz:.9g}"), float(time_s[0])
 

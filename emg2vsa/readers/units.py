@@ -22,9 +22,9 @@ _EXACT = {
 }  # fmt: skip
 _TIME_S = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 _OTHER = {
-    "g", "G", "deg", "°", "deg/s", "°/s", "dps", "rad", "rad/s", "%", "%MVC", "% MVC", "MVC", "a.u", "a.u.", "au", "counts",
-    "Nm", "Nmm", "N.m", "N·m", "mm", "cm", "m", "m/s", "m/s^2", "m/s²", "uT", "mT", "Hz", "bpm", "BPM", "BrPM", "L", "L/min",
-    "mL/min", "Pa", "kPa", "hPa", "C", "°C", "A", "mA", "uA", "Ohm", "kOhm",
+    "g", "G", "deg", "°", "deg/s", "°/s", "dps", "rad", "rad/s", "%", "%MVC", "% MVC", "MVC", "a.u", "a.u.", "au",
+    "counts", "Nm", "Nmm", "N.m", "N·m", "mm", "cm", "m", "m/s", "m/s^2", "m/s²", "uT", "mT", "Hz", "bpm", "BPM",
+    "BrPM", "L", "L/min", "mL/min", "Pa", "kPa", "hPa", "C", "°C", "A", "mA", "uA", "Ohm", "kOhm",
 }  # fmt: skip
 
 
@@ -34,7 +34,7 @@ def canonical(unit: str) -> str:
 
 
 def si_factor(unit: str | None) -> tuple[str, float] | None:
-    """("V" or "N", factor to it), or None where ``unit`` is neither a voltage nor a force. mN is not MN: case counts."""
+    """("V" or "N", factor to it), or None where ``unit`` is neither a voltage nor a force. Case counts: mN, not MN."""
     if unit is None:
         return None
     text = canonical(unit)

@@ -13,7 +13,7 @@ from emg2vsa.study_file.check_names import name_problems
 from emg2vsa.study_file.check_recordings import recording_problems
 from emg2vsa.study_file.check_stages import stage_problems
 from emg2vsa.study_file.draft import Draft, read_draft
-from emg2vsa.study_file.entries import beside, entries
+from emg2vsa.study_file.entries import beside, data_folder, entries
 from emg2vsa.study_file.lines import key_lines, line_of
 from emg2vsa.study_file.problems import Problem
 from emg2vsa.study_file.schema import json_schema
@@ -58,15 +58,15 @@ def _toml(path: Path) -> tuple[str, dict[str, Any]]:
         raise StudyError((f"{path}: wanted a study file; found none to read ({error.strerror}).",)) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise StudyError((f"{path}:{line}: wanted UTF-8 text; found byte 0x{error.object[error.start]:02x}.",)) from None
+        raise StudyError(
+            (f"{path}:{line}: wanted UTF-8 text; found byte 0x{error.object[error.start]:02x}.",)
+        ) from None
     try:
         return text, tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        what = str(error)
-        at = re.search(r" \(at line (\d+), column (\d+)\)$", what)
-        line, column = (at[1], at[2]) if at else (str(text.count("\n") + 1), "1")
-        what = re.sub(r" \(at [^)]*\)$", "", what)
-        raise StudyError((f"{path}:{line}:{column}: wanted valid TOML; found: {what}.",)) from None
+        what, _, at = str(error).rpartition(" (at ")
+        digits = re.findall(r"\d+", at) or [str(text.count("\n") + 1)]
+        raise StudyError((f"{path}:{':'.join(digits)}: wanted valid TOML; found: {what}.",)) from None
 
 
 def _all_problems(draft: Draft) -> list[Problem]:
@@ -75,29 +75,31 @@ def _all_problems(draft: Draft) -> list[Problem]:
     faulty = {problem.path for problem in found}
     for check in (name_problems, recording_problems, stage_problems):
         for problem in check(draft):
-            if not any(problem.path[: len(path)] == path or path[: len(problem.path)] == problem.path for path in faulty):
+            if not any(
+                problem.path[: len(path)] == path or path[: len(problem.path)] == problem.path for path in faulty
+            ):
                 found.append(problem)
     return list(dict.fromkeys(found))
 
 
 def _study(path: Path, draft: Draft) -> Study:
-    assert draft.study and draft.participant_ids and draft.cocontraction and draft.fit
-    assert draft.hypotheses and draft.profile and draft.schedule
-    table = draft.study
+    file = draft.whole()
     return Study(
-        name=table.name,
-        title=table.title or table.name,
-        mode=table.mode,
+        name=file.study.name,
+        title=file.study.title or file.study.name,
+        mode=file.study.mode,
         path=path.absolute(),
-        participants=draft.participant_ids,
-        specimens=tuple(Specimen(s.name, s.stiffness_n_per_mm) for s in draft.specimens if s),
+        participants=draft.participant_ids or (),
+        specimens=tuple(Specimen(s.name, s.stiffness_n_per_mm) for s in file.specimens),
         recordings=entries(draft),
-        cocontraction=draft.cocontraction,
-        fit=draft.fit,
-        hypotheses=draft.hypotheses,
-        profile=draft.profile,
-        schedule=draft.schedule,
-        simulation=draft.simulation,
-        results=beside(draft.folder, table.results),
-        reports=beside(draft.folder, table.reports or f"../../reports/{table.name}"),
+        cocontraction=file.cocontraction,
+        fit=file.fit,
+        hypotheses=file.hypotheses,
+        profile=file.profile,
+        schedule=file.schedule,
+        simulation=file.simulation,
+        results=beside(draft.folder, file.study.results),
+        reports=beside(draft.folder, file.study.reports or f"../../reports/{file.study.name}"),
+        data=data_folder(draft),
+        window=file.window,
     )

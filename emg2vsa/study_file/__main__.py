@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from emg2vsa.study_file.schema import json_schema, reference
+from emg2vsa.study_file.reference import reference
+from emg2vsa.study_file.schema import json_schema
 
 SCHEMA = Path("studies/study.schema.json")
 REFERENCE = Path("docs/reference/study-file.md")

@@ -23,9 +23,10 @@ def name_problems(draft: Draft) -> Iterator[Problem]:
 def _twice(names: Iterable[str], at: KeyPath) -> Iterator[Problem]:
     seen: dict[str, str] = {}
     for index, name in enumerate(names):
-        # names become file names, and some file systems take P01 and p01 for one
         if name.casefold() in seen:
-            yield Problem((*at, index), "every name once", f"{name!r} after {seen[name.casefold()]!r}")
+            first = seen[name.casefold()]
+            found = f"{name!r} again" if name == first else f"{name!r} after {first!r}, one file name for some systems"
+            yield Problem((*at, index), "every name once", found)
         seen.setdefault(name.casefold(), name)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import string
+import re
 from collections.abc import Iterator, Mapping
 
 from emg2vsa.settings import EmgChannelSettings, ForceChannelSettings
@@ -50,11 +50,7 @@ def _patterns(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
         if pattern is None:
             continue
         path = ("recordings", key)
-        try:
-            names = [name for _, name, _, _ in string.Formatter().parse(pattern) if name is not None]
-        except ValueError as error:
-            yield Problem(path, "a path with {participant} and {specimen}", f"{shown(pattern)} ({error})")
-            continue
+        names = re.findall(r"\{([^{}]*)\}", pattern)
         for name in names:
             if name not in _PLACEHOLDERS:
                 do = nearest(name, _PLACEHOLDERS)
@@ -85,6 +81,10 @@ def _files(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
         seen.add(cell)
         if table.layout == "files" and file.emg is None:
             yield Problem((*at, "emg"), "a key 'emg' with layout = 'files'", "nothing")
+        own_window = draft.raw["recordings"]["files"][index].get("window", {})
+        if "force_n" in own_window:
+            do = "Set it in [window]: fits and profiles share its bins."
+            yield Problem((*at, "window", "force_n"), "one force window for all recordings", "another one", do)
 
 
 def _channels(draft: Draft) -> Iterator[Problem]:
@@ -95,7 +95,9 @@ def _channels(draft: Draft) -> Iterator[Problem]:
             yield from _file_channels(draft, file, ("recordings", "files", index, "channels"))
     if "channels" not in draft.raw and _needs_study_channels(draft):
         do = "Or give every recording its own under [[recordings.files]]."
-        yield Problem(("channels",), "a table [channels.emg.<muscle>] for each muscle and [channels.force]", "nothing", do)
+        yield Problem(
+            ("channels",), "a table [channels.emg.<muscle>] for each muscle and [channels.force]", "nothing", do
+        )
 
 
 def _file_channels(draft: Draft, file: FileTable, at: KeyPath) -> Iterator[Problem]:
@@ -111,11 +113,13 @@ def _one_role_each(
     emg: Mapping[str, EmgChannelSettings], force: ForceChannelSettings | None, at: KeyPath
 ) -> Iterator[Problem]:
     """No channel plays two roles. Force in a file of its own may well bear the name of an EMG channel."""
-    roles = {name.name: role for role, name in reversed(emg.items())}
+    roles: dict[str, str] = {}
     for role, channel in emg.items():
-        if roles[channel.name] != role:
+        if roles.setdefault(channel.name, role) != role:
             path = (*at, "emg", role, "name")
-            yield Problem(path, "a channel of its own for each muscle", f"{channel.name!r}, as for {roles[channel.name]}")
+            yield Problem(
+                path, "a channel of its own for each muscle", f"{channel.name!r}, as for {roles[channel.name]}"
+            )
     if force and force.name in roles:
         yield Problem((*at, "force", "name"), "a channel of its own", f"{force.name!r}, as for {roles[force.name]}")
 

@@ -88,10 +88,16 @@ def _new_specimen(draft: Draft, profile: ProfileSettings) -> Iterator[Problem]:
     names = profile.specimens or draft.specimen_names
     if profile.new_specimen is None or stiffness is None or names is None or profile.extrapolate:
         return
-    known = [s.stiffness_n_per_mm for s in draft.specimens if s and s.name in names and s.stiffness_n_per_mm is not None]
+    known = [
+        s.stiffness_n_per_mm for s in draft.specimens if s and s.name in names and s.stiffness_n_per_mm is not None
+    ]
     unread = any(p.path[0] == "specimens" for p in draft.problems)
     if not unread and (not known or not min(known) <= stiffness <= max(known)):
-        span = f"between {min(known):g} and {max(known):g}, the specimens used" if known else "specimens of known stiffness"
+        span = (
+            f"between {min(known):g} and {max(known):g}, the specimens used"
+            if known
+            else "specimens of known stiffness"
+        )
         do = "Add specimens, or set extrapolate = true."
         yield Problem(("profile", "new_stiffness_n_per_mm"), span, f"{stiffness:g}", do)
 

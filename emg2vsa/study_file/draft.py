@@ -65,6 +65,13 @@ class Draft:
         names = tuple(s.name for s in self.specimens if s)
         return names if names and len(names) == len(self.specimens) else None
 
+    def whole(self) -> StudyFile:
+        """The study file that a draft without problems is."""
+        tables: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(StudyFile)}
+        tables["specimens"] = tuple(self.specimens)
+        tables["recordings"] = replace(tables["recordings"], files=tuple(self.files))
+        return StudyFile(**tables)
+
     def muscles(self) -> tuple[str, ...] | None:
         """Every muscle role that some recording uses; None where the channels are not known."""
         tables = [self.channels.emg] if self.channels else []
@@ -86,7 +93,7 @@ def read_draft(raw: Mapping[str, Any], folder: Path) -> Draft:
     kinds = get_type_hints(StudyFile)
     draft.problems += [unknown_key(StudyFile, (key,), ()) for key in raw if key not in kinds]
     required = [f.name for f in fields(StudyFile) if f.default is MISSING and f.default_factory is MISSING]
-    draft.problems += [Problem((key,), f"a table [{key}]", "nothing") for key in required if key not in raw]
+    draft.problems += [Problem((key,), f"a table {_heading(key)}", "nothing") for key in required if key not in raw]
     paper = PAPER if _is_paper(raw) else {}
     for name, kind in kinds.items():
         if name in ("specimens", "recordings") or (name not in raw and name in required):
@@ -96,6 +103,10 @@ def read_draft(raw: Mapping[str, Any], folder: Path) -> Draft:
     _read_recordings(draft)
     _read_participants(draft)
     return draft
+
+
+def _heading(table: str) -> str:
+    return "[[specimens]]" if table == "specimens" else f"[{table}]"
 
 
 def _is_paper(raw: Mapping[str, Any]) -> bool:
@@ -116,7 +127,7 @@ def _read_table(draft: Draft, name: str, kind: Any, paper: Mapping[str, Any]) ->
 def _read_entries(draft: Draft, kind: Any, values: object, at: tuple[str, ...]) -> list[Any]:
     """The entries of an array of tables, each on its own: None for one that cannot be made out."""
     if not isinstance(values, list):
-        draft.problems.append(Problem(at, f"tables [[{'.'.join(at)}]]", shown(values)))
+        draft.problems.append(Problem(at, f"tables under [[{'.'.join(at)}]]", shown(values)))
         return []
     entries = []
     for index, value in enumerate(values):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
-from emg2vsa.settings import ChannelSettings, FilterSettings, WindowSettings
+from emg2vsa.settings import ChannelSettings
 from emg2vsa.study import RecordingEntry
 from emg2vsa.study_file.draft import Draft
-from emg2vsa.study_file.tables import FileChannels, FileTable, RecordingsTable
+from emg2vsa.study_file.tables import FileChannels, FileTable, RecordingsTable, StudyFile
 
 
 def beside(folder: Path, path: str) -> Path:
@@ -18,49 +19,59 @@ def beside(folder: Path, path: str) -> Path:
 
 def entries(draft: Draft) -> tuple[RecordingEntry, ...]:
     """All recordings of a draft without problems: the layout's by participant and specimen, or the listed ones."""
-    assert draft.recordings and draft.participant_ids and draft.specimen_names
-    listed = {(f.participant, f.specimen): i for i, f in enumerate(draft.files) if f}
-    cells = [(p, s) for p in draft.participant_ids for s in draft.specimen_names]
-    if draft.recordings.layout == "files":
+    file = draft.whole()
+    listed = {(f.participant, f.specimen): index for index, f in enumerate(file.recordings.files)}
+    cells = [(p, s.name) for p in draft.participant_ids or () for s in file.specimens]
+    if file.recordings.layout == "files":
         cells = list(listed)
-    return tuple(_entry(draft, draft.recordings, cell, listed.get(cell)) for cell in cells)
+    return tuple(_entry(draft, file, cell, listed.get(cell)) for cell in cells)
 
 
-def _entry(draft: Draft, table: RecordingsTable, cell: tuple[str, str], index: int | None) -> RecordingEntry:
-    assert draft.filters and draft.window
-    file = draft.files[index] if index is not None else None
-    emg, force = _paths(table, cell, file)
-    filters: FilterSettings = draft.filters
-    window: WindowSettings = draft.window
+def data_folder(draft: Draft) -> Path:
+    """The folder that holds the recordings of a layout; for listed files the one around them all."""
+    table = draft.whole().recordings
+    match table.layout:
+        case "bids":
+            return beside(draft.folder, table.root or "")
+        case "pattern":
+            fixed = (table.pattern or "").partition("{")[0]
+            return beside(draft.folder, fixed.rpartition("/")[0])
+        case _:
+            return Path(os.path.commonpath([entry.emg_file.parent for entry in entries(draft)]))
+
+
+def _entry(draft: Draft, file: StudyFile, cell: tuple[str, str], index: int | None) -> RecordingEntry:
+    own, filters, window = None, file.filters, file.window
     if index is not None:
+        own = file.recordings.files[index]
         filters, window = draft.overlaid(filters, index, "filters"), draft.overlaid(window, index, "window")
+    emg, force = _paths(file.recordings, cell, own)
     return RecordingEntry(
         participant=cell[0],
         specimen=cell[1],
         emg_file=beside(draft.folder, emg),
         force_file=beside(draft.folder, force) if force else None,
-        channels=_channels(draft.channels, file.channels if file else FileChannels()),
+        channels=_channels(file.channels, own.channels if own else FileChannels()),
         filters=filters,
         window=window,
     )
 
 
-def _paths(table: RecordingsTable, cell: tuple[str, str], file: FileTable | None) -> tuple[str, str | None]:
+def _paths(table: RecordingsTable, cell: tuple[str, str], own: FileTable | None) -> tuple[str, str | None]:
+    """EMG file and force file as the study file writes them; one that a recording names itself goes first."""
     participant, specimen = cell
-    emg = table.pattern or ""
+    emg, force = (_filled(pattern or "", participant, specimen) for pattern in (table.pattern, table.force_pattern))
     if table.layout == "bids":
         name = f"sub-{participant}_task-{table.task}_acq-{specimen}_emg.{table.extension}"
         emg = f"{table.root}/sub-{participant}/emg/{name}"
-    else:
-        emg = emg.format(participant=participant, specimen=specimen)
-    force = table.force_pattern.format(participant=participant, specimen=specimen) if table.force_pattern else None
-    if file is None:
-        return emg, force
-    return file.emg or emg, file.force or force
+    return (own.emg or emg, own.force or force or None) if own else (emg, force or None)
+
+
+def _filled(pattern: str, participant: str, specimen: str) -> str:
+    return pattern.replace("{participant}", participant).replace("{specimen}", specimen)
 
 
 def _channels(study: ChannelSettings | None, own: FileChannels) -> ChannelSettings:
-    if study is None:
-        assert own.emg and own.force
-        return ChannelSettings(emg=own.emg, force=own.force)
-    return ChannelSettings(emg=own.emg or study.emg, force=own.force or study.force)
+    """The study's channels with what a recording replaces; either may be all there is."""
+    given: dict[str, Any] = {"emg": own.emg or (study and study.emg), "force": own.force or (study and study.force)}
+    return ChannelSettings(**{role: channel for role, channel in given.items() if channel})

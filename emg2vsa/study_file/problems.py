@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
@@ -66,7 +67,7 @@ def checked(kind: Any, value: object, at: KeyPath) -> tuple[Any, list[Problem]]:
     except ValidationError as error:
         details = error.errors(include_url=False)
     problems = _problems(kind, value, details, at)
-    if any(d["type"] == "missing" for d in details):
+    if any(d["type"] == "missing" and isinstance(d["loc"][-1], str) for d in details):
         return None, problems
     try:
         return _valid(kind, _without(value, [_in_data(value, d["loc"]) for d in details])), problems
@@ -83,10 +84,10 @@ def _in_data(value: Any, loc: Sequence[str | int]) -> KeyPath:
     """The part of a pydantic location that exists in the data; unions append the name of the branch they tried."""
     path: KeyPath = ()
     for part in loc:
-        if isinstance(value, dict) and part in value or isinstance(value, list) and isinstance(part, int):
-            value, path = value[part], (*path, part)
-        else:
+        inside = part in value if isinstance(value, dict) else isinstance(value, list) and part in range(len(value))
+        if not inside:
             break
+        value, path = value[part], (*path, part)
     return path
 
 
@@ -126,7 +127,20 @@ def _problem(kind: Any, detail: ErrorDetails, inside: KeyPath, at: KeyPath) -> P
         return Problem(path, "one more entry" if isinstance(inside[-1], int) else f"a key {inside[-1]!r}", "nothing")
     if detail["type"] == "unexpected_keyword_argument":
         return unknown_key(kind, inside, at)
-    return Problem(path, _wanted(detail), shown(detail["input"]))
+    return Problem(path, _wanted(detail), shown(detail["input"]), _advice(detail))
+
+
+def _advice(detail: ErrorDetails) -> str:
+    given = detail["input"]
+    if not isinstance(given, str):
+        return ""
+    if detail["type"] == "literal_error":
+        return nearest(given, re.findall(r"'([^']+)'", detail["ctx"]["expected"]))
+    is_quoted_number = detail["type"] in ("float_type", "int_type") and _NUMBER.fullmatch(given)
+    return "Write it without quotes." if is_quoted_number else ""
+
+
+_NUMBER = re.compile(r"\s*[+-]?\d+(\.\d+)?([eE][+-]?\d+)?\s*")
 
 
 def unknown_key(kind: Any, inside: KeyPath, at: KeyPath) -> Problem:
@@ -135,7 +149,9 @@ def unknown_key(kind: Any, inside: KeyPath, at: KeyPath) -> Problem:
     known = table_keys(kind, inside[:-1])
     hint = nearest(key, known, f"The keys are {', '.join(known)}.")
     elsewhere = [table for table, keys in _keys_by_table().items() if key in keys and table not in path]
-    return Problem(path, "a known key", repr(key), f"{hint} [{elsewhere[0]}] has a key of that name." if elsewhere else hint)
+    return Problem(
+        path, "a known key", repr(key), f"{hint} [{elsewhere[0]}] has a key of that name." if elsewhere else hint
+    )
 
 
 def table_keys(kind: Any, inside: KeyPath) -> tuple[str, ...]:

@@ -102,7 +102,7 @@ class FileTable:
     filters: FilterSettings = field(default_factory=FilterSettings)
     "Keys that replace the study's [filters] for this recording; the others keep."
     window: WindowSettings = field(default_factory=WindowSettings)
-    "Keys that replace the study's [window] for this recording; the others keep."
+    "Keys that replace the study's [window] for this recording, all but force_n; the others keep."
 
 
 @dataclass(frozen=True, kw_only=True)

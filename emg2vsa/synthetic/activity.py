@@ -20,7 +20,7 @@ REST_SHARE = 0.2
 def true_cocontraction_v(force_n: FloatArray, a_v: float, b_v: float, lower_n: float) -> FloatArray:
     """v = a + b ln F for F >= 0.6 ``lower_n``; below, a power of F that joins it with equal value and slope.
 
-    force_n : (n,) true force, not negative. Returns (n,) volts; at zero force the rest tone, a fifth of the joint value.
+    force_n : (n,) true force, not negative. Returns (n,) volts; at zero force a rest tone, a fifth of the joint value.
     """
     join_n, join_v = logarithm_end(a_v, b_v, lower_n)
     rest_v = REST_SHARE * join_v

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -22,7 +23,8 @@ def muscle_spectrum(frequency_hz: FloatArray) -> FloatArray:
     f2 = np.square(frequency_hz)
     muscle = MUSCLE_HIGH_HZ**4 * f2 / ((f2 + MUSCLE_LOW_HZ**2) * np.square(f2 + MUSCLE_HIGH_HZ**2))
     low, high = AMPLIFIER_BAND_HZ
-    return muscle * np.square(f2) / (np.square(f2) + low**4) / (1 + np.square(f2 / high**2))
+    power: FloatArray = muscle * np.square(f2) / (np.square(f2) + low**4) / (1 + np.square(f2 / high**2))
+    return power
 
 
 def gaussian_noise(rng: np.random.Generator, n: int, fs_hz: float, spectrum: Spectrum) -> FloatArray:
@@ -44,7 +46,7 @@ def gaussian_noise(rng: np.random.Generator, n: int, fs_hz: float, spectrum: Spe
 
 def emg_carrier(rng: np.random.Generator, n: int, fs_hz: float) -> FloatArray:
     """Gaussian EMG carrier with a mean rectified value of 1: sigma sqrt(2/pi) = 1."""
-    return np.sqrt(np.pi / 2) * gaussian_noise(rng, n, fs_hz, muscle_spectrum)
+    return math.sqrt(math.pi / 2) * gaussian_noise(rng, n, fs_hz, muscle_spectrum)
 
 
 def below(corner_hz: float) -> Spectrum:

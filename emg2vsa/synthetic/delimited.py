@@ -14,7 +14,8 @@ def number_rows(columns: Sequence[NDArray[np.float64]], formats: Sequence[str]) 
     """CSV rows of equally long columns, each with its printf format, lines ended by a line feed."""
     table = np.column_stack(columns)
     line = ",".join(formats) + "\n"
-    return line * table.shape[0] % tuple(table.ravel().tolist())
+    text: str = line * table.shape[0] % tuple(table.ravel().tolist())
+    return text
 
 
 def text_rows(rows: Iterable[Sequence[object]], delimiter: str) -> str:

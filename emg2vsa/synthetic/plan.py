@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
@@ -22,7 +23,9 @@ SLOT_S = 300
 
 @dataclass(frozen=True)
 class PlannedRecording:
-    """One recording to make. ``position`` is its 1-based place in the participant's random order of specimens."""
+    """One recording to make. ``position`` is its 1-based place in the participant's random order of specimens;
+    ``task`` the BIDS task label of the study's file name, if that has one.
+    """
 
     participant: str
     specimen: str
@@ -30,11 +33,14 @@ class PlannedRecording:
     window: WindowSettings
     a_v: float
     b_v: float
+    mains_hz: float
+    task: str
     position: int
     acquired: datetime
     seed: np.random.SeedSequence
 
     def make(self, settings: SimulationSettings) -> SyntheticRecording:
+        """Its signals and truth; the same every time."""
         return make_recording(
             self.seed,
             settings,
@@ -51,35 +57,42 @@ def plan_study(study: Study) -> tuple[SimulationSettings, tuple[PlannedRecording
     Raises SettingError where the simulation settings do not fit the study.
     """
     settings = _checked_settings(study)
-    entries = {(entry.participant, entry.specimen): entry for entry in study.recordings}
-    planned = []
-    for index, participant in enumerate(study.participants):
-        # the seed of a recording is its address, so it does not depend on how many others there are
-        rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
-        factor = float(spread(rng, settings.participant_sd, 1)[0])
-        places = np.argsort(rng.random(len(study.specimens))).argsort()
-        for number, specimen in enumerate(study.specimens):
-            entry = entries.get((participant, specimen.name))
-            if entry is not None:
-                planned.append(_planned(settings, entry, (index, number), int(places[number]), factor))
-    return settings, tuple(planned)
+    longest_s = max((longest_record_s(settings, entry.window.force_n) for entry in study.recordings), default=0.0)
+    slot = timedelta(seconds=SLOT_S * -(-longest_s // SLOT_S))
+    sessions = [_session(study, settings, index, slot) for index in range(len(study.participants))]
+    return settings, tuple(planned for session in sessions for planned in session)
 
 
-def _planned(
-    settings: SimulationSettings, entry: RecordingEntry, address: tuple[int, int], place: int, factor: float
-) -> PlannedRecording:
-    slot = timedelta(seconds=SLOT_S * -(-longest_record_s(settings) // SLOT_S))
-    return PlannedRecording(
-        participant=entry.participant,
-        specimen=entry.specimen,
-        channels=entry.channels,
-        window=entry.window,
-        a_v=settings.a_v[entry.specimen] * factor,
-        b_v=settings.b_v[entry.specimen] * factor,
-        position=place + 1,
-        acquired=FIRST_SESSION + timedelta(days=address[0]) + place * slot,
-        seed=np.random.SeedSequence(settings.seed, spawn_key=address),
-    )
+def _session(study: Study, settings: SimulationSettings, index: int, slot: timedelta) -> list[PlannedRecording]:
+    """The recordings of one participant, specimens in the study's order."""
+    # a seed is an address, so a recording does not depend on how many others there are
+    rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
+    factor = float(spread(rng, settings.participant_sd, 1)[0])
+    places = np.argsort(rng.random(len(study.specimens))).argsort().tolist()
+    participant = study.participants[index]
+    entries = {entry.specimen: entry for entry in study.recordings if entry.participant == participant}
+    return [
+        PlannedRecording(
+            participant=participant,
+            specimen=specimen.name,
+            channels=entries[specimen.name].channels,
+            window=entries[specimen.name].window,
+            a_v=settings.a_v[specimen.name] * factor,
+            b_v=settings.b_v[specimen.name] * factor,
+            mains_hz=settings.mains_hz,
+            task=_task(entries[specimen.name]),
+            position=place + 1,
+            acquired=FIRST_SESSION + timedelta(days=index) + place * slot,
+            seed=np.random.SeedSequence(settings.seed, spawn_key=(index, number)),
+        )
+        for number, (specimen, place) in enumerate(zip(study.specimens, places, strict=True))
+        if specimen.name in entries
+    ]
+
+
+def _task(entry: RecordingEntry) -> str:
+    label = re.search(r"_task-([A-Za-z0-9]+)_", entry.emg_file.name)
+    return label[1] if label else "palpation"
 
 
 def _checked_settings(study: Study) -> SimulationSettings:

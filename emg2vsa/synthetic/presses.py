@@ -31,8 +31,8 @@ HESITATION_CHANCE, HESITATION_SHARE, HESITATION_S = 0.05, (0.07, 0.11), 0.5
 class Presses:
     """True force and its events.
 
-    force_n : (n,). onset_s, stop_s : (r,) last rise through the lower force before the upper force is first reached, and
-    that reach, interpolated between samples. peak_force_n, largest_fall_n : (r,) the latter is the deepest fall below
+    force_n : (n,). onset_s, stop_s : (r,) last rise through the lower force before the upper is first reached, and that
+    reach, interpolated between samples. peak_force_n, largest_fall_n : (r,) the latter is the deepest fall below
     the running maximum between onset and stop. cue_start_s, cue_stop_s : (r,) spoken or shown commands.
     """
 
@@ -70,9 +70,11 @@ def make_presses(
     return _with_events(force_n, bounds, fs_hz, window_n, reaction_s)
 
 
-def longest_record_s(settings: SimulationSettings) -> float:
-    """No record of these settings lasts longer: a loading phase takes at least a third of its ramp."""
-    press_s = 3 * settings.loading_s[1] + HOLD_S[1] + RELEASE_S[1] + settings.rest_s[1]
+def longest_record_s(settings: SimulationSettings, window_n: tuple[float, float]) -> float:
+    """A bound on the length of a record: the window at the slowest ramp that keeps its loading time."""
+    fastest = (1 + 3 * SPEED_HARMONIC) / (1 - TAPER[1] / 2)
+    share = (window_n[1] - window_n[0]) / (PEAK_SHARE[1] * window_n[1])
+    press_s = settings.loading_s[1] * fastest / share + HOLD_S[1] + RELEASE_S[1] + settings.rest_s[1]
     return INITIAL_REST_S + settings.repetitions * press_s + settings.rest_s[1] + 1
 
 

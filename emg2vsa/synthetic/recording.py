@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,12 +61,9 @@ def make_recording(
     """Simulate one recording; the same seed gives the same recording, whatever else is simulated.
 
     a_v, b_v : coefficients of this participant on this specimen; every repetition scales both by one random factor of
-    relative spread ``settings.repetition_sd``. window_n : force window, newtons. force_delay_s : delay of the force sensor.
+    relative spread ``settings.repetition_sd``. window_n : force window, newtons. force_delay_s : of the force sensor.
     """
-    # one stream per part: a further muscle leaves force and the other muscles as they are
-    presses_rng, scale_rng, force_rng, *muscle_rngs = map(
-        np.random.default_rng, seed.spawn(3 + len(settings.muscle_share))
-    )
+    presses_rng, scale_rng, force_rng, *muscle_rngs = _streams(seed, 3 + len(settings.muscle_share))
     presses = make_presses(presses_rng, settings, window_n, settings.repetitions)
     scale = spread(scale_rng, settings.repetition_sd, settings.repetitions)
     unit_v = true_cocontraction_v(presses.force_n, a_v, b_v, window_n[0])
@@ -80,9 +78,17 @@ def make_recording(
     return SyntheticRecording(settings.fs_hz, emg_v, force_n, truth)
 
 
+def _streams(seed: np.random.SeedSequence, n: int) -> list[np.random.Generator]:
+    """One stream per part, so that a further muscle leaves force and the other muscles as they are."""
+    # SeedSequence.spawn would count its calls, and a second recording from one seed would differ
+    keys = [(*seed.spawn_key, part) for part in range(n)]
+    return [np.random.default_rng(np.random.SeedSequence(seed.entropy, spawn_key=key)) for key in keys]
+
+
 def spread(rng: np.random.Generator, relative_sd: float, n: int) -> FloatArray:
     """``n`` factors around 1; a wide spread is cut at 0.1, for a co-contraction stays positive."""
-    return np.maximum(1 + relative_sd * rng.standard_normal(n), 0.1)
+    factors: FloatArray = np.maximum(1 + relative_sd * rng.standard_normal(n), 0.1)
+    return factors
 
 
 def _scale_over_time(presses: Presses, scale: FloatArray, fs_hz: float) -> FloatArray:
@@ -90,17 +96,19 @@ def _scale_over_time(presses: Presses, scale: FloatArray, fs_hz: float) -> Float
     cue_s = presses.cue_start_s
     knots_s = np.column_stack([cue_s - 0.1, cue_s + 0.1]).ravel()
     levels = np.repeat(np.concatenate([scale[:1], scale]), 2)[1:-1]
-    return np.interp(np.arange(presses.force_n.size) / fs_hz, knots_s, levels)
+    factor: FloatArray = np.interp(np.arange(presses.force_n.size) / fs_hz, knots_s, levels)
+    return factor
 
 
 def _emg_channel(rng: np.random.Generator, envelope_v: FloatArray, settings: SimulationSettings) -> FloatArray:
     """Carrier times envelope, mains, baseline drift and white sensor noise."""
     n, fs_hz = envelope_v.size, settings.fs_hz
     phase = rng.uniform(0, 2 * np.pi)
-    mains = np.sqrt(2) * settings.mains_v * np.sin(2 * np.pi * settings.mains_hz * np.arange(n) / fs_hz + phase)
+    mains = math.sqrt(2) * settings.mains_v * np.sin(2 * np.pi * settings.mains_hz * np.arange(n) / fs_hz + phase)
     drift = EMG_DRIFT_V * gaussian_noise(rng, n, fs_hz, below(EMG_DRIFT_HZ))
     noise = settings.emg_noise_v * rng.standard_normal(n)
-    return envelope_v * emg_carrier(rng, n, fs_hz) + mains + drift + noise
+    emg_v: FloatArray = envelope_v * emg_carrier(rng, n, fs_hz) + mains + drift + noise
+    return emg_v
 
 
 def _force_channel(

@@ -1,4 +1,4 @@
-"""The channels as a file stores them: named, scaled by gain, unit and sign as the study says the reader will undo them."""
+"""The channels as a file stores them: name, gain, unit and sign are those the study tells the reader to undo."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ NEWTONS = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.806
 
 @dataclass(frozen=True)
 class StoredChannel:
-    """One channel of a file. samples : (n,) in ``unit``; muscle is None for force; scale : SI units per stored unit."""
+    """One channel of a file. samples : (n,) in ``unit``, "" where there is none. muscle : None for force."""
 
     name: str
     samples: FloatArray
     unit: str
     muscle: str | None
-    scale: float
 
 
 def stored_channels(planned: PlannedRecording, recording: SyntheticRecording, emg_unit: str) -> list[StoredChannel]:
     """EMG channels, then force. emg_unit : unit of EMG where the study does not name one."""
     channels = planned.channels
-    emg = [
-        _stored_emg(muscle, recording.emg_v[muscle], setting, emg_unit) for muscle, setting in channels.emg.items()
-    ]
+    emg = [_stored_emg(muscle, recording.emg_v[muscle], setting, emg_unit) for muscle, setting in channels.emg.items()]
     return [*emg, _stored_force(recording.force_n, channels.force)]
 
 
 def _stored_emg(muscle: str, emg_v: FloatArray, setting: EmgChannelSettings, default_unit: str) -> StoredChannel:
     unit = setting.unit or default_unit
     scale = VOLTS[unit] / setting.gain
-    return StoredChannel(setting.name, emg_v / scale, unit, muscle, scale)
+    return StoredChannel(setting.name, emg_v / scale, unit, muscle)
 
 
 def _stored_force(force_n: FloatArray, setting: ForceChannelSettings) -> StoredChannel:
-    unit = setting.unit or "N"
-    newtons = setting.newtons_per_unit or NEWTONS.get(unit)
-    if newtons is None:
-        raise SettingError(
-            f"force channel {setting.name!r}, unit",
-            wanted="a unit of force or newtons_per_unit",
-            found=repr(unit),
-            do="Declare newtons_per_unit.",
-        )
+    if setting.newtons_per_unit is not None:
+        unit, newtons = setting.unit or "", setting.newtons_per_unit
+    else:
+        unit = setting.unit or "N"
+        if unit not in NEWTONS:
+            raise SettingError(
+                f"force channel {setting.name!r}, unit",
+                wanted="N, mN, kN, lbf, kgf or gf, or newtons_per_unit",
+                found=repr(unit),
+                do="Declare newtons_per_unit.",
+            )
+        newtons = NEWTONS[unit]
     scale = setting.sign * newtons
-    return StoredChannel(setting.name, force_n / scale, unit, None, scale)
+    return StoredChannel(setting.name, force_n / scale, unit, None)

@@ -1,0 +1,86 @@
+"""``emg2vsa check``: is this participant's session good, now?"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from typing import TYPE_CHECKING
+
+from emg2vsa.cli.arguments import Commands, add_command, add_jobs, add_json, add_study, jobs_of, print_json
+
+if TYPE_CHECKING:
+    from emg2vsa.session_verdict import SessionVerdict
+    from emg2vsa.study import Study
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "check",
+        run,
+        "Check the study file, then judge sessions: good, usable or repeat.",
+        "Exit status 0: every session is good or usable; 1: at least one recording should be repeated.",
+    )
+    add_study(parser)
+    parser.add_argument("participants", nargs="*", metavar="PARTICIPANT", help="sessions to judge (default: all)")
+    add_jobs(parser)
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.run import run_study
+    from emg2vsa.study_file import load_study
+
+    study = _only(load_study(arguments.study), arguments.participants)
+    board = run_study(study, only="trials", jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
+    failures = {item: message for item, _, message in board.failures()}
+    verdicts = [
+        _judge(study, participant, board.done("trials", f"{participant}/"), failures) for participant in _people(study)
+    ]
+    if arguments.json:
+        print_json({verdict.participant: dataclasses.asdict(verdict) for verdict in verdicts})
+    else:
+        for verdict in verdicts:
+            _print(verdict)
+    return int(any(verdict.verdict == "repeat" for verdict in verdicts))
+
+
+def _only(study: Study, participants: list[str]) -> Study:
+    """The study with the recordings of these participants."""
+    from emg2vsa.errors import SettingError
+
+    unknown = [name for name in participants if name not in study.participants]
+    if unknown:
+        raise SettingError(
+            study.path, wanted=f"participants of the study ({', '.join(study.participants)})",
+            found=", ".join(unknown), do="Check the spelling.",
+        )  # fmt: skip
+    chosen = participants or study.participants
+    return dataclasses.replace(study, recordings=tuple(e for e in study.recordings if e.participant in chosen))
+
+
+def _people(study: Study) -> list[str]:
+    return list(dict.fromkeys(entry.participant for entry in study.recordings))
+
+
+def _judge(study: Study, participant: str, results: tuple, failures: dict[str, str]) -> SessionVerdict:  # type: ignore[type-arg]
+    from emg2vsa import artifacts
+    from emg2vsa.session_verdict import judge_session
+
+    entries = [entry for entry in study.recordings if entry.participant == participant]
+    return judge_session(
+        participant,
+        [artifacts.load(path) for path in results],
+        {entry.specimen: entry.window.expected_trials for entry in entries},
+        {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
+    )
+
+
+def _print(verdict: SessionVerdict) -> None:
+    print(f"{verdict.participant}: {verdict.verdict.upper()}")
+    for s in verdict.specimens:
+        wanted = f" of {s.wanted}" if s.wanted is not None else ""
+        print(f"  {s.specimen:<10} {s.found:>3}{wanted} presses: {s.ok} ok, {s.warned} warned, {s.rejected} rejected")
+    for advice in verdict.advice:
+        print(f"  - {advice}")

@@ -1,0 +1,94 @@
+"""Recognition, lazy imports, and files nobody should have given us."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers import READERS, inspect, open_recording, read
+
+HEAVY = ("pandas", "ezc3d", "edfio", "scipy", "h5py")
+
+
+def test_importing_the_package_loads_no_format_library() -> None:
+    code = f"import emg2vsa.readers, emg2vsa.readers.roles, sys; print([m for m in {HEAVY!r} if m in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_reading_bdf_loads_no_pandas(tmp_path: Path) -> None:
+    edfio = pytest.importorskip("edfio")
+    import numpy as np
+
+    path = tmp_path / "a.bdf"
+    edfio.Bdf([edfio.BdfSignal(np.arange(100.0), 100, label="EDC", physical_dimension="uV")]).write(path)
+    code = (
+        "from emg2vsa.readers import read; import sys; read(sys.argv[1], ['EDC']); "
+        f"print([m for m in {HEAVY!r} if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("relative", "name"),
+    [
+        ("emg/bids/emg_IndependentMod/sub-01/emg/sub-01_task-grasping_emg.edf", "EDF"),
+        ("emg/c3d/btk_1123x01EMG.c3d", "C3D"),
+        ("emg/emg_force/openhdemg_otb_testfile_VL64_force.mat", "MATLAB"),
+        ("emg/delsys_csv/discover150.csv", "Trigno Discover CSV"),
+        ("emg/delsys_csv/discover170.csv", "Trigno Discover CSV"),
+        ("emg/delsys_csv/emgworks.csv", "EMGworks CSV"),
+        ("emg/delsys_csv/emgio_emgworks_verbose_truncated.csv", "EMGworks CSV"),
+        ("emg/emg_force/novainstrumentation_emg.txt", "text matrix"),
+    ],
+)
+def test_real_files_are_recognised(shared_data, relative: str, name: str) -> None:
+    assert open_recording(shared_data(relative))[0] == name
+
+
+@pytest.mark.parametrize(
+    "relative",
+    ["delsys_native/btk_Run34_EDC_FCR_BIC_TRI.hpf", "delsys_native/btk_Set1_Rep2_v3.emg", "labview/nptdms_raw1.tdms"],
+)
+def test_foreign_binary_formats_are_refused_with_the_known_ones(shared_data, relative: str) -> None:
+    with pytest.raises(RecordingError, match="unknown format") as caught:
+        inspect(shared_data(f"emg/{relative}"))
+    assert all(reader.format in caught.value.wanted for reader in READERS)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".txt", ".edf", ".bdf", ".c3d", ".mat"])
+def test_empty_and_garbage_files_end_in_one_error(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"x{suffix}"
+    for content in (
+        b"",
+        b"\n\n",
+        b"\x00" * 600,
+        os.urandom(3000),
+        b"\x02\x50" + bytes(range(256)) * 8,
+        b"0       ",
+        b"MATLAB ",
+    ):
+        path.write_bytes(content)
+        with pytest.raises(RecordingError) as caught:
+            inspect(path)
+        assert str(path) in caught.value.where
+
+
+def test_missing_file_and_folder(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="No such file"):
+        inspect(tmp_path / "absent.csv")
+    with pytest.raises(RecordingError, match="directory"):
+        inspect(tmp_path)
+
+
+def test_unknown_channel_suggests_the_nearest(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text("time (s),EDC (mV)\n0,1\n0.001,2\n")
+    with pytest.raises(RecordingError, match="Did you mean 'EDC'"):
+        read(path, ["ECD"])

@@ -1,0 +1,154 @@
+"""Plain CSV in the spellings people export it in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers import inspect, read
+
+TIME = np.arange(60) / 1000.0
+EDC, FZ = np.sin(np.arange(60.0)), 0.1 + np.arange(60.0)
+
+
+def table(header: str, separator: str = ",", decimal: str = ".", end: str = "\n") -> str:
+    rows = [
+        f"{t:.3f}{separator}{e:.9f}{separator}{f:.3f}".replace(".", decimal)
+        for t, e, f in zip(TIME, EDC, FZ, strict=True)
+    ]
+    return end.join([header, *rows]) + end
+
+
+def write(tmp_path: Path, text: str, encoding: str = "utf-8") -> Path:
+    path = tmp_path / "rec.csv"
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+def check(path: Path) -> None:
+    recording = read(path, ["Fz", "EDC"])
+    assert [(c.name, c.unit, c.fs_hz, c.start_s) for c in recording.channels] == [
+        ("Fz", "N", 1000.0, 0.0),
+        ("EDC", "V", 1000.0, 0.0),
+    ]
+    np.testing.assert_allclose(recording.channel("EDC").samples, EDC * 1e-3, atol=1e-12)
+    np.testing.assert_allclose(recording.channel("Fz").samples, FZ, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("separator", "decimal"), [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), ("  ", ".")]
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_separators_decimals_and_line_ends(tmp_path: Path, separator: str, decimal: str, end: str) -> None:
+    header = separator.join(["time[s]", "EDC[mV]", "Fz[N]"])
+    check(write(tmp_path, table(header, separator, decimal, end)))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_encodings(tmp_path: Path, encoding: str) -> None:
+    path = write(tmp_path, table("time (s),EDC (µV),Fz (N)"), encoding)
+    np.testing.assert_allclose(read(path, ["EDC"]).channels[0].samples, EDC * 1e-6, atol=1e-15)
+
+
+def test_quoted_decimal_commas_in_a_comma_separated_file(tmp_path: Path) -> None:
+    rows = "\n".join(
+        f'"{t:.3f}","{e:.9f}","{f:.3f}"'.replace(".", ",").replace('","', '";"')
+        for t, e, f in zip(TIME, EDC, FZ, strict=True)
+    )
+    check(write(tmp_path, "time;EDC [mV];Fz [N]\n" + rows + "\n"))
+    check(write(tmp_path, ("time,EDC [mV],Fz [N]\n" + rows + "\n").replace(";", ",")))
+
+
+@pytest.mark.parametrize(
+    "name", ["time", "Time", "t", "time_s", "time (s)", "X[s]", "Timestamp [s]", "t [s]", "Elapsed time (sec)"]
+)
+def test_names_of_the_time_column(tmp_path: Path, name: str) -> None:
+    check(write(tmp_path, table(f"{name},EDC (mV),Fz (N)")))
+
+
+def test_time_in_milliseconds(tmp_path: Path) -> None:
+    text = "time_ms,EDC (mV)\n" + "".join(f"{i},{i}\n" for i in range(20))
+    assert inspect(write(tmp_path, text))[1][0].fs_hz == 1000.0
+
+
+def test_a_count_of_samples_is_no_time(tmp_path: Path) -> None:
+    text = "time,EDC (mV)\n" + "".join(f"{i},{i}\n" for i in range(20))
+    with pytest.raises(RecordingError, match="wanted a time unit"):
+        read(write(tmp_path, text), ["EDC"])
+
+
+def test_seconds_taken_for_want_of_a_unit_are_noted(tmp_path: Path) -> None:
+    assert "seconds were taken" in read(write(tmp_path, table("time,EDC (mV),Fz (N)")), ["EDC"]).notes[0]
+
+
+def test_the_full_heading_names_a_channel_too(tmp_path: Path) -> None:
+    channel = read(write(tmp_path, table("time,EDC (mV),Fz (N)")), ["EDC (mV)"]).channels[0]
+    assert (channel.name, channel.unit) == ("EDC (mV)", "V")
+    assert channel.conversion == "mV x 0.001 = V"
+
+
+def test_repeated_names_become_unique(tmp_path: Path) -> None:
+    assert [c.name for c in inspect(write(tmp_path, table("time,EMG (mV),EMG (mV)")))[1]] == ["EMG", "EMG #2"]
+
+
+def test_other_units_stay_as_they_are(tmp_path: Path) -> None:
+    recording = read(write(tmp_path, table("time,angle (deg),level")), ["angle", "level"])
+    assert [(c.unit, c.conversion) for c in recording.channels] == [("deg", "deg as stored"), ("", "no unit stated")]
+
+
+def test_a_channel_that_ends_early_is_cut_not_padded(tmp_path: Path) -> None:
+    text = "time,EDC (mV),Fz (N)\n" + "".join(f"{i / 1000},{i},{i if i < 7 else ''}\n" for i in range(20))
+    recording = read(write(tmp_path, text), ["EDC", "Fz"])
+    assert [c.samples.size for c in recording.channels] == [20, 7]
+    assert any("Fz: ends after 7 of 20 rows" in note for note in recording.notes)
+
+
+def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> None:
+    rows = "".join(f"{i / 1000},{i},{i / 100 if i < 5 else ''},{10 * i if i < 5 else ''}\n" for i in range(40))
+    recording = read(write(tmp_path, "time (s),EDC (mV),time (s),Fz (N)\n" + rows), ["EDC", "Fz"])
+    assert [(c.fs_hz, c.samples.size) for c in recording.channels] == [(1000.0, 40), (100.0, 5)]
+    assert recording.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time (s),EDC (mV)\n", "1 filled lines"),
+        ("Fz,emg0\n1,2\n3,4\n", "time column"),
+        ("time (s)\n0\n1\n", "channels beside the time"),
+        ("time (s),EDC (mV)\n0,1\n0.001,abc\n0.002,3\n", r"line 3, column 'EDC': wanted a number; found 'abc'"),
+        ("# note\ntime (s),EDC (mV)\n0,1\n\n0.001,1.2.3\n", r"line 5, column 'EDC': wanted a number"),
+        ("time (s),EDC (mV)\n0,1\n0.001,2,9\n", r"line 3: wanted 2 cells; found 3"),
+        ("time (s),EDC (mV)\n0,1,0,2\n0,1,0,3\n", r"line 2: wanted 2 cells, .*; found 4. Separate .* by semicolons"),
+        ("time (s);EDC (mV)\n0,1;1.5\n0,2;1.7\n", "decimal points and decimal commas"),
+        ("time (s),EDC (mV)\n" + "0,1\n" * 99 + "0.099,1,5\n", r"line 101: wanted 2 cells; found 3"),
+        ("time (s),EDC (mV)\n10:32:01.5,1\n10:32:01.6,1\n", r"line 2, column 'time of EDC': wanted a number"),
+        ("time (s),EDC (mV)\n0,1\n0.001,2\n0.001,3\n0.002,4\n", "line 4: .*same stamp again"),
+        ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,3\n0.009,4\n0.010,3\n", "line 5: .*a gap of 0.007 s"),
+        ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,3\n", r"channel 'EDC': .*; found nan at sample 1 \(0.001 s"),
+        ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,inf\n", r"found inf at sample 2 \(0.002 s"),
+        ("time (s),EDC (mV)\n0,\n0.001,\n", "wanted samples; found none"),
+        ("time (s),EDC (mV)\n0,1\n,2\n0.002,3\n", "line 3: wanted a time stamp"),
+    ],
+)  # fmt: skip
+def test_faults_say_where_and_what(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(RecordingError, match=message):
+        read(write(tmp_path, text), ["EDC"])
+
+
+def test_a_late_decimal_comma_is_seen(tmp_path: Path) -> None:
+    text = "time (ms);EDC (mV)\n" + "".join(f"{i};{i}\n" for i in range(300)) + "300;0,5\n"
+    assert read(write(tmp_path, text), ["EDC"]).channels[0].samples[-1] == pytest.approx(0.5e-3)
+
+
+def test_faults_in_channels_not_asked_for_do_not_matter(tmp_path: Path) -> None:
+    text = "time (s),EDC (mV),note\n0,1,ok\n0.001,2,bad\n"
+    assert read(write(tmp_path, text), ["EDC"]).channels[0].samples.size == 2
+
+
+def test_the_ati_log_without_time_is_refused(shared_data) -> None:
+    with pytest.raises(RecordingError, match=r"wanted a time column .*found columns 'Fz', 'emg0'"):
+        inspect(shared_data("emg/ati/atusa_myo_mini45_raw_01.csv"))
