@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,7 +142,7 @@ def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: s
 
 
 def usable(fits: Fits, use: str) -> NDArray[np.bool_]:
-    """Trials (n,) that enter a test or a profile: verdict "ok", or also "warned" with ``use="ok+warned"``, and fitted."""
+    """Trials (n,) that enter a test or a profile: fitted, and "ok", or with ``use="ok+warned"`` also "warned"."""
     return np.isin(fits.verdict, use.split("+")) & np.isfinite(fits.b_v)
 
 
@@ -158,7 +159,7 @@ def concatenate(parts: Sequence[Fits]) -> Fits:
                     found=f"{getattr(parts[0], name)} and {getattr(part, name)}",
                     do="Fit all recordings with the same settings.",
                 )
-    joined = {
+    joined: dict[str, Any] = {
         f.name: np.concatenate([getattr(part, f.name) for part in parts])
         for f in dataclasses.fields(Fits)
         if f.name not in _COMMON

@@ -180,7 +180,7 @@ def _power(clusters: Clusters, alpha: float) -> tuple[float, str]:
         return float("nan"), f"power undefined: {n} participant(s), {m} repetition(s)"
     assumed = f"f = {EFFECT_F:g}, correlation {RHO:g}, sphericity {EPSILON:g}"
     return float(power_rm(n, m, EFFECT_F, RHO, EPSILON, alpha)), (
-        f"power of the repeated-measures F test for {n} people and {m} repetitions ({assumed}): it is that of finding a "
+        f"power of the repeated-measures F test for {n} people and {m} repetitions ({assumed}): that of finding a "
         "difference between repetitions, not between specimens, and says nothing on equality between participants"
     )
 

@@ -57,7 +57,7 @@ def _scale(residual: Floats, y: Floats, used: np.ndarray) -> Floats:
     high = np.take_along_axis(ordered, np.minimum(n // 2, y.shape[1] - 1), axis=1)
     rounding = 4 * np.finfo(np.float64).eps * np.max(np.abs(y), axis=1, keepdims=True, initial=0.0, where=used)
     floor = np.maximum(rounding, np.finfo(np.float64).tiny)
-    return np.maximum(np.where(n > 0, 0.5 * low + 0.5 * high, 0.0) / _MAD_OF_NORMAL, floor)
+    return np.asarray(np.maximum(np.where(n > 0, 0.5 * low + 0.5 * high, 0.0) / _MAD_OF_NORMAL, floor))
 
 
 def _with_h1_errors(line: Line, x: Floats, y: Floats, root: Floats, used: np.ndarray) -> Line:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats, exponent_of
 
 _SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
+_IN_UNIT_OF_Y = ("intercept", "slope", "intercept_se", "slope_se")
 
 
 @dataclass(frozen=True)
@@ -40,10 +41,12 @@ def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
     s^2 / weight with s^2 from the residuals.
     """
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        plain = _fit(x, y, weights)
-        if np.all((plain.syy > _SAFE) & (plain.syy < 1 / _SAFE)):
-            return plain.line
-        return _scaled(_fit(x, y, weights))
+        line, syy = _fit(x, y, weights)
+        if np.all((syy > _SAFE) & (syy < 1 / _SAFE)):
+            return line
+        unit = exponent_of(y)
+        scaled, _ = _fit(x, np.ldexp(y, -unit), weights)
+        return dataclasses.replace(scaled, **{f: np.ldexp(getattr(scaled, f), unit[:, 0]) for f in _IN_UNIT_OF_Y})
 
 
 def join(lines: Sequence[Line]) -> Line:
@@ -51,17 +54,13 @@ def join(lines: Sequence[Line]) -> Line:
     return Line(*(np.concatenate([getattr(line, f.name) for line in lines]) for f in dataclasses.fields(Line)))
 
 
-def _fit(x: Floats, y: Floats, weights: Floats | None, unit: NDArray[np.int32] | None) -> Line | None:
-    """``fit_line`` with y scaled by 2^-unit, unit (k,); None where unscaled squares would leave the range of float64."""
-    k, n_points = y.shape
-    n = np.full(k, n_points) if weights is None else np.count_nonzero(weights, axis=1)
-    total = n if weights is None else np.sum(weights, axis=1)
+def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
+    """The lines, and the sums of squares of y (k,)."""
+    n = np.full(len(y), y.shape[1]) if weights is None else np.count_nonzero(weights, axis=1)
+    total = n.astype(np.float64) if weights is None else np.sum(weights, axis=1)
     x_centre, dx = _centred(x, weights, total)
-    y_centre, dy = _centred(y if unit is None else np.ldexp(y, -unit[:, None]), weights, total)
-    syy = _sum_of(dy, dy, weights)
-    if unit is None and not np.all((syy > _SAFE) & (syy < 1 / _SAFE)):
-        return None
-    sxx = _sum_of(dx, dx, weights)
+    y_centre, dy = _centred(y, weights, total)
+    sxx, syy = _sum_of(dx, dx, weights), _sum_of(dy, dy, weights)
     slope = _sum_of(dx, dy, weights) / np.where(sxx > 0, sxx, np.nan)
     dx *= slope[:, None]
     dy -= dx
@@ -69,19 +68,17 @@ def _fit(x: Floats, y: Floats, weights: Floats | None, unit: NDArray[np.int32] |
     dof = np.maximum(n - 2, 0)
     error = np.sqrt(np.where(dof > 0, sse / dof, np.nan))
     unexplained = sse / syy
-    in_unit_of_y = (
-        y_centre - slope * x_centre,
-        slope,
-        error * np.sqrt(1 / total + x_centre * x_centre / sxx),
-        error / np.sqrt(sxx),
-    )
-    return Line(
-        *(in_unit_of_y if unit is None else (np.ldexp(values, unit) for values in in_unit_of_y)),
+    line = Line(
+        intercept=y_centre - slope * x_centre,
+        slope=slope,
+        intercept_se=error * np.sqrt(1 / total + x_centre * x_centre / sxx),
+        slope_se=error / np.sqrt(sxx),
         r2=1 - unexplained,
         adj_r2=np.where(dof > 0, 1 - unexplained * (n - 1) / dof, np.nan),
         n=n,
         dof=dof,
     )
+    return line, syy
 
 
 def _centred(values: Floats, weights: Floats | None, total: Floats) -> tuple[Floats, Floats]:
@@ -89,17 +86,21 @@ def _centred(values: Floats, weights: Floats | None, total: Floats) -> tuple[Flo
     if values.shape[1] == 0:
         return np.full(len(values), np.nan), values
     if weights is None:
-        origin = values[:, 0]
+        origin = values[:, :1]
     else:
-        origin = values[np.arange(len(values)), np.argmax(weights > 0, axis=1)]
-    shifted = values - origin[:, None]
-    mean = (np.sum(shifted, axis=1) if weights is None else np.einsum("kp,kp->k", weights, shifted)) / total
+        origin = np.take_along_axis(values, np.argmax(weights > 0, axis=1, keepdims=True), axis=1)
+    shifted = values - origin
+    mean = (np.sum(shifted, axis=1) if weights is None else _dot(weights, shifted)) / total
     shifted -= mean[:, None]
-    return origin + mean, shifted
+    return origin[:, 0] + mean, shifted
 
 
 def _sum_of(left: Floats, right: Floats, weights: Floats | None) -> Floats:
-    """Sum of products along each row; einsum, not BLAS, so that the last bit does not depend on threads."""
-    if weights is None:
-        return np.einsum("kp,kp->k", left, right)
-    return np.einsum("kp,kp,kp->k", weights, left, right)
+    """Sum (k,) of (weighted) products along each row."""
+    return _dot(left if weights is None else weights * left, right)
+
+
+def _dot(left: Floats, right: Floats) -> Floats:
+    # beyond 10 000 points BLAS may share a row among threads, whose number would show in the last bit
+    dot = np.vecdot(left, right) if left.shape[1] <= 10_000 else np.einsum("kp,kp->k", left, right)
+    return np.asarray(dot)

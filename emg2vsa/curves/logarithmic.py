@@ -114,7 +114,8 @@ def level_weights(force_n: ArrayLike, fit: LogFit) -> Floats:
 def _t_quantile(dof: NDArray[np.int64], confidence: float) -> Floats:
     """Student t (k,) of a two-sided interval; NaN where dof is 0."""
     distinct, where = np.unique(dof, return_inverse=True)
-    return special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)[where]
+    quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
+    return np.asarray(quantile, dtype=np.float64)[where]
 
 
 def _check_shapes(v: Floats, force: Floats, weights: Floats | None) -> None:

@@ -77,11 +77,9 @@ class EdfRecording:
         ours, theirs = si_factor(header), si_factor(side)
         if ours and theirs and ours[0] != theirs[0]:
             return None, (f"{stated}, which are different quantities",)
-        return (
-            (header, (f"{stated}; the header counts",))
-            if ours or not theirs
-            else (side, (f"{stated}; the latter counts",))
-        )
+        if ours or not theirs:
+            return header, (f"{stated}; the header counts",)
+        return side, (f"{stated}; the latter counts",)
 
 
 def open_recording(path: Path) -> EdfRecording:
@@ -93,15 +91,6 @@ def open_recording(path: Path) -> EdfRecording:
         raise RecordingError(
             path, wanted="data records", found="none", do="Copy the file again; it ends after its header."
         )
-    notes = []
-    if header.n_records not in (-1, n_records):
-        notes.append(
-            f"The header promises {header.n_records} data records, the file holds {n_records}: it is incomplete."
-        )
-        if n_records > header.n_records:
-            notes[-1] = (
-                f"The header promises {header.n_records} data records, the file holds {n_records}; all were used."
-            )
     raw = np.memmap(path, np.uint8, "r")
     side = side_files(path)
     signals = tuple(signal for signal in header.signals if not signal.is_annotation)
@@ -110,9 +99,17 @@ def open_recording(path: Path) -> EdfRecording:
             path, wanted="signals", found="annotations only", do="Choose the file that holds the signals."
         )
     start_s = _start_s(path, header, raw, n_records)
-    notes += side.notes(max(signal.samples for signal in signals) / header.record_s)
-    contents = Contents(unique_names([s.label for s in signals]), {}, tuple(notes), header.started)
+    fastest_hz = max(signal.samples for signal in signals) / header.record_s
+    notes = (*_length_notes(header, n_records), *side.notes(fastest_hz))
+    contents = Contents(unique_names([s.label for s in signals]), {}, notes, header.started)
     return EdfRecording(path, contents, header, signals, side, raw, n_records, start_s)
+
+
+def _length_notes(header: EdfHeader, n_records: int) -> tuple[str, ...]:
+    if header.n_records in (-1, n_records):  # -1: the recorder never wrote the number
+        return ()
+    said = f"The header promises {header.n_records} data records, the file holds {n_records}"
+    return (f"{said}: it is incomplete." if n_records < header.n_records else f"{said}; all were used.",)
 
 
 def _start_s(path: Path, header: EdfHeader, raw: NDArray[np.uint8], n_records: int) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -101,25 +102,28 @@ def _signals(path: Path, listed: bytes, n_signals: int, sample_bytes: int) -> tu
     for name, width in _WIDTHS.items():
         fields[name] = [listed[start + width * i : start + width * (i + 1)] for i in range(n_signals)]
         start += width * n_signals
-    signals = []
+    signals: list[Signal] = []
     offset = 0
     for i in range(n_signals):
-        label = fields["label"][i].decode("latin-1").strip()
-
-        def number(name: str, low: float, high: float, i: int = i, label: str = label) -> float:
-            return _number(path, f"{name.replace('_', ' ')} of signal {i + 1} {label!r}", fields[name][i], low, high)
-
-        signal = Signal(
-            label,
-            fields["unit"][i].decode("latin-1").strip(),
-            (number("physical_min", -1e300, 1e300), number("physical_max", -1e300, 1e300)),
-            (int(number("digital_min", -(2**23), 2**23)), int(number("digital_max", -(2**23), 2**23))),
-            int(number("samples", 1, 1e9)),
-            offset,
-        )
-        offset += signal.samples * sample_bytes
-        signals.append(signal)
+        signals.append(_signal(path, i + 1, {name: raw[i] for name, raw in fields.items()}, offset))
+        offset += signals[-1].samples * sample_bytes
     return tuple(signals)
+
+
+def _signal(path: Path, position: int, fields: Mapping[str, bytes], offset: int) -> Signal:
+    label = fields["label"].decode("latin-1").strip()
+
+    def number(name: str, low: float, high: float) -> float:
+        return _number(path, f"{name.replace('_', ' ')} of signal {position} {label!r}", fields[name], low, high)
+
+    return Signal(
+        label,
+        fields["unit"].decode("latin-1").strip(),
+        (number("physical_min", -1e300, 1e300), number("physical_max", -1e300, 1e300)),
+        (int(number("digital_min", -(2**23), 2**23)), int(number("digital_max", -(2**23), 2**23))),
+        int(number("samples", 1, 1e9)),
+        offset,
+    )
 
 
 def _number(path: Path, field: str, raw: bytes, low: float, high: float) -> float:

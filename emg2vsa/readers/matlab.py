@@ -2,7 +2,7 @@
 
 Every numeric vector is a channel named after its variable; the rows or columns of a matrix, whichever are fewer, are
 channels "variable[1]", "variable[2]", ...; fields and cells are reached by "struct.field", "cell{2}". A text cell array
-with as many entries as a matrix has channels names them and states their units, as OT Biolab's ``Description`` does
+with as many entries as a matrix has channels names them and states their units, as OTBiolab's ``Description`` does
 ("acquired data[ %(MVC)]"); "variable[75]" still works. The rate comes from a variable called SamplingFrequency, fs or
 alike, or from a time vector.
 """
@@ -26,7 +26,7 @@ from emg2vsa.readers.timing import even_clock
 from emg2vsa.readers.units import split_unit
 from emg2vsa.recordings import ChannelInfo
 
-_RATE_NAMES = {"samplingfrequency", "samplingrate", "samplerate", "srate", "fs", "fshz", "fsamp", "sfreq", "freq"}
+_RATE_NAMES = {"samplingfrequency", "samplingrate", "samplerate", "srate", "fs", "fshz", "fsamp", "sfreq"}
 _TIME_NAMES = {"time", "t", "times", "timestamp", "timestamps", "timevector"}
 
 

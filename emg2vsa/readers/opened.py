@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -59,12 +58,14 @@ class OpenRecording(Protocol):
 
 def unique_names(names: Sequence[str]) -> tuple[str, ...]:
     """Repeated names get " #2", " #3", ... from their second use on; blank ones become "channel 5"."""
-    seen: Counter[str] = Counter()
-    result = []
+    result: list[str] = []
     for position, raw in enumerate(names, start=1):
-        name = raw.strip() or f"channel {position}"
-        seen[name] += 1
-        result.append(name if seen[name] == 1 else f"{name} #{seen[name]}")
+        name = own = raw.strip() or f"channel {position}"
+        uses = 1
+        while name in result:
+            uses += 1
+            name = f"{own} #{uses}"
+        result.append(name)
     return tuple(result)
 
 
@@ -77,9 +78,9 @@ def usable(path: Path, name: str, channel: StoredChannel) -> StoredChannel:
         raise RecordingError(
             where, wanted="a sampling rate", found="none the file states", do="Export the channel with its time column."
         )
-    if not math.isfinite(
-        channel.samples.sum()
-    ):  # one pass decides the usual case; a sum may overflow, hence the second
+    with np.errstate(invalid="ignore", over="ignore"):
+        total = channel.samples.sum()
+    if not math.isfinite(total):  # one pass decides the usual case; a sum may overflow, hence the second
         bad = np.flatnonzero(~np.isfinite(channel.samples))
         if bad.size:
             first = int(bad[0])

@@ -68,10 +68,10 @@ def open_recording(path: Path) -> TextMatrix:
 
 def _is_clock(values: NDArray[np.float64]) -> bool:
     """Even steps of less than half a second (steps of one are a count, not a time)."""
+    if not np.isfinite(values).all():
+        return False
     step = np.diff(values)
-    return bool(
-        step.size and np.isfinite(step).all() and step.min() > 0 and step.max() < min(0.5, 1.5 * np.median(step))
-    )
+    return bool(step.size and step.min() > 0 and step.max() < min(0.5, 1.5 * np.median(step)))
 
 
 def _from_rows(path: Path, dialect: Dialect, lines: Sequence[Line]) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ Names = NDArray[np.str_]
 
 @dataclass(frozen=True)
 class Clusters:
-    """participants (P,), specimens (S,), values (P, S, R) with NaN beyond the repetitions of a cluster, count (P, S)."""
+    """participants (P,), specimens (S,), values (P, S, R), NaN beyond the repetitions of a cluster, count (P, S)."""
 
     participants: Names
     specimens: Names

@@ -33,7 +33,7 @@ class KsTests:
     standardised: bool
 
     def outcome(self, i: int = 0) -> Outcome:
-        notes = (_NOTE[self.standardised],)
+        notes: tuple[str, ...] = (_NOTE[self.standardised],)
         if np.isnan(self.d[i]):
             notes += ("undefined: " + ("all values are equal" if self.n[i] > 1 else f"{self.n[i]} values"),)
         return Outcome(
@@ -65,7 +65,7 @@ def ks_normal(values: ArrayLike, *, standardise: bool) -> KsTests:
 
 
 def _standardised(rows: Floats, valid: NDArray[np.bool_], n: NDArray[np.int64]) -> Floats:
-    """(x - mean) / SD, SD with n - 1; NaN in rows that have no spread. Shifted by a value of the row: no digits lost."""
+    """(x - mean) / SD, SD with n - 1; NaN in rows that have no spread. Shifted by a value of the row first."""
     filled = np.where(valid, rows, 0.0)
     exponent = exponent_of(filled) + 1
     scaled = np.ldexp(filled, -exponent)
@@ -76,4 +76,4 @@ def _standardised(rows: Floats, valid: NDArray[np.bool_], n: NDArray[np.int64]) 
         centred = shifted - mean[:, None]
         sd = np.sqrt(np.sum(centred**2, axis=1, where=valid) / (n - 1))
         sd[~np.any(valid & (shifted != 0), axis=1)] = np.nan
-        return centred / sd[:, None]
+        return np.asarray(centred / sd[:, None])

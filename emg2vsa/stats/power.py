@@ -25,7 +25,7 @@ _MOST_PEOPLE = 1_000_000
 
 @dataclass(frozen=True)
 class PowerTable:
-    """Power for correlations rho (R,) by epsilons (E,): power (R, E), and people needed (R, E), 0 where none suffice."""
+    """Power (R, E) for correlations rho (R,) by epsilons (E,), and people needed (R, E), 0 where none suffice."""
 
     rho: Floats
     epsilon: Floats
@@ -71,6 +71,9 @@ def n_for_power(
 ) -> int:
     """Fewest people that reach ``power``, or 0 where a million do not."""
 
+    if not 0 < power < 1:
+        raise SettingError("power, target", wanted="a power between 0 and 1", found=str(power), do="Change it.")
+
     def enough(n: int) -> bool:
         return bool(power_rm(n, m, f, rho, epsilon, alpha, convention) >= power)
 
@@ -96,8 +99,12 @@ def power_table(
     power: float = 0.8,
     convention: Convention = "gpower",
 ) -> PowerTable:
-    """How much the answer hangs on the two assumptions nobody knows beforehand."""
-    rhos, epsilons = np.atleast_1d(np.asarray(rho, float)), np.atleast_1d(np.asarray(epsilon, float))
+    """How much the answer hangs on the two assumptions nobody knows beforehand.
+
+    An epsilon below its smallest value, 1 / (m - 1), counts as that value.
+    """
+    rhos = np.atleast_1d(np.asarray(rho, dtype=np.float64))
+    epsilons = np.unique(np.maximum(np.asarray(epsilon, dtype=np.float64), 1 / (max(m, 2) - 1)))
     table = power_rm(n, m, f, rhos[:, None], epsilons[None, :], alpha, convention)
     people = [[n_for_power(m, f, r, e, alpha, power, convention) for e in epsilons] for r in rhos]
     return PowerTable(rhos, epsilons, table, np.array(people, dtype=np.int64), power)

@@ -51,12 +51,12 @@ def _patterns(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
             continue
         path = ("recordings", key)
         names = re.findall(r"\{([^{}]*)\}", pattern)
-        for name in names:
-            if name not in _PLACEHOLDERS:
-                do = nearest(name, _PLACEHOLDERS)
-                yield Problem(path, "{participant} and {specimen} as placeholders", f"{{{name}}}", do)
+        unknown = [name for name in names if name not in _PLACEHOLDERS]
+        for name in unknown:
+            do = nearest(name, _PLACEHOLDERS)
+            yield Problem(path, "{participant} and {specimen} as placeholders", f"{{{name}}}", do)
         for name in _PLACEHOLDERS:
-            if name not in names and counts[name] > 1:
+            if not unknown and name not in names and counts[name] > 1:
                 yield Problem(path, f"{{{name}}} in it, as there are {counts[name]} {name}s", shown(pattern))
 
 
@@ -81,8 +81,7 @@ def _files(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
         seen.add(cell)
         if table.layout == "files" and file.emg is None:
             yield Problem((*at, "emg"), "a key 'emg' with layout = 'files'", "nothing")
-        own_window = draft.raw["recordings"]["files"][index].get("window", {})
-        if "force_n" in own_window:
+        if "force_n" in draft.own_keys(index, "window"):
             do = "Set it in [window]: fits and profiles share its bins."
             yield Problem((*at, "window", "force_n"), "one force window for all recordings", "another one", do)
 

@@ -55,10 +55,15 @@ def _window(window: WindowSettings, at: KeyPath) -> Iterator[Problem]:
 
 
 def _cocontraction(draft: Draft) -> Iterator[Problem]:
-    table = draft.cocontraction
-    muscles = draft.muscles()
-    if table is None or muscles is None:
+    table, sets = draft.cocontraction, draft.muscle_sets()
+    if table is None or not sets:
         return
+    for muscles in sets:
+        pairwise = table.index in ("rudolph", "falconer-winter")
+        if (pairwise and len(muscles) != 2) or (table.index == "minimum" and len(muscles) < 2):
+            wanted = f"{'two' if pairwise else 'two or more'} muscles in every recording for {table.index!r}"
+            yield Problem(("cocontraction", "index"), wanted, ", ".join(muscles))
+    muscles = _union(sets)
     for muscle in table.mvc_v:
         if muscle not in muscles:
             listed = f"The muscles are {', '.join(muscles)}."
@@ -68,6 +73,10 @@ def _cocontraction(draft: Draft) -> Iterator[Problem]:
         if table.normalise == "mvc" and muscle not in table.mvc_v:
             do = "Measure it, or set normalise to another value."
             yield Problem(("cocontraction", "mvc_v", muscle), "the level of every muscle", f"none for {muscle!r}", do)
+
+
+def _union(sets: Sequence[Sequence[str]]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(muscle for muscles in sets for muscle in muscles))
 
 
 def _bins(draft: Draft) -> Iterator[Problem]:
@@ -105,10 +114,10 @@ def _new_specimen(draft: Draft, profile: ProfileSettings) -> Iterator[Problem]:
 def _simulation(draft: Draft, simulation: SimulationSettings) -> Iterator[Problem]:
     for key in ("loading_s", "rest_s"):
         yield from _rising(getattr(simulation, key), ("simulation", key), equal=True)
-    muscles = draft.muscles()
     share = simulation.muscle_share
-    if muscles is not None and set(share) != set(muscles):
-        wanted = f"a share for each of {', '.join(muscles)}"
+    others = [muscles for muscles in draft.muscle_sets() if set(muscles) != set(share)]
+    if others:
+        wanted = f"a share for each of {', '.join(others[0])}"
         yield Problem(("simulation", "muscle_share"), wanted, ", ".join(share) or "none")
     elif not math.isclose(sum(share.values()), 1.0, abs_tol=1e-9):
         yield Problem(("simulation", "muscle_share"), "shares that sum to 1", f"a sum of {sum(share.values()):g}")

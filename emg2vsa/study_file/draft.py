@@ -72,19 +72,24 @@ class Draft:
         tables["recordings"] = replace(tables["recordings"], files=tuple(self.files))
         return StudyFile(**tables)
 
-    def muscles(self) -> tuple[str, ...] | None:
-        """Every muscle role that some recording uses; None where the channels are not known."""
+    def muscle_sets(self) -> tuple[tuple[str, ...], ...]:
+        """The muscles of the study's channels and of every recording that has its own; () where one is not known."""
+        if any("channels" in problem.path for problem in self.problems):
+            return ()
         tables = [self.channels.emg] if self.channels else []
         tables += [file.channels.emg for file in self.files if file and file.channels.emg]
-        readable = not any("channels" in problem.path for problem in self.problems)
-        return tuple(dict.fromkeys(role for table in tables for role in table)) if tables and readable else None
+        return tuple(dict.fromkeys(tuple(table) for table in tables))
+
+    def own_keys(self, index: int, name: str) -> tuple[str, ...]:
+        """Keys that recording ``index`` sets itself in its table ``name``."""
+        given = self.raw["recordings"]["files"][index].get(name)
+        return tuple(given) if isinstance(given, dict) else ()
 
     def overlaid(self, table: Settings, index: int, name: str) -> Settings:
         """The study's ``table`` with the keys that recording ``index`` sets itself."""
         own = getattr(self.files[index], name)
-        given = self.raw["recordings"]["files"][index].get(name, {})
         known = {f.name for f in fields(own)}
-        return replace(table, **{key: getattr(own, key) for key in given if key in known})
+        return replace(table, **{key: getattr(own, key) for key in self.own_keys(index, name) if key in known})
 
 
 def read_draft(raw: Mapping[str, Any], folder: Path) -> Draft:

@@ -53,7 +53,7 @@ class ParticipantsTable:
 
     __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
-    ids: tuple[Name, ...] | None = None
+    ids: Annotated[tuple[Name, ...], MinLen(1)] | None = None
     "Participant ids."
     file: Text | None = None
     "Tab-separated table with a participant_id column, as in BIDS; a leading 'sub-' is dropped."

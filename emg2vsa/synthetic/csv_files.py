@@ -14,7 +14,7 @@ from emg2vsa.synthetic.stored import StoredChannel, stored_channels
 
 
 def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
-    """Nine significant digits: a round trip is exact to 5e-10 of each value."""
+    """Nine significant digits: a round trip is exact to 5e-9 of each value."""
     channels = stored_channels(planned, recording, "V")
     time_s = np.arange(recording.force_n.size) / recording.fs_hz
     header = text_rows([["time [s]", *map(_heading, channels)]], ",")

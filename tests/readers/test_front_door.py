@@ -8,9 +8,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers import READERS, inspect, open_recording, read
+from emg2vsa.readers.opened import unique_names
 
 HEAVY = ("pandas", "ezc3d", "edfio", "scipy", "h5py")
 
@@ -92,3 +95,10 @@ def test_unknown_channel_suggests_the_nearest(tmp_path: Path) -> None:
     path.write_text("time (s),EDC (mV)\n0,1\n0.001,2\n")
     with pytest.raises(RecordingError, match="Did you mean 'EDC'"):
         read(path, ["ECD"])
+
+
+@given(st.lists(st.sampled_from(["EMG", "EMG #2", "", " EMG ", "channel 1"]), max_size=12))
+def test_names_become_unique_and_the_first_keeps_its_own(names: list[str]) -> None:
+    made = unique_names(names)
+    assert len(set(made)) == len(made) == len(names)
+    assert all(new.startswith(old.strip()) for new, old in zip(made, names, strict=True))

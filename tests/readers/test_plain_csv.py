@@ -130,6 +130,7 @@ def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> No
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,3\n0.009,4\n0.010,3\n", "line 5: .*a gap of 0.007 s"),
         ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,3\n", r"channel 'EDC': .*; found nan at sample 1 \(0.001 s"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,inf\n", r"found inf at sample 2 \(0.002 s"),
+        ("time (s),EDC (mV)\n0,inf\n0.001,-inf\n0.002,1\n", r"found inf at sample 0 \(0 s; 2 of 3 samples"),
         ("time (s),EDC (mV)\n0,\n0.001,\n", "wanted samples; found none"),
         ("time (s),EDC (mV)\n0,1\n,2\n0.002,3\n", "line 3: wanted a time stamp"),
     ],

@@ -64,7 +64,7 @@ def test_bdf_header_carries_date_and_cues(study: Study, tmp_path: Path) -> None:
     assert events.onset.tolist() == [note.onset for note in bdf.annotations]
 
 
-def test_csv_returns_samples_to_5e_10_of_their_value(study: Study, tmp_path: Path) -> None:
+def test_csv_returns_samples_to_5e_9_of_their_value(study: Study, tmp_path: Path) -> None:
     path, recording = made(study, tmp_path, "csv")
     table = pd.read_csv(path)
     assert list(table) == ["time [s]", "EDC [V]", "FDS [V]", "Fz [N]"]

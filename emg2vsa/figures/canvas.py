@@ -1,0 +1,100 @@
+"""Figures at IEEE widths whose files are the same bytes wherever and whenever they are drawn."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from emg2vsa.figures.palette import GRID, INK
+
+ONE_COLUMN_MM = 88.9
+TWO_COLUMNS_MM = 181.0
+_MM_PER_INCH = 25.4
+
+STYLE: dict[str, Any] = {
+    "font.family": ["DejaVu Sans"],  # ships with matplotlib: the same text on every machine
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.4,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 3.5,
+    "hatch.linewidth": 0.5,
+    "hatch.color": INK,
+    "path.simplify": False,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "emg2vsa",
+    "pdf.fonttype": 42,
+}
+
+
+def new_figure(
+    width_mm: float, height_mm: float, margins_mm: Sequence[float], panels: int = 1, gap_mm: float = 0.0
+) -> tuple[Figure, list[Axes]]:
+    """A figure with ``panels`` axes side by side. margins_mm : left, right, bottom, top. Call it inside ``style()``."""
+    left, right, bottom, top = margins_mm
+    figure = Figure(figsize=(width_mm / _MM_PER_INCH, height_mm / _MM_PER_INCH))
+    each = (width_mm - left - right - gap_mm * (panels - 1)) / panels
+    boxes = [
+        ((left + i * (each + gap_mm)) / width_mm, bottom / height_mm, each / width_mm, 1 - (bottom + top) / height_mm)
+        for i in range(panels)
+    ]
+    return figure, [figure.add_axes(box) for box in boxes]
+
+
+def style() -> Any:
+    """Context in which figures are drawn and saved."""
+    return mpl.rc_context(STYLE)
+
+
+def svg_text(figure: Figure) -> str:
+    """The figure as SVG, without date and without the XML prologue's document type."""
+    buffer = io.StringIO()
+    FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None, "Creator": None})
+    return re.sub(r"<!DOCTYPE[^>]*>\s*", "", buffer.getvalue())
+
+
+def pdf_bytes(figure: Figure) -> bytes:
+    """The figure as PDF, text as embedded TrueType, without date."""
+    buffer = io.BytesIO()
+    FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    return buffer.getvalue()
+
+
+def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
+    """SVG text made part of a page: ids unique by ``prefix``, named and described for those who do not see it.
+
+    ``title`` and ``description`` are HTML-escaped text.
+    """
+    body = svg[svg.index("<svg") :]
+    body = re.sub(r"<metadata>.*?</metadata>\s*", "", body, flags=re.S)
+    body = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{prefix}-", body)
+    body = body.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "", 1)
+    head, rest = body.split(">", 1)
+    head = re.sub(r' (width|height)="[^"]*"', "", head)
+    named = f'role="img" aria-labelledby="{prefix}-title {prefix}-desc"'
+    return f'{head} {named}><title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'

@@ -1,0 +1,47 @@
+"""Colours, markers and dashes: one look per specimen everywhere, told apart without colour too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+INK = "#1a1a1a"
+MUTED = "#555555"
+GRID = "#d9d9d9"
+
+BLUE, PURPLE, GREEN, SKY, YELLOW, RED, GREY = (
+    "#0072B2", "#A6518A", "#009E73", "#56B4E9", "#E69F00", "#D55E00", "#7A7A7A",
+)  # fmt: skip
+"""Okabe and Ito (2008), purple darkened and "yellow" taken as their orange, so that a line holds on white paper."""
+
+VERDICT_COLOURS = {"ok": GREEN, "warned": YELLOW, "rejected": RED}
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one specimen is drawn; ``hatch`` fills its box, ``marker`` and ``dash`` are matplotlib's."""
+
+    colour: str
+    marker: str
+    dash: str | tuple[int, tuple[float, ...]]
+    hatch: str
+
+
+_MEASURED = (
+    Look(BLUE, "o", "-", ""),
+    Look(PURPLE, "D", (0, (6, 1)), "xx"),
+    Look(GREEN, "s", (0, (5, 1, 1, 1)), "//"),
+    Look(SKY, "v", (0, (3, 1, 1, 1, 1, 1)), "||"),
+    Look(YELLOW, "^", (0, (3, 1)), ".."),
+    Look(GREY, "P", (0, (1, 1)), "++"),
+)
+NEW = Look(RED, "X", (0, (1, 1)), "\\\\")
+"""A specimen nobody palpated: red and dotted, as in the paper's Fig. 11."""
+
+
+def looks(specimens: Sequence[str], new: str | None = None) -> dict[str, Look]:
+    """Specimen to look, by its place in the study: the five of the paper get the paper's colours (S1 blue, S3 green,
+    S5 yellow, S_new red). From the seventh specimen on the looks repeat.
+    """
+    found = {name: _MEASURED[i % len(_MEASURED)] for i, name in enumerate(specimens)}
+    return found | ({new: NEW} if new is not None else {})

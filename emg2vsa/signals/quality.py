@@ -1,0 +1,113 @@
+"""How good the raw signals of a trial are: clipped, flat, held or hummed over; and how much force fell while it rose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats, Ints, runs_of
+
+MAINS_HZ = (50.0, 60.0)
+MAINS_HARMONICS = 3
+MAINS_BLOCK_S = 1.0
+"Mains is looked for in blocks of this length, so that its wander of +-0.1 Hz does not matter."
+
+
+@dataclass(frozen=True)
+class RawQuality:
+    """One channel within one window.
+
+    clip_share : share of samples in runs of two or more at the largest or the smallest value.
+    repeat_share : share of samples equal to the one before. held_samples : longest run of one value.
+    mains_ratio : share of power at 50 or 60 Hz (the larger) and two harmonics. missing : samples that were no numbers.
+    """
+
+    clip_share: float
+    repeat_share: float
+    held_samples: int
+    flat: bool
+    mains_ratio: float
+    missing: int
+
+
+def raw_quality(samples: Floats, missing: NDArray[np.bool_], fs_hz: float) -> RawQuality:
+    """Quality of the unfiltered samples (n,), n >= 2, of one window; missing : (n,) where they were interpolated."""
+    n_missing = int(np.count_nonzero(missing))
+    repeats = samples[1:] == samples[:-1]
+    n_repeats = int(np.count_nonzero(repeats))
+    if n_repeats == repeats.size:
+        return RawQuality(0.0, 1.0, samples.size, True, 0.0, n_missing)
+    mains = mains_ratio(samples, fs_hz)
+    if n_repeats == 0:
+        return RawQuality(0.0, 0.0, 1, False, mains, n_missing)
+    first, last = runs_of(repeats)
+    length = last - first + 1
+    value = samples[first]
+    at_extreme = (value == samples.max()) | (value == samples.min())
+    clipped = float(np.sum(length[at_extreme])) / samples.size
+    return RawQuality(clipped, n_repeats / repeats.size, int(length.max()), False, mains, n_missing)
+
+
+def mains_ratio(samples: Floats, fs_hz: float) -> float:
+    """Share of the power of ``samples`` (n,) at 50 or 60 Hz, whichever is larger, and its harmonics; 0 when n is small."""
+    size = min(samples.size, round(MAINS_BLOCK_S * fs_hz))
+    if size < 4 * fs_hz / MAINS_HZ[0]:
+        return 0.0
+    blocks = samples[: samples.size // size * size].reshape(-1, size)
+    blocks = blocks - blocks.mean(axis=1, keepdims=True)
+    total = float(np.vdot(blocks, blocks))
+    power = np.sum((blocks @ _mains_waves(size, fs_hz)) ** 2, axis=0).reshape(len(MAINS_HZ), -1).sum(axis=1)
+    return min(1.0, float(power.max()) / total) if total > 0 else 0.0
+
+
+@lru_cache(maxsize=16)
+def _mains_waves(size: int, fs_hz: float) -> Floats:
+    """(size, 2 x mains x harmonics) sines and cosines of unit norm; a harmonic at or above half the rate is zero."""
+    frequency = np.repeat(np.outer(MAINS_HZ, np.arange(1, MAINS_HARMONICS + 1)).ravel(), 2)
+    phase = np.tile((0.0, np.pi / 2), frequency.size // 2)
+    waves = np.sin(2 * np.pi / fs_hz * np.outer(np.arange(size), frequency) + phase)
+    waves[:, frequency >= fs_hz / 2] = 0.0
+    norm = np.linalg.norm(waves, axis=0)
+    return waves / np.where(norm > 0, norm, 1.0)
+
+
+def falling_share(force_n: Floats, tolerance_n: float) -> float:
+    """Share of the path of ``force_n`` (n,) that falls; reversals of up to ``tolerance_n`` are noise and not counted."""
+    rising = force_n[1:] > force_n[:-1]
+    if force_n.size < 2 or np.all(rising):
+        return 0.0
+    turns = np.flatnonzero(rising[1:] != rising[:-1]) + 1
+    rise, fall = _paths((*force_n[[0, *turns, -1]].tolist(),), tolerance_n)
+    return fall / (rise + fall) if rise + fall > 0 else 0.0
+
+
+def _paths(turns: Sequence[float], tolerance: float) -> tuple[float, float]:
+    """Length of all rises and of all falls between turning points, reversals within the tolerance left out."""
+    path = {1: 0.0, -1: 0.0}
+    pivot = extreme = turns[0]
+    direction = 1
+    for value in turns[1:]:
+        if direction * (value - extreme) > 0:
+            extreme = value
+        elif direction * (extreme - value) > tolerance:
+            path[direction] += abs(extreme - pivot)
+            pivot, extreme, direction = extreme, value, -direction
+    path[direction] += abs(extreme - pivot)
+    return path[1], path[-1]
+
+
+def ratio_db(level: Floats, reference: Floats) -> Floats:
+    """20 log10 of two amplitudes; NaN where the reference is unknown, infinite where it is zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(20 * np.log10(level / reference))
+
+
+def window_means(values: Floats, offsets: Ints) -> Floats:
+    """Means (m, w) of the ragged rows of ``values`` (m, n) between successive ``offsets`` (w + 1,); NaN where empty."""
+    total = np.concatenate((np.zeros((len(values), 1)), np.cumsum(values, axis=1)), axis=1)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.diff(total[:, offsets], axis=1) / np.diff(offsets))

@@ -1,0 +1,124 @@
+"""Every check across keys: one fault each, and the key that it is reported at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.study import Study
+
+FILE = '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S1"\n'
+NEW = '[profile]\nnew_specimen = "N"\n'
+
+CASES = [
+    # names
+    ('"P02"]', '"p01"]', "participants.ids[1]", "'p01' after 'P01'"),
+    ('name = "S3"', 'name = "S1"', "specimens[1].name", "'S1' again"),
+    ("ids = ", 'file = "people.tsv"\nids = ', "participants", "both"),
+    ('ids = ["P01", "P02"]', "", "participants", "neither"),
+    ('ids = ["P01", "P02"]', "ids = []", "participants.ids", "at least 1 entry"),
+    ('ids = ["P01", "P02"]', 'ids = ["P/1"]', "participants.ids[0]", "letters, digits"),
+    ("+", '[hypotheses]\nkept_specimens = ["S1", "S4"]', "hypotheses.kept_specimens[1]", "Did you mean"),
+    ("+", '[hypotheses]\nkept_specimens = ["S1", "S1"]', "hypotheses.kept_specimens[1]", "once"),
+    ("+", '[profile]\nparticipant = "P1"', "profile.participant", "Did you mean"),
+    ("+", '[profile]\nspecimens = ["S2"]', "profile.specimens[0]", "a specimen of this study"),
+    ("+", '[profile]\nnew_specimen = "S1"\nnew_stiffness_n_per_mm = 5', "profile.new_specimen", "a new name"),
+    # recordings and channels
+    ('layout = "pattern"', 'layout = "bids"', "recordings.root", "a key 'root'"),
+    ('layout = "pattern"', 'layout = "bids"', "recordings.pattern", "keys of this layout only"),
+    ('layout = "pattern"', 'layout = "bids"\ntask = "a_b"', "recordings.task", "letters and digits only"),
+    ("{participant}_", "", "recordings.pattern", "{participant} in it, as there are 2 participants"),
+    ("_{specimen}", "", "recordings.pattern", "{specimen} in it"),
+    ("{specimen}", "{specimens}", "recordings.pattern", "Did you mean 'specimen'?"),
+    ("+", FILE + FILE, "recordings.files[1]", "P01/S1 again"),
+    ("+", FILE.replace("P01", "P9"), "recordings.files[0].participant", "a participant of this study"),
+    ("+", FILE.replace("S1", "S9"), "recordings.files[0].specimen", "a specimen of this study"),
+    ("+", FILE + "window.force_n = [1, 2]", "recordings.files[0].window.force_n", "one force window"),
+    ("+", FILE + "filters.band_hz = [450, 10]", "recordings.files[0].filters.band_hz", "smaller number first"),
+    ("+", FILE + "window.min_duration_s = 30", "recordings.files[0].window.max_duration_s", "more than"),
+    ('pattern"\npattern = "data/{participant}_{specimen}.csv"', 'files"', "recordings.files", "a key 'files'"),
+    ('name = "EMG 2"', 'name = "EMG 1"', "channels.emg.FDS.name", "'EMG 1', as for EDC"),
+    ('name = "Fz"', 'name = "EMG 2"', "channels.force.name", "'EMG 2', as for FDS"),
+    # stages
+    ("+", "[filters]\nband_hz = [450, 10]", "filters.band_hz", "smaller number first"),
+    ("+", "[filters]\nband_hz = [10, 10]", "filters.band_hz", "smaller number first"),
+    ("+", "[filters]\nfir_order = 51", "filters.fir_order", "Take 52"),
+    ("+", "[window]\nforce_n = [7, 0.5]", "window.force_n", "[7.0, 0.5]"),
+    ("+", "[window]\nmax_duration_s = 0.5", "window.max_duration_s", "more than min_duration_s = 0.5"),
+    ("+", "[window]\nwarn_falling_share = 0.2", "window.warn_falling_share", "at most max_falling_share = 0.1"),
+    ("+", '[cocontraction]\nnormalise = "mvc"\nmvc_v = { EDC = 1e-4 }', "cocontraction.mvc_v.FDS", "none for 'FDS'"),
+    ("+", "[cocontraction]\nmvc_v = { EDL = 1e-4 }", "cocontraction.mvc_v.EDL", "Did you mean 'EDC'?"),
+    (
+        '[channels.emg.FDS]\nname = "EMG 2"',
+        '[cocontraction]\nindex = "minimum"',
+        "cocontraction.index",
+        "two or more muscles",
+    ),
+    (
+        "[channels.force]",
+        '[channels.emg.FCR]\nname = "E 3"\n[channels.force]',
+        "simulation.muscle_share",
+        "EDC, FDS, FCR",
+    ),
+    (
+        "+",
+        f'{FILE}channels.emg = {{ EDC.name = "E" }}\n[cocontraction]\nindex = "rudolph"',
+        "cocontraction.index",
+        "EDC.",
+    ),
+    ("+", "[fit]\nbin_n = 3", "fit.bin_n", "three bins"),
+    ("+", NEW, "profile.new_stiffness_n_per_mm", "the stiffness of 'N'"),
+    ("+", "[profile]\nnew_stiffness_n_per_mm = 5", "profile.new_specimen", "a name"),
+    ("+", NEW + "new_stiffness_n_per_mm = 9", "profile.new_stiffness_n_per_mm", "between 3.35 and 7.63"),
+    ("+", "[schedule]\nstiffness_percent = [80, 20]", "schedule.stiffness_percent", "smaller number first"),
+    # simulation
+    ("a_v = { S1 = 40e-6, S3", "a_v = { S3", "simulation.a_v.S1", "none for 'S1'"),
+    ("b_v = { S1", "b_v = { S2 = 1e-5, S1", "simulation.b_v.S2", "a specimen of this study"),
+    ("S3 = 30e-6", "S3 = 10e-6", "simulation.a_v.S3", "a + b log F > 0 from 0.5 to 7 N"),
+    ("+", "muscle_share = { EDC = 1.0 }", "simulation.muscle_share", "a share for each of EDC, FDS"),
+    ("+", "muscle_share = { EDC = 0.5, FDS = 0.6 }", "simulation.muscle_share", "a sum of 1.1"),
+    ("+", "loading_s = [3, 2]", "simulation.loading_s", "smaller number first"),
+    ("+", "rest_s = [3, 2]", "simulation.rest_s", "smaller number first"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "says"), CASES, ids=[f"{c[2]}-{i}" for i, c in enumerate(CASES)])
+def test_each_check(small: str, problems: Callable[[str], list[str]], old: str, new: str, key: str, says: str) -> None:
+    text = f"{small}{new}\n" if old == "+" else small.replace(old, new, 1)
+    assert text != small
+    said = [line for line in problems(text) if f": {key}: " in line]
+    assert len(said) == 1
+    assert says in said[0]
+
+
+def test_the_small_study_itself_is_sound(small: str, load: Callable[[str], Study]) -> None:
+    assert load(small).name == "small"
+
+
+def test_limits_that_are_no_faults(small: str, load: Callable[[str], Study]) -> None:
+    load(f"{small}loading_s = [2, 2]\n{NEW}new_stiffness_n_per_mm = 7.63\n")
+    load(f"{small}{NEW}new_stiffness_n_per_mm = 9\nextrapolate = true\n")
+    load(small + "[filters]\noutput_fs_hz = 100\n[fit]\nconfidence = 0.5\n")
+
+
+def test_channels_may_be_left_out_only_where_every_recording_has_its_own(
+    small: str, problems: Callable[[str], list[str]]
+) -> None:
+    start, stop = small.index("[channels"), small.index("[simulation]")
+    said = problems(small[:start] + small[stop:])
+    assert ["channels" in line for line in said] == [True]
+
+
+def test_participants_table_without_the_column(
+    small: str, problems: Callable[[str], list[str]], tmp_path: Path
+) -> None:
+    folder = tmp_path / "studies" / "small"
+    folder.mkdir(parents=True)
+    text = small.replace('ids = ["P01", "P02"]', 'file = "people.tsv"')
+    assert problems(text)[0].startswith('5: participants.file: wanted a readable table; found "people.tsv": No such')
+    (folder / "people.tsv").write_text("name\nP01\n")
+    assert "participant_id in every row" in problems(text)[0]
+    (folder / "people.tsv").write_text("participant_id\nsub-P01\nsub-P01\n")
+    assert "'P01' again" in problems(text)[0]

@@ -1,0 +1,165 @@
+"""From a study file to a study: paths, layouts, exceptions, paper mode; and the studies that come with the program."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.settings import PAPER
+from emg2vsa.study import Study
+from emg2vsa.study_file import load_study, missing_files
+
+ROOT = Path(__file__).resolve().parents[2]
+Load = Callable[[str], Study]
+
+
+def test_paths_start_at_the_folder_of_the_study_file(small: str, load: Load, tmp_path: Path) -> None:
+    study = load(small)
+    folder = tmp_path / "studies" / "small"
+    assert study.path == folder / "study.toml"
+    assert study.results == folder / ".emg2vsa"
+    assert study.reports == tmp_path / "reports" / "small"
+    assert study.data == folder / "data"
+    assert [r.key for r in study.recordings] == ["P01/S1", "P01/S3", "P02/S1", "P02/S3"]
+    assert study.recordings[1].emg_file == folder / "data" / "P01_S3.csv"
+    assert study.recordings[1].force_file is None
+
+
+def test_absolute_paths_stay_and_nothing_is_expanded(small: str, load: Load, tmp_path: Path) -> None:
+    text = small.replace('name = "small"', f'name = "small"\nreports = "{tmp_path / "out"}"\nresults = "~/$HOME"')
+    study = load(text)
+    assert study.reports == tmp_path / "out"
+    assert study.results == tmp_path / "studies" / "small" / "~" / "$HOME"
+
+
+def test_title_is_the_name_where_none_is_given(small: str, load: Load) -> None:
+    assert load(small).title == "small"
+    assert load(small.replace('name = "small"', 'name = "small"\ntitle = "A b"')).title == "A b"
+
+
+def test_bids_layout(small: str, load: Load, tmp_path: Path) -> None:
+    old = small[small.index("layout = ") : small.index("[channels.emg.EDC]")]
+    study = load(small.replace(old, 'layout = "bids"\nroot = "../data"\ntask = "press"\nextension = "edf"\n'))
+    root = tmp_path / "studies" / "data"
+    assert study.recordings[3].emg_file == root / "sub-P02" / "emg" / "sub-P02_task-press_acq-S3_emg.edf"
+    assert study.data == root
+
+
+def test_participants_from_a_bids_table(small: str, load: Load, tmp_path: Path) -> None:
+    folder = tmp_path / "studies" / "small"
+    folder.mkdir(parents=True)
+    (folder / "people.tsv").write_text("age\tparticipant_id\n30\tsub-A1\n31\tB2\n", encoding="utf-8-sig")
+    assert load(small.replace('ids = ["P01", "P02"]', 'file = "people.tsv"')).participants == ("A1", "B2")
+
+
+def test_a_recording_may_differ_from_the_layout_in_what_it_names_only(small: str, load: Load) -> None:
+    text = small.replace("[channels.emg.EDC]", "[filters]\nfir_order = 60\nband_order = 4\n[channels.emg.EDC]", 1)
+    study = load(
+        f"""{text}
+[[recordings.files]]
+participant = "P02"
+specimen = "S1"
+force = "data/forces.csv"
+filters = {{ fir_order = 80 }}
+window = {{ min_duration_s = 0.1 }}
+channels.force = {{ name = "Fz", sign = -1 }}
+"""
+    )
+    plain, own = study.recordings[0], study.recordings[2]
+    assert own.key == "P02/S1"
+    assert own.emg_file.name == "P02_S1.csv"
+    assert own.force_file == own.emg_file.with_name("forces.csv")
+    assert (own.filters.fir_order, own.filters.band_order) == (80, 4)
+    assert (plain.filters.fir_order, plain.filters.band_order) == (60, 4)
+    assert own.window.min_duration_s == 0.1
+    assert own.window.force_n == study.window.force_n
+    assert own.channels.emg == plain.channels.emg
+    assert (own.channels.force.sign, plain.channels.force.sign) == (-1, 1)
+
+
+def test_force_in_files_of_its_own(small: str, load: Load) -> None:
+    study = load(
+        small.replace("[channels.emg.EDC]", 'force_pattern = "f/{specimen}/{participant}.txt"\n[channels.emg.EDC]')
+    )
+    assert study.recordings[1].force_file == study.path.parent / "f" / "S3" / "P01.txt"
+
+
+def test_paper_mode_sets_what_the_study_does_not(small: str, load: Load) -> None:
+    paper = small.replace('name = "small"', 'name = "small"\nmode = "paper"')
+    study = load(paper + '[filters]\nphase = "compensated"\n')
+    filters = study.recordings[0].filters
+    assert filters.phase == "compensated"
+    assert filters.band_hz == PAPER["filters"]["band_hz"]
+    assert filters.output_fs_hz == "native"
+    assert (study.fit.points, study.fit.weights) == ("samples", "none")
+    assert study.profile.interpolation == "paper"
+    assert load(small).fit.points == "bins"
+
+
+def test_paper_mode_holds_in_a_recording_of_its_own(small: str, load: Load) -> None:
+    paper = small.replace('name = "small"', 'name = "small"\nmode = "paper"')
+    text = paper + '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S1"\nfilters.fir_order = 60\n'
+    filters = load(text).recordings[0].filters
+    assert (filters.fir_order, filters.phase) == (60, "causal")
+
+
+def test_whole_numbers_are_numbers_and_become_floats(small: str, load: Load) -> None:
+    force_n = load(small + "[window]\nforce_n = [1, 7]\n").window.force_n
+    assert force_n == (1.0, 7.0)
+    assert all(isinstance(f, float) for f in force_n)
+
+
+def test_missing_files_are_told_by_recording(small: str, load: Load) -> None:
+    study = load(small)
+    study.data.mkdir()
+    (study.data / "P01_S3.csv").touch()
+    assert [r.key for r in missing_files(study)] == ["P01/S1", "P02/S1", "P02/S3"]
+
+
+@pytest.mark.parametrize("name", ["palpation", "recorded"])
+def test_the_studies_that_come_with_the_program(name: str) -> None:
+    path = ROOT / "studies" / name / "study.toml"
+    study = load_study(path)
+    assert study.name == name
+    assert study.reports == ROOT / "reports" / name
+    assert path.read_text().splitlines()[0] == "#:schema ../study.schema.json"
+
+
+def test_the_palpation_study_is_the_papers() -> None:
+    study = load_study(ROOT / "studies/palpation/study.toml")
+    assert len(study.participants) == 14
+    assert study.stiffness_n_per_mm == {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}
+    assert len(study.recordings) == 70
+    assert all(r.window.expected_trials == 10 for r in study.recordings)
+    assert study.hypotheses.kept_specimens == ("S1", "S3", "S5")
+
+
+def test_the_recorded_study_names_channels_that_its_files_hold(shared_data: Callable[[str], Path]) -> None:
+    from emg2vsa.errors import RecordingError
+    from emg2vsa.readers.roles import read_roles
+
+    shared_data("emg/emg_force")
+    shared_data("emg/c3d")
+    refused = []
+    for entry in load_study(ROOT / "studies/recorded/study.toml").recordings:
+        try:
+            roles = read_roles(entry.emg_file, entry.force_file, entry.channels)
+        except RecordingError as error:
+            refused.append((entry.participant, error.where.rpartition("/")[2]))
+        else:
+            assert roles.force.samples.max() > entry.window.force_n[1]
+    assert refused == [("noplate", "btk_1123x01EMG.c3d, channel 'plate 1 Fz'")]
+
+
+def test_loading_leaves_the_numerical_libraries_alone() -> None:
+    code = (
+        "import sys; from emg2vsa.study_file import load_study;"
+        f"load_study({str(ROOT / 'studies/palpation/study.toml')!r});"
+        "print(sorted({'numpy', 'scipy', 'pandas', 'matplotlib', 'pyarrow'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
