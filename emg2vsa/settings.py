@@ -182,7 +182,7 @@ class ProfileSettings:
     new_stiffness_n_per_mm: Positive | None = None
     "Its stiffness, N/mm."
     interpolation: Literal["bracket", "paper", "log-stiffness", "coefficients"] = "bracket"
-    "bracket: linear in stiffness; paper: weight kappa/10; log-stiffness; coefficients: a and b instead of curves."
+    "bracket: linear in stiffness; paper: weight kappa/10; log-stiffness; coefficients: cubic through a and b of all."
     extrapolate: bool = False
     "Allow a new specimen outside the stiffness bracket."
     grid_points: Annotated[int, Ge(2), Le(10000)] = 100
@@ -196,7 +196,9 @@ class ScheduleSettings:
     __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     stiffness_percent: tuple[NonNegative, Annotated[float, Gt(0), Le(100)]] = (20.0, 80.0)
-    "Stiffness preset at the smallest and the largest co-contraction, percent of the maximum preset."
+    "Stiffness at the smallest and the largest co-contraction, percent of the device's maximum on ``scale``."
+    scale: Literal["preset", "stiffness"] = "preset"
+    "preset (paper): linear in the preset that is commanded; stiffness: linear in N m/rad at zero load."
     step_n: Positive = 0.3
     "Force step, newtons; a shorter last step is kept and marked."
     actuator: Literal["qbmove-advanced", "qbmove-maker-pro"] = "qbmove-advanced"

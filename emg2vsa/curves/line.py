@@ -36,7 +36,7 @@ class Line:
 def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
     """Least squares of y on x, row by row.
 
-    x, y : (k, p), finite. weights : (k, p), >= 0; a weight of zero leaves the point out. None: all points, alike.
+    x, y : (k, p), finite, p >= 1. weights : (k, p), >= 0; a weight of zero leaves the point out. None: all points, alike.
     Only ratios of weights matter (the largest of a row should be near 1): the variance of a point is taken as
     s^2 / weight with s^2 from the residuals.
     """
@@ -83,8 +83,6 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
 
 def _centred(values: Floats, weights: Floats | None, total: Floats) -> tuple[Floats, Floats]:
     """Mean (k,), and values minus mean (k, p), both through differences from the row's first used value."""
-    if values.shape[1] == 0:
-        return np.full(len(values), np.nan), values
     if weights is None:
         origin = values[:, :1]
     else:

@@ -60,7 +60,9 @@ def fit_log(
     force = np.asarray(force_n, dtype=np.float64)
     w = None if weights is None else np.asarray(weights, dtype=np.float64)
     _check_shapes(v, force, w)
-    rows = max(1, _POINTS_AT_ONCE // max(v.shape[1], 1))
+    if v.shape[1] == 0:
+        v, force, w = np.full((len(v), 1), np.nan), np.full(1, np.nan), None
+    rows = max(1, _POINTS_AT_ONCE // v.shape[1])
     cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
     line = join([_fit_block(v[cut], _cut(force, cut), None if w is None else _cut(w, cut), robust) for cut in cuts])
     reach = _t_quantile(line.dof, confidence) * line.slope_se

@@ -47,21 +47,42 @@ def open_recording(path: Path) -> tuple[str, OpenRecording]:
     """
     path = Path(path)
     try:
-        with path.open("rb") as file:
-            head = file.read(recognise.HEAD_BYTES)
+        head = _head(path)
     except OSError as error:
         raise RecordingError(
             path, wanted="a readable file", found=error.strerror or "an error", do="Check the path in the study file."
         ) from error
     if not head:
         raise RecordingError(path, wanted="a recording", found="an empty file", do="Export or copy it again.")
-    for reader in READERS:
-        if reader.matches(path, head):
-            return reader.format, importlib.import_module(reader.module).open_recording(path)
-    raise RecordingError(
-        path, wanted="one of " + ", ".join(reader.format for reader in READERS), found="an unknown format",
-        do="Export the recording as CSV with a time column, C3D, EDF/BDF or .mat.",
-    )  # fmt: skip
+    reader = _reader(path, head)
+    if reader is None:
+        raise RecordingError(
+            path, wanted="one of " + ", ".join(reader.format for reader in READERS), found="an unknown format",
+            do="Export the recording as CSV with a time column, C3D, EDF/BDF or .mat.",
+        )  # fmt: skip
+    return reader.format, importlib.import_module(reader.module).open_recording(path)
+
+
+def reader_module(path: Path) -> str | None:
+    """Name of the module that would open the file; None where it is absent, empty or of no known format.
+
+    Reads the first bytes only and imports nothing.
+    """
+    try:
+        head = _head(Path(path))
+    except OSError:
+        return None
+    reader = _reader(Path(path), head) if head else None
+    return reader.module if reader else None
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(recognise.HEAD_BYTES)
+
+
+def _reader(path: Path, head: bytes) -> Reader | None:
+    return next((reader for reader in READERS if reader.matches(path, head)), None)
 
 
 def inspect(path: Path) -> tuple[str, tuple[ChannelInfo, ...]]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.units import canonical
 
 _ABSENT = ("", "n/a")
+_EXTENSIONS = (".edf", ".bdf")
+_MOST_LEVELS = 4  # root, subject, session, emg
 
 
 @dataclass(frozen=True)
@@ -49,35 +52,57 @@ class SideFiles:
         return []
 
 
+def side_file_paths(path: Path) -> tuple[Path, ...]:
+    """Every side file that reading ``path`` consults; () where its name is none of BIDS-EMG or it has none.
+
+    They are looked for in the recording's folder and, where a dataset_description.json marks the root of a data set,
+    in those between; each folder is listed once. Paths are absolute.
+    """
+    tables, emg = _applying(path)
+    return (*tables[-1:], *emg)
+
+
 def side_files(path: Path) -> SideFiles:
     """The side files of a BIDS-named recording; empty where it has none. Raises RecordingError for damaged ones."""
-    entities, _, suffix = path.stem.rpartition("_")
-    if suffix != "emg":
-        return SideFiles()
-    tables = _inherited(path.parent, entities, "_channels.tsv")
+    tables, levels = _applying(path)
     emg: dict[str, Any] = {}
-    for level in _inherited(path.parent, entities, "_emg.json"):
+    for level in levels:
         emg.update(_json(level))
     return SideFiles(_channels(tables[-1]) if tables else {}, emg)
 
 
-def _inherited(folder: Path, entities: str, ending: str) -> list[Path]:
-    """Files that apply to a recording by the inheritance principle, the most general first."""
-    own = set(entities.split("_"))
-    levels = [folder]
-    while not (levels[-1] / "dataset_description.json").exists() and len(levels) < 4:
-        levels.append(levels[-1].parent)
-    if not (levels[-1] / "dataset_description.json").exists():
-        levels = levels[:1]
-    found = []
-    for level in reversed(levels):
-        fitting = [
-            p
-            for p in level.glob(f"*{ending.lstrip('_')}")
-            if set(p.name.removesuffix(ending.lstrip("_")).strip("_").split("_")) - {""} <= own
-        ]
-        found += sorted(fitting, key=lambda p: len(p.name))
-    return found
+def _applying(path: Path) -> tuple[list[Path], list[Path]]:
+    """The ``_channels.tsv`` and ``_emg.json`` that apply by the inheritance principle, the most general first."""
+    *entities, suffix = path.stem.split("_")
+    if suffix != "emg" or path.suffix.lower() not in _EXTENSIONS:
+        return [], []
+    folders = _folders(path.absolute().parent)
+    tables, emg = (
+        [folder / name for folder, names in folders for name in _fitting(names, ending, set(entities))]
+        for ending in ("channels.tsv", "emg.json")
+    )
+    return tables, emg
+
+
+def _folders(own: Path) -> list[tuple[Path, list[str]]]:
+    """Folders from the root of the data set to ``own``, with what they hold; ``own`` alone where there is no root."""
+    found: list[tuple[Path, list[str]]] = []
+    for folder in (own, *own.parents[: _MOST_LEVELS - 1]):
+        try:
+            found.insert(0, (folder, os.listdir(folder)))
+        except OSError:
+            break
+        if "dataset_description.json" in found[0][1]:
+            return found
+    return found[-1:]
+
+
+def _fitting(names: Sequence[str], ending: str, own: set[str]) -> list[str]:
+    """Names with that ending whose entities are all the recording's own, the most general first."""
+    fitting = [
+        name for name in names if name.endswith(ending) and set(name.removesuffix(ending).split("_")) - {""} <= own
+    ]
+    return sorted(fitting, key=lambda name: (len(name), name))
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import seconds_per, split_unit
 
 SNIFFED_ROWS = 50
+_DIGIT_FIRST = re.compile(r"[+-]?[.,]?\d|nan\b", re.IGNORECASE)
 _TIME = re.compile(r"(time|times|t|x|timestamps?|elapsed[ _]time)(?:_(s|ms|us|min))?", re.IGNORECASE)
 
 
@@ -30,6 +31,7 @@ def open_recording(path: Path) -> TimedColumns:
     body_data = text.data[header.end :]
     dialect = sniff(path, header, rows, body_data)
     labels = dialect.split(header.text)
+    _refuse_prose(path, header, rows, dialect)
     allowed = checked_width(path, dialect, labels, rows)
     channels = _columns(path, header, labels)
     contents = Contents(
@@ -39,6 +41,16 @@ def open_recording(path: Path) -> TimedColumns:
     )
     body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, channels, shared_length=True)
+
+
+def _refuse_prose(path: Path, header: Line, rows: Sequence[Line], dialect: Dialect) -> None:
+    """A readme, a licence or a table of words is no damaged recording: say so before its columns are discussed."""
+    if not any(_DIGIT_FIRST.match(cell) for row in rows for cell in dialect.split(row.text)):
+        text = header.text.strip()
+        raise RecordingError(
+            path, wanted="a table of numbers below a row of channel names",
+            found=f"text, {text[:60] + ('...' if len(text) > 60 else '')!r}", do="Choose the file of the recording.",
+        )  # fmt: skip
 
 
 def header_and_rows(text: TextFile, start: int = 0, number: int = 1) -> tuple[Line, list[Line]]:

@@ -9,7 +9,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.settings import CocontractionSettings
 
 
-def cocontraction(
+def cocontraction_index(
     envelopes_v: Floats, muscles: tuple[str, ...], settings: CocontractionSettings
 ) -> tuple[Floats, str, tuple[str, ...]]:
     """Activity (n,), its unit ("V" or "1") and what must be said of it, from envelopes (m, n) in volts.
@@ -20,12 +20,15 @@ def cocontraction(
     """
     levels, notes = _normalised(envelopes_v, muscles, settings)
     pairwise = settings.index in ("rudolph", "falconer-winter")
-    if pairwise and len(muscles) != 2 or settings.index == "minimum" and len(muscles) < 2:
+    if (pairwise and len(muscles) != 2) or (settings.index == "minimum" and len(muscles) < 2):
         wanted = "exactly two muscles" if pairwise else "two muscles or more"
         found = ", ".join(muscles)
         raise SettingError(f"cocontraction.index = {settings.index!r}", wanted=wanted, found=found, do="Use 'sum'.")
     if settings.index in ("rudolph", "minimum") and settings.normalise == "none":
-        notes = (*notes, f"co-contraction: the {settings.index} index is meant for normalised envelopes; these are volts")
+        notes = (
+            *notes,
+            f"co-contraction: the {settings.index} index is meant for normalised envelopes; these are volts",
+        )
     unit = "V" if settings.normalise == "none" and settings.index != "falconer-winter" else "1"
     return _index(levels, settings.index), unit, notes
 
@@ -38,7 +41,7 @@ def _index(levels: Floats, index: str) -> Floats:
         return np.asarray(lower)
     total = lower + higher
     numerator, denominator = (lower * total, higher) if index == "rudolph" else (2 * lower, total)
-    return np.divide(numerator, denominator, out=np.zeros_like(lower), where=denominator > 0)
+    return np.asarray(np.divide(numerator, denominator, out=np.zeros_like(lower), where=denominator > 0))
 
 
 def _normalised(

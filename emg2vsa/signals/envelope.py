@@ -105,9 +105,7 @@ def envelopes_at(
     return np.sqrt(np.maximum(smoothed, 0)) if kernel.squared else np.maximum(smoothed, 0)
 
 
-def _smooth(
-    pieces: Pieces, starts: Ints, stops: Ints, first: Ints, n_out: int, step: int, kernel: Smoother
-) -> Floats:
+def _smooth(pieces: Pieces, starts: Ints, stops: Ints, first: Ints, n_out: int, step: int, kernel: Smoother) -> Floats:
     n_channels = pieces.rows.shape[0]
     n_taps = kernel.taps.size
     # the first full overlap of the convolution must fall on a multiple of the step

@@ -151,4 +151,4 @@ def support_samples(sos: Floats) -> int:
 def default_pad_samples(sos: Floats) -> int:
     """Odd extension that ``scipy.signal.sosfiltfilt`` puts at both ends by default."""
     taps = 2 * sos.shape[0] + 1
-    return 3 * (taps - int(min(np.sum(sos[:, 2] == 0), np.sum(sos[:, 5] == 0))))
+    return 3 * int(taps - min(np.sum(sos[:, 2] == 0), np.sum(sos[:, 5] == 0)))

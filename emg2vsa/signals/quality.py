@@ -1,4 +1,4 @@
-"""How good the raw signals of a trial are: clipped, flat, held or hummed over; and how much force fell while it rose."""
+"""How good the raw signals of a trial are: clipped, flat, held or hummed over; and how much force fell."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def raw_quality(samples: Floats, missing: NDArray[np.bool_], fs_hz: float) -> Ra
 
 
 def mains_ratio(samples: Floats, fs_hz: float) -> float:
-    """Share of the power of ``samples`` (n,) at 50 or 60 Hz, whichever is larger, and its harmonics; 0 when n is small."""
+    """Share of the power of ``samples`` (n,) at 50 or 60 Hz, the larger, and its harmonics; 0 when n is small."""
     size = min(samples.size, round(MAINS_BLOCK_S * fs_hz))
     if size < 4 * fs_hz / MAINS_HZ[0]:
         return 0.0
@@ -72,11 +72,11 @@ def _mains_waves(size: int, fs_hz: float) -> Floats:
     waves = np.sin(2 * np.pi / fs_hz * np.outer(np.arange(size), frequency) + phase)
     waves[:, frequency >= fs_hz / 2] = 0.0
     norm = np.linalg.norm(waves, axis=0)
-    return waves / np.where(norm > 0, norm, 1.0)
+    return np.asarray(waves / np.where(norm > 0, norm, 1.0), dtype=np.float64)
 
 
 def falling_share(force_n: Floats, tolerance_n: float) -> float:
-    """Share of the path of ``force_n`` (n,) that falls; reversals of up to ``tolerance_n`` are noise and not counted."""
+    """Share of the path of ``force_n`` (n,) that falls; reversals up to ``tolerance_n`` are noise, not counted."""
     rising = force_n[1:] > force_n[:-1]
     if force_n.size < 2 or np.all(rising):
         return 0.0

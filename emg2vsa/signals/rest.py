@@ -13,36 +13,43 @@ BLOCK_S = 0.1
 "Force is looked at in means over blocks of this length."
 MIN_BLOCKS = 4
 "Shortest rest, blocks."
-ROUNDS = 3
-"Rest is looked for around the drift found so far, this many times."
+ROUNDS = 4
+"Rest is looked for around the drift found so far, at most this many times."
+LOWER_STILL = 0.02
+"Share of the record that may lie below its rest by the lower force of the window."
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Rest force over time: a robust line through the rests plus what is left of them.
+
+    What is left is a running median of three, linear in between (knots_s, knots_n), so that slow drift is followed and
+    one rest at which the hand leant on the specimen is not.
+    """
+
+    slope: float
+    level_n: float
+    knots_s: Floats
+    knots_n: Floats
+
+    def at(self, time_s: Floats) -> Floats:
+        """Rest force (n,) at times from the first sample."""
+        return np.asarray(self.level_n + self.slope * time_s + np.interp(time_s, self.knots_s, self.knots_n))
 
 
 @dataclass(frozen=True)
 class Rest:
-    """Rests of one record, in samples of the force channel.
+    """Rests of one record; none at all where ``level_n`` is empty.
 
-    start, stop : (r,) of every rest, its first and last block left out. level_n, centre_s : (r,) median and middle.
-    noise_n : standard deviation of the force around its level, all rests together; NaN without any.
+    start, stop : (r,) samples of every rest, without the block at which it begins and the one at which it ends.
+    level_n : (r,) median force. noise_n : standard deviation around it, all rests together; NaN without any.
     """
 
     start: Ints
     stop: Ints
     level_n: Floats
-    centre_s: Floats
+    baseline: Baseline
     noise_n: float
-
-    def baseline_at(self, time_s: Floats) -> Floats:
-        """Rest force (n,) at times from the first sample: a robust line through the rests plus what is left of them.
-
-        What is left is a running median of three, linear in between, so that slow drift is followed and one rest at
-        which the hand leant on the specimen is not.
-        """
-        if self.level_n.size < 3:
-            return np.interp(time_s, self.centre_s, self.level_n)
-        slope, level = _theil_sen(self.centre_s, self.level_n)
-        left = self.level_n - (level + slope * self.centre_s)
-        inner = np.median(np.stack((left[:-2], left[1:-1], left[2:])), axis=0)
-        return level + slope * time_s + np.interp(time_s, self.centre_s[1:-1], inner)
 
 
 def find_rest(force_n: Floats, fs_hz: float, window: WindowSettings) -> Rest:
@@ -55,55 +62,70 @@ def find_rest(force_n: Floats, fs_hz: float, window: WindowSettings) -> Rest:
     lower_n, upper_n = window.force_n
     size = max(1, round(BLOCK_S * fs_hz))
     block_n = force_n[: force_n.size // size * size].reshape(-1, size).mean(axis=1)
-    none = Rest(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), np.empty(0), np.nan)
-    if block_n.size < MIN_BLOCKS:
-        return none
     block_s = (np.arange(block_n.size) + 0.5) * size / fs_hz
-    speed_limit = (upper_n - lower_n) / window.max_duration_s / 2
+    largest_step_n = (upper_n - lower_n) / window.max_duration_s / 2 * size / fs_hz
+    if block_n.size < MIN_BLOCKS:
+        return _rest(np.empty((0, 2), np.int64), np.empty(0), force_n, fs_hz)
     baseline_n = np.full(block_n.size, _lower_mode(block_n))
-    rest = none
+    runs, levels_n = np.empty((0, 2), np.int64), np.empty(0)
     for _ in range(ROUNDS):
-        rest = _rests_near(baseline_n, block_n, force_n, fs_hz, size, lower_n / 2, speed_limit)
-        if rest.level_n.size == 0:
-            return none
-        baseline_n = rest.baseline_at(block_s)
-    return none if np.mean(block_n < baseline_n - lower_n) > 0.02 else rest
+        before = runs
+        runs, levels_n = _rests_near(baseline_n, block_n, lower_n / 2, largest_step_n)
+        if levels_n.size == 0 or np.array_equal(before, runs):
+            break
+        baseline_n = _baseline(runs.mean(axis=1) * size / fs_hz, levels_n).at(block_s)
+    if levels_n.size and np.mean(block_n < baseline_n - lower_n) > LOWER_STILL:
+        runs, levels_n = runs[:0], levels_n[:0]
+    return _rest(runs * size, levels_n, force_n, fs_hz)
 
 
-def _rests_near(
-    baseline_n: Floats, block_n: Floats, force_n: Floats, fs_hz: float, size: int, reach_n: float, speed_limit: float
-) -> Rest:
+def _rests_near(baseline_n: Floats, block_n: Floats, reach_n: float, largest_step_n: float) -> tuple[Ints, Floats]:
+    """First and last-plus-one block (r, 2) and level (r,) of the rests within ``reach_n`` of the baseline."""
     starts, stops = runs_of(np.abs(block_n - baseline_n) < reach_n)
-    found: list[tuple[int, int, float]] = []
-    squares, count = 0.0, 0
-    for start, stop in zip(starts, stops, strict=True):
+    runs, levels_n = [], []
+    for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         if stop - start < MIN_BLOCKS:
             continue
         # the ends of a rest hold the first touch and the last release; at the ends of the record there is none
-        start, stop = start + (start > 0), stop - (stop < block_n.size)
-        slope = float(np.polynomial.polynomial.polyfit(np.arange(stop - start), block_n[start:stop], 1)[1])
-        if abs(slope) / (size / fs_hz) > speed_limit:
-            continue
-        piece = force_n[start * size : stop * size]
-        level = float(np.median(piece))
-        found.append((start * size, stop * size, level))
-        squares, count = squares + float(np.sum((piece - level) ** 2)), count + piece.size
-    if not found:
-        return Rest(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0), np.empty(0), np.nan)
-    start_i, stop_i, level_n = (np.array(column) for column in zip(*found, strict=True))
-    return Rest(start_i, stop_i, level_n, (start_i + stop_i) / 2 / fs_hz, (squares / count) ** 0.5)
+        inner = start + (start > 0), stop - (stop < block_n.size)
+        piece = block_n[slice(*inner)]
+        lever = np.arange(piece.size) - (piece.size - 1) / 2
+        if abs(float(lever @ piece)) <= largest_step_n * float(lever @ lever):
+            runs.append(inner)
+            levels_n.append(_median(piece))
+    return np.array(runs, dtype=np.int64).reshape(-1, 2), np.array(levels_n, dtype=np.float64)
+
+
+def _rest(runs: Ints, levels_n: Floats, force_n: Floats, fs_hz: float) -> Rest:
+    squares = [float(np.var(force_n[start:stop])) for start, stop in runs]
+    noise_n = float(np.average(squares, weights=np.diff(runs, axis=1)[:, 0])) ** 0.5 if squares else np.nan
+    return Rest(runs[:, 0], runs[:, 1], levels_n, _baseline(runs.mean(axis=1) / fs_hz, levels_n), noise_n)
+
+
+def _baseline(centre_s: Floats, level_n: Floats) -> Baseline:
+    if level_n.size == 0:
+        return Baseline(0.0, 0.0, np.zeros(1), np.zeros(1))
+    if level_n.size < 3:
+        return Baseline(0.0, 0.0, centre_s, level_n)
+    i, j = np.triu_indices(centre_s.size, 1)
+    slope = _median((level_n[j] - level_n[i]) / (centre_s[j] - centre_s[i]))
+    left = level_n - slope * centre_s
+    level = _median(left)
+    smooth = np.sort((left[:-2], left[1:-1], left[2:]), axis=0)[1]
+    return Baseline(slope, level, centre_s[1:-1], smooth - level)
 
 
 def _lower_mode(values: Floats) -> float:
     """Middle of the shortest interval that holds a fifth of the values, among those below the middle of the range."""
-    low, high = np.quantile(values, (0.02, 0.98))
-    ordered = np.sort(values[values <= max((low + high) / 2, values.min())])
-    n = min(ordered.size, max(MIN_BLOCKS, values.size // 5))
-    begin = int(np.argmin(ordered[n - 1 :] - ordered[: ordered.size - n + 1]))
-    return float(np.median(ordered[begin : begin + n]))
+    ordered = np.sort(values)
+    low, high = ordered[[round(0.02 * (values.size - 1)), round(0.98 * (values.size - 1))]]
+    lower = ordered[: np.searchsorted(ordered, (low + high) / 2, side="right")]
+    n = min(lower.size, max(MIN_BLOCKS, values.size // 5))
+    begin = int(np.argmin(lower[n - 1 :] - lower[: lower.size - n + 1]))
+    return _median(lower[begin : begin + n])
 
 
-def _theil_sen(x: Floats, y: Floats) -> tuple[float, float]:
-    i, j = np.triu_indices(x.size, 1)
-    slope = float(np.median((y[j] - y[i]) / (x[j] - x[i])))
-    return slope, float(np.median(y - slope * x))
+def _median(values: Floats) -> float:
+    # numpy's median costs more in its preparations than in these few values
+    ordered = np.sort(values)
+    return float(ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]) / 2

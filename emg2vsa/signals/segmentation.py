@@ -63,8 +63,12 @@ def find_presses(force_n: Floats, fs_hz: float, window_n: tuple[float, float]) -
             found.append(press)
     kept = _without_partial(found)
     return Presses(
-        *(np.array([getattr(p, name) for p in kept]) for name in ("start_s", "stop_s", "release_s", "peak_n")),
-        *(np.array([getattr(p, name) for p in kept], dtype=np.bool_) for name in ("reached", "at_edge")),
+        start_s=np.array([p.start_s for p in kept], dtype=np.float64),
+        stop_s=np.array([p.stop_s for p in kept], dtype=np.float64),
+        release_s=np.array([p.release_s for p in kept], dtype=np.float64),
+        peak_n=np.array([p.peak_n for p in kept], dtype=np.float64),
+        reached=np.array([p.reached for p in kept], dtype=np.bool_),
+        at_edge=np.array([p.at_edge for p in kept], dtype=np.bool_),
         touches=touches,
         skipped=skipped,
     )
@@ -94,7 +98,7 @@ def _rise(force_n: Floats, after: int, level_n: float) -> float:
 
 
 def _without_partial(presses: list[_Press]) -> list[_Press]:
-    """Failed presses that belong to a neighbour taken out: next to a successful one, or to a failed one that rose higher."""
+    """Without failed presses that belong to a neighbour: to a successful one, or to a failed one that rose higher."""
     kept: list[_Press] = []
     for press in presses:
         if kept and press.contact_s - kept[-1].release_s < SAME_CONTACT_S:

@@ -29,7 +29,7 @@ class Pieces:
 def filter_record(samples: Floats, iir: IirFilter) -> Floats:
     """The whole record (n,), as ``sosfiltfilt`` (zero-phase) or one pass that starts in steady state (causal)."""
     extended = _cut(samples, -iir.pad_samples, samples.size + 2 * iir.pad_samples)
-    return _run(extended[None], iir)[0, iir.pad_samples : iir.pad_samples + samples.size]
+    return _run(extended[None], iir, iir.pad_samples)[0, : samples.size]
 
 
 def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: IirFilter) -> Pieces:
@@ -37,7 +37,7 @@ def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: I
 
     A window is widened by the filter's support, within which the missing past (and future) dies out, so the result
     equals that of the whole record to better than 1e-10 of the signal; at the ends of the record it is the same
-    odd extension as ``sosfiltfilt`` uses. When the windows together are longer than the record, the record is one piece.
+    odd extension as ``sosfiltfilt`` uses. Windows that together are longer than the record are one piece, the record.
     """
     n, pad = channels[0].size, iir.pad_samples
     after = iir.support_samples if iir.zero_phase else 0
@@ -50,7 +50,9 @@ def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: I
     for row, samples in zip(cut, channels, strict=True):
         for target, begin in zip(row, first, strict=True):
             target[:] = _cut(samples, int(begin), length)
-    return Pieces(_run(cut.reshape(-1, length), iir).reshape(cut.shape), piece, first, n)
+    lead = int(np.min(starts - first[piece], initial=length))
+    rows = _run(cut.reshape(-1, length), iir, lead)
+    return Pieces(rows.reshape(*cut.shape[:2], -1), piece, first + lead, n)
 
 
 def _cut(samples: Floats, begin: int, length: int) -> Floats:
@@ -63,8 +65,9 @@ def _cut(samples: Floats, begin: int, length: int) -> Floats:
     return np.concatenate((left, inner, right))
 
 
-def _run(rows: Floats, iir: IirFilter) -> Floats:
-    filtered = _pass(rows, iir)
+def _run(rows: Floats, iir: IirFilter, lead: int) -> Floats:
+    """All passes over rows (r, n); the result without its first ``lead`` samples, which nobody needs: (r, n - lead)."""
+    filtered = _pass(rows, iir)[:, lead:]
     return _pass(filtered[:, ::-1], iir)[:, ::-1] if iir.zero_phase else filtered
 
 

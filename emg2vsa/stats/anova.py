@@ -72,7 +72,7 @@ def one_way(values: ArrayLike) -> Anova:
     valid = np.isfinite(doubles)
     count = np.count_nonzero(valid, axis=2)
     filled = np.where(valid, doubles, 0.0)
-    unit = exponent_of(filled.reshape(len(filled), -1))[:, 0] + 1
+    unit = exponent_of(np.max(np.abs(filled), axis=2))[:, 0] + 1
     filled = np.ldexp(filled, -unit[:, None, None])
     with np.errstate(divide="ignore", invalid="ignore"):
         start, inner, deviation = _centred_groups(filled, valid, count)

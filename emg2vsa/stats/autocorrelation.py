@@ -19,7 +19,8 @@ def residual_memory(residuals: Floats) -> tuple[Floats, Floats]:
     if k == 0 or p < 3:
         return np.full(k, np.nan), np.full(k, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        scaled = np.ldexp(np.where(valid, residuals, 0.0), -exponent_of(residuals))
+        filled = np.where(valid, residuals, 0.0)
+        scaled = np.ldexp(filled, -exponent_of(filled))
         mean = np.sum(scaled, axis=1) / n
         centred = np.where(valid, scaled - mean[:, None], 0.0)
         spectrum = np.fft.rfft(centred, 2 * p, axis=1)

@@ -7,12 +7,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import edfio
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import READERS, inspect, open_recording, read
+from emg2vsa.readers import READERS, inspect, open_recording, read, reader_module
 from emg2vsa.readers.opened import unique_names
 
 HEAVY = ("pandas", "ezc3d", "edfio", "scipy", "h5py")
@@ -24,10 +26,7 @@ def test_importing_the_package_loads_no_format_library() -> None:
     assert out.stdout.strip() == "[]"
 
 
-def test_reading_bdf_loads_no_pandas(tmp_path: Path) -> None:
-    edfio = pytest.importorskip("edfio")
-    import numpy as np
-
+def test_reading_bdf_loads_no_other_format_library(tmp_path: Path) -> None:
     path = tmp_path / "a.bdf"
     edfio.Bdf([edfio.BdfSignal(np.arange(100.0), 100, label="EDC", physical_dimension="uV")]).write(path)
     code = (
@@ -35,7 +34,7 @@ def test_reading_bdf_loads_no_pandas(tmp_path: Path) -> None:
         f"print([m for m in {HEAVY!r} if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True)
-    assert out.stdout.strip() == "[]"
+    assert out.stdout.strip() == "['edfio']"
 
 
 @pytest.mark.parametrize(
@@ -52,7 +51,11 @@ def test_reading_bdf_loads_no_pandas(tmp_path: Path) -> None:
     ],
 )
 def test_real_files_are_recognised(shared_data, relative: str, name: str) -> None:
-    assert open_recording(shared_data(relative))[0] == name
+    path = shared_data(relative)
+    known, opened = open_recording(path)
+    assert known == name
+    assert type(opened).__module__ in (reader_module(path), "emg2vsa.readers.timed_columns")
+    assert reader_module(path) == next(reader.module for reader in READERS if reader.format == name)
 
 
 @pytest.mark.parametrize(
@@ -63,6 +66,7 @@ def test_foreign_binary_formats_are_refused_with_the_known_ones(shared_data, rel
     with pytest.raises(RecordingError, match="unknown format") as caught:
         inspect(shared_data(f"emg/{relative}"))
     assert all(reader.format in caught.value.wanted for reader in READERS)
+    assert reader_module(shared_data(f"emg/{relative}")) is None
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".txt", ".edf", ".bdf", ".c3d", ".mat"])
@@ -88,6 +92,14 @@ def test_missing_file_and_folder(tmp_path: Path) -> None:
         inspect(tmp_path / "absent.csv")
     with pytest.raises(RecordingError, match="directory"):
         inspect(tmp_path)
+
+
+def test_reader_module_goes_by_content_first_and_is_none_where_nothing_can_be_read(tmp_path: Path) -> None:
+    contents = {"a.csv": b"0       " + b" " * 300, "b.txt": b"time (s),EDC (mV)\n0,1\n", "c.csv": b"", "d.dat": b"\0" * 9}
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+    found = [reader_module(tmp_path / name) for name in (*contents, "absent.bdf", ".")]
+    assert found == ["emg2vsa.readers.edf_bdf", "emg2vsa.readers.plain_csv", None, None, None, None]
 
 
 def test_unknown_channel_suggests_the_nearest(tmp_path: Path) -> None:

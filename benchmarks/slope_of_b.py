@@ -1,0 +1,109 @@
+"""Bias and spread of b through the conditioning, on a signal whose b is known (EMG notes 3.3).
+
+Sum of two muscles v = 30 + 15 ln F uV, shared 60:40; Gaussian carrier with a Stegeman-type spectrum through 20-450 Hz,
+1.2 uV of noise in each channel; F rises linearly from 0.2 to 7.2 N in 2.5 s. Fit on 0.5 to 7 N.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import signal
+
+from emg2vsa.arrays import Floats
+from emg2vsa.curves.force_bins import bin_edges, bin_means
+from emg2vsa.curves.logarithmic import LogFit, fit_log, level_weights
+from emg2vsa.settings import FilterSettings, FitSettings, WindowSettings
+from emg2vsa.signals.delays import delay_budget
+from emg2vsa.signals.envelope import decimation, envelopes_at, smoother
+from emg2vsa.signals.filters import band_pass, force_low_pass
+from emg2vsa.signals.pairing import Clock, force_at, instants_between
+from emg2vsa.signals.windowed import filter_record
+
+FS_HZ, DURATION_S, A_UV, B_UV = 1000.0, 2.5, 30.0, 15.0
+SHARES, NOISE_UV = (0.6, 0.4), 1.2
+MARGIN_S = 1.0
+"The ramp's law continues so long before and after, so that the filters see no jump."
+
+CHAINS: dict[str, tuple[FilterSettings, FitSettings]] = {
+    "default (zero-phase, bins, 1/v^2)": (FilterSettings(), FitSettings()),
+    "default, RMS envelope": (FilterSettings(envelope="rms"), FitSettings()),
+    "default, Nyquist rule (10-500 Hz)": (FilterSettings(band_hz=(10.0, 500.0)), FitSettings()),
+    "compensated, bins, 1/v^2": (FilterSettings(phase="compensated"), FitSettings()),
+    "zero-phase, bins, unweighted": (FilterSettings(), FitSettings(weights="none")),
+    "causal, bins, 1/v^2": (FilterSettings(phase="causal"), FitSettings()),
+    "paper (causal, samples, unweighted)": (
+        FilterSettings(band_hz=(10.0, 500.0), phase="causal", output_fs_hz="native"),
+        FitSettings(points="samples", weights="none"),
+    ),
+}
+
+
+def carrier(rng: np.random.Generator, n: int) -> Floats:
+    """Gaussian noise of unit mean rectified value: Stegeman spectrum (60, 120 Hz), Butterworth 4 through 20-450 Hz."""
+    size = n + 2000
+    f = np.fft.rfftfreq(size, 1 / FS_HZ)
+    power = 120.0**4 * f**2 / ((f**2 + 60.0**2) * (f**2 + 120.0**2) ** 2)
+    sos = signal.butter(4, (20.0, 450.0), "bandpass", fs=FS_HZ, output="sos")
+    power *= np.abs(signal.freqz_sos(sos, worN=f, fs=FS_HZ)[1]) ** 2
+    power /= np.sum(power)
+    spectrum = np.sqrt(power / 2) * (rng.standard_normal(f.size) + 1j * rng.standard_normal(f.size))
+    wave = np.fft.irfft(spectrum, size)[1000 : 1000 + n] * size / np.sqrt(2)
+    return wave * np.sqrt(np.pi / 2)
+
+
+def simulate(n_trials: int) -> tuple[Floats, Floats]:
+    """EMG (muscles, n_trials, n) in uV and true force (n,) in newtons."""
+    rng = np.random.default_rng(33)
+    n = round((DURATION_S + 2 * MARGIN_S) * FS_HZ)
+    time_s = np.arange(n) / FS_HZ - MARGIN_S
+    force_n = 0.2 + 7.0 / DURATION_S * time_s
+    level = A_UV + B_UV * np.log(np.maximum(force_n, 0.2))
+    emg = np.empty((len(SHARES), n_trials, n))
+    for muscle, share in enumerate(SHARES):
+        for trial in range(n_trials):
+            emg[muscle, trial] = share * level * carrier(rng, n) + NOISE_UV * rng.standard_normal(n)
+    return emg, force_n
+
+
+def curves(emg: Floats, force_n: Floats, filters: FilterSettings) -> tuple[Floats, Floats]:
+    """Activity (n_trials, k) and force (k,) as the stage pairs them."""
+    step = decimation(FS_HZ, filters.output_fs_hz)
+    band, kernel, low = band_pass(filters, FS_HZ), smoother(filters, FS_HZ, step), force_low_pass(filters, FS_HZ)
+    assert low is not None
+    _, shifts = delay_budget(filters.phase, band, kernel, low, 0.0)
+    emg_clock, force_clock = (Clock(-shift, FS_HZ, force_n.size) for shift in (shifts.emg_s, shifts.force_s))
+    filtered_n = filter_record(force_n, low)
+    inside = np.flatnonzero((filtered_n >= 0.5) & (filtered_n <= 7.0))[[0, -1]]
+    start_s, stop_s = (force_clock.time_s(inside[i : i + 1]) for i in (0, 1))
+    instants = instants_between(start_s, stop_s, emg_clock, force_clock, step)
+    rows = [
+        envelopes_at(tuple(trials), instants.first, instants.counts, step, band, kernel).sum(axis=0)
+        for trials in emg.swapaxes(0, 1)
+    ]
+    return np.stack(rows), force_at(filtered_n, instants, emg_clock, force_clock)
+
+
+def fitted(activity: Floats, force_n: Floats, fit: FitSettings) -> LogFit:
+    """Equation (6) for every trial, with the points and weights of ``fit``."""
+    samples = np.ones(activity.shape, dtype=np.int64)
+    force, v = np.broadcast_to(force_n, activity.shape), activity
+    if fit.points == "bins":
+        offsets = np.arange(len(activity) + 1) * force_n.size
+        bins = bin_means(force.ravel(), v.ravel(), offsets, bin_edges(*WindowSettings().force_n, fit.bin_n))
+        force, v, samples = bins.force_n, bins.v, bins.samples
+    first = fit_log(force, v)
+    return first if fit.weights == "none" else fit_log(force, v, samples * level_weights(force, first))
+
+
+def print_slope_table(n_trials: int) -> None:
+    emg, force_n = simulate(n_trials)
+    print(f"b of {n_trials} simulated trials, percent of the truth ({B_UV:g} uV)")
+    print(f"{'':38}{'bias b':>8}{'MC error':>10}{'SD(b)':>8}{'bias a':>8}  95 % interval covers")
+    for name, (filters, fit) in CHAINS.items():
+        found = fitted(*curves(emg, force_n, replace(filters)), fit)
+        bias, spread = 100 * (found.b.mean() / B_UV - 1), 100 * found.b.std(ddof=1) / B_UV
+        cover = 100 * np.mean((found.b_lo <= B_UV) & (found.b_hi >= B_UV))
+        bias_a = 100 * (found.a.mean() / A_UV - 1)
+        print(f"{name:38}{bias:+8.2f}{spread / n_trials**0.5:10.2f}{spread:8.2f}{bias_a:+8.2f}  {cover:.1f} %")

@@ -1,0 +1,54 @@
+"""What a study report is written from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from emg2vsa.fits import Fits
+from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.profiles import Profiles
+from emg2vsa.schedules import Schedule
+from emg2vsa.study import Study
+from emg2vsa.trials import Trials
+from emg2vsa.truth import Truth
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A step that could not be done. key : "participant/specimen", a participant, or "study"."""
+
+    key: str
+    stage: str
+    message: str
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """All products of a run. A stage that failed is None (or empty), and ``failures`` say why."""
+
+    study: Study
+    trials: tuple[Trials, ...]
+    fits: Fits
+    hypotheses: Hypotheses | None
+    profiles: Profiles | None
+    schedules: tuple[Schedule, ...]
+    failures: tuple[Failure, ...] = ()
+    provenance: dict[str, str] = field(default_factory=dict)
+    "Versions and digests by name."
+    truth: Truth | None = None
+    "Of a simulated study: (participant, specimen, repetition) to the true (a, b) in volts."
+
+    @property
+    def simulated(self) -> bool:
+        return self.truth is not None
+
+    def verdict_counts(self) -> dict[str, int]:
+        """Trials by verdict."""
+        return {name: int(np.count_nonzero(self.fits.verdict == name)) for name in ("ok", "warned", "rejected")}
+
+    def why_absent(self, stage: str) -> str:
+        """One sentence on why a section has nothing to show."""
+        reasons = [failure.message for failure in self.failures if failure.stage == stage]
+        return f"Failed: {' '.join(reasons)}" if reasons else f"The study has no {stage}."

@@ -1,0 +1,138 @@
+"""Equations (7) and (8): co-contraction profiles to stiffness presets, over all exported specimens together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from emg2vsa.actuator import stiffness_nm_per_rad, ticks_of_percent
+from emg2vsa.arrays import Floats
+from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.errors import ScheduleError
+from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.schedules.checks import check
+from emg2vsa.schedules.schedule import Limits, Ramp, Schedule
+from emg2vsa.settings import ScheduleSettings
+
+_FLAT = 1e-9
+"""Activity that varies by less than this share of its level cannot be mapped: rounding would decide the stiffness."""
+
+
+def build_schedules(
+    profiles: Profiles, settings: ScheduleSettings, provenance: Mapping[str, str]
+) -> tuple[Schedule, ...]:
+    """Schedules of every exported specimen and the new one, under every condition asked for; each passes ``check``.
+
+    Activity is averaged over force steps. The smallest and the largest step mean of all specimens go to the two ends of
+    ``settings.stiffness_percent``. A measured specimen with the name of the new one gives way to it. ScheduleError
+    where activity does not vary, or a limit cannot be kept.
+    """
+    exported = _exported(profiles)
+    edges = bin_edges(exported[0].force_n[0], exported[0].force_n[-1], settings.step_n)
+    means = [mean_over_steps(p.a_v, p.b_v, edges) for p in exported]
+    span = _span(means)
+    common = dict(provenance) | {
+        "participant": profiles.participant or "mean over all",
+        "activity_unit": profiles.unit,
+        "mapping": _mapping_text(span, settings),
+    }
+    return tuple(
+        _schedule(
+            profile.specimen, condition, edges, _levels(condition, v, edges), span, settings,
+            common | _origin(profile, profiles),
+        )
+        for profile, v in zip(exported, means, strict=True)
+        for condition in dict.fromkeys(settings.conditions)
+    )  # fmt: skip
+
+
+def mean_over_steps(a_v: float, b_v: float, edges_n: Floats) -> Floats:
+    """Mean (K,) of a + b ln F over each step between ``edges_n`` (K + 1,), in closed form.
+
+    The mean of ln F from F1 to F2 is (F2 ln F2 - F1 ln F1)/(F2 - F1) - 1, written here so that it does not cancel.
+    """
+    low, high = edges_n[:-1], edges_n[1:]
+    rise = (high - low) / low
+    return a_v + b_v * (np.log(low) + (1 + rise) / rise * np.log1p(rise) - 1)
+
+
+def _exported(profiles: Profiles) -> tuple[Profile, ...]:
+    if profiles.new is None:
+        return profiles.profiles
+    return (*(p for p in profiles.profiles if p.specimen != profiles.new.specimen), profiles.new)
+
+
+def _span(means: Sequence[Floats]) -> tuple[float, float]:
+    low, high = float(np.min(means)), float(np.max(means))
+    if not high - low > _FLAT * max(abs(low), abs(high)):
+        raise ScheduleError(
+            "mapping of co-contraction to stiffness", wanted="co-contraction that varies with force or specimen",
+            found=f"{low:.6g} in every step", do="Check the fits: a slope b of zero cannot be mapped.",
+        )  # fmt: skip
+    return low, high
+
+
+def _levels(condition: str, v: Floats, edges: Floats) -> Floats:
+    if condition == "modular":
+        return v
+    # the last step may be shorter, so the mean of the curve weighs each step by its width
+    level = {"constant-min": v.min(), "constant-mean": np.average(v, weights=np.diff(edges)), "constant-max": v.max()}
+    return np.full(v.size, level[condition])
+
+
+def _schedule(
+    specimen: str,
+    condition: str,
+    edges: Floats,
+    v: Floats,
+    span: tuple[float, float],
+    settings: ScheduleSettings,
+    provenance: dict[str, str],
+) -> Schedule:
+    limits = Limits(settings.stiffness_percent, settings.max_preset_ticks, settings.actuator, settings.scale)
+    share = np.clip((v - span[0]) / (span[1] - span[0]), 0.0, 1.0)
+    lowest, highest = settings.stiffness_percent
+    percent = limits.preset_percent((1 - share) * lowest + share * highest)
+    ticks = ticks_of_percent(percent, settings.max_preset_ticks)
+    widths = np.diff(edges)
+    schedule = Schedule(
+        specimen=specimen,
+        condition=condition,
+        step_force_n=edges,
+        stiffness_percent=percent,
+        preset_ticks=ticks,
+        stiffness_nm_per_rad=stiffness_nm_per_rad(ticks, settings.actuator),
+        activity_v=v,
+        last_step_short=bool(widths[-1] < settings.step_n * (1 - 1e-6)),
+        ramp=_ramp(settings),
+        limits=limits,
+        provenance=provenance,
+    )
+    check(schedule)
+    return schedule
+
+
+def _ramp(settings: ScheduleSettings) -> Ramp:
+    speed, gear, travel = settings.probe_speed_mm_per_s, settings.gear_mm_per_degree, settings.travel_mm
+    return Ramp(speed, gear, speed / gear, travel, travel / speed)
+
+
+def _mapping_text(span: tuple[float, float], settings: ScheduleSettings) -> str:
+    lowest, highest = settings.stiffness_percent
+    p1 = (highest - lowest) / (span[1] - span[0])
+    return f"k = p1 v + p2 in percent of maximum {settings.scale}; p1 = {p1!r}, p2 = {lowest - p1 * span[0]!r}"
+
+
+def _origin(profile: Profile, profiles: Profiles) -> dict[str, str]:
+    origin = profile.source
+    if profile.source == "interpolated" and profiles.bracket:
+        stiffer, softer = profiles.bracket
+        origin = f"interpolated at {profile.stiffness_n_per_mm!r} N/mm, nearest neighbours {stiffer} and {softer}"
+        if np.isfinite(profiles.weight_alpha):
+            origin += f", weight of {softer} {profiles.weight_alpha!r}"
+    return {
+        "profile": origin,
+        "trials": str(profile.n_trials),
+        "fit": f"v = a + b ln(F / 1 N); a = {profile.a_v!r}, b = {profile.b_v!r}",
+    }

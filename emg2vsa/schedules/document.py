@@ -1,0 +1,129 @@
+"""A schedule as a tree of plain values, the content of its files, and back with every type checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from emg2vsa.errors import ScheduleError
+from emg2vsa.schedules.checks import EXPORT_AGAIN
+from emg2vsa.schedules.schedule import Limits, Ramp, Schedule
+
+FORMAT = "emg2vsa stiffness schedule"
+VERSION = 1
+COLUMNS: dict[str, type[int] | type[float]] = {
+    "force_from_n": float,
+    "force_to_n": float,
+    "activity_v": float,
+    "stiffness_percent": float,
+    "preset_ticks": int,
+    "stiffness_nm_per_rad": float,
+}
+Document = dict[str, Any]
+_HEAD = {
+    "format": str, "version": int, "specimen": str, "condition": str, "last_step_short": bool, "ramp": dict,
+    "limits": dict, "provenance": dict, "steps": list,
+}  # fmt: skip
+_RAMP = {
+    "speed_mm_per_s": float, "gear_mm_per_degree": float, "speed_deg_per_s": float, "travel_mm": float,
+    "duration_s": float,
+}  # fmt: skip
+_LIMITS = {"stiffness_percent": list, "max_preset_ticks": int, "actuator": str, "scale": str}
+_WORDS = {str: "text", int: "a whole number", float: "a number", bool: "true or false", list: "a list", dict: "a table"}
+
+
+def document_of(schedule: Schedule) -> Document:
+    """Plain values, exact: floats stay the same doubles."""
+    columns = (
+        schedule.step_force_n[:-1], schedule.step_force_n[1:], schedule.activity_v, schedule.stiffness_percent,
+        schedule.preset_ticks, schedule.stiffness_nm_per_rad,
+    )  # fmt: skip
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    limits = {name: getattr(schedule.limits, name) for name in _LIMITS}
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "specimen": schedule.specimen,
+        "condition": schedule.condition,
+        "last_step_short": schedule.last_step_short,
+        "ramp": {name: float(getattr(schedule.ramp, name)) for name in _RAMP},
+        "limits": limits | {"stiffness_percent": [float(v) for v in schedule.limits.stiffness_percent]},
+        "provenance": dict(schedule.provenance),
+        "steps": [dict(zip(COLUMNS, row, strict=True)) for row in rows],
+    }
+
+
+def schedule_of(document: Document, where: str) -> Schedule:
+    """The schedule of a document; ScheduleError naming ``where`` and the place for anything that does not fit.
+
+    Only form is judged here: keys, types, and steps that join. ``emg2vsa.schedules.check`` judges the values.
+    """
+    _check_keys(document, _HEAD, where)
+    if document["format"] != FORMAT or document["version"] != VERSION:
+        found = f"{document['format']} {document['version']}"
+        raise ScheduleError(f"{where}, format", wanted=f"{FORMAT} {VERSION}", found=found, do=EXPORT_AGAIN)
+    _check_keys(document["ramp"], _RAMP, f"{where}, ramp")
+    _check_keys(document["limits"], _LIMITS, f"{where}, limits")
+    _check_keys(document["provenance"], dict.fromkeys(document["provenance"], str), f"{where}, provenance")
+    for number, row in enumerate(document["steps"], start=1):
+        _check_row(row, document["steps"][number - 2] if number > 1 else None, f"{where}, row {number}")
+    columns = {name: np.array([row[name] for row in document["steps"]], dtype=kind) for name, kind in COLUMNS.items()}
+    return Schedule(
+        specimen=document["specimen"],
+        condition=document["condition"],
+        step_force_n=np.append(columns["force_from_n"], columns["force_to_n"][-1:]),
+        stiffness_percent=columns["stiffness_percent"],
+        preset_ticks=columns["preset_ticks"],
+        stiffness_nm_per_rad=columns["stiffness_nm_per_rad"],
+        activity_v=columns["activity_v"],
+        last_step_short=document["last_step_short"],
+        ramp=Ramp(**{name: float(value) for name, value in document["ramp"].items()}),
+        limits=_limits(document["limits"], f"{where}, limits.stiffness_percent"),
+        provenance=document["provenance"],
+    )
+
+
+def _check_keys(table: Any, kinds: dict[str, Any], where: str) -> None:
+    if not isinstance(table, dict) or set(table) != set(kinds):
+        found = ", ".join(map(str, table)) if isinstance(table, dict) else _name(table)
+        raise ScheduleError(where, wanted=f"the keys {', '.join(kinds)}", found=found or "none", do=EXPORT_AGAIN)
+    for key, kind in kinds.items():
+        if not _is(table[key], kind):
+            raise ScheduleError(f"{where}, {key}", wanted=_WORDS[kind], found=_name(table[key]), do=EXPORT_AGAIN)
+
+
+def _check_row(row: Any, before: dict[str, Any] | None, where: str) -> None:
+    if not isinstance(row, dict) or set(row) != set(COLUMNS):
+        found = ", ".join(map(str, row)) if isinstance(row, dict) else _name(row)
+        raise ScheduleError(where, wanted=f"the columns {', '.join(COLUMNS)}", found=found or "none", do=EXPORT_AGAIN)
+    for column, kind in COLUMNS.items():
+        if not _is(row[column], kind):
+            raise ScheduleError(
+                f"{where}, column {column}", wanted=_WORDS[kind], found=_name(row[column]), do=EXPORT_AGAIN
+            )
+    if before is not None and row["force_from_n"] != before["force_to_n"]:
+        wanted = f"{before['force_to_n']}, where the step before ends"
+        raise ScheduleError(
+            f"{where}, column force_from_n", wanted=wanted, found=str(row["force_from_n"]), do=EXPORT_AGAIN
+        )
+
+
+def _is(value: Any, kind: type) -> bool:
+    # true is an int to Python; a whole number may stand where a number is wanted, but within what numpy can hold
+    if kind in (int, float):
+        whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**53
+        return whole or (kind is float and isinstance(value, float))
+    return isinstance(value, kind)
+
+
+def _name(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def _limits(table: dict[str, Any], where: str) -> Limits:
+    pair = table["stiffness_percent"]
+    if len(pair) != 2 or not all(_is(value, float) for value in pair):
+        raise ScheduleError(where, wanted="two numbers", found=_name(pair), do=EXPORT_AGAIN)
+    return Limits(**{**table, "stiffness_percent": (float(pair[0]), float(pair[1]))})

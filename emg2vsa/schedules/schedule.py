@@ -1,0 +1,66 @@
+"""What a schedule is: force steps to stiffness, the ramp of the probe, the limits it keeps, where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from emg2vsa.actuator import preset_for_stiffness, stiffness_nm_per_rad
+from emg2vsa.arrays import Floats, Ints
+
+CONDITIONS = ("modular", "constant-min", "constant-mean", "constant-max")
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """Linear ramp of the probe along the specimen's vertical axis, the position command of equation (8)."""
+
+    speed_mm_per_s: float
+    gear_mm_per_degree: float
+    "Probe travel per degree of the output shaft."
+    speed_deg_per_s: float
+    travel_mm: float
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the schedule may ask of which device.
+
+    ``stiffness_percent`` are the ends of mapping (7), in percent of the device's maximum on ``scale``: "preset" or
+    "stiffness" (N m/rad at zero load).
+    """
+
+    stiffness_percent: tuple[float, float]
+    max_preset_ticks: int
+    actuator: str
+    scale: str
+
+    def preset_percent(self, percent_on_scale: Floats) -> Floats:
+        """Percent of the maximum on ``scale`` (any shape) to percent of the maximum preset."""
+        if self.scale == "preset":
+            return percent_on_scale
+        wanted = percent_on_scale / 100 * stiffness_nm_per_rad(self.max_preset_ticks, self.actuator)
+        return preset_for_stiffness(wanted, self.actuator) * 100 / self.max_preset_ticks
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """One specimen under one condition: K force steps, each with the stiffness to hold while force is in it."""
+
+    specimen: str
+    condition: str
+    "modular, or constant at the min, mean or max of the profile"
+    step_force_n: Floats
+    "(K + 1,) edges of the force steps."
+    stiffness_percent: Floats
+    "(K,) percent of the maximum preset, before rounding to ticks."
+    preset_ticks: Ints
+    "(K,) half the difference of the two motors' positions, equation (8)."
+    stiffness_nm_per_rad: Floats
+    "(K,) joint stiffness of those ticks at zero load, by the spring model."
+    activity_v: Floats
+    "(K,) mean co-contraction that is mapped."
+    last_step_short: bool
+    ramp: Ramp
+    limits: Limits
+    provenance: dict[str, str]

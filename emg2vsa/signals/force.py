@@ -1,0 +1,93 @@
+"""The force channel of a record: filtered, tared, and cut into presses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.settings import WindowSettings
+from emg2vsa.signals.filters import IirFilter
+from emg2vsa.signals.rest import Rest, find_rest
+from emg2vsa.signals.segmentation import Presses, find_presses
+from emg2vsa.signals.windowed import filter_record
+
+GAP_S = 2.0
+"The level before contact is looked for this long before it."
+NOISE_REVERSAL = 4.0
+"A reversal of force within so many standard deviations of its noise at rest is noise ..."
+SMALLEST_REVERSAL = 0.005
+"... and so is one within this share of the force window."
+
+
+@dataclass(frozen=True)
+class ForceRecord:
+    """force_n : (n,) tared and filtered. tare_n : median of what was subtracted. gap_n : (p,) level before each press,
+    NaN if unknown. reversal_n : fall of force that is no more than noise."""
+
+    force_n: Floats
+    fs_hz: float
+    rest: Rest
+    presses: Presses
+    tare_n: float
+    gap_n: Floats
+    reversal_n: float
+    notes: tuple[str, ...]
+
+
+def condition_force(
+    samples: Floats, fs_hz: float, low: IirFilter | None, tare: Literal["rest", "none"], window: WindowSettings
+) -> ForceRecord:
+    """Filter the whole record (n,) of raw force, tare it on its rests, and find the presses."""
+    filtered = samples if low is None else filter_record(samples, low)
+    rest = find_rest(filtered, fs_hz, window)
+    force_n, tare_n, notes = _tared(filtered, fs_hz, rest, tare)
+    presses = find_presses(force_n, fs_hz, window.force_n)
+    noise_n = 0.0 if np.isnan(rest.noise_n) else NOISE_REVERSAL * rest.noise_n
+    reversal_n = max(noise_n, SMALLEST_REVERSAL * (window.force_n[1] - window.force_n[0]))
+    gap_n = _gaps(force_n, fs_hz, presses) if rest.level_n.size else np.full(presses.start_s.size, np.nan)
+    notes = (*notes, *_said_of_presses(presses, force_n, window))
+    return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, notes)
+
+
+def _tared(
+    filtered: Floats, fs_hz: float, rest: Rest, tare: Literal["rest", "none"]
+) -> tuple[Floats, float, tuple[str, ...]]:
+    if tare == "none":
+        return filtered, 0.0, ("force: not tared, as the study says",)
+    if rest.level_n.size == 0:
+        return filtered, 0.0, ("force: tare impossible, the record never rests; force is taken as it is",)
+    tare_n, drift_n = float(np.median(rest.level_n)), float(np.ptp(rest.level_n))
+    said = f"force: tared on {rest.level_n.size} rests, median {tare_n:.4g} N, drift {drift_n:.2g} N"
+    return filtered - rest.baseline.at(np.arange(filtered.size) / fs_hz), tare_n, (said,)
+
+
+def _gaps(force_n: Floats, fs_hz: float, presses: Presses) -> Floats:
+    """Lower quartile of the force between the release before and each contact, over at most ``GAP_S``."""
+    released = np.concatenate(([0.0], presses.release_s[:-1]))
+    gaps = np.full(presses.start_s.size, np.nan)
+    for i, (after_s, before_s) in enumerate(zip(released, presses.start_s, strict=True)):
+        piece = force_n[int(max(after_s, before_s - GAP_S) * fs_hz) : int(before_s * fs_hz)]
+        if piece.size >= 0.3 * fs_hz:
+            ordered = np.sort(piece[:: max(1, round(fs_hz / 50))])
+            gaps[i] = ordered[ordered.size // 4]
+    return gaps
+
+
+def _said_of_presses(presses: Presses, force_n: Floats, window: WindowSettings) -> tuple[str, ...]:
+    lower_n, upper_n = window.force_n
+    n = presses.start_s.size
+    notes = []
+    if window.expected_trials is not None and n != window.expected_trials:
+        notes.append(f"presses: {n} found, {window.expected_trials} expected")
+    if presses.touches:
+        notes.append(f"presses: {presses.touches} light touches of the specimen not counted")
+    if presses.skipped:
+        notes.append("presses: the record begins above the window or while force falls; that press is not counted")
+    if n == 0:
+        sign = "; is its sign -1?" if -force_n.min() >= upper_n > force_n.max() else ""
+        reach = f"{force_n.min():.3g} to {force_n.max():.3g} N"
+        notes.append(f"presses: none; tared force goes from {reach}, the window is {lower_n:g} to {upper_n:g} N{sign}")
+    return tuple(notes)

@@ -1,0 +1,90 @@
+"""Two signals on one time axis: which EMG samples belong to a loading phase, and the force at those instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.resample import cubic_at
+from emg2vsa.signals.rest import Rest
+
+REST_S = 0.5
+"EMG at rest is taken from the middle of a rest, for at most so long."
+REST_PIECES = 3
+"... of the first, the middle and the last rest of the record."
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Sample i of a signal of n samples shows what happened at ``start_s + i / fs_hz``: delays are already removed."""
+
+    start_s: float
+    fs_hz: float
+    n_samples: int
+
+    def time_s(self, index: Floats | Ints) -> Floats:
+        return np.asarray(self.start_s + index / self.fs_hz, dtype=np.float64)
+
+    def index(self, time_s: Floats) -> Floats:
+        return np.asarray((time_s - self.start_s) * self.fs_hz, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Instants:
+    """EMG samples ``first[w] + step * arange(counts[w])`` of every window.
+
+    covered : (w,) the record holds all that was asked for.
+    """
+
+    first: Ints
+    counts: Ints
+    step: int
+    covered: NDArray[np.bool_]
+
+    @property
+    def offsets(self) -> Ints:
+        return np.asarray(np.concatenate((np.zeros(1, np.int64), np.cumsum(self.counts))), dtype=np.int64)
+
+    @property
+    def last(self) -> Ints:
+        return np.asarray(self.first + self.step * np.maximum(self.counts - 1, 0), dtype=np.int64)
+
+    def samples(self) -> Ints:
+        """Indices (N,) of all windows, one after the other."""
+        within = np.arange(int(self.counts.sum())) - np.repeat(self.offsets[:-1], self.counts)
+        return np.repeat(self.first, self.counts) + self.step * within
+
+
+def instants_between(start_s: Floats, stop_s: Floats, emg: Clock, force: Clock, step: int) -> Instants:
+    """Every ``step``-th EMG sample, counted from the first of the record, that lies in [start_s, stop_s] (w,).
+
+    Samples outside the EMG or the force record do not exist; a window that asks for any is not covered.
+    """
+    wanted_first = np.ceil(emg.index(start_s) / step - 1e-9).astype(np.int64)
+    wanted_last = np.floor(emg.index(stop_s) / step + 1e-9).astype(np.int64)
+    bounds = emg.index(force.time_s(np.array([0, force.n_samples - 1]))) / step
+    lowest = max(0, int(np.ceil(bounds[0] - 1e-9)))
+    highest = min((emg.n_samples - 1) // step, int(np.floor(bounds[1] + 1e-9)))
+    first, last = np.clip(wanted_first, lowest, None), np.clip(wanted_last, None, highest)
+    counts = np.maximum(last - first + 1, 0)
+    covered = (first == wanted_first) & (last == wanted_last)
+    return Instants(np.where(counts > 0, first, 0) * step, counts, step, covered)
+
+
+def force_at(force_n: Floats, instants: Instants, emg: Clock, force: Clock) -> Floats:
+    """Force (N,) at the instants, from its own samples (n,)."""
+    position = force.index(emg.time_s(instants.samples()))
+    return cubic_at(force_n, np.clip(position, 0, force.n_samples - 1))
+
+
+def rest_instants(rest: Rest, emg: Clock, force: Clock, step: int) -> Instants:
+    """The middles of up to three rests, as far as the EMG record covers them."""
+    chosen = np.unique(np.linspace(0, rest.level_n.size - 1, min(REST_PIECES, rest.level_n.size)).astype(np.int64))
+    start_s, stop_s = force.time_s(rest.start[chosen]), force.time_s(rest.stop[chosen] - 1)
+    middle, half = (start_s + stop_s) / 2, np.minimum(stop_s - start_s, REST_S) / 2
+    found = instants_between(middle - half, middle + half, emg, force, step)
+    kept = found.counts > 0
+    return Instants(found.first[kept], found.counts[kept], step, found.covered[kept])

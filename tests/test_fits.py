@@ -1,0 +1,181 @@
+"""The fitting stage: bins and samples of a recording, trials that cannot be fitted, tables of many recordings."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from emg2vsa.curves.logarithmic import fit_log
+from emg2vsa.errors import DataError
+from emg2vsa.fits import Fits, concatenate, fit_trials, usable
+from emg2vsa.settings import FitSettings, WindowSettings
+from emg2vsa.trials import DelayBudget, Trials
+
+A_V, B_V = 30e-6, 15e-6
+WINDOW = WindowSettings()
+
+
+def trials_of(force: list[np.ndarray], activity: list[np.ndarray], **changes: object) -> Trials:
+    n = len(force)
+    zeros = np.zeros(n)
+    offsets = np.cumsum([0, *(f.size for f in force)])
+    joined = np.concatenate([*activity, np.empty(0)])
+    trials = Trials(
+        participant="P01", specimen="S3", muscles=("EDC",), repetition=np.arange(1, n + 1),
+        start_s=10.0 * np.arange(n), stop_s=zeros, duration_s=zeros, peak_force_n=zeros, falling_share=zeros,
+        snr_db=zeros, verdict=np.full(n, "ok", dtype="<U8"), reasons=("",) * n, fs_hz=100.0, offsets=offsets,
+        force_n=np.concatenate([*force, np.empty(0)]), activity=joined, envelopes_v=joined[None], activity_unit="V",
+        rest_force_n=0.0, rest_envelope_v=np.zeros(1), mains_ratio=np.zeros(1), clip_share=np.zeros(1),
+        overview_time_s=np.empty(0), overview_force_n=np.empty(0), delay=DelayBudget((), 0.0, 0.0, 0.0), notes=(),
+    )  # fmt: skip
+    return dataclasses.replace(trials, **changes)
+
+
+def noisy(n: int = 10, seed: int = 0, relative_noise: float = 0.2) -> Trials:
+    """Presses of uneven speed; noise grows with the level and is correlated over some 80 ms."""
+    rng = np.random.default_rng(seed)
+    force, activity = [], []
+    for length in rng.integers(200, 300, n):
+        ramp = 0.5 + 6.5 * (0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, length)))
+        noise = signal.lfilter([0.6], [1, -0.8], rng.standard_normal(length + 50))[50:]
+        force.append(ramp)
+        activity.append((A_V + B_V * np.log(ramp)) * (1 + relative_noise * noise))
+    return trials_of(force, activity)
+
+
+def test_noise_free_law_is_recovered_at_each_stage() -> None:
+    for points in ("bins", "samples"):
+        fits = fit_trials(noisy(relative_noise=0.0), FitSettings(points=points), WINDOW)
+        np.testing.assert_allclose(fits.a_v, A_V, rtol=1e-12)
+        np.testing.assert_allclose(fits.b_v, B_V, rtol=1e-12)
+        np.testing.assert_allclose(fits.v_max_v, A_V + B_V * np.log(7), rtol=1e-12)
+        np.testing.assert_allclose(fits.v_min_v, A_V + B_V * np.log(0.5), rtol=1e-12)
+        np.testing.assert_allclose([fits.r2_bins, fits.adj_r2_samples], 1, rtol=1e-12)
+
+
+def test_paper_mode_is_ordinary_least_squares_on_the_samples() -> None:
+    trials = noisy()
+    fits = fit_trials(trials, FitSettings(points="samples", weights="none"), WINDOW)
+    for i in range(10):
+        cut = slice(trials.offsets[i], trials.offsets[i + 1])
+        b, a = np.polyfit(np.log(trials.force_n[cut]), trials.activity[cut], 1)
+        np.testing.assert_allclose([fits.a_v[i], fits.b_v[i]], [a, b], rtol=1e-10)
+    np.testing.assert_array_equal(fits.n_points, np.diff(trials.offsets))
+    np.testing.assert_array_equal(fits.adj_r2, fits.adj_r2_samples)
+
+
+def test_r2_of_each_stage_does_not_depend_on_what_is_reported() -> None:
+    trials = noisy()
+    bins, paper = fit_trials(trials, FitSettings(), WINDOW), fit_trials(
+        trials, FitSettings(points="samples", weights="none", robust=True), WINDOW
+    )  # fmt: skip
+    for name in ("r2_bins", "adj_r2_bins", "r2_samples", "adj_r2_samples", "n_effective", "lag1", "bin_v"):
+        np.testing.assert_array_equal(getattr(bins, name), getattr(paper, name))
+    assert (bins.r2_bins > bins.r2_samples).all()
+
+
+def test_unweighted_bins_are_the_fit_of_the_bin_means() -> None:
+    fits = fit_trials(noisy(), FitSettings(weights="none"), WINDOW)
+    peer = fit_log(fits.bin_force_n, fits.bin_v)
+    np.testing.assert_array_equal(fits.b_v, peer.b)
+    np.testing.assert_array_equal(fits.adj_r2, fits.adj_r2_bins)
+    assert fits.bin_edges_n.size == 23 and fits.bin_v.shape == (10, 22)
+
+
+def test_intervals_on_bins_cover_and_naive_ones_do_not() -> None:
+    trials = noisy(600, seed=3)
+    honest = fit_trials(trials, FitSettings(), WINDOW)
+    naive = fit_trials(trials, FitSettings(points="samples", weights="none"), WINDOW)
+    covered = [np.mean((f.b_lo_v < B_V) & (f.b_hi_v > B_V)) for f in (honest, naive)]
+    assert 0.91 < covered[0] < 0.98 and covered[1] < 0.85
+    assert np.std(honest.b_v) < np.std(naive.b_v)
+    assert abs(np.mean(honest.b_v) / B_V - 1) < 0.01
+
+
+def test_samples_are_worth_fewer_than_their_number() -> None:
+    fits = fit_trials(noisy(100), FitSettings(), WINDOW)
+    assert abs(np.median(fits.lag1) - 0.8) < 0.08
+    assert np.median(fits.n_effective) < 60
+
+
+def test_robust_resists_a_burst() -> None:
+    trials = noisy(50, relative_noise=0.1)
+    activity = trials.activity.copy()
+    starts = trials.offsets[:-1]
+    for k in range(12):
+        activity[starts + 30 + k] += 200e-6
+    burst = dataclasses.replace(trials, activity=activity)
+    plain = fit_trials(burst, FitSettings(points="samples"), WINDOW)
+    robust = fit_trials(burst, FitSettings(points="samples", robust=True), WINDOW)
+    assert abs(np.mean(robust.b_v) - B_V) < 0.3 * abs(np.mean(plain.b_v) - B_V)
+
+
+def test_confidence_widens_the_interval() -> None:
+    narrow, wide = (fit_trials(noisy(), FitSettings(confidence=c), WINDOW) for c in (0.9, 0.99))
+    assert (wide.b_hi_v - wide.b_lo_v > narrow.b_hi_v - narrow.b_lo_v).all() and wide.confidence == 0.99
+
+
+def test_what_cannot_be_fitted_stays_with_a_reason() -> None:
+    ramp = np.linspace(0.5, 7, 100)
+    law = A_V + B_V * np.log(ramp)
+    short, flat = np.array([0.55, 0.9]), np.full(50, 3.0)
+    trials = trials_of(
+        [ramp, short, flat, np.empty(0), ramp],
+        [law, law[:2], law[:50], np.empty(0), np.full(100, np.nan)],
+        reasons=("", "peak 0.9 N", "", "", ""),
+        verdict=np.array(["warned", "rejected", "ok", "ok", "ok"], dtype="<U8"),
+    )
+    fits = fit_trials(trials, FitSettings(), WINDOW)
+    assert fits.verdict.tolist() == ["warned", "rejected", "rejected", "rejected", "rejected"]
+    assert fits.reason.tolist()[:4] == ["", "peak 0.9 N; no fit: 2 force bins", "no fit: 1 force bins", "no fit: 0 force bins"]
+    assert np.isfinite(fits.b_v[0])
+    for name in ("a_v", "b_v", "a_se_v", "b_se_v", "b_lo_v", "b_hi_v", "v_min_v", "v_max_v", "adj_r2"):
+        assert np.isnan(getattr(fits, name)[1:]).all()
+    on_samples = fit_trials(trials, FitSettings(points="samples"), WINDOW)
+    assert on_samples.reason[2] == "no fit: force does not change"
+
+
+def test_rejected_trials_are_fitted_too() -> None:
+    trials = dataclasses.replace(noisy(3), verdict=np.array(["ok", "rejected", "warned"], dtype="<U8"))
+    fits = fit_trials(trials, FitSettings(), WINDOW)
+    assert np.isfinite(fits.b_v).all() and fits.verdict.tolist() == ["ok", "rejected", "warned"]
+    assert usable(fits, "ok").tolist() == [True, False, False]
+    assert usable(fits, "ok+warned").tolist() == [True, False, True]
+
+
+@pytest.mark.parametrize("points", ["bins", "samples"])
+def test_a_recording_without_presses(points: str) -> None:
+    fits = fit_trials(trials_of([], []), FitSettings(points=points), WINDOW)  # type: ignore[arg-type]
+    assert fits.b_v.shape == (0,) and fits.bin_v.shape == (0, 22) and fits.participant.shape == (0,)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_extreme_units(scale: float) -> None:
+    trials = noisy(4)
+    small = dataclasses.replace(trials, activity=trials.activity / A_V * scale)
+    fits, extreme = fit_trials(trials, FitSettings(), WINDOW), fit_trials(small, FitSettings(), WINDOW)
+    np.testing.assert_allclose(extreme.b_v / scale, fits.b_v / A_V, rtol=1e-9)
+    np.testing.assert_allclose(extreme.n_effective, fits.n_effective, rtol=1e-6)
+
+
+def test_concatenate_keeps_order_and_shape() -> None:
+    first = fit_trials(noisy(3), FitSettings(), WINDOW)
+    second = fit_trials(dataclasses.replace(noisy(4, seed=1), participant="Participant 12"), FitSettings(), WINDOW)
+    none = fit_trials(trials_of([], []), FitSettings(), WINDOW)
+    fits = concatenate([first, none, second])
+    assert fits.participant.tolist() == ["P01"] * 3 + ["Participant 12"] * 4
+    assert all(len(getattr(fits, f.name)) == 7 for f in dataclasses.fields(Fits) if f.name in ("b_v", "bin_v", "reason"))
+    np.testing.assert_array_equal(fits.b_v, np.concatenate([first.b_v, second.b_v]))
+
+
+def test_concatenate_refuses_a_mixture() -> None:
+    fits = fit_trials(noisy(2), FitSettings(), WINDOW)
+    with pytest.raises(DataError, match="points"):
+        concatenate([fits, fit_trials(noisy(2), FitSettings(points="samples"), WINDOW)])
+    with pytest.raises(DataError, match="bin_edges_n"):
+        concatenate([fits, fit_trials(noisy(2), FitSettings(bin_n=0.5), WINDOW)])
+    with pytest.raises(DataError, match="at least one"):
+        concatenate([])
