@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
 
+_MOST_LISTED = 20
+
 
 @dataclass(frozen=True)
 class ChannelInfo:
@@ -62,7 +64,18 @@ class Recording:
 
 def no_such_channel(source: Path, name: str, known: Sequence[str]) -> RecordingError:
     """The error for a channel that a file does not hold, with its nearest names."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    near = [k for k in known if _squeezed(name) in _squeezed(k)] or difflib.get_close_matches(
+        name, known, n=1, cutoff=0.5
+    )
     hint = f"Did you mean {near[0]!r}?" if near else "Choose one of these names."
-    listed = ", ".join(map(repr, known[:20])) + (", ..." if len(known) > 20 else "")
-    return RecordingError(f"{source}, channel {name!r}", wanted="a channel of that name", found=listed or "none", do=hint)
+    listed = ", ".join(map(repr, known[:_MOST_LISTED]))
+    if len(known) > _MOST_LISTED:
+        listed += f" and {len(known) - _MOST_LISTED} more"
+    return RecordingError(
+        f"{source}, channel {name!r}", wanted="a channel of that name", found=listed or "none", do=hint
+    )
+
+
+def _squeezed(name: str) -> str:
+    """For "EMG1" to be found in "Avanti sensor 1: EMG 1"."""
+    return name.replace(" ", "").replace("_", "").lower()

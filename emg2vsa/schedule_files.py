@@ -80,7 +80,7 @@ def _opened(path: Path, parse: Callable[[str, Path], Document]) -> Schedule:
     document = parse(text, path)
     seal = document.pop("sha256", None)
     schedule = schedule_of(document, str(path))
-    check(schedule, str(path))
+    check(schedule, str(path), EXPORT_AGAIN)
     if seal != _digest(schedule):
         raise ScheduleError(f"{path}, sha256", wanted="the digest of the content", found=repr(seal), do=EXPORT_AGAIN)
     return schedule

@@ -34,13 +34,13 @@ def trials_of(force: list[np.ndarray], activity: list[np.ndarray], **changes: ob
     return dataclasses.replace(trials, **changes)
 
 
-def noisy(n: int = 10, seed: int = 0, relative_noise: float = 0.2) -> Trials:
-    """Presses of uneven speed; noise grows with the level and is correlated over some 80 ms."""
+def noisy(n: int = 10, seed: int = 0, relative_noise: float = 0.35) -> Trials:
+    """Presses of uneven speed; noise grows with the level and is as correlated as a 20 Hz envelope's."""
     rng = np.random.default_rng(seed)
     force, activity = [], []
     for length in rng.integers(200, 300, n):
         ramp = 0.5 + 6.5 * (0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, length)))
-        noise = signal.lfilter([0.6], [1, -0.8], rng.standard_normal(length + 50))[50:]
+        noise = signal.lfilter([0.75**0.5], [1, -0.5], rng.standard_normal(length + 50))[50:]
         force.append(ramp)
         activity.append((A_V + B_V * np.log(ramp)) * (1 + relative_noise * noise))
     return trials_of(force, activity)
@@ -69,12 +69,11 @@ def test_paper_mode_is_ordinary_least_squares_on_the_samples() -> None:
 
 def test_r2_of_each_stage_does_not_depend_on_what_is_reported() -> None:
     trials = noisy()
-    bins, paper = fit_trials(trials, FitSettings(), WINDOW), fit_trials(
-        trials, FitSettings(points="samples", weights="none", robust=True), WINDOW
-    )  # fmt: skip
+    bins = fit_trials(trials, FitSettings(), WINDOW)
+    paper = fit_trials(trials, FitSettings(points="samples", weights="none", robust=True), WINDOW)
     for name in ("r2_bins", "adj_r2_bins", "r2_samples", "adj_r2_samples", "n_effective", "lag1", "bin_v"):
         np.testing.assert_array_equal(getattr(bins, name), getattr(paper, name))
-    assert (bins.r2_bins > bins.r2_samples).all()
+    assert np.median(bins.r2_bins) > np.median(bins.r2_samples) + 0.05
 
 
 def test_unweighted_bins_are_the_fit_of_the_bin_means() -> None:
@@ -97,8 +96,8 @@ def test_intervals_on_bins_cover_and_naive_ones_do_not() -> None:
 
 def test_samples_are_worth_fewer_than_their_number() -> None:
     fits = fit_trials(noisy(100), FitSettings(), WINDOW)
-    assert abs(np.median(fits.lag1) - 0.8) < 0.08
-    assert np.median(fits.n_effective) < 60
+    assert abs(np.median(fits.lag1) - 0.5) < 0.05
+    assert 60 < np.median(fits.n_effective) < 110
 
 
 def test_robust_resists_a_burst() -> None:
@@ -130,7 +129,12 @@ def test_what_cannot_be_fitted_stays_with_a_reason() -> None:
     )
     fits = fit_trials(trials, FitSettings(), WINDOW)
     assert fits.verdict.tolist() == ["warned", "rejected", "rejected", "rejected", "rejected"]
-    assert fits.reason.tolist()[:4] == ["", "peak 0.9 N; no fit: 2 force bins", "no fit: 1 force bins", "no fit: 0 force bins"]
+    assert fits.reason.tolist()[:4] == [
+        "",
+        "peak 0.9 N; no fit: 2 force bins",
+        "no fit: 1 force bins",
+        "no fit: 0 force bins",
+    ]
     assert np.isfinite(fits.b_v[0])
     for name in ("a_v", "b_v", "a_se_v", "b_se_v", "b_lo_v", "b_hi_v", "v_min_v", "v_max_v", "adj_r2"):
         assert np.isnan(getattr(fits, name)[1:]).all()
@@ -167,7 +171,9 @@ def test_concatenate_keeps_order_and_shape() -> None:
     none = fit_trials(trials_of([], []), FitSettings(), WINDOW)
     fits = concatenate([first, none, second])
     assert fits.participant.tolist() == ["P01"] * 3 + ["Participant 12"] * 4
-    assert all(len(getattr(fits, f.name)) == 7 for f in dataclasses.fields(Fits) if f.name in ("b_v", "bin_v", "reason"))
+    assert all(
+        len(getattr(fits, f.name)) == 7 for f in dataclasses.fields(Fits) if f.name in ("b_v", "bin_v", "reason")
+    )
     np.testing.assert_array_equal(fits.b_v, np.concatenate([first.b_v, second.b_v]))
 
 

@@ -38,7 +38,14 @@ def test_seventy_clusters_are_scipys() -> None:
     fits, b = study()
     normality = hypotheses.test_hypotheses(fits, PAPER).normality
     assert normality.participant.size == 70 and (normality.n == 10).all()
-    assert normality.participant[-1] == "P14" and normality.specimen[:6].tolist() == ["S1", "S2", "S3", "S4", "S5", "S1"]
+    assert normality.participant[-1] == "P14" and normality.specimen[:6].tolist() == [
+        "S1",
+        "S2",
+        "S3",
+        "S4",
+        "S5",
+        "S1",
+    ]
     for d, p, x in zip(normality.d_standardised, normality.p_standardised, b.reshape(70, 10), strict=True):
         peer = stats.kstest((x - x.mean()) / x.std(ddof=1), "norm")
         np.testing.assert_allclose([d, p], peer[:2], rtol=1e-9)
@@ -97,7 +104,10 @@ def test_only_admitted_trials_enter() -> None:
     verdict = fits.verdict.copy()
     verdict[:3], verdict[3] = "warned", "rejected"
     fits = dataclasses.replace(fits, verdict=verdict)
-    counts = {use: hypotheses.test_hypotheses(fits, HypothesisSettings(use=use)).normality.n.sum() for use in ("ok", "ok+warned")}
+    counts = {
+        use: hypotheses.test_hypotheses(fits, HypothesisSettings(use=use)).normality.n.sum()
+        for use in ("ok", "ok+warned")
+    }
     assert counts == {"ok": 20, "ok+warned": 23}
 
 
@@ -115,7 +125,9 @@ def test_incomplete_design_is_told() -> None:
     assert np.isfinite(result.worst_p)
 
 
-@pytest.mark.parametrize(("participants", "specimens", "repetitions"), [(1, 1, 1), (1, 3, 4), (3, 1, 4), (1, 1, 10), (2, 2, 1)])
+@pytest.mark.parametrize(
+    ("participants", "specimens", "repetitions"), [(1, 1, 1), (1, 3, 4), (3, 1, 4), (1, 1, 10), (2, 2, 1)]
+)
 def test_small_studies_have_notes_not_errors(participants: int, specimens: int, repetitions: int) -> None:
     result = hypotheses.test_hypotheses(study(participants, specimens, repetitions)[0], HypothesisSettings())
     assert result.normality.n.tolist() == [repetitions] * (participants * specimens)

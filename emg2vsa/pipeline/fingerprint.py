@@ -130,7 +130,8 @@ class Fingerprints:
 @cache
 def _package_folder() -> Path:
     spec = importlib.util.find_spec(PACKAGE)
-    assert spec is not None and spec.origin is not None
+    assert spec is not None
+    assert spec.origin is not None
     return Path(spec.origin).parent
 
 

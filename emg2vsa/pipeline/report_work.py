@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from emg2vsa import artifacts
-from emg2vsa.errors import DataError
 from emg2vsa.fits import concatenate
 from emg2vsa.pipeline.fingerprint import library_versions
 from emg2vsa.pipeline.manifest import write_manifest
@@ -25,22 +24,27 @@ def report(
     truth: Path | None,
     result: Path,
 ) -> list[Ended]:
-    """Write the report of a study from its stored results."""
+    """Write the report of a study from its stored results; a stage that failed leaves its section saying why."""
 
     def write() -> None:
         provenance = library_versions(("numpy", "scipy", "matplotlib", "emg2vsa"))
-        provenance |= {f"{stage} key": _only(paths).stem for stage, paths in inputs.items() if len(paths) == 1}
+        provenance |= {f"{stage} key": paths[0].stem for stage, paths in inputs.items() if len(paths) == 1}
+        fits = concatenate([artifacts.load(path) for path in inputs["fits"]])
         results = StudyResults(
             study=study,
             trials=tuple(artifacts.load(path) for path in inputs["trials"]),
-            fits=concatenate([artifacts.load(path) for path in inputs["fits"]]),
-            hypotheses=artifacts.load(_only(inputs["hypotheses"])),
-            profiles=artifacts.load(_only(inputs["profiles"])),
-            schedules=artifacts.load(_only(inputs["schedules"])),
+            fits=fits,
+            hypotheses=_only(inputs["hypotheses"]),
+            profiles=_only(inputs["profiles"]),
+            schedules=_only(inputs["schedules"]) or (),
             failures=tuple(Failure(*failure) for failure in failures),
             provenance=provenance,
-            truth=read_truth(truth) if truth else None,
+            truth=read_truth(truth, fits) if truth else None,
         )
         write_manifest(result, write_study_report(results, study.reports))
 
     return [guarded("report/study", write)]
+
+
+def _only(paths: Sequence[Path]) -> Any:
+    return artifacts.load(paths[0]) if paths else None

@@ -9,7 +9,7 @@ from emg2vsa.pipeline.fingerprint import Fingerprints
 from emg2vsa.pipeline.ledger import Ledger
 from emg2vsa.pipeline.plan import Board, State
 from emg2vsa.pipeline.pool import run_tasks
-from emg2vsa.pipeline.steps import STAGES, stages_for
+from emg2vsa.pipeline.steps import STAGES, stages_for, truth_files
 from emg2vsa.pipeline.tasks import Ended, Task
 from emg2vsa.study import Study
 
@@ -108,11 +108,12 @@ def _page_task(board: Board, state: State) -> Task:
 
 def _study_task(board: Board, state: State) -> Task:
     stage = state.step.stage
-    arguments = {
+    arguments: dict[str, object] = {
         "study": board.study,
         "inputs": {need: board.done(need) for need in STAGES[stage].needs if need != "pages"},
-        "failures": board.failures(),
-        "keys": {name: other.step.key for name, other in board.states.items()},
         "result": board.result(state.step.id),
     }
-    return Task((state.step.id,), f"emg2vsa.pipeline.study_work:{stage}", arguments)
+    if stage != "report":
+        return Task((state.step.id,), f"emg2vsa.pipeline.study_work:{stage}", arguments)
+    arguments |= {"failures": board.failures(), "truth": next(iter(truth_files(board.study)), None)}
+    return Task((state.step.id,), "emg2vsa.pipeline.report_work:report", arguments)

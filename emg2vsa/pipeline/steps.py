@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from emg2vsa.pipeline.fingerprint import Fingerprints, as_json, digest, library_versions
 from emg2vsa.pipeline.ledger import Parts
+from emg2vsa.readers import reader_module
+from emg2vsa.readers.bids_sidecars import side_file_paths
 from emg2vsa.study import RecordingEntry, Study
 
 FAILED = "failed"
@@ -57,7 +60,7 @@ class Step:
     def id(self) -> str:
         return step_id(self.stage, self.item)
 
-    @property
+    @cached_property
     def key(self) -> str:
         return digest(self.stage, self.item, repr(as_json(self.parts)))
 
@@ -90,28 +93,42 @@ def items(study: Study, stage: str) -> tuple[str, ...]:
 
 def upstream(study: Study, stage: str, item: str) -> tuple[str, ...]:
     """Ids of the steps whose results this one takes."""
-    found: list[str] = []
-    for need in STAGES[stage].needs:
-        for other in items(study, need):
-            if STAGES[stage].per == "study" or other == item or other.startswith(f"{item}/"):
-                found.append(step_id(need, other))
-    return tuple(found)
+    if STAGES[stage].per == "recording":
+        return tuple(step_id(need, item) for need in STAGES[stage].needs)
+    prefix = "" if STAGES[stage].per == "study" else f"{item}/"
+    return tuple(
+        step_id(need, other) for need in STAGES[stage].needs for other in items(study, need) if other.startswith(prefix)
+    )
+
+
+def truth_files(study: Study) -> tuple[Path, ...]:
+    """The table of the simulated presses beside the recordings, where the study was simulated."""
+    places = (study.data / "derivatives" / "truth" / "truth.tsv", study.data / "truth.tsv")
+    return tuple(path for path in places if path.is_file())[:1]
 
 
 def make_step(study: Study, stage: str, item: str, keys: Mapping[str, str], prints: Fingerprints) -> Step:
     """The step with everything it depends on; ``keys`` holds the keys of its inputs (or FAILED)."""
-    entry = next((e for e in study.recordings if e.key == item), None)
+    entries = {entry.key: entry for entry in study.recordings} if STAGES[stage].per == "recording" else {}
+    entry = entries.get(item)
+    files: tuple[Path, ...] = ()
+    roots = set(STAGES[stage].roots)
+    if stage == "trials" and entry is not None:
+        files = _files(entry)
+        roots |= _reader_modules(entry)
+    elif stage == "report":
+        files = truth_files(study)
     parts = Parts(
-        settings=_settings(study, stage, item, entry),
-        files={_shown(path, study): prints.file(path) for path in _files(stage, entry)},
+        settings=_settings(study, stage, entry),
+        files={_shown(path, study): prints.file(path) for path in files},
         inputs={name: keys[name] for name in upstream(study, stage, item)},
-        code=prints.code((*STAGES[stage].roots, *_reader_module(stage, entry))),
+        code=prints.code(sorted(roots)),
         libraries=library_versions(STAGES[stage].libraries),
     )
     return Step(stage, item, parts)
 
 
-def _settings(study: Study, stage: str, item: str, entry: RecordingEntry | None) -> dict[str, object]:
+def _settings(study: Study, stage: str, entry: RecordingEntry | None) -> dict[str, object]:
     used: dict[str, object] = {}
     if stage == "trials":
         assert entry is not None
@@ -142,13 +159,14 @@ def _settings(study: Study, stage: str, item: str, entry: RecordingEntry | None)
 _NOT_IN_REPORT = {"path", "recordings", "results", "reports"}
 
 
-def _files(stage: str, entry: RecordingEntry | None) -> Iterable[Path]:
-    if stage != "trials" or entry is None:
-        return ()
-    from emg2vsa.readers import side_files
+def _files(entry: RecordingEntry) -> tuple[Path, ...]:
+    own = (entry.emg_file, entry.force_file) if entry.force_file else (entry.emg_file,)
+    return (*own, *(side for path in own for side in side_file_paths(path)))
 
-    own = [entry.emg_file] + ([entry.force_file] if entry.force_file else [])
-    return [*own, *(side for path in own for side in side_files(path))]
+
+def _reader_modules(entry: RecordingEntry) -> set[str]:
+    modules = (reader_module(path) for path in (entry.emg_file, entry.force_file) if path)
+    return {module for module in modules if module}
 
 
 def _shown(path: Path, study: Study) -> str:

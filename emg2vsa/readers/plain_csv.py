@@ -20,7 +20,7 @@ from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import seconds_per, split_unit
 
 SNIFFED_ROWS = 50
-_DIGIT_FIRST = re.compile(r"[+-]?[.,]?\d|nan\b", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan", re.IGNORECASE)
 _TIME = re.compile(r"(time|times|t|x|timestamps?|elapsed[ _]time)(?:_(s|ms|us|min))?", re.IGNORECASE)
 
 
@@ -45,8 +45,9 @@ def open_recording(path: Path) -> TimedColumns:
 
 def _refuse_prose(path: Path, header: Line, rows: Sequence[Line], dialect: Dialect) -> None:
     """A readme, a licence or a table of words is no damaged recording: say so before its columns are discussed."""
-    if not any(_DIGIT_FIRST.match(cell) for row in rows for cell in dialect.split(row.text)):
-        text = header.text.strip()
+    cells = [cell for row in rows for cell in dialect.split(row.text) if cell]
+    if 2 * sum(_NUMBER.fullmatch(cell) is not None for cell in cells) < len(cells):
+        text = " ".join(header.text.split())
         raise RecordingError(
             path, wanted="a table of numbers below a row of channel names",
             found=f"text, {text[:60] + ('...' if len(text) > 60 else '')!r}", do="Choose the file of the recording.",

@@ -61,7 +61,7 @@ def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -
     if known is None or known[0] != "V":
         raise RecordingError(
             f"{path}, channel {stored.name!r}", wanted="an EMG in V, mV or uV", found=_stated(stored),
-            do='State it in the study: unit = "mV" (or "V", "uV") under the channel.',
+            do='State it: unit = "mV" (or "V", "uV") under the channel of the study, --emg-unit for a single file.',
         )  # fmt: skip
     steps = [_unit_said(settings.unit, stored), unit_step(str(settings.unit or stored.unit), known[1], "V")]
     if settings.gain != 1.0:
@@ -86,7 +86,8 @@ def _force_in_n(path: Path, stored: StoredChannel, settings: ForceChannelSetting
     else:
         raise RecordingError(
             where, wanted="a force (N, mN, kN, lbf, kgf, gf)", found=_stated(stored),
-            do='State unit = "N" (or another force unit), or newtons_per_unit, under the force channel of the study.',
+            do='State unit = "N" (or another force unit) or newtons_per_unit under the force channel of the study, '
+            "--force-unit or --newtons-per-unit for a single file.",
         )  # fmt: skip
     steps = [_unit_said(settings.unit, stored), step, "sign reversed" if settings.sign < 0 else ""]
     return scaled(stored, factor * settings.sign, "N", _joined(steps))

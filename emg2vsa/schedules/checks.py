@@ -15,28 +15,29 @@ from emg2vsa.schedules.schedule import CONDITIONS, Schedule
 _CLOSE = 1e-9
 """Relative difference that another machine's mathematical library may make."""
 EXPORT_AGAIN = "Export the schedule again from its study; do not edit it by hand."
+_MEND = "Correct the [schedule] table of the study."
 Rule = tuple[str, NDArray[np.bool_], str, NDArray[np.generic]]
 
 
-def check(schedule: Schedule, where: str = "") -> None:
-    """ScheduleError naming ``where`` (a file), row and column of the first value that breaks a limit.
+def check(schedule: Schedule, where: str = "", do: str = _MEND) -> None:
+    """ScheduleError naming ``where`` (a file), row and column of the first value that breaks a limit, and what to ``do``.
 
     Rows count from 1, one per force step.
     """
     where = where or f"schedule of {schedule.specimen}, {schedule.condition}"
-    _check_shapes(schedule, where)
+    _check_shapes(schedule, where, do)
     for name, holds, wanted, found in _head_rules(schedule):
         if not holds:
-            raise ScheduleError(f"{where}, {name}", wanted=wanted, found=str(found), do=EXPORT_AGAIN)
+            raise ScheduleError(f"{where}, {name}", wanted=wanted, found=str(found), do=do)
     for column, good, wanted, values in _row_rules(schedule):
         if not np.all(good):
             row = int(np.flatnonzero(~good)[0])
             raise ScheduleError(
-                f"{where}, row {row + 1}, column {column}", wanted=wanted, found=str(values[row]), do=EXPORT_AGAIN
+                f"{where}, row {row + 1}, column {column}", wanted=wanted, found=str(values[row]), do=do
             )
 
 
-def _check_shapes(schedule: Schedule, where: str) -> None:
+def _check_shapes(schedule: Schedule, where: str, do: str) -> None:
     steps = schedule.step_force_n.size - 1
     columns = (
         schedule.stiffness_percent, schedule.preset_ticks, schedule.stiffness_nm_per_rad, schedule.activity_v
@@ -45,7 +46,7 @@ def _check_shapes(schedule: Schedule, where: str) -> None:
         sizes = ", ".join(str(column.size) for column in columns)
         raise ScheduleError(
             f"{where}, steps", wanted="at least one force step, and one value for each in every column",
-            found=f"{max(steps, 0)} steps and {sizes} values", do=EXPORT_AGAIN,
+            found=f"{max(steps, 0)} steps and {sizes} values", do=do,
         )  # fmt: skip
 
 

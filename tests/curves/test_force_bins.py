@@ -19,7 +19,9 @@ def test_papers_bins_end_with_a_shorter_one() -> None:
     np.testing.assert_allclose(edges[[0, 1, -2, -1]], [0.5, 0.8, 6.8, 7.0], rtol=1e-15)
 
 
-@pytest.mark.parametrize(("low", "high", "width", "bins"), [(0.5, 7.1, 0.3, 22), (0.5, 0.6, 0.3, 1), (1.0, 2.0, 0.1, 10)])
+@pytest.mark.parametrize(
+    ("low", "high", "width", "bins"), [(0.5, 7.1, 0.3, 22), (0.5, 0.6, 0.3, 1), (1.0, 2.0, 0.1, 10)]
+)
 def test_number_of_bins(low: float, high: float, width: float, bins: int) -> None:
     edges = bin_edges(low, high, width)
     assert edges.size == bins + 1 and edges[0] == low and edges[-1] == high and (np.diff(edges) > 0).all()

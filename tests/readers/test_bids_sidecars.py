@@ -134,4 +134,7 @@ def test_real_example(shared_data) -> None:
     theirs = mne.io.read_raw_edf(path, include=["EMG4"], verbose="error").get_data()[0]
     np.testing.assert_allclose(recording.channels[0].samples, theirs, rtol=1e-9, atol=1e-15)
     assert "channels.tsv V; the header counts" in recording.notes[0]
-    assert [p.name for p in side_file_paths(path)] == ["sub-01_task-grasping_channels.tsv", "sub-01_task-grasping_emg.json"]
+    assert [p.name for p in side_file_paths(path)] == [
+        "sub-01_task-grasping_channels.tsv",
+        "sub-01_task-grasping_emg.json",
+    ]

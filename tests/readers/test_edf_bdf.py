@@ -34,7 +34,9 @@ def specified(kind: str, digital: NDArray[np.int64], physical: tuple[float, floa
     return header + b"".join(int(v).to_bytes(width, "little", signed=True) for record in records for v in record)
 
 
-def signals(kind: str, n: int = 3000, seed: int = 0, unit: str = "uV") -> dict[str, tuple[NDArray[np.float64], int, str]]:
+def signals(
+    kind: str, n: int = 3000, seed: int = 0, unit: str = "uV"
+) -> dict[str, tuple[NDArray[np.float64], int, str]]:
     rng = np.random.default_rng(seed)
     return {
         "EDC": (rng.normal(size=n) * 50, 1000, unit),
@@ -191,5 +193,5 @@ def test_discontinuous_recording_is_refused(tmp_path: Path, kind: str) -> None:
     with pytest.raises(RecordingError, match=r"wanted a continuous recording; found .DF\+D, with gaps"):
         inspect(path)
     path.write_bytes(data.replace(b"+2\x14\x14", b"\0\0\0\0"))
-    with pytest.raises(RecordingError, match="wanted a continuous recording; found .* unknown onset"):
+    with pytest.raises(RecordingError, match=r"wanted a continuous recording; found .* unknown onset"):
         inspect(path)

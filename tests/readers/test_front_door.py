@@ -95,18 +95,31 @@ def test_missing_file_and_folder(tmp_path: Path) -> None:
 
 
 def test_reader_module_goes_by_content_first_and_is_none_where_nothing_can_be_read(tmp_path: Path) -> None:
-    contents = {"a.csv": b"0       " + b" " * 300, "b.txt": b"time (s),EDC (mV)\n0,1\n", "c.csv": b"", "d.dat": b"\0" * 9}
+    contents = {
+        "a.csv": b"0       " + b" " * 300,
+        "b.txt": b"time (s),EDC (mV)\n0,1\n",
+        "c.csv": b"",
+        "d.dat": b"\0" * 9,
+    }
     for name, content in contents.items():
         (tmp_path / name).write_bytes(content)
     found = [reader_module(tmp_path / name) for name in (*contents, "absent.bdf", ".")]
     assert found == ["emg2vsa.readers.edf_bdf", "emg2vsa.readers.plain_csv", None, None, None, None]
 
 
-def test_unknown_channel_suggests_the_nearest(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("asked", "meant"), [("ECD", "EDC"), ("fz", "Fz"), ("EMG1", "Sensor 1: EMG 1")])
+def test_unknown_channel_suggests_the_nearest(tmp_path: Path, asked: str, meant: str) -> None:
     path = tmp_path / "x.csv"
-    path.write_text("time (s),EDC (mV)\n0,1\n0.001,2\n")
-    with pytest.raises(RecordingError, match="Did you mean 'EDC'"):
-        read(path, ["ECD"])
+    path.write_text("time (s),EDC (mV),Fz (N),Sensor 1: EMG 1\n0,1,1,1\n0.001,2,2,2\n")
+    with pytest.raises(RecordingError, match=f"Did you mean '{meant}'"):
+        read(path, [asked])
+
+
+def test_many_channels_are_not_all_listed(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    path.write_text("time (s)," + ",".join(f"c{i}" for i in range(23)) + "\n" + 2 * ("0," * 23 + "1\n"))
+    with pytest.raises(RecordingError, match=r"'c19' and 3 more\. Choose one of these names\."):
+        read(path, ["force"])
 
 
 @given(st.lists(st.sampled_from(["EMG", "EMG #2", "", " EMG ", "channel 1"]), max_size=12))

@@ -153,3 +153,17 @@ def test_faults_in_channels_not_asked_for_do_not_matter(tmp_path: Path) -> None:
 def test_the_ati_log_without_time_is_refused(shared_data) -> None:
     with pytest.raises(RecordingError, match=r"wanted a time column .*found columns 'Fz', 'emg0'"):
         inspect(shared_data("emg/ati/atusa_myo_mini45_raw_01.csv"))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "MIT License\n\nCopyright 2020 Somebody\n",
+        "name\ttype\tunits\nEMG1\tEMG\tV\n",
+        "For tests; as they are.\n| 38 ch | 3.15 s |\n",
+    ],
+)
+def test_text_is_no_recording(tmp_path: Path, content: str) -> None:
+    (tmp_path / "README.md").write_text(content)
+    with pytest.raises(RecordingError, match=r"wanted a table of numbers .*; found text, "):
+        inspect(tmp_path / "README.md")

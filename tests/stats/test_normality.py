@@ -43,7 +43,9 @@ def test_p_is_exact_to_1e_15(n: int) -> None:
 @pytest.mark.parametrize("n", [10, 100])
 def test_tail_keeps_its_digits(n: int) -> None:
     d = np.array([0.55, 0.7, 0.9])
-    relative = [float(Fraction(p) / exact_survival(x, n) - 1) for p, x in zip(ks_survival(d, n), d.tolist(), strict=True)]
+    relative = [
+        float(Fraction(p) / exact_survival(x, n) - 1) for p, x in zip(ks_survival(d, n), d.tolist(), strict=True)
+    ]
     np.testing.assert_allclose(relative, 0, atol=1e-11)
 
 

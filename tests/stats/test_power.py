@@ -90,7 +90,8 @@ def test_sentence_states_the_computed_numbers() -> None:
 
 
 @pytest.mark.parametrize(
-    "bad", [{"n": 1}, {"m": 1}, {"f": -0.1}, {"rho": 1.0}, {"epsilon": 0.05}, {"epsilon": 1.1}, {"alpha": 0.0}, {"f": np.nan}]
+    "bad",
+    [{"n": 1}, {"m": 1}, {"f": -0.1}, {"rho": 1.0}, {"epsilon": 0.05}, {"epsilon": 1.1}, {"alpha": 0.0}, {"f": np.nan}],
 )
 def test_impossible_designs_are_refused(bad: dict[str, float]) -> None:
     with pytest.raises(SettingError, match=f"power, {next(iter(bad))}"):

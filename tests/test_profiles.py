@@ -1,0 +1,272 @@
+"""Mean trends, the new specimen and leaving one out, on fits whose truth is known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from emg2vsa.errors import DataError, InputError
+from emg2vsa.fits import Fits
+from emg2vsa.profiles import Profiles, build_profiles
+from emg2vsa.settings import ProfileSettings, WindowSettings
+
+STIFFNESS = {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}
+Row = tuple[str, str, float, float]
+
+
+def fits_of(rows: Sequence[Row], verdict: str = "ok") -> Fits:
+    """Fits with only what profiles use: (participant, specimen, a, b) per trial."""
+    n = len(rows)
+    participant, specimen, a, b = zip(*rows, strict=True)
+    filler: dict[str, Any] = {
+        name: np.full(n, np.nan)
+        for name in (
+            "start_s a_se_v b_se_v b_lo_v b_hi_v adj_r2 r2_bins adj_r2_bins r2_samples adj_r2_samples n_effective lag1 "
+            "v_min_v v_max_v"
+        ).split()
+    }
+    return Fits(
+        participant=np.array(participant), specimen=np.array(specimen), repetition=np.arange(1, n + 1),
+        verdict=np.full(n, verdict), reason=np.full(n, ""), a_v=np.array(a, dtype=float), b_v=np.array(b, dtype=float),
+        n_points=np.full(n, 22), bin_edges_n=np.array([0.5, 7.0]), bin_force_n=np.full((n, 1), np.nan),
+        bin_v=np.full((n, 1), np.nan), activity_unit="V", points="bins", weights="none", confidence=0.95, **filler,
+    )  # fmt: skip
+
+
+def build(fits: Fits, use: str = "ok+warned", stiffness: dict[str, float] | None = None, **profile: Any) -> Profiles:
+    return build_profiles(fits, stiffness or STIFFNESS, ProfileSettings(**profile), WindowSettings(), use)
+
+
+def one_person(noise: float = 0.0) -> Fits:
+    """Five specimens, four trials each, a and b proportional to stiffness."""
+    rng = np.random.default_rng(7)
+    rows = [
+        ("P1", name, 5 * k + noise * rng.normal(), 2 * k + noise * rng.normal())
+        for name, k in STIFFNESS.items()
+        for _ in range(4)
+    ]
+    return fits_of(rows)
+
+
+def test_profile_of_one_participant_is_the_mean_of_its_curves() -> None:
+    fits = fits_of([("P1", "S1", 1, 3), ("P1", "S1", 2, 7), ("P2", "S1", 100, 100)])
+    (profile,) = build(fits, participant="P1", grid_points=11).profiles
+    force = np.linspace(0.5, 7, 11)
+    curves = np.array([1 + 3 * np.log(force), 2 + 7 * np.log(force)])
+    np.testing.assert_array_equal(profile.force_n, force)
+    np.testing.assert_allclose(profile.v, curves.mean(axis=0), rtol=1e-15, atol=1e-15)
+    np.testing.assert_allclose(profile.sd_v, curves.std(axis=0, ddof=1), rtol=1e-14)
+    assert (profile.a_v, profile.b_v, profile.n_trials, profile.source) == (1.5, 5, 2, "measured")
+
+
+def test_all_participants_weigh_the_same_whatever_their_number_of_trials() -> None:
+    fits = fits_of([("P1", "S1", 1, 1), ("P1", "S1", 1, 3), ("P1", "S1", 1, 5), ("P2", "S1", 4, 9)])
+    profiles = build(fits, grid_points=2)
+    (profile,) = profiles.profiles
+    assert (profile.a_v, profile.b_v, profile.n_trials) == (2.5, 6, 4)
+    curves = np.array([1 + 3 * np.log([0.5, 7]), 4 + 9 * np.log([0.5, 7])])
+    np.testing.assert_allclose(profile.sd_v, curves.std(axis=0, ddof=1), rtol=1e-14)
+    assert profiles.participant == ""
+
+
+def test_only_participant_counts_as_the_exemplary_one() -> None:
+    profiles = build(one_person(0.1), grid_points=5)
+    assert profiles.participant == "P1"
+    assert np.all(profiles.profiles[0].sd_v > 0)
+
+
+def test_a_single_trial_has_no_spread() -> None:
+    assert np.all(np.isnan(build(fits_of([("P1", "S1", 1, 1)])).profiles[0].sd_v))
+
+
+def test_trials_that_are_not_used_do_not_count() -> None:
+    good, bad, unfitted = ("P1", "S1", 1, 1), ("P1", "S1", 50, 50), ("P1", "S1", math.nan, math.nan)
+    fits = fits_of([good, bad, unfitted])
+    fits.verdict[1] = "warned"[: fits.verdict.dtype.itemsize // 4]
+    fits = fits_of([good, bad, unfitted], "warned")
+    fits.verdict[0], fits.verdict[1] = "ok", "reject"
+    assert build(fits).profiles[0].n_trials == 1
+    assert build(fits, use="ok").profiles[0].a_v == 1
+
+
+def test_specimens_come_in_the_order_asked_for() -> None:
+    fits = one_person()
+    assert [p.specimen for p in build(fits, specimens=("S5", "S1")).profiles] == ["S5", "S1"]
+    shuffled = fits_of([("P1", name, 1, 1) for name in ("S3", "Sx", "S5", "S1")])
+    assert [p.specimen for p in build(shuffled).profiles] == ["S1", "S3", "S5", "Sx"]
+    assert math.isnan(build(shuffled).profiles[-1].stiffness_n_per_mm)
+    assert any("Sx" in note for note in build(shuffled).notes)
+
+
+def test_the_paper_specimen() -> None:
+    fits = one_person()
+    kept = ("S1", "S3", "S5")
+    bracket = build(fits, specimens=kept, new_specimen="S_new", new_stiffness_n_per_mm=5.32)
+    assert bracket.bracket == ("S1", "S3")
+    assert bracket.weight_alpha == pytest.approx(0.5397, abs=5e-5)
+    assert bracket.new is not None
+    assert (bracket.new.source, bracket.new.n_trials) == ("interpolated", 8)
+    # a and b are proportional to stiffness here, so a blend linear in stiffness is exact
+    assert bracket.new.b_v == pytest.approx(2 * 5.32, rel=1e-14)
+    paper = build(fits, specimens=kept, new_specimen="S_new", new_stiffness_n_per_mm=5.32, interpolation="paper")
+    assert paper.weight_alpha == 0.532
+    assert paper.new is not None
+    s1, s3 = paper.profiles[0], paper.profiles[1]
+    np.testing.assert_allclose(paper.new.v, (1 - 0.532) * s1.v + 0.532 * s3.v, rtol=1e-13)
+
+
+def test_new_against_the_measured_specimen_of_equal_stiffness() -> None:
+    profiles = build(one_person(0.3), specimens=("S1", "S3"), new_specimen="S_new", new_stiffness_n_per_mm=5.32)
+    assert profiles.new is not None
+    assert profiles.new_measured is not None
+    assert profiles.new_error is not None
+    assert profiles.new_measured.specimen == "S2"
+    difference = profiles.new.v - profiles.new_measured.v
+    assert profiles.new_error.rmse_v == pytest.approx(np.sqrt(np.mean(difference**2)), rel=1e-12)
+    assert profiles.new_error.rmse_v > 0
+
+
+def test_a_measured_specimen_has_no_part_in_its_own_prediction() -> None:
+    fits = one_person(0.3)
+    asked = build(fits, new_specimen="S2")
+    assert asked.bracket == ("S1", "S3")
+    assert asked.new_measured is not None
+    assert asked.new_measured.specimen == "S2"
+    (left_out,) = (one for one in asked.leave_one_out if one.specimen == "S2")
+    assert asked.new_error == left_out
+
+
+@pytest.mark.parametrize("method", ["bracket", "log-stiffness", "coefficients"])
+@pytest.mark.parametrize("twin", ["S1", "S3", "S5"])
+def test_interpolation_is_exact_at_measured_specimens(method: str, twin: str) -> None:
+    profiles = build(
+        one_person(0.5), specimens=("S1", "S3", "S5"), new_specimen="new", new_stiffness_n_per_mm=STIFFNESS[twin],
+        interpolation=method,
+    )  # fmt: skip
+    (measured,) = (p for p in profiles.profiles if p.specimen == twin)
+    assert profiles.new is not None
+    np.testing.assert_array_equal(profiles.new.v, measured.v)
+    np.testing.assert_array_equal(profiles.new.sd_v, measured.sd_v)
+
+
+@given(k=st.floats(1.11, 7.63), method=st.sampled_from(["bracket", "log-stiffness", "coefficients"]))
+def test_interpolated_coefficients_stay_between_their_neighbours(k: float, method: str) -> None:
+    profiles = build(one_person(0.2), new_specimen="new", new_stiffness_n_per_mm=k, interpolation=method)
+    assert profiles.bracket is not None
+    assert profiles.new is not None
+    pair = {p.specimen: p for p in profiles.profiles if p.specimen in profiles.bracket}
+    stiffer, softer = (pair[name] for name in profiles.bracket)
+    assert softer.stiffness_n_per_mm <= k <= stiffer.stiffness_n_per_mm
+    low, high = sorted((softer.b_v, stiffer.b_v))
+    assert low - 1e-12 <= profiles.new.b_v <= high + 1e-12
+
+
+def test_log_stiffness_weight() -> None:
+    profiles = build(
+        one_person(), specimens=("S1", "S3"), new_specimen="n", new_stiffness_n_per_mm=math.sqrt(7.63 * 3.35),
+        interpolation="log-stiffness",
+    )  # fmt: skip
+    assert profiles.weight_alpha == pytest.approx(0.5, rel=1e-14)
+
+
+def test_coefficients_use_every_specimen() -> None:
+    rows = [("P1", name, k**2, k**2) for name, k in STIFFNESS.items()]
+    asked = {"new_specimen": "n", "new_stiffness_n_per_mm": 5.0, "specimens": ("S1", "S3", "S5")}
+    cubic = build(fits_of(rows), interpolation="coefficients", **asked)
+    line = build(fits_of(rows), **asked)
+    assert cubic.new is not None
+    assert line.new is not None
+    assert abs(cubic.new.b_v - 25) < abs(line.new.b_v - 25)
+    assert math.isnan(cubic.weight_alpha)
+    assert cubic.new.n_trials == 3
+
+
+@pytest.mark.parametrize("method", ["bracket", "paper", "log-stiffness", "coefficients"])
+@pytest.mark.parametrize("k", [1.0, 8.0])
+def test_extrapolation_is_refused(method: str, k: float) -> None:
+    with pytest.raises(InputError, match=r"between 1.11 and 7.63 N/mm"):
+        build(one_person(), new_specimen="n", new_stiffness_n_per_mm=k, interpolation=method)
+
+
+@pytest.mark.parametrize("method", ["bracket", "coefficients"])
+def test_extrapolation_on_request_follows_the_nearest_line(method: str) -> None:
+    profiles = build(
+        one_person(), new_specimen="n", new_stiffness_n_per_mm=9.0, interpolation=method, extrapolate=True
+    )
+    assert profiles.new is not None
+    assert profiles.bracket == ("S1", "S2")
+    assert profiles.new.b_v == pytest.approx(18, rel=1e-12)
+    assert profiles.weight_alpha < 0
+    assert [one.specimen for one in profiles.leave_one_out] == list(STIFFNESS)
+
+
+def test_the_paper_weight_ends_at_its_range() -> None:
+    stiffness = {"S1": 20.0, "S3": 2.0}
+    with pytest.raises(InputError, match="at most 10 N/mm"):
+        build(
+            fits_of([("P1", "S1", 1, 1), ("P1", "S3", 2, 2)]), stiffness=stiffness, new_specimen="n",
+            new_stiffness_n_per_mm=12.0, interpolation="paper",
+        )  # fmt: skip
+
+
+def test_leaving_one_out_of_a_linear_law_is_free_of_error() -> None:
+    left_out = build(one_person(), specimens=("S1", "S3")).leave_one_out
+    assert [(one.specimen, one.bracket) for one in left_out] == [
+        ("S2", ("S1", "S3")), ("S3", ("S2", "S4")), ("S4", ("S3", "S5")),
+    ]  # fmt: skip
+    assert all(one.rmse_v < 1e-13 for one in left_out)
+
+
+def test_leave_one_out_error_by_hand() -> None:
+    fits = fits_of([("P1", "S1", 10, 4), ("P1", "S2", 5, 2), ("P1", "S3", 0, 0)])
+    (one,) = build(fits, stiffness={"S1": 4.0, "S2": 3.0, "S3": 0.5}, grid_points=50).leave_one_out
+    force = np.linspace(0.5, 7, 50)
+    alpha = (4 - 3) / (4 - 0.5)
+    error = (1 - alpha) * (10 + 4 * np.log(force)) - (5 + 2 * np.log(force))
+    assert one.rmse_v == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-12)
+    assert one.relative == pytest.approx(one.rmse_v / np.sqrt(np.mean((5 + 2 * np.log(force)) ** 2)), rel=1e-12)
+
+
+def test_the_ends_are_named_as_extrapolation() -> None:
+    assert any("S1 and S5 are not left out" in note for note in build(one_person()).notes)
+
+
+@pytest.mark.parametrize(
+    ("profile", "complaint"),
+    [
+        ({"participant": "P9"}, r"one of P1 .*found P9"),
+        ({"specimens": ("S1", "S9")}, r"usable trials by P1: S1, .*found S9"),
+        ({"new_specimen": "n"}, "the stiffness of n"),
+        ({"specimens": ("S1",), "new_specimen": "n", "new_stiffness_n_per_mm": 2.0}, "two specimens of known"),
+    ],
+)
+def test_what_cannot_be_made_is_said(profile: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(DataError, match=complaint):
+        build(one_person(), **profile)
+
+
+def test_no_usable_trial() -> None:
+    with pytest.raises(DataError, match="at least one usable trial"):
+        build(fits_of([("P1", "S1", 1, 1)], "rejected"))
+
+
+def test_scaling_the_activity_scales_everything() -> None:
+    fits = one_person(0.2)
+    scaled = fits_of(
+        [
+            (p, s, 8 * a, 8 * b)
+            for p, s, a, b in zip(fits.participant, fits.specimen, fits.a_v, fits.b_v, strict=True)
+        ]
+    )
+    one, other = (build(f, new_specimen="n", new_stiffness_n_per_mm=6.0) for f in (fits, scaled))
+    assert one.new is not None
+    assert other.new is not None
+    np.testing.assert_array_equal(other.new.v, 8 * one.new.v)
+    for first, second in zip(one.leave_one_out, other.leave_one_out, strict=True):
+        assert (second.rmse_v, second.relative) == (8 * first.rmse_v, first.relative)
