@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.between_specimens import between
+from emg2vsa.curves.between_specimens import Interpolated, between
 from emg2vsa.errors import DataError
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import ProfileSettings, WindowSettings
@@ -170,18 +170,22 @@ def _new(
 def _interpolate(
     others: Sequence[Profile], name: str, stiffness: float, profile: ProfileSettings
 ) -> tuple[Profile, float, tuple[str, str]]:
-    # the spread of a specimen in between is taken to lie in between too: it is carried like a and b
-    values = np.array([[p.a_v, p.b_v, *p.sd_v] for p in others])
     known = np.array([p.stiffness_n_per_mm for p in others])
     where = f"profile of {name}"
-    made = between(known, values, stiffness, profile.interpolation, extrapolate=profile.extrapolate, where=where)
+
+    def blended(values: Floats, method: str) -> Interpolated:
+        return between(known, values, stiffness, method, extrapolate=profile.extrapolate, where=where)
+
+    made = blended(np.array([[p.a_v, p.b_v] for p in others]), profile.interpolation)
+    # the spread of a specimen in between is taken to lie in between
+    sd_v = np.maximum(blended(np.array([p.sd_v for p in others]), "bracket").values, 0.0)
     stiffer, softer = others[made.stiffer], others[made.softer]
     force_n = stiffer.force_n
     a_v, b_v = float(made.values[0]), float(made.values[1])
     sources = others if math.isnan(made.alpha) else (stiffer, softer)
     interpolated = Profile(
         name, stiffness, a_v, b_v, force_n, a_v + b_v * np.log(force_n), "interpolated",
-        sum(p.n_trials for p in sources), np.maximum(made.values[2:], 0.0),
+        sum(p.n_trials for p in sources), sd_v,
     )  # fmt: skip
     return interpolated, made.alpha, (stiffer.specimen, softer.specimen)
 

@@ -135,7 +135,7 @@ def _read(path: Path, is_bdf: bool) -> Edf | Bdf:
 
 
 def _damaged(path: Path, error: Exception) -> RecordingError:
-    found = "one that edfio cannot read" + (f" ({error})" if isinstance(error, ValueError) else "")
+    found = "one that cannot be read" + (f" ({error})" if isinstance(error, ValueError) else "")
     return RecordingError(path, wanted="an EDF or BDF header", found=found, do="Export or copy the file again.")
 
 

@@ -33,7 +33,7 @@ _INTERPOLATION = {
     "bracket": "linearly in stiffness between its two neighbours",
     "paper": "with weight κ/10 of the softer neighbour",
     "log-stiffness": "linearly in the logarithm of stiffness between its two neighbours",
-    "coefficients": "from coefficients a and b regressed on stiffness",
+    "coefficients": "by a monotone cubic (PCHIP) through the coefficients of all exported specimens",
 }
 
 

@@ -35,7 +35,8 @@ def scale_of(results: StudyResults) -> ActivityScale:
     return activity_scale(fits.activity_unit, fits.v_max_v[usable(fits, results.study.hypotheses.use)])
 
 
-def _activity(key: str, name: str, scale: ActivityScale) -> Column:
+def activity_column(key: str, name: str, scale: ActivityScale) -> Column:
+    """Column of activities: volts in CSV, ``scale``'s unit for people."""
     return Column(key, scale.label(name), scale.factor)
 
 
@@ -52,7 +53,7 @@ def _fits(results: StudyResults, scale: ActivityScale) -> Table:
     others = {"n_points": "Points", **_R2_HEADS, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)"}
     columns = (
         *(Column(key, head) for key, head in texts.items()),
-        *(_activity(key, head, scale) for key, head in activities.items()),
+        *(activity_column(key, head, scale) for key, head in activities.items()),
         *(Column(key, head) for key, head in others.items()),
         Column("reason", "Reason"),
     )
@@ -83,9 +84,9 @@ def _fits_by_specimen(results: StudyResults, scale: ActivityScale) -> Table:
         Column("stiffness_n_per_mm", "κ (N/mm)"),
         Column("trials", "Trials"),
         Column("used", "Used"),
-        _activity("a_mean_v", "Mean a", scale),
-        _activity("b_mean_v", "Mean b", scale),
-        _activity("b_sd_v", "SD b", scale),
+        activity_column("a_mean_v", "Mean a", scale),
+        activity_column("b_mean_v", "Mean b", scale),
+        activity_column("b_sd_v", "SD b", scale),
         Column("adj_r2_bins_min", "Worst adj. R², bins"),
         Column("adj_r2_bins_median", "Median, bins"),
         Column("adj_r2_samples_min", "Worst adj. R², samples"),
@@ -131,8 +132,8 @@ def _hypotheses(found: Hypotheses, scale: ActivityScale) -> list[Table]:
             "Fisher's LSD on b between specimens, not corrected for the number of pairs",
             (
                 Column("participant", "Participant"), Column("first", "First"), Column("second", "Second"),
-                _activity("difference_v", "Difference", scale), _activity("lo_v", "Low", scale),
-                _activity("hi_v", "High", scale), Column("t", "t"), Column("df", "df"), Column("p", "p"),
+                activity_column("difference_v", "Difference", scale), activity_column("lo_v", "Low", scale),
+                activity_column("hi_v", "High", scale), Column("t", "t"), Column("df", "df"), Column("p", "p"),
             ),
             rows_of(*vars(pairs).values()),
         ),
@@ -146,8 +147,8 @@ def _profiles(profiles: Profiles, scale: ActivityScale) -> Table:
         Column("stiffness_n_per_mm", "κ (N/mm)"),
         Column("source", "Source"),
         Column("n_trials", "Trials"),
-        _activity("a_v", "a", scale),
-        _activity("b_v", "b", scale),
+        activity_column("a_v", "a", scale),
+        activity_column("b_v", "b", scale),
     )
     rows = tuple(tuple(getattr(profile, column.key) for column in columns) for profile in shown)
     return Table("profiles", f"Mean profiles of {profiles.participant or 'all participants'}", columns, rows)
@@ -155,7 +156,7 @@ def _profiles(profiles: Profiles, scale: ActivityScale) -> Table:
 
 def _leave_one_out(profiles: Profiles, scale: ActivityScale) -> Table:
     columns = (
-        Column("specimen", "Left out"), Column("bracket", "Interpolated from"), _activity("rmse_v", "RMSE", scale),
+        Column("specimen", "Left out"), Column("bracket", "Interpolated from"), activity_column("rmse_v", "RMSE", scale),
         Column("relative", "RMSE (% of mean)", 100.0),
     )  # fmt: skip
     rows = tuple(
@@ -168,7 +169,7 @@ def _leave_one_out(profiles: Profiles, scale: ActivityScale) -> Table:
 def _schedules(schedules: tuple[Schedule, ...], scale: ActivityScale) -> Table:
     columns = (
         Column("specimen", "Specimen"), Column("condition", "Condition"), Column("from_n", "From (N)"),
-        Column("to_n", "To (N)"), _activity("activity_v", "Co-contraction", scale),
+        Column("to_n", "To (N)"), activity_column("activity_v", "Co-contraction", scale),
         Column("stiffness_percent", "Stiffness (%)"), Column("preset_ticks", "Preset (ticks)"),
         Column("stiffness_nm_per_rad", "Stiffness at zero load (N·m/rad)"),
     )  # fmt: skip

@@ -138,11 +138,11 @@ SIGNALS = 256 + 3 * (16 + 80 + 8)
 @pytest.mark.parametrize(
     ("start", "content", "message"),
     [
-        (252, b"12x ", "cannot read .*'12x '"),
+        (252, b"12x ", "cannot be read .*'12x '"),
         (252, b"500 ", "1024 bytes stated for 500 signals"),
         (184, b"999     ", "999 bytes stated for 3 signals"),
-        (236, b"many    ", "cannot read .*'many'"),
-        (244, b"0       ", "found one that edfio cannot read"),
+        (236, b"many    ", "cannot be read .*'many'"),
+        (244, b"0       ", "found one that cannot be read"),
         (244, b"-1      ", "records of a positive duration.*found -1 s"),
         (244, b"nan     ", "records of a positive duration.*found nan s"),
         (SIGNALS + 3 * (8 * 4 + 80), b"0       ", "found 1 s, and 0 samples of a signal"),

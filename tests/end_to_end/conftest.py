@@ -1,0 +1,91 @@
+"""A small study, simulated once: two participants, three specimens, four presses."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.cli import main
+
+STUDY = """
+[study]
+name = "small"
+
+[participants]
+ids = ["P01", "P02"]
+
+[[specimens]]
+name = "S1"
+stiffness_n_per_mm = 7.63
+[[specimens]]
+name = "S3"
+stiffness_n_per_mm = 3.35
+[[specimens]]
+name = "S5"
+stiffness_n_per_mm = 1.11
+
+[recordings]
+layout = "bids"
+root = "data"
+task = "palpation"
+
+[channels.emg.EDC]
+name = "EDC"
+[channels.emg.FDS]
+name = "FDS"
+[channels.force]
+name = "Fz"
+sign = -1
+
+[window]
+expected_trials = 4
+
+[profile]
+new_specimen = "S_new"
+new_stiffness_n_per_mm = 5.32
+
+[simulation]
+seed = 3
+repetitions = 4
+a_v = { S1 = 42e-6, S3 = 28e-6, S5 = 16e-6 }
+b_v = { S1 = 20e-6, S3 = 13e-6, S5 = 7e-6 }
+"""
+
+
+@pytest.fixture(scope="session")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the study file and its recordings; copied, never changed."""
+    folder = tmp_path_factory.mktemp("simulated") / "studies" / "small"
+    folder.mkdir(parents=True)
+    (folder / "study.toml").write_text(STUDY)
+    assert main(["simulate", str(folder / "study.toml"), "--json"]) == 0
+    return folder
+
+
+@pytest.fixture
+def study(simulated: Path, tmp_path: Path) -> Path:
+    """A copy of the simulated study's file, to run and to change."""
+    folder = tmp_path / "studies" / "small"
+    shutil.copytree(simulated, folder)
+    return folder / "study.toml"
+
+
+@pytest.fixture(scope="session")
+def ran_once(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder two levels above a study that was run to its report."""
+    root = tmp_path_factory.mktemp("ran")
+    shutil.copytree(simulated, root / "studies" / "small")
+    assert main(["run", str(root / "studies" / "small" / "study.toml"), "--jobs", "1", "--json"]) == 0
+    return root
+
+
+@pytest.fixture
+def ran(ran_once: Path, tmp_path: Path) -> Path:
+    """A study file whose run is complete. The copy keeps file times, so that nothing looks changed but the inodes."""
+    root = tmp_path / "ran"
+    shutil.copytree(ran_once, root)
+    study = root / "studies" / "small" / "study.toml"
+    assert main(["run", str(study), "--jobs", "1", "--json"]) == 0
+    return study

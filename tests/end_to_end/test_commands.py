@@ -1,0 +1,108 @@
+"""What a stranger types, and what the program answers."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.cli import COMMANDS, main
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_loads_nothing_heavy(command: str) -> None:
+    program = (
+        "import sys\nfrom emg2vsa.cli import main\n"
+        f"try: main([*{[command] if command else []!r}, '--help'])\n"
+        "except SystemExit as end: assert end.code == 0\nprint(*sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("usage: emg2vsa")
+    heavy = {"numpy", "scipy", "pandas", "cv2", "numba", "matplotlib", "pydantic"}
+    assert set(done.stderr.split()) & heavy == set()
+
+
+def test_power_reproduces_the_sample_size(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["power", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["power"] == pytest.approx(0.819421399316, abs=1e-12)
+    assert said["participants_needed"] == 14
+
+
+def test_power_outside_its_range_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["power", "--rho", "1"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_missing_study_is_one_clear_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(tmp_path / "absent.toml")]) == 2
+    said = capsys.readouterr().err
+    assert "absent.toml" in said
+    assert "Traceback" not in said
+
+
+def test_check_judges_a_session(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(study), "P01", "--jobs", "1"]) == 0
+    assert capsys.readouterr().out.startswith(("P01: GOOD", "P01: USABLE"))
+    next(study.parent.glob("data/sub-P01/emg/*acq-S3_emg.bdf")).unlink()
+    assert main(["check", str(study), "P01", "--jobs", "1"]) == 1
+    said = capsys.readouterr().out
+    assert "P01: REPEAT" in said
+    assert "S3: record again" in said
+
+
+def test_check_names_an_unknown_participant(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(study), "P99"]) == 2
+    assert "P99" in capsys.readouterr().err
+
+
+def test_simulate_never_overwrites(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", str(study)]) == 2
+    assert "--force" in capsys.readouterr().err
+
+
+def test_fit_lists_channels_then_fits(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(next(study.parent.glob("data/sub-P01/emg/*acq-S1_emg.bdf")))
+    assert main(["fit", path]) == 2
+    assert "Fz" in capsys.readouterr().out
+    assert main(["fit", path, "--emg", "EDC", "--emg", "FDS", "--force", "Fz", "--sign", "-1", "--json"]) == 0
+    trials = json.loads(capsys.readouterr().out)["trials"]
+    assert len(trials) == 4
+    assert all(row["b_lo_v"] < row["b_v"] < row["b_hi_v"] for row in trials)
+    assert sum(row["b_v"] for row in trials) / 4 == pytest.approx(20e-6, rel=0.15)
+
+
+def test_fit_says_which_channel_is_not_there(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(next(study.parent.glob("data/sub-P01/emg/*acq-S1_emg.bdf")))
+    assert main(["fit", path, "--emg", "EDX", "--force", "Fz"]) == 2
+    assert "Did you mean 'EDC'?" in capsys.readouterr().err
+
+
+def test_fit_lists_every_bad_option(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(next(study.parent.glob("data/sub-P01/emg/*acq-S1_emg.bdf")))
+    arguments = ["--emg", "EDC", "--force", "Fz", "--bin", "-1", "--min-duration", "0"]
+    assert main(["fit", path, *arguments]) == 2
+    said = capsys.readouterr().err
+    assert "bin_n" in said
+    assert "min_duration_s" in said
+
+
+def test_schedules_are_exported_and_read_back(study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from emg2vsa.schedule_files import read_csv, read_json
+
+    out = tmp_path / "out"
+    assert main(["schedule", str(study), "--out", str(out), "--condition", "modular", "--json", "--jobs", "1"]) == 0
+    files = [Path(name) for name in json.loads(capsys.readouterr().out)["files"]]
+    assert {path.stem for path in files} == {"S1_modular", "S3_modular", "S5_modular", "S_new_modular"}
+    for path in files:
+        schedule = (read_csv if path.suffix == ".csv" else read_json)(path)
+        assert 20 <= schedule.stiffness_percent.min() <= schedule.stiffness_percent.max() <= 80
+
+
+def test_casr_answers(capsys: pytest.CaptureFixture[str]) -> None:
+    done = subprocess.run([sys.executable, "-c", "from casr.cli import main; main([])"], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert "usage: casr" in done.stdout
