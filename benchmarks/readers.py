@@ -18,7 +18,7 @@ import mne
 import numpy as np
 import pandas as pd
 
-from emg2vsa.readers import read
+from emg2vsa.readers.front_door import read
 
 NAMES = ("EDC", "FDS", "Fz")
 FS_HZ, N = 1000.0, 70_000

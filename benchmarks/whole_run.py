@@ -76,7 +76,9 @@ def main() -> None:
             ratio = best / reading[1 if "1 process" in what else 2]
             print(f"{what:<38}{best:>8.2f}{statistics.median(seconds):>10.2f}{ratio:>11.2f}")
         print(f"after a change of {changed}: {', '.join(ran['ran'])}; {ran['fresh']} steps fresh")
-        done = subprocess.run([sys.executable, "-c", LOADED, "run", str(study)], capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", LOADED, "run", str(study)], capture_output=True, text=True, check=True
+        )
         loaded = [module for module in HEAVY if module in done.stderr.split()]
         print(f"loaded when nothing changed: {', '.join(loaded) or 'none of ' + ', '.join(HEAVY)}")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -206,14 +207,12 @@ def _error(measured: Profile, predicted: Profile, bracket: tuple[str, str]) -> L
 
 
 def _leave_one_out(measured: Sequence[Profile], profile: ProfileSettings) -> tuple[LeftOut, ...]:
-    """Every specimen from the others, by the same method; the ends of the stiffness range only with ``extrapolate``."""
+    """Every specimen from the others, by the same method; those that this method refuses are not predicted."""
     known = [p for p in measured if math.isfinite(p.stiffness_n_per_mm)]
     left_out = []
     for one in known:
         others = [p for p in known if p is not one]
-        stiffness = {p.stiffness_n_per_mm for p in others}
-        interior = len(stiffness) > 1 and min(stiffness) <= one.stiffness_n_per_mm <= max(stiffness)
-        if interior or (profile.extrapolate and len(stiffness) > 1):
+        with suppress(DataError):  # outside the stiffness of the others, or the range of the paper's weight
             predicted, _, bracket = _interpolate(others, one.specimen, one.stiffness_n_per_mm, profile)
             left_out.append(_error(one, predicted, bracket))
     return tuple(left_out)

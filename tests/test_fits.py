@@ -81,7 +81,8 @@ def test_unweighted_bins_are_the_fit_of_the_bin_means() -> None:
     peer = fit_log(fits.bin_force_n, fits.bin_v)
     np.testing.assert_array_equal(fits.b_v, peer.b)
     np.testing.assert_array_equal(fits.adj_r2, fits.adj_r2_bins)
-    assert fits.bin_edges_n.size == 23 and fits.bin_v.shape == (10, 22)
+    assert fits.bin_edges_n.size == 23
+    assert fits.bin_v.shape == (10, 22)
 
 
 def test_intervals_on_bins_cover_and_naive_ones_do_not() -> None:
@@ -89,7 +90,8 @@ def test_intervals_on_bins_cover_and_naive_ones_do_not() -> None:
     honest = fit_trials(trials, FitSettings(), WINDOW)
     naive = fit_trials(trials, FitSettings(points="samples", weights="none"), WINDOW)
     covered = [np.mean((f.b_lo_v < B_V) & (f.b_hi_v > B_V)) for f in (honest, naive)]
-    assert 0.91 < covered[0] < 0.98 and covered[1] < 0.85
+    assert 0.91 < covered[0] < 0.98
+    assert covered[1] < 0.85
     assert np.std(honest.b_v) < np.std(naive.b_v)
     assert abs(np.mean(honest.b_v) / B_V - 1) < 0.01
 
@@ -114,7 +116,8 @@ def test_robust_resists_a_burst() -> None:
 
 def test_confidence_widens_the_interval() -> None:
     narrow, wide = (fit_trials(noisy(), FitSettings(confidence=c), WINDOW) for c in (0.9, 0.99))
-    assert (wide.b_hi_v - wide.b_lo_v > narrow.b_hi_v - narrow.b_lo_v).all() and wide.confidence == 0.99
+    assert (wide.b_hi_v - wide.b_lo_v > narrow.b_hi_v - narrow.b_lo_v).all()
+    assert wide.confidence == 0.99
 
 
 def test_what_cannot_be_fitted_stays_with_a_reason() -> None:
@@ -145,7 +148,8 @@ def test_what_cannot_be_fitted_stays_with_a_reason() -> None:
 def test_rejected_trials_are_fitted_too() -> None:
     trials = dataclasses.replace(noisy(3), verdict=np.array(["ok", "rejected", "warned"], dtype="<U8"))
     fits = fit_trials(trials, FitSettings(), WINDOW)
-    assert np.isfinite(fits.b_v).all() and fits.verdict.tolist() == ["ok", "rejected", "warned"]
+    assert np.isfinite(fits.b_v).all()
+    assert fits.verdict.tolist() == ["ok", "rejected", "warned"]
     assert usable(fits, "ok").tolist() == [True, False, False]
     assert usable(fits, "ok+warned").tolist() == [True, False, True]
 
@@ -153,7 +157,9 @@ def test_rejected_trials_are_fitted_too() -> None:
 @pytest.mark.parametrize("points", ["bins", "samples"])
 def test_a_recording_without_presses(points: str) -> None:
     fits = fit_trials(trials_of([], []), FitSettings(points=points), WINDOW)  # type: ignore[arg-type]
-    assert fits.b_v.shape == (0,) and fits.bin_v.shape == (0, 22) and fits.participant.shape == (0,)
+    assert fits.b_v.shape == (0,)
+    assert fits.bin_v.shape == (0, 22)
+    assert fits.participant.shape == (0,)
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e300])

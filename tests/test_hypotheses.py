@@ -37,8 +37,10 @@ def study(participants: int = 14, specimens: int = 5, repetitions: int = 10, see
 def test_seventy_clusters_are_scipys() -> None:
     fits, b = study()
     normality = hypotheses.test_hypotheses(fits, PAPER).normality
-    assert normality.participant.size == 70 and (normality.n == 10).all()
-    assert normality.participant[-1] == "P14" and normality.specimen[:6].tolist() == [
+    assert normality.participant.size == 70
+    assert (normality.n == 10).all()
+    assert normality.participant[-1] == "P14"
+    assert normality.specimen[:6].tolist() == [
         "S1",
         "S2",
         "S3",
@@ -58,8 +60,10 @@ def test_analyses_of_variance_are_scipys() -> None:
     between = result.between_participants
     for j in range(5):
         np.testing.assert_allclose([between.f[j], between.p[j]], stats.f_oneway(*b[:, j]), rtol=1e-11)
-    assert (between.df1 == 13).all() and (between.df2 == 126).all()
-    assert (between.n == 140).all() and (between.n_participants == 14).all()
+    assert (between.df1 == 13).all()
+    assert (between.df2 == 126).all()
+    assert (between.n == 140).all()
+    assert (between.n_participants == 14).all()
     for i in range(14):
         peer = stats.f_oneway(*b[i])
         np.testing.assert_allclose([result.between_specimens.f[i], result.between_specimens.p[i]], peer, rtol=1e-11)
@@ -79,7 +83,8 @@ def test_worst_p_is_the_largest_among_the_kept_pairs() -> None:
             if p > worst:
                 worst, name = p, f"P{i + 1} S{first + 1}-S{second + 1}"
     np.testing.assert_allclose(result.worst_p, worst, rtol=1e-10)
-    assert result.worst_pair == name and result.kept == ("S1", "S3", "S5")
+    assert result.worst_pair == name
+    assert result.kept == ("S1", "S3", "S5")
     assert ((pairs.lo_v < pairs.difference_v) & (pairs.difference_v < pairs.hi_v)).all()
 
 
@@ -90,7 +95,7 @@ def test_power_is_that_of_the_papers_plan() -> None:
 
 
 def test_order_of_the_table_and_unit_do_not_matter() -> None:
-    fits, b = study(seed=1)
+    fits, _b = study(seed=1)
     order = np.lexsort((fits.specimen, fits.participant))
     sorted_fits = fits_of(fits.participant[order].tolist(), fits.specimen[order].tolist(), 1e6 * fits.b_v[order])
     one, other = (hypotheses.test_hypotheses(f, PAPER) for f in (fits, sorted_fits))
@@ -119,8 +124,10 @@ def test_incomplete_design_is_told() -> None:
     b[np.flatnonzero((fits.participant == "P1") & (fits.specimen == "S1"))[0]] = np.nan
     result = hypotheses.test_hypotheses(dataclasses.replace(fits, b_v=b), PAPER)
     notes = "\n".join(result.notes)
-    assert "no usable trial: P2 S3" in notes and "fewer than 4 usable trials: P1 S1 (3)" in notes
-    assert "kept specimens without trials: S5" in notes and "2 of 9 pairs" in notes
+    assert "no usable trial: P2 S3" in notes
+    assert "fewer than 4 usable trials: P1 S1 (3)" in notes
+    assert "kept specimens without trials: S5" in notes
+    assert "2 of 9 pairs" in notes
     assert result.between_participants.n_participants.tolist() == [3, 3, 2]
     assert np.isfinite(result.worst_p)
 
@@ -134,18 +141,22 @@ def test_small_studies_have_notes_not_errors(participants: int, specimens: int, 
     assert result.between_participants.f.size == (specimens if participants > 1 else 0)
     assert result.between_specimens.f.size == (participants if specimens > 1 else 0)
     assert result.pairs.p.size == participants * specimens * (specimens - 1) // 2
-    assert result.notes and np.isnan(result.worst_p) == (specimens == 1 or repetitions == 1)
+    assert result.notes
+    assert np.isnan(result.worst_p) == (specimens == 1 or repetitions == 1)
 
 
 def test_nothing_at_all() -> None:
     for fits in (fits_of([], [], np.empty(0)), fits_of(["P1", "P2"], ["S1", "S1"], np.ones(2), "rejected")):
         result = hypotheses.test_hypotheses(fits, PAPER)
-        assert np.isnan(result.power) and np.isnan(result.worst_p) and result.worst_pair == ""
+        assert np.isnan(result.power)
+        assert np.isnan(result.worst_p)
+        assert result.worst_pair == ""
         assert any("power undefined" in note for note in result.notes)
 
 
 def test_identical_values_are_undefined_not_significant() -> None:
     fits, _ = study(2, 3, 4)
     result = hypotheses.test_hypotheses(dataclasses.replace(fits, b_v=np.full(24, 1e-5)), HypothesisSettings())
-    assert np.isnan(result.between_specimens.p).all() and np.isnan(result.worst_p)
+    assert np.isnan(result.between_specimens.p).all()
+    assert np.isnan(result.worst_p)
     assert any("6 of 6 pairs" in note for note in result.notes)

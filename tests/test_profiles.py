@@ -118,6 +118,15 @@ def test_the_paper_specimen() -> None:
     np.testing.assert_allclose(paper.new.v, (1 - 0.532) * s1.v + 0.532 * s3.v, rtol=1e-13)
 
 
+@pytest.mark.parametrize(("k", "bracket_weight", "implied"), [(7.0, 0.147, 4.634), (4.0, 0.848, 5.918)])
+def test_the_paper_weight_inverts_the_order_elsewhere(k: float, bracket_weight: float, implied: float) -> None:
+    asked = {"specimens": ("S1", "S3"), "new_specimen": "n", "new_stiffness_n_per_mm": k}
+    assert build(one_person(), **asked).weight_alpha == pytest.approx(bracket_weight, abs=6e-4)
+    paper = build(one_person(), interpolation="paper", **asked).new
+    assert paper is not None
+    assert paper.b_v / 2 == pytest.approx(implied, abs=5e-4)  # b = 2 kappa in these fits
+
+
 def test_new_against_the_measured_specimen_of_equal_stiffness() -> None:
     profiles = build(one_person(0.3), specimens=("S1", "S3"), new_specimen="S_new", new_stiffness_n_per_mm=5.32)
     assert profiles.new is not None
@@ -193,9 +202,7 @@ def test_extrapolation_is_refused(method: str, k: float) -> None:
 
 @pytest.mark.parametrize("method", ["bracket", "coefficients"])
 def test_extrapolation_on_request_follows_the_nearest_line(method: str) -> None:
-    profiles = build(
-        one_person(), new_specimen="n", new_stiffness_n_per_mm=9.0, interpolation=method, extrapolate=True
-    )
+    profiles = build(one_person(), new_specimen="n", new_stiffness_n_per_mm=9.0, interpolation=method, extrapolate=True)
     assert profiles.new is not None
     assert profiles.bracket == ("S1", "S2")
     assert profiles.new.b_v == pytest.approx(18, rel=1e-12)
@@ -230,6 +237,12 @@ def test_leave_one_out_error_by_hand() -> None:
     assert one.relative == pytest.approx(one.rmse_v / np.sqrt(np.mean((5 + 2 * np.log(force)) ** 2)), rel=1e-12)
 
 
+def test_what_the_paper_weight_cannot_reach_is_not_left_out() -> None:
+    stiffness = {"S1": 30.0, "S2": 12.0, "S3": 6.0, "S4": 2.0}
+    fits = fits_of([("P1", name, k, k) for name, k in stiffness.items()])
+    assert [one.specimen for one in build(fits, stiffness=stiffness, interpolation="paper").leave_one_out] == ["S3"]
+
+
 def test_the_ends_are_named_as_extrapolation() -> None:
     assert any("S1 and S5 are not left out" in note for note in build(one_person()).notes)
 
@@ -256,10 +269,7 @@ def test_no_usable_trial() -> None:
 def test_scaling_the_activity_scales_everything() -> None:
     fits = one_person(0.2)
     scaled = fits_of(
-        [
-            (p, s, 8 * a, 8 * b)
-            for p, s, a, b in zip(fits.participant, fits.specimen, fits.a_v, fits.b_v, strict=True)
-        ]
+        [(p, s, 8 * a, 8 * b) for p, s, a, b in zip(fits.participant, fits.specimen, fits.a_v, fits.b_v, strict=True)]
     )
     one, other = (build(f, new_specimen="n", new_stiffness_n_per_mm=6.0) for f in (fits, scaled))
     assert one.new is not None

@@ -114,18 +114,23 @@ def _given(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _list_channels(arguments: argparse.Namespace) -> int:
-    from emg2vsa.readers import inspect
+    from emg2vsa.readers.front_door import open_recording
 
-    name, channels = inspect(arguments.file)
+    name, opened = open_recording(arguments.file)
+    channels = opened.describe()
     if arguments.json:
-        print_json({"format": name, "channels": [vars(channel) for channel in channels]})
-        return 2
-    print(f"{arguments.file}: {name}, {len(channels)} channels. Choose with --emg and --force:")
+        notes = list(opened.contents.notes)
+        print_json({"format": name, "channels": [vars(channel) for channel in channels], "notes": notes})
+        return 0
+    print(f"{arguments.file}: {name}, {len(channels)} channel{'s' if len(channels) != 1 else ''}")
+    width = max((len(channel.name) for channel in channels), default=0)
     for channel in channels:
-        print(
-            f"  {channel.name:<36} {channel.unit or 'no unit':<10} {channel.fs_hz:10.4f} Hz {channel.n_samples:>9} samples"
-        )
-    return 2
+        rate = f"{channel.fs_hz:.4f} Hz" if channel.fs_hz > 0 else "rate unknown"
+        print(f"  {channel.name:<{width}}  {channel.unit or 'no unit':<10} {rate:>14} {channel.n_samples:>9} samples")
+    for note in opened.contents.notes:
+        print(f"note: {note}")
+    print("To fit, name the channels: --emg CHANNEL --force CHANNEL")
+    return 0
 
 
 def _rows(trials: Trials, fits: Fits) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from emg2vsa.pipeline.fingerprint import Fingerprints, as_json, digest, library_versions
 from emg2vsa.pipeline.ledger import Parts
-from emg2vsa.readers import reader_module
+from emg2vsa.readers.formats import reader_module
 from emg2vsa.readers.bids_sidecars import side_file_paths
 from emg2vsa.study import RecordingEntry, Study
 

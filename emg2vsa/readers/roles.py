@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import load_named, open_recording
+from emg2vsa.readers.front_door import load_named, open_recording
 from emg2vsa.readers.opened import OpenRecording, StoredChannel
 from emg2vsa.readers.si import scaled, unit_step
 from emg2vsa.readers.units import si_factor

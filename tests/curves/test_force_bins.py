@@ -24,7 +24,10 @@ def test_papers_bins_end_with_a_shorter_one() -> None:
 )
 def test_number_of_bins(low: float, high: float, width: float, bins: int) -> None:
     edges = bin_edges(low, high, width)
-    assert edges.size == bins + 1 and edges[0] == low and edges[-1] == high and (np.diff(edges) > 0).all()
+    assert edges.size == bins + 1
+    assert edges[0] == low
+    assert edges[-1] == high
+    assert (np.diff(edges) > 0).all()
 
 
 def test_swapped_window_is_refused() -> None:

@@ -28,4 +28,7 @@ def test_norris(shared_data: Callable[[str], Path]) -> None:
 def test_exact_line_of_long_rows() -> None:
     x = np.arange(20_000.0)[None]
     line = fit_line(x, 3 + 0.5 * x)
-    assert line.slope[0] == 0.5 and line.intercept[0] == 3 and line.r2[0] == 1 and line.slope_se[0] == 0
+    assert line.slope[0] == 0.5
+    assert line.intercept[0] == 3
+    assert line.r2[0] == 1
+    assert line.slope_se[0] == 0

@@ -71,7 +71,8 @@ def test_interval_is_scipys() -> None:
     fit, peer = fit_log(force, v, confidence=0.9), stats.linregress(np.log(force[0]), v[0])
     reach = stats.t.ppf(0.95, 129) * peer.stderr
     np.testing.assert_allclose([fit.b_lo[0], fit.b_hi[0]], [peer.slope - reach, peer.slope + reach], rtol=1e-12)
-    assert fit.n[0] == 131 and fit.dof[0] == 129
+    assert fit.n[0] == 131
+    assert fit.dof[0] == 129
 
 
 def test_b_against_log10_is_ln10_times_b() -> None:
@@ -159,7 +160,8 @@ def test_large_offset_costs_no_more_digits_than_the_input_lost() -> None:
 def test_two_points_give_a_line_without_errors() -> None:
     fit = fit_log([1.0, np.e], [2.0, 5.0])
     np.testing.assert_allclose([fit.a[0], fit.b[0]], [2.0, 3.0], rtol=1e-15)
-    assert np.isnan([fit.a_se[0], fit.b_se[0], fit.b_lo[0], fit.adj_r2[0]]).all() and fit.dof[0] == 0
+    assert np.isnan([fit.a_se[0], fit.b_se[0], fit.b_lo[0], fit.adj_r2[0]]).all()
+    assert fit.dof[0] == 0
 
 
 @pytest.mark.parametrize("robust", [False, True])
@@ -174,7 +176,10 @@ def test_undefined_is_nan_not_an_error(force: list[float], v: list[float], robus
 
 def test_constant_activity_has_slope_zero_and_no_r2() -> None:
     fit = fit_log(np.linspace(0.5, 7, 9), np.full(9, 0.1))
-    assert fit.b[0] == 0 and fit.a[0] == 0.1 and fit.b_se[0] == 0 and np.isnan(fit.r2[0])
+    assert fit.b[0] == 0
+    assert fit.a[0] == 0.1
+    assert fit.b_se[0] == 0
+    assert np.isnan(fit.r2[0])
 
 
 def test_no_trials() -> None:

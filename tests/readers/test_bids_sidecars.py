@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
 from emg2vsa.readers.bids_sidecars import side_file_paths, side_files
+from emg2vsa.readers.front_door import inspect, read
 
 HEAD = "name\ttype\tunits\tsampling_frequency\tstatus\tstatus_description\n"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
+from emg2vsa.readers.front_door import inspect, read
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
+from emg2vsa.readers.front_door import inspect, read
 
 EMG_HZ, ACC_HZ = 17 / 0.0135, 2 / 0.0135
 

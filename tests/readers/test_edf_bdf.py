@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, open_recording, read
+from emg2vsa.readers.front_door import inspect, open_recording, read
 
 
 def fields(width: int, *values: object) -> bytes:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
+from emg2vsa.readers.front_door import inspect, read
 
 FAST, SLOW = 27 / 0.0135, 2 / 0.0135  # Hz; Trigno sends whole samples in 13.5 ms
 

@@ -10,7 +10,7 @@ import pytest
 import scipy.io
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
+from emg2vsa.readers.front_door import inspect, read
 
 EMG = np.arange(3000.0).reshape(3, 1000)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
+from emg2vsa.readers.front_door import inspect, read
 
 TIME = np.arange(60) / 1000.0
 EDC, FZ = np.sin(np.arange(60.0)), 0.1 + np.arange(60.0)

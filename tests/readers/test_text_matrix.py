@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers import inspect, read
+from emg2vsa.readers.front_door import inspect, read
 
 TIME = np.arange(400) / 1000.0
 VALUES = np.stack([np.cos(np.arange(400.0)), np.arange(400.0) ** 2])

@@ -46,7 +46,8 @@ def test_nist_reaches_what_doubles_allow(name: str, shared_data: Callable[[str],
     groups, certified = nist(shared_data(f"nist/nist_anova/{name}.dat"))
     anova = one_way(np.array(groups, dtype=np.float64))
     assert digits(anova.f[0], certified[3]) >= CEILING[name] - 0.1
-    assert anova.df1[0] == int(certified[0]) and anova.df2[0] == int(certified[4])
+    assert anova.df1[0] == int(certified[0])
+    assert anova.df2[0] == int(certified[4])
 
 
 @pytest.mark.parametrize("name", CEILING)
@@ -127,8 +128,10 @@ def test_lsd_pools_the_sd_of_all_groups() -> None:
         np.testing.assert_allclose(pairs.p[0, q], 2 * stats.t.sf(abs(difference / se), df), rtol=1e-11)
         np.testing.assert_allclose(pairs.high[0, q], difference + stats.t.ppf(0.995, df) * se, rtol=1e-11)
     outcome = pairs.outcome(0, 9)
-    assert outcome.n == groups[3].size + groups[4].size and outcome.confidence == 0.99
-    assert outcome.interval is not None and outcome.interval[0] < (outcome.estimate or 0) < outcome.interval[1]
+    assert outcome.n == groups[3].size + groups[4].size
+    assert outcome.confidence == 0.99
+    assert outcome.interval is not None
+    assert outcome.interval[0] < (outcome.estimate or 0) < outcome.interval[1]
 
 
 def test_interval_excludes_zero_exactly_when_p_is_small() -> None:
@@ -149,20 +152,26 @@ def test_interval_excludes_zero_exactly_when_p_is_small() -> None:
 def test_undefined_designs_say_why(values: list[list[float]], note: str) -> None:
     anova = one_way(values)
     outcome = anova.outcome()
-    assert np.isnan(anova.f[0]) and np.isnan(anova.p[0]) and outcome.notes[0].startswith(note)
+    assert np.isnan(anova.f[0])
+    assert np.isnan(anova.p[0])
+    assert outcome.notes[0].startswith(note)
     assert outcome.significant(0.05) is None
     assert np.isnan(lsd(anova).p).all()
 
 
 def test_constant_groups_that_differ() -> None:
     anova = one_way([[0.1] * 3, [0.2] * 3])
-    assert np.isinf(anova.f[0]) and anova.p[0] == 0 and anova.eta2[0] == 1
-    assert "equal" in anova.outcome().notes[0] and lsd(anova).p[0, 0] == 0
+    assert np.isinf(anova.f[0])
+    assert anova.p[0] == 0
+    assert anova.eta2[0] == 1
+    assert "equal" in anova.outcome().notes[0]
+    assert lsd(anova).p[0, 0] == 0
 
 
 def test_no_design() -> None:
     anova = one_way(np.empty((0, 2, 1)))
-    assert anova.f.shape == (0,) and lsd(anova).p.shape == (0, 1)
+    assert anova.f.shape == (0,)
+    assert lsd(anova).p.shape == (0, 1)
 
 
 def test_exact_types_and_gaps() -> None:

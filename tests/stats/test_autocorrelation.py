@@ -10,7 +10,8 @@ from emg2vsa.stats.autocorrelation import residual_memory
 
 def test_white_noise_is_worth_its_length() -> None:
     lag1, n_effective = residual_memory(np.random.default_rng(0).standard_normal((300, 200)))
-    assert abs(np.mean(lag1)) < 0.02 and 160 < np.median(n_effective) <= 200
+    assert abs(np.mean(lag1)) < 0.02
+    assert 160 < np.median(n_effective) <= 200
 
 
 def test_first_order_process() -> None:
@@ -29,10 +30,13 @@ def test_padding_and_scale_do_not_matter() -> None:
 
 def test_alternating_rows_are_worth_no_more_than_their_length() -> None:
     lag1, n_effective = residual_memory(np.tile([1.0, -1.0], (1, 20)))
-    assert lag1[0] < -0.9 and n_effective[0] == 40
+    assert lag1[0] < -0.9
+    assert n_effective[0] == 40
 
 
 def test_undefined() -> None:
     for rows in (np.zeros((2, 9)), np.full((2, 9), np.nan), np.ones((2, 2)), np.empty((2, 0)), np.empty((0, 9))):
         lag1, n_effective = residual_memory(rows)
-        assert lag1.shape == n_effective.shape == (len(rows),) and np.isnan(lag1).all() and np.isnan(n_effective).all()
+        assert lag1.shape == n_effective.shape == (len(rows),)
+        assert np.isnan(lag1).all()
+        assert np.isnan(n_effective).all()

@@ -16,7 +16,8 @@ def test_table_keeps_the_order_of_repetitions() -> None:
     participant = np.array(["P2", "P1", "P1", "P2", "P1", "P1"])
     specimen = np.array(["S1", "S2", "S1", "S1", "S2", "S2"])
     clusters = clusters_of(participant, specimen, np.arange(6.0), np.array([1, 1, 1, 1, 0, 1], dtype=bool))
-    assert clusters.participants.tolist() == ["P1", "P2"] and clusters.specimens.tolist() == ["S1", "S2"]
+    assert clusters.participants.tolist() == ["P1", "P2"]
+    assert clusters.specimens.tolist() == ["S1", "S2"]
     np.testing.assert_array_equal(clusters.count, [[1, 2], [2, 0]])
     np.testing.assert_array_equal(clusters.values, [[[2, np.nan], [1, 5]], [[0, 3], [np.nan, np.nan]]])
 

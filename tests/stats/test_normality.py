@@ -53,7 +53,8 @@ def test_branches_meet() -> None:
     n = 200
     d = np.sqrt(5.0 / n) + np.array([-1e-9, 1e-9])
     p = ks_survival(d, n)
-    assert p[0] >= p[1] and p[0] - p[1] < 1e-10
+    assert p[0] >= p[1]
+    assert p[0] - p[1] < 1e-10
 
 
 def test_survival_at_its_ends_and_for_long_samples() -> None:
@@ -71,13 +72,15 @@ def test_clusters_of_different_size_are_scipys(standardise: bool) -> None:
     for i, row in enumerate(rows):
         x = row[np.isfinite(row)]
         peer = stats.ks_1samp((x - x.mean()) / x.std(ddof=1) if standardise else x, stats.norm.cdf)
-        assert abs(tests.d[i] - peer.statistic) < 1e-15 and abs(tests.p[i] - peer.pvalue) < 2e-15
+        assert abs(tests.d[i] - peer.statistic) < 1e-15
+        assert abs(tests.p[i] - peer.pvalue) < 2e-15
         assert tests.n[i] == x.size
 
 
 def test_positive_samples_of_ten_are_never_raw_normal() -> None:
     tests = ks_normal(np.random.default_rng(4).uniform(1e-6, 5e-6, (50, 10)), standardise=False)
-    assert (tests.d >= 0.5).all() and (tests.p <= 0.0079).all()
+    assert (tests.d >= 0.5).all()
+    assert (tests.p <= 0.0079).all()
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-1e6, 1e6), st.floats(1e-3, 1e3))
@@ -93,7 +96,8 @@ def test_standardised_does_not_know_unit_sign_or_order(seed: int, shift: float, 
 @pytest.mark.parametrize("row", [[0.1] * 10, [0.1], [np.nan, np.nan], [1e300] * 3])
 def test_no_spread_is_undefined_and_says_so(row: list[float]) -> None:
     tests = ks_normal(row, standardise=True)
-    assert np.isnan(tests.d[0]) and np.isnan(tests.p[0])
+    assert np.isnan(tests.d[0])
+    assert np.isnan(tests.p[0])
     assert tests.outcome().notes[-1].startswith("undefined")
 
 
@@ -101,7 +105,10 @@ def test_outcome_names_the_variant() -> None:
     x = np.arange(10.0)
     assert "standardised" in ks_normal(x, standardise=True).outcome().method
     raw = ks_normal(x, standardise=False).outcome()
-    assert "raw" in raw.method and raw.n == 10 and raw.statistic_name == "D" and raw.significant(0.05)
+    assert "raw" in raw.method
+    assert raw.n == 10
+    assert raw.statistic_name == "D"
+    assert raw.significant(0.05)
 
 
 def test_no_rows() -> None:

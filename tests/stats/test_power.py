@@ -24,7 +24,8 @@ def mixture_power(n: int, m: int, f: float, rho: float, epsilon: float, alpha: f
 
 def test_the_papers_fourteen() -> None:
     assert abs(power_rm(14, 10, 0.25, 0.5, 1.0, 0.05) - 0.819421399316) < 1e-12
-    assert n_for_power(10) == 14 and power_rm(13, 10) < 0.8
+    assert n_for_power(10) == 14
+    assert power_rm(13, 10) < 0.8
 
 
 @pytest.mark.parametrize(
@@ -66,7 +67,8 @@ def test_power_grows_with_people() -> None:
 def test_number_needed_is_the_smallest() -> None:
     for m, f, target in ((5, 0.25, 0.8), (3, 0.1, 0.9), (2, 1.5, 0.5), (50, 0.25, 0.8)):
         n = n_for_power(m, f, power=target)
-        assert power_rm(n, m, f) >= target and (n == 2 or power_rm(n - 1, m, f) < target)
+        assert power_rm(n, m, f) >= target
+        assert n == 2 or power_rm(n - 1, m, f) < target
 
 
 def test_nobody_suffices_without_an_effect() -> None:
@@ -76,8 +78,10 @@ def test_nobody_suffices_without_an_effect() -> None:
 def test_table_over_rho_and_epsilon() -> None:
     table = power_table(14, 10)
     assert table.power.shape == table.people.shape == (4, 3)
-    assert table.people[2].tolist() == [21, 17, 14] and table.people[:, 2].tolist() == [26, 19, 14, 9]
-    assert (np.diff(table.power, axis=0) > 0).all() and (np.diff(table.power, axis=1) > 0).all()
+    assert table.people[2].tolist() == [21, 17, 14]
+    assert table.people[:, 2].tolist() == [26, 19, 14, 9]
+    assert (np.diff(table.power, axis=0) > 0).all()
+    assert (np.diff(table.power, axis=1) > 0).all()
 
 
 def test_two_measurements_are_always_spherical() -> None:
@@ -85,7 +89,8 @@ def test_two_measurements_are_always_spherical() -> None:
 
 
 def test_sentence_states_the_computed_numbers() -> None:
-    assert f"{power_rm(14, 10):.3f}"[1:] in MEANING and f"{power_rm(14, 5):.3f}"[1:] in MEANING
+    assert f"{power_rm(14, 10):.3f}"[1:] in MEANING
+    assert f"{power_rm(14, 5):.3f}"[1:] in MEANING
     assert f" {n_for_power(5)} are needed" in MEANING
 
 

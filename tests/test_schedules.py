@@ -1,0 +1,254 @@
+"""Mapping (7), the closed-form step means, and every limit a schedule keeps."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from emg2vsa.actuator import stiffness_nm_per_rad
+from emg2vsa.errors import ScheduleError
+from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.schedules import Limits, Schedule, build_schedules, check, mean_over_steps
+from emg2vsa.settings import ScheduleSettings
+
+
+def profile(name: str, a: float, b: float, source: str = "measured") -> Profile:
+    force = np.linspace(0.5, 7, 100)
+    return Profile(name, 5.0, a, b, force, a + b * np.log(force), source, 10, np.full(100, 1e-6))
+
+
+def profiles_of(*measured: Profile, new: Profile | None = None) -> Profiles:
+    return Profiles(
+        profiles=measured, new=new, weight_alpha=0.5397 if new else math.nan, bracket=("S1", "S3") if new else None,
+        new_measured=None, new_error=None, leave_one_out=(), participant="P07", unit="V", notes=(),
+    )  # fmt: skip
+
+
+PROFILES = profiles_of(profile("S1", 42e-6, 20e-6), profile("S3", 28e-6, 13e-6), profile("S5", 16e-6, 7e-6))
+
+
+def schedules(profiles: Profiles = PROFILES, **settings: Any) -> dict[tuple[str, str], Schedule]:
+    built = build_schedules(profiles, ScheduleSettings(**settings), {"study": "palpation"})
+    return {(s.specimen, s.condition): s for s in built}
+
+
+@given(a=st.floats(-1, 1), b=st.floats(-1, 1), low=st.floats(0.01, 5), width=st.floats(1e-6, 20))
+def test_closed_form_against_quadrature(a: float, b: float, low: float, width: float) -> None:
+    high = low + width
+    integral, _ = quad(lambda force: a + b * math.log(force), low, high, epsabs=0, epsrel=1e-13)
+    scale = abs(a) + abs(b) * (1 + max(abs(math.log(low)), abs(math.log(high))))
+    mean = mean_over_steps(a, b, np.array([low, high]))[0]
+    assert mean == pytest.approx(integral / (high - low), abs=1e-12 * scale, rel=0)
+
+
+def test_closed_form_of_narrow_steps_does_not_cancel() -> None:
+    edges = np.array([3.0, 3.0 + 1e-9])
+    assert mean_over_steps(0.0, 1.0, edges)[0] == pytest.approx(math.log(3.0), abs=1e-9)
+
+
+def test_steps_of_the_study() -> None:
+    schedule = schedules()["S1", "modular"]
+    widths = np.diff(schedule.step_force_n)
+    assert widths.size == 22
+    np.testing.assert_allclose(widths[:-1], 0.3, rtol=1e-12)
+    assert widths[-1] == pytest.approx(0.2, rel=1e-12)
+    assert schedule.last_step_short
+    assert (schedule.step_force_n[0], schedule.step_force_n[-1]) == (0.5, 7.0)
+
+
+def test_steps_that_divide_the_window_leave_no_short_one() -> None:
+    schedule = schedules(step_n=0.5)["S1", "modular"]
+    assert schedule.activity_v.size == 13
+    assert not schedule.last_step_short
+
+
+def test_one_step_over_the_whole_window() -> None:
+    schedule = schedules(step_n=10.0)["S1", "modular"]
+    np.testing.assert_array_equal(schedule.step_force_n, [0.5, 7])
+    assert schedule.last_step_short
+
+
+@pytest.mark.parametrize("ends", [(20.0, 80.0), (0.1, 33.3), (7.7, 100.0)])
+def test_mapping_reaches_its_ends_exactly_and_only_over_all_specimens(ends: tuple[float, float]) -> None:
+    made = schedules(stiffness_percent=ends)
+    percent = np.concatenate([s.stiffness_percent for s in made.values()])
+    assert (percent.min(), percent.max()) == ends
+    assert made["S5", "modular"].stiffness_percent.min() == ends[0]
+    assert made["S1", "modular"].stiffness_percent.max() == ends[1]
+    assert ends[0] < made["S3", "modular"].stiffness_percent.min()
+    assert made["S3", "modular"].stiffness_percent.max() < ends[1]
+
+
+def test_mapping_is_linear_in_the_step_means() -> None:
+    made = [s for (_, condition), s in schedules().items() if condition == "modular"]
+    v, percent = (np.concatenate([getattr(s, name) for s in made]) for name in ("activity_v", "stiffness_percent"))
+    p1 = 60 / (v.max() - v.min())
+    np.testing.assert_allclose(percent, 20 + p1 * (v - v.min()), rtol=1e-12)
+    np.testing.assert_allclose(made[0].activity_v, mean_over_steps(42e-6, 20e-6, made[0].step_force_n), rtol=0)
+
+
+def test_ticks_and_stiffness_belong_to_the_percent() -> None:
+    schedule = schedules()["S1", "modular"]
+    assert schedule.preset_ticks[-1] == 2400
+    np.testing.assert_array_equal(schedule.preset_ticks, np.rint(schedule.stiffness_percent * 30))
+    np.testing.assert_array_equal(
+        schedule.stiffness_nm_per_rad, stiffness_nm_per_rad(schedule.preset_ticks, "qbmove-advanced")
+    )
+
+
+def test_constant_conditions() -> None:
+    made = schedules()
+    modular = made["S3", "modular"]
+    for condition, level in {
+        "constant-min": modular.stiffness_percent.min(),
+        "constant-max": modular.stiffness_percent.max(),
+    }.items():
+        np.testing.assert_array_equal(made["S3", condition].stiffness_percent, level)
+    mean = made["S3", "constant-mean"].activity_v
+    assert np.ptp(mean) == 0
+    assert mean[0] == pytest.approx(mean_over_steps(28e-6, 13e-6, np.array([0.5, 7]))[0], rel=1e-13)
+
+
+def test_new_specimen_is_mapped_with_the_others() -> None:
+    new = profile("S_new", 60e-6, 30e-6, "interpolated")
+    made = schedules(profiles_of(*PROFILES.profiles, new=new))
+    assert made["S_new", "modular"].stiffness_percent.max() == 80
+    assert made["S1", "modular"].stiffness_percent.max() < 80
+    origin = made["S_new", "modular"].provenance["profile"]
+    assert "S1" in origin
+    assert "0.5397" in origin
+
+
+def test_the_new_specimen_replaces_the_measured_one_of_its_name() -> None:
+    new = profile("S3", 27e-6, 12e-6, "interpolated")
+    built = build_schedules(profiles_of(*PROFILES.profiles, new=new), ScheduleSettings(), {})
+    assert [s.specimen for s in built if s.condition == "modular"] == ["S1", "S5", "S3"]
+    assert built[-1].provenance["profile"].startswith("interpolated")
+
+
+def test_stiffness_scale_is_linear_in_stiffness() -> None:
+    schedule = schedules(profiles_of(PROFILES.profiles[0]), scale="stiffness")["S1", "modular"]
+    maximum = float(stiffness_nm_per_rad(3000, "qbmove-advanced"))
+    share = (schedule.activity_v - schedule.activity_v[0]) / np.ptp(schedule.activity_v)
+    # a whole tick of preset changes stiffness by up to 0.2 %
+    np.testing.assert_allclose(schedule.stiffness_nm_per_rad, maximum * (0.2 + 0.6 * share), rtol=1e-3)
+    assert schedule.stiffness_percent[0] > 60
+
+
+def test_ramp() -> None:
+    ramp = schedules()["S1", "modular"].ramp
+    assert (ramp.speed_mm_per_s, ramp.speed_deg_per_s, ramp.travel_mm, ramp.duration_s) == (5, 25, 15, 3)
+
+
+def test_provenance() -> None:
+    provenance = schedules()["S5", "modular"].provenance
+    assert provenance["study"] == "palpation"
+    assert provenance["participant"] == "P07"
+    assert "a = 1.6e-05, b = 7e-06" in provenance["fit"]
+    p1, p2 = (float(text.split("=")[1]) for text in provenance["mapping"].split("; ")[1].split(", "))
+    schedule = schedules()["S5", "modular"]
+    np.testing.assert_allclose(p1 * schedule.activity_v + p2, schedule.stiffness_percent, rtol=1e-12)
+
+
+@given(shift=st.floats(-1, 1), scale=st.floats(1e-3, 1e3))
+def test_mapping_ignores_unit_and_offset_of_the_activity(shift: float, scale: float) -> None:
+    moved = [profile(p.specimen, scale * (1e6 * p.a_v + 100 * shift), scale * 1e6 * p.b_v) for p in PROFILES.profiles]
+    for key, schedule in schedules(profiles_of(*moved)).items():
+        np.testing.assert_allclose(schedule.stiffness_percent, schedules()[key].stiffness_percent, rtol=1e-9)
+
+
+@pytest.mark.parametrize("a", [0.0, 1e-5, -1.0])
+def test_flat_activity_cannot_be_mapped(a: float) -> None:
+    with pytest.raises(ScheduleError, match="co-contraction that varies"):
+        schedules(profiles_of(profile("S1", a, 0.0), profile("S3", a, 1e-12 * a)))
+
+
+@pytest.mark.parametrize(
+    ("settings", "complaint"),
+    [
+        ({"stiffness_percent": (80.0, 20.0)}, "two rising values"),
+        ({"stiffness_percent": (20.0, 101.0)}, "two rising values from 0 to 100 %"),
+        ({"max_preset_ticks": 20000}, "1 to 15000 ticks"),
+        ({"stiffness_percent": (0.5, 80.0), "scale": "stiffness"}, "N m/rad at zero load"),
+    ],
+)
+def test_settings_beyond_the_limits(settings: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(ScheduleError, match=complaint):
+        schedules(**settings)
+
+
+def spoilt(name: str, row: int, value: float, base: tuple[str, str] = ("S1", "modular")) -> Schedule:
+    schedule = schedules()[base]
+    column = getattr(schedule, name).copy()
+    column[row] = value
+    return dataclasses.replace(schedule, **{name: column})
+
+
+@pytest.mark.parametrize(
+    ("name", "row", "value", "complaint"),
+    [
+        ("activity_v", 3, math.nan, "row 4, column activity_v: wanted a finite number; found nan"),
+        ("stiffness_percent", 0, math.inf, "row 1, column stiffness_percent: wanted 0 to 100 %; found inf"),
+        ("stiffness_percent", 21, 120.0, "row 22, column stiffness_percent: wanted 0 to 100 %; found 120"),
+        ("stiffness_percent", 21, 80.1, "row 22, column stiffness_percent: wanted 20 to 80 %"),
+        ("stiffness_percent", 4, 40.0, "row 5, column preset_ticks: wanted the ticks of its percent, 1200"),
+        ("preset_ticks", 1, 3001, "row 2, column preset_ticks: wanted 0 to 3000 ticks"),
+        ("preset_ticks", 1, -1, "row 2, column preset_ticks: wanted 0 to 3000 ticks"),
+        ("stiffness_nm_per_rad", 2, 9.0, "row 3, column stiffness_nm_per_rad: wanted the stiffness of its ticks"),
+        ("stiffness_nm_per_rad", 2, math.nan, "row 3, column stiffness_nm_per_rad"),
+        ("step_force_n", 5, 1.0, "row 5, column force_to_n: wanted a finite force above force_from_n"),
+        ("step_force_n", 0, 0.0, "row 1, column force_from_n: wanted a finite force above 0 N"),
+        ("step_force_n", 5, 2.01, "row 5, column force_to_n: wanted a step of 0.3 N"),
+        ("step_force_n", 22, 7.2, "row 22, column force_to_n: wanted a step of 0.3 N, and a shorter last one"),
+        ("step_force_n", 22, math.nan, "row 22, column force_to_n: wanted a finite force"),
+    ],
+)
+def test_check_names_row_and_column(name: str, row: int, value: float, complaint: str) -> None:
+    with pytest.raises(ScheduleError, match=complaint) as caught:
+        check(spoilt(name, row, value))
+    assert caught.value.where.startswith("schedule of S1, modular, row")
+
+
+def test_check_of_a_constant_condition() -> None:
+    base = schedules()["S1", "constant-mean"]
+    other = schedules()["S1", "modular"]
+    with pytest.raises(ScheduleError, match="it is constant"):
+        check(dataclasses.replace(other, condition=base.condition))
+
+
+def test_a_short_step_must_be_marked() -> None:
+    with pytest.raises(ScheduleError, match="row 22, column force_to_n: wanted a step of 0.3 N; found 7"):
+        check(dataclasses.replace(schedules()["S1", "modular"], last_step_short=False))
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"condition": "soft"}, "condition: wanted one of modular"),
+        ({"specimen": ""}, "specimen: wanted a name"),
+        ({"provenance": {"study": 3}}, "provenance: wanted only texts"),
+        ({"limits": Limits((20.0, 80.0), 3000, "motor", "preset")}, "limits.actuator"),
+        ({"limits": Limits((20.0, 80.0), 3000, "qbmove-advanced", "log")}, "limits.scale"),
+        ({"limits": Limits((math.nan, 80.0), 3000, "qbmove-advanced", "preset")}, "limits.stiffness_percent"),
+        ({"activity_v": np.zeros(3)}, "one value for each"),
+        ({"step_force_n": np.array([0.5])}, "at least one force step"),
+    ],
+)
+def test_check_of_the_head(change: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(ScheduleError, match=complaint):
+        check(dataclasses.replace(schedules()["S1", "modular"], **change))
+
+
+@pytest.mark.parametrize("name", ["speed_mm_per_s", "gear_mm_per_degree", "speed_deg_per_s", "travel_mm", "duration_s"])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, 7.0])
+def test_check_of_the_ramp(name: str, value: float) -> None:
+    schedule = schedules()["S1", "modular"]
+    with pytest.raises(ScheduleError, match="ramp"):
+        check(dataclasses.replace(schedule, ramp=dataclasses.replace(schedule.ramp, **{name: value})))
