@@ -1,22 +1,18 @@
 """Conditioning of 700 trials against its peers, in time and in error; and what the default chain does to b.
 
-``python -m benchmarks.conditioning [--trials 700] [--fits 1500] [--repeats 3]``. Times are CPU seconds of one thread,
+``python -m benchmarks.conditioning [--trials 700] [--fits 1500] [--repeats 3]``. Times are CPU seconds,
 the best of interleaved repeats, so compare their ratios.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
-
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import pyemgpipeline as peer
 from scipy import signal
 
 from benchmarks.slope_of_b import print_slope_table
@@ -66,7 +62,7 @@ def windows_only(records: Records, filters: FilterSettings) -> Floats:
 
 
 def whole_stage(records: Records, filters: FilterSettings) -> int:
-    """Ours, the stage: force filtered and tared, presses found, EMG conditioned, quality, verdicts; trials that are ok."""
+    """Ours, the stage: force tared, presses found, EMG conditioned, quality, verdicts; how many trials are ok."""
     n_ok = 0
     for emg, force_n in zip(records.emg, records.force_n, strict=True):
         trials = extract_trials(
@@ -107,9 +103,7 @@ def scipy_force(records: Records, filters: FilterSettings) -> Floats:
     return np.asarray(signal.sosfiltfilt(low.sos, force_n, axis=-1))
 
 
-def pyemgpipeline(rows: Floats) -> Floats:
-    import pyemgpipeline as peer
-
+def peer_package(rows: Floats) -> Floats:
     done = []
     for i in range(0, len(rows), len(MUSCLES)):
         trial = peer.wrappers.EMGMeasurement(rows[i : i + len(MUSCLES)].T, hz=FS_HZ)
@@ -148,7 +142,7 @@ def print_time_table(n_trials: int, repeats: int) -> None:
         "emg2vsa, EMG in its windows": lambda: windows_only(records, filters),
         "scipy, 2-D batch": lambda: scipy_batch(rows, filters),
         "scipy, loop over trials": lambda: scipy_loop(rows, filters),
-        "pyemgpipeline": lambda: pyemgpipeline(few),
+        "pyemgpipeline": lambda: peer_package(few),
         "emg2vsa, records to judged trials": lambda: whole_stage(records, filters),
         "scipy, 2-D batch with force": lambda: (scipy_batch(rows, filters), scipy_force(records, filters)),
     }
@@ -157,7 +151,7 @@ def print_time_table(n_trials: int, repeats: int) -> None:
     errors = {
         "scipy, 2-D batch": f"{error(scipy_batch(rows, filters)):.1e}",
         "scipy, loop over trials": f"{error(scipy_loop(rows, filters)):.1e}",
-        "pyemgpipeline": f"{error(pyemgpipeline(few)):.1e} (another envelope)",
+        "pyemgpipeline": f"{error(peer_package(few)):.1e} (another envelope)",
     }
     ours = seconds["emg2vsa, EMG in its windows"]
     print(f"{n_trials} trials of {TRIAL_S:g} s x {len(MUSCLES)} channels at {FS_HZ:g} Hz; {repeats} repeats")

@@ -103,7 +103,10 @@ def build_profiles(
         leave_one_out=_leave_one_out(tuple(measured.values()), profile),
         participant=participant,
         unit=fits.activity_unit,
-        notes=_notes(measured, profile, participant, force_n),
+        notes=(
+            *_notes(measured, profile, participant, force_n),
+            *_new_note(new, alpha, bracket, profile.interpolation),
+        ),
     )
 
 
@@ -234,3 +237,14 @@ def _notes(
     if unknown:
         notes.append(f"Stiffness not known, so not used for interpolation: {', '.join(unknown)}.")
     return tuple(notes)
+
+
+def _new_note(new: Profile | None, alpha: float, bracket: tuple[str, str] | None, method: str) -> tuple[str, ...]:
+    if new is None or bracket is None:
+        return ()
+    stiffer, softer = bracket
+    at = f"{new.specimen} ({new.stiffness_n_per_mm:g} N/mm)"
+    if math.isnan(alpha):
+        return (f"{at} lies on monotone cubics through a and b of all specimens of known stiffness.",)
+    outside = "" if 0 <= alpha <= 1 else "; extrapolated, as asked for"
+    return (f"{at} = {1 - alpha:.4f} {stiffer} + {alpha:.4f} {softer} ({method}){outside}.",)

@@ -24,18 +24,15 @@ def fits_of(rows: Sequence[Row], verdict: str | Sequence[str] = "ok") -> Fits:
     """Fits with only what profiles use: (participant, specimen, a, b) per trial."""
     n = len(rows)
     participant, specimen, a, b = zip(*rows, strict=True)
-    filler: dict[str, Any] = {
-        name: np.full(n, np.nan)
-        for name in (
-            "start_s a_se_v b_se_v b_lo_v b_hi_v adj_r2 r2_bins adj_r2_bins r2_samples adj_r2_samples n_effective lag1 "
-            "v_min_v v_max_v"
-        ).split()
-    }
+    blank = np.full(n, np.nan)
     return Fits(
         participant=np.array(participant), specimen=np.array(specimen), repetition=np.arange(1, n + 1),
-        verdict=np.broadcast_to(np.array(verdict, dtype="<U8"), n), reason=np.full(n, ""), a_v=np.array(a, dtype=float), b_v=np.array(b, dtype=float),
-        n_points=np.full(n, 22), bin_edges_n=np.array([0.5, 7.0]), bin_force_n=np.full((n, 1), np.nan),
-        bin_v=np.full((n, 1), np.nan), activity_unit="V", points="bins", weights="none", confidence=0.95, **filler,
+        verdict=np.broadcast_to(np.array(verdict, dtype="<U8"), n), reason=np.full(n, ""), start_s=blank,
+        a_v=np.array(a, dtype=float), b_v=np.array(b, dtype=float), a_se_v=blank, b_se_v=blank, b_lo_v=blank,
+        b_hi_v=blank, n_points=np.full(n, 22), adj_r2=blank, r2_bins=blank, adj_r2_bins=blank, r2_samples=blank,
+        adj_r2_samples=blank, n_effective=blank, lag1=blank, v_min_v=blank, v_max_v=blank,
+        bin_edges_n=np.array([0.5, 7.0]), bin_force_n=np.full((n, 1), np.nan), bin_v=np.full((n, 1), np.nan),
+        activity_unit="V", points="bins", weights="none", confidence=0.95,
     )  # fmt: skip
 
 
@@ -120,7 +117,7 @@ def test_the_paper_specimen() -> None:
 
 @pytest.mark.parametrize(("k", "bracket_weight", "implied"), [(7.0, 0.147, 4.634), (4.0, 0.848, 5.918)])
 def test_the_paper_weight_inverts_the_order_elsewhere(k: float, bracket_weight: float, implied: float) -> None:
-    asked = {"specimens": ("S1", "S3"), "new_specimen": "n", "new_stiffness_n_per_mm": k}
+    asked: dict[str, Any] = {"specimens": ("S1", "S3"), "new_specimen": "n", "new_stiffness_n_per_mm": k}
     assert build(one_person(), **asked).weight_alpha == pytest.approx(bracket_weight, abs=6e-4)
     paper = build(one_person(), interpolation="paper", **asked).new
     assert paper is not None
@@ -183,7 +180,7 @@ def test_log_stiffness_weight() -> None:
 
 def test_coefficients_use_every_specimen() -> None:
     rows = [("P1", name, k**2, k**2) for name, k in STIFFNESS.items()]
-    asked = {"new_specimen": "n", "new_stiffness_n_per_mm": 5.0, "specimens": ("S1", "S3", "S5")}
+    asked: dict[str, Any] = {"new_specimen": "n", "new_stiffness_n_per_mm": 5.0, "specimens": ("S1", "S3", "S5")}
     cubic = build(fits_of(rows), interpolation="coefficients", **asked)
     line = build(fits_of(rows), **asked)
     assert cubic.new is not None
@@ -241,6 +238,20 @@ def test_what_the_paper_weight_cannot_reach_is_not_left_out() -> None:
     stiffness = {"S1": 30.0, "S2": 12.0, "S3": 6.0, "S4": 2.0}
     fits = fits_of([("P1", name, k, k) for name, k in stiffness.items()])
     assert [one.specimen for one in build(fits, stiffness=stiffness, interpolation="paper").leave_one_out] == ["S3"]
+
+
+@pytest.mark.parametrize(
+    ("profile", "note"),
+    [
+        ({}, "n (5.32 N/mm) = 0.4603 S1 + 0.5397 S3 (bracket)."),
+        ({"interpolation": "paper"}, "n (5.32 N/mm) = 0.4680 S1 + 0.5320 S3 (paper)."),
+        ({"interpolation": "coefficients"}, "n (5.32 N/mm) lies on monotone cubics"),
+        ({"new_stiffness_n_per_mm": 8.0, "extrapolate": True}, "extrapolated, as asked for."),
+    ],
+)
+def test_the_blend_is_stated(profile: dict[str, Any], note: str) -> None:
+    asked: dict[str, Any] = {"specimens": ("S1", "S3"), "new_specimen": "n", "new_stiffness_n_per_mm": 5.32} | profile
+    assert note in build(one_person(), **asked).notes[-1]
 
 
 def test_the_ends_are_named_as_extrapolation() -> None:

@@ -69,6 +69,11 @@ def test_steps_that_divide_the_window_leave_no_short_one() -> None:
     assert not schedule.last_step_short
 
 
+@pytest.mark.parametrize("step_n", [0.001 / 3, 1 / 3, 6.5 / 7, 0.29999999])
+def test_any_step_width_passes_its_own_check(step_n: float) -> None:
+    check(schedules(step_n=step_n, conditions=("modular",))["S1", "modular"])
+
+
 def test_one_step_over_the_whole_window() -> None:
     schedule = schedules(step_n=10.0)["S1", "modular"]
     np.testing.assert_array_equal(schedule.step_force_n, [0.5, 7])
@@ -157,11 +162,15 @@ def test_provenance() -> None:
     np.testing.assert_allclose(p1 * schedule.activity_v + p2, schedule.stiffness_percent, rtol=1e-12)
 
 
+MODULAR = ScheduleSettings(conditions=("modular",))
+UNMOVED = build_schedules(PROFILES, MODULAR, {})
+
+
 @given(shift=st.floats(-1, 1), scale=st.floats(1e-3, 1e3))
 def test_mapping_ignores_unit_and_offset_of_the_activity(shift: float, scale: float) -> None:
     moved = [profile(p.specimen, scale * (1e6 * p.a_v + 100 * shift), scale * 1e6 * p.b_v) for p in PROFILES.profiles]
-    for key, schedule in schedules(profiles_of(*moved)).items():
-        np.testing.assert_allclose(schedule.stiffness_percent, schedules()[key].stiffness_percent, rtol=1e-9)
+    for one, other in zip(build_schedules(profiles_of(*moved), MODULAR, {}), UNMOVED, strict=True):
+        np.testing.assert_allclose(one.stiffness_percent, other.stiffness_percent, rtol=1e-9)
 
 
 @pytest.mark.parametrize("a", [0.0, 1e-5, -1.0])
@@ -224,7 +233,7 @@ def test_check_of_a_constant_condition() -> None:
 
 
 def test_a_short_step_must_be_marked() -> None:
-    with pytest.raises(ScheduleError, match="row 22, column force_to_n: wanted a step of 0.3 N; found 7"):
+    with pytest.raises(ScheduleError, match=r"row 22, column force_to_n: wanted a step of 0\.3 N; found 7"):
         check(dataclasses.replace(schedules()["S1", "modular"], last_step_short=False))
 
 

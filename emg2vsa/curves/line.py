@@ -36,7 +36,7 @@ class Line:
 def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
     """Least squares of y on x, row by row.
 
-    x, y : (k, p), finite, p >= 1. weights : (k, p), >= 0; a weight of zero leaves the point out. None: all points, alike.
+    x, y : (k, p), finite, p >= 1. weights : (k, p), >= 0; zero leaves a point out. None: all points, alike.
     Only ratios of weights matter (the largest of a row should be near 1): the variance of a point is taken as
     s^2 / weight with s^2 from the residuals.
     """

@@ -9,8 +9,6 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from emg2vsa.figures.palette import GRID, INK
@@ -68,20 +66,20 @@ def new_figure(
 
 def style() -> Any:
     """Context in which figures are drawn and saved."""
-    return mpl.rc_context(STYLE)
+    return mpl.rc_context(STYLE)  # type: ignore[arg-type]
 
 
 def svg_text(figure: Figure) -> str:
     """The figure as SVG, without date and without the XML prologue's document type."""
     buffer = io.StringIO()
-    FigureCanvasSVG(figure).print_svg(buffer, metadata={"Date": None, "Creator": None})
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return re.sub(r"<!DOCTYPE[^>]*>\s*", "", buffer.getvalue())
 
 
 def pdf_bytes(figure: Figure) -> bytes:
     """The figure as PDF, text as embedded TrueType, without date."""
     buffer = io.BytesIO()
-    FigureCanvasPdf(figure).print_pdf(buffer, metadata={"CreationDate": None, "Creator": None, "Producer": None})
+    figure.savefig(buffer, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
     return buffer.getvalue()
 
 
@@ -97,4 +95,6 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
     head, rest = body.split(">", 1)
     head = re.sub(r' (width|height)="[^"]*"', "", head)
     named = f'role="img" aria-labelledby="{prefix}-title {prefix}-desc"'
-    return f'{head} {named}><title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
+    return (
+        f'{head} {named}><title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
+    )

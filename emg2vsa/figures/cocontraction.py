@@ -87,7 +87,9 @@ def _box(axes: Axes, place: int, b: Floats, look: Look) -> None:
     axes.add_patch(box)
     axes.hlines(median, place - 0.25, place + 0.25, colors=INK, linewidth=1.4)
     # neighbours in rank lie side by side, the same at every run
-    across = place + 0.16 * np.tile([-1.0, 0.0, 1.0, -0.5, 0.5], -(-b.size // 5))[np.argsort(np.argsort(b, kind="stable"))]
+    across = (
+        place + 0.16 * np.tile([-1.0, 0.0, 1.0, -0.5, 0.5], -(-b.size // 5))[np.argsort(np.argsort(b, kind="stable"))]
+    )
     axes.plot(
         across, b, linestyle="none", marker=look.marker, markersize=3, color=look.colour,
         markeredgecolor=INK, markeredgewidth=0.4,

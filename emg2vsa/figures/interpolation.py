@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.figures.canvas import ONE_COLUMN_MM, new_figure
-from emg2vsa.figures.palette import INK, Look
+from emg2vsa.figures.palette import INK, NEW, Look
 from emg2vsa.profiles import Profile
 
 
@@ -19,7 +19,7 @@ def draw_interpolation(
     """``rmse`` in stored units, NaN where nobody measured the new specimen."""
     figure, (axes,) = new_figure(ONE_COLUMN_MM, 62, (13, 3, 11, 6))
     for profile in [*measured, new]:
-        look = looks[profile.specimen]
+        look = NEW if profile is new else looks[profile.specimen]
         axes.plot(
             profile.force_n, profile.v * scale.factor, color=look.colour, linestyle=look.dash, marker=look.marker,
             markevery=max(1, profile.force_n.size // 8), markeredgecolor=INK, markeredgewidth=0.4,

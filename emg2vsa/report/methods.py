@@ -17,7 +17,15 @@ AUTHORS_ADD = (
     "To be added by the authors: electrode type, size, distance and placement; amplifier, its gain, input impedance and "
     "common-mode rejection; resolution of the converter; participants' age, sex and handedness; ethics approval."
 )
-_FILTER_NOTES = ("NYQUIST RULE", "EMG band-pass", "EMG high-pass", "EMG envelope", "force low-pass", "force: not", "delays:")
+_FILTER_NOTES = (
+    "NYQUIST RULE",
+    "EMG band-pass",
+    "EMG high-pass",
+    "EMG envelope",
+    "force low-pass",
+    "force: not",
+    "delays:",
+)
 _INDEX = {
     "sum": "the sum of the envelopes",
     "rudolph": "the index of Rudolph et al. (2000)",

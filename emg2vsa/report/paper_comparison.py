@@ -68,7 +68,12 @@ def _new_specimen(results: StudyResults, found: Mapping[str, Quantity]) -> list[
     name = f"profiles.{results.profiles.new.specimen}"
     rule = results.study.profile.interpolation
     rows: list[tuple[Cell, ...]] = [
-        ("interpolation weight of the softer neighbour", "0.532", number(float(found[f"{name}.alpha"]), 4), f"rule: {rule}")
+        (
+            "interpolation weight of the softer neighbour",
+            "0.532",
+            number(float(found[f"{name}.alpha"]), 4),
+            f"rule: {rule}",
+        )
     ]
     if f"{name}.rmse_v" in found:
         unit = f" {results.fits.activity_unit}" if results.fits.activity_unit == "V" else ""

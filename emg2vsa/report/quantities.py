@@ -108,8 +108,9 @@ def _normality(found: Hypotheses) -> Items:
 
 
 def _power(results: StudyResults) -> Items:
-    yield f"power.n{PAPER_PARTICIPANTS}", float(
-        power_rm(PAPER_PARTICIPANTS, PAPER_REPETITIONS, EFFECT_F, RHO, EPSILON, PAPER_ALPHA)
+    yield (
+        f"power.n{PAPER_PARTICIPANTS}",
+        float(power_rm(PAPER_PARTICIPANTS, PAPER_REPETITIONS, EFFECT_F, RHO, EPSILON, PAPER_ALPHA)),
     )
     if results.hypotheses is not None:
         yield "power.study", results.hypotheses.power

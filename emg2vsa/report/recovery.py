@@ -35,7 +35,8 @@ def recover(fits: Fits, truth: Truth, use: str, specimen: str | None = None) -> 
         entering &= fits.specimen == specimen
     n = int(np.count_nonzero(entering))
     if n == 0:
-        return Recovery(0, *[float("nan")] * 5, fits.confidence)
+        nan = float("nan")
+        return Recovery(0, nan, nan, nan, nan, nan, fits.confidence)
     true_b = true_b[entering]
     error = fits.b_v[entering] / true_b - 1
     coverage = float(np.mean((fits.b_lo_v[entering] <= true_b) & (true_b <= fits.b_hi_v[entering])))

@@ -99,7 +99,9 @@ def _shown(profiles: Profiles, hypotheses: Hypotheses | None) -> Sequence[Profil
 def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:
     fits = results.fits
     entering = usable(fits, results.study.hypotheses.use) & (fits.specimen == specimen)
-    return fits.b_v[entering & (fits.participant == whose)] if whose else fits.b_v[entering]
+    if whose:
+        entering &= fits.participant == whose
+    return fits.b_v[entering]
 
 
 def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> list[PairBar]:
@@ -148,7 +150,7 @@ def _interpolation(results: StudyResults) -> Drawing | None:
     if profiles.new_measured and profiles.new_measured.specimen not in {p.specimen for p in measured}:
         measured.append(profiles.new_measured)
     rmse = error.rmse_v if error else float("nan")
-    figure = draw_interpolation(measured, new, looks(_specimens(results), new.specimen), scale, rmse)
+    figure = draw_interpolation(measured, new, looks(_specimens(results)), scale, rmse)
     bracket = listed(profiles.bracket or ())
     beside = (
         f"RMSE to the measured {error.specimen}: {number(rmse * scale.factor)} {scale.unit}, {number(100 * error.relative)} % "
@@ -160,7 +162,10 @@ def _interpolation(results: StudyResults) -> Drawing | None:
         f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from {bracket}, with the "
         f"measured profiles. {beside}"
     )
-    columns = (Column("force_n", "Force (N)"), *(activity_column(f"{p.specimen}_v", p.specimen, scale) for p in [*measured, new]))
+    columns = (
+        Column("force_n", "Force (N)"),
+        *(activity_column(f"{p.specimen}_v", p.specimen, scale) for p in [*measured, new]),
+    )
     every = slice(None, None, max(1, new.force_n.size // 10))
     rows = tuple(zip(new.force_n[every].tolist(), *(p.v[every].tolist() for p in [*measured, new]), strict=True))
     table = Table("fig11", "Numbers of figure 11", columns, rows)

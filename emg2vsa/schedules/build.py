@@ -12,7 +12,7 @@ from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.errors import ScheduleError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.schedules.checks import check
-from emg2vsa.schedules.schedule import Limits, Ramp, Schedule
+from emg2vsa.schedules.schedule import Limits, Ramp, Schedule, step_tolerance_n
 from emg2vsa.settings import ScheduleSettings
 
 _FLAT = 1e-9
@@ -68,7 +68,7 @@ def _span(means: Sequence[Floats]) -> tuple[float, float]:
     if not high - low > _FLAT * max(abs(low), abs(high)):
         raise ScheduleError(
             "mapping of co-contraction to stiffness", wanted="co-contraction that varies with force or specimen",
-            found=f"{low:.6g} in every step", do="Check the fits: a slope b of zero cannot be mapped.",
+            found=f"{low:.6g} in every step", do="Check the slopes b of the fits, and the force step.",
         )  # fmt: skip
     return low, high
 
@@ -104,7 +104,7 @@ def _schedule(
         preset_ticks=ticks,
         stiffness_nm_per_rad=stiffness_nm_per_rad(ticks, settings.actuator),
         activity_v=v,
-        last_step_short=bool(widths[-1] < settings.step_n * (1 - 1e-6)),
+        last_step_short=bool(settings.step_n - widths[-1] > step_tolerance_n(settings.step_n)),
         ramp=_ramp(settings),
         limits=limits,
         provenance=provenance,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from emg2vsa.actuator import MOTOR_LIMIT_TICKS, SPRINGS, stiffness_nm_per_rad, ticks_of_percent
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import ScheduleError
-from emg2vsa.schedules.schedule import CONDITIONS, Schedule
+from emg2vsa.schedules.schedule import CONDITIONS, Schedule, step_tolerance_n
 
 _CLOSE = 1e-9
 """Relative difference that another machine's mathematical library may make."""
@@ -20,7 +20,7 @@ Rule = tuple[str, NDArray[np.bool_], str, NDArray[np.generic]]
 
 
 def check(schedule: Schedule, where: str = "", do: str = _MEND) -> None:
-    """ScheduleError naming ``where`` (a file), row and column of the first value that breaks a limit, and what to ``do``.
+    """ScheduleError at the first value that breaks a limit: ``where`` (a file), row and column, and what to ``do``.
 
     Rows count from 1, one per force step.
     """
@@ -103,10 +103,9 @@ def _force_rules(schedule: Schedule) -> Iterator[Rule]:
     yield "force_from_n", np.isfinite(low) & (low > 0), "a finite force above 0 N", low
     yield "force_to_n", np.isfinite(high) & (high > low), "a finite force above force_from_n", high
     widths = high - low
-    like_first = np.abs(widths - widths[0]) <= 1e-6 * widths[0]
-    shorter_last = widths[-1] < widths[0] and not like_first[-1]
+    like_first = np.abs(widths - widths[0]) <= step_tolerance_n(widths[0])
     if widths.size > 1 and schedule.last_step_short:
-        like_first[-1] = shorter_last
+        like_first[-1] = widths[-1] < widths[0]
     wanted = f"a step of {widths[0]:.6g} N" + (", and a shorter last one" if schedule.last_step_short else "")
     yield "force_to_n", like_first, wanted, high
 

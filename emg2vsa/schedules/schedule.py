@@ -10,6 +10,11 @@ from emg2vsa.arrays import Floats, Ints
 CONDITIONS = ("modular", "constant-min", "constant-mean", "constant-max")
 
 
+def step_tolerance_n(width_n: float) -> float:
+    """By how much two force steps may differ and still count as equal: edges are rounded to 1e-9 N."""
+    return 1e-6 * width_n + 2e-9
+
+
 @dataclass(frozen=True)
 class Ramp:
     """Linear ramp of the probe along the specimen's vertical axis, the position command of equation (8)."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats
 
 _LIMIT_LAW_FROM = 5000
 _TAIL = 5.0  # n d^2 beyond which both one-sided events together are rarer than 1e-17
+_LARGE_EXPONENT = 200  # of two; powers are scaled down beyond, long before their squares overflow
 
 
 def ks_survival(d: ArrayLike, n: ArrayLike) -> Floats:
@@ -38,13 +41,10 @@ def ks_survival(d: ArrayLike, n: ArrayLike) -> Floats:
 def _cdf(d: Floats, n: int, k: int) -> Floats:
     """P(D_n < d) = n!/n^n (H^n)[k-1, k-1], for all d with the same k = floor(n d) + 1."""
     power, exponent = _power(_matrix(k - n * d, k), n)
-    value = power[:, k - 1, k - 1]
-    for i in range(1, n + 1):
-        value = value * i / n
-        small = value < 1e-140
-        value[small] *= 2.0**500
-        exponent[small] -= 500
-    return np.clip(np.ldexp(value, exponent), 0.0, 1.0)
+    numerator, denominator = factorial(n), n**n
+    shift = denominator.bit_length() - numerator.bit_length()
+    factor = (numerator << shift) / denominator  # correctly rounded, and within 1/2 to 2
+    return np.asarray(np.clip(np.ldexp(power[:, k - 1, k - 1] * factor, exponent - shift), 0.0, 1.0))
 
 
 def _matrix(h: Floats, k: int) -> Floats:
@@ -64,20 +64,19 @@ def _matrix(h: Floats, k: int) -> Floats:
     return matrix
 
 
-def _power(matrix: Floats, n: int) -> tuple[Floats, Ints]:
-    """``matrix`` (j, m, m) to the power n as (mantissa, binary exponent (j,)), free of overflow."""
-    result = np.broadcast_to(np.eye(matrix.shape[1]), matrix.shape)
-    result_exponent = np.zeros(len(matrix), dtype=np.int64)
-    exponent = np.zeros(len(matrix), dtype=np.int64)
-    while n:
+def _power(matrix: Floats, n: int) -> tuple[Floats, int]:
+    """``matrix`` (j, m, m) to the power n, n >= 1, as (mantissa, binary exponent), free of overflow."""
+    result, result_exponent, exponent = None, 0, 0
+    while True:
         if n & 1:
-            result, result_exponent = _normalised(result @ matrix, result_exponent + exponent)
+            product = matrix if result is None else result @ matrix
+            result, result_exponent = _reduced(product, result_exponent + exponent)
         n >>= 1
-        if n:
-            matrix, exponent = _normalised(matrix @ matrix, 2 * exponent)
-    return result, result_exponent
+        if result is not None and n == 0:
+            return result, result_exponent
+        matrix, exponent = _reduced(matrix @ matrix, 2 * exponent)
 
 
-def _normalised(matrix: Floats, exponent: Ints) -> tuple[Floats, Ints]:
-    _, largest = np.frexp(np.max(matrix, axis=(1, 2)))
-    return np.ldexp(matrix, -largest[:, None, None]), exponent + largest
+def _reduced(matrix: Floats, exponent: int) -> tuple[Floats, int]:
+    largest = int(np.frexp(np.max(matrix))[1])
+    return (matrix, exponent) if largest < _LARGE_EXPONENT else (np.ldexp(matrix, -largest), exponent + largest)

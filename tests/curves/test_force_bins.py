@@ -31,7 +31,7 @@ def test_number_of_bins(low: float, high: float, width: float, bins: int) -> Non
 
 
 def test_swapped_window_is_refused() -> None:
-    with pytest.raises(SettingError, match="window.force_n"):
+    with pytest.raises(SettingError, match=r"window\.force_n"):
         bin_edges(7.0, 0.5, 0.3)
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from emg2vsa.stats.anova import one_way
+from emg2vsa.stats.lsd import lsd
+from emg2vsa.stats.normality import ks_normal
 from emg2vsa.stats.outcome import Outcome
 
 
@@ -15,10 +18,6 @@ def test_significance_needs_a_p() -> None:
 
 
 def test_holds_no_numpy() -> None:
-    from emg2vsa.stats.anova import one_way
-    from emg2vsa.stats.lsd import lsd
-    from emg2vsa.stats.normality import ks_normal
-
     values = np.random.default_rng(0).standard_normal((3, 4))
     anova = one_way(values)
     for outcome in (anova.outcome(), lsd(anova).outcome(), ks_normal(values, standardise=True).outcome(1)):

@@ -16,7 +16,7 @@ Problems = Callable[[str], list[str]]
 def test_six_planted_errors_are_all_reported_on_their_lines(small: str, problems: Problems) -> None:
     faulty = (
         small.replace("stiffness_n_per_mm = 3.35", "stiffness_n_per_mm = -3.35")
-        .replace('name = "Fz"', 'nam = "Fz"')
+        .replace('name = "Fz"', 'named = "Fz"')
         .replace('ids = ["P01", "P02"]', 'ids = ["P01", "P01"]')
         .replace("S3 = 15e-6", 'S3 = "15e-6"')
         .replace("[channels.emg.FDS]", "[filter]\n[channels.emg.FDS]")
@@ -26,7 +26,7 @@ def test_six_planted_errors_are_all_reported_on_their_lines(small: str, problems
         "13: specimens[1].stiffness_n_per_mm: wanted a number > 0; found -3.35.",
         "22: filter: wanted a known key; found 'filter'. Did you mean 'filters'?",
         "26: channels.force.name: wanted a key 'name'; found nothing.",
-        "27: channels.force.nam: wanted a known key; found 'nam'. Did you mean 'name'?",
+        "27: channels.force.named: wanted a known key; found 'named'. Did you mean 'name'?",
         '31: simulation.b_v.S3: wanted a number; found "15e-6". Write it without quotes.',
         "33: fit.points: wanted 'bins' or 'samples'; found \"bin\". Did you mean 'bins'?",
     ]

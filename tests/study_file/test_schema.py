@@ -103,7 +103,7 @@ def test_the_studies_fit_the_schema(name: str) -> None:
     schema = json_schema()
     study = tomllib.loads((ROOT / "studies" / name / "study.toml").read_text())
     assert accepts(schema, study, schema)
-    for table, key, wrong in (("recordings", "layout", "bid"), ("study", "nam", "x"), ("study", "name", 1)):
+    for table, key, wrong in (("recordings", "layout", "bid"), ("study", "named", "x"), ("study", "name", 1)):
         assert not accepts(schema, {**study, table: {**study[table], key: wrong}}, schema)
     assert not accepts(schema, {**study, "specimens": [{"name": "S1", "stiffness_n_per_mm": 0}]}, schema)
     assert not accepts(schema, {**study, "filters": {"band_hz": [10, "450"]}}, schema)

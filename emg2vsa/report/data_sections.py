@@ -1,0 +1,146 @@
+"""Sections of the study report on what was recorded: at a glance, participants, trials, fits, recovery."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from html import escape
+
+import numpy as np
+
+from emg2vsa.report import html
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.paper_comparison import PROVENANCE
+from emg2vsa.report.quantities import Quantity
+from emg2vsa.report.session_page import session_verdict
+from emg2vsa.report.table import Column, Table
+from emg2vsa.report.wording import bounded, count, number, p_text, percent
+
+
+def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
+    """What a reader in a hurry must know."""
+    tiles = [
+        (f"{len(results.trials)} of {found['study.recordings']}", "recordings read"),
+        (f"{found['trials.total']}", "trials found"),
+        (f"{found['trials.rejected']}", "trials rejected"),
+        (f"{found['fit.used']}", "trials in the tests"),
+    ]
+    if "hypotheses.worst_p" in found:
+        kept = ", ".join(str(found["hypotheses.kept"]).split())
+        tiles.append((p_text(float(found["hypotheses.worst_p"])), f"worst pair among {kept}"))
+    if "recovery.mean_b_error" in found:
+        tiles.append((percent(float(found["recovery.mean_b_error"]), 2), "mean error of b against the truth"))
+    shown = "".join(f"<li><b>{escape(value)}</b>{escape(name)}</li>" for value, name in tiles)
+    strong, text = PROVENANCE[results.simulated]
+    return html.statement("usable" if results.simulated else "", strong, text) + f'<ul class="tiles">{shown}</ul>\n'
+
+
+def participants(results: StudyResults) -> str:
+    """One row a participant, with a link to the page; then everything that failed."""
+    rows = []
+    for name in dict.fromkeys(entry.participant for entry in results.study.recordings):
+        verdict = session_verdict(results.study, name, results.trials, results.failures)
+        of = verdict.specimens
+        cells = (
+            len(of),
+            sum(s.found for s in of),
+            *(sum(getattr(s, v) for s in of) for v in ("ok", "warned", "rejected")),
+        )
+        numbers = "".join(f'<td class="n">{n}</td>' for n in cells)
+        link = f'<a href="participants/{escape(name)}.html">{escape(name)}</a>'
+        rows.append(f'<tr><th scope="row">{link}</th><td>{verdict.verdict}</td>{numbers}</tr>')
+    heads = "".join(
+        f'<th scope="col">{head}</th>'
+        for head in ("Participant", "Session", "Recordings", "Trials", "Ok", "Warned", "Rejected")
+    )
+    table = (
+        '<div class="wide" role="region" tabindex="0" aria-label="Sessions"><table><caption>Sessions: good, usable, or to '
+        f"repeat</caption><thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>\n"
+    )
+    return html.section("participants", "Participants", table, _failures(results), _rejected(results))
+
+
+def _failures(results: StudyResults) -> str:
+    if not results.failures:
+        return html.paragraph("Every step of every recording was done.")
+    columns = (Column("key", "For"), Column("stage", "Step"), Column("message", "Why"))
+    rows = tuple((f.key, f.stage, f.message) for f in results.failures)
+    return html.heading("What failed") + Table("failures", "Steps that could not be done", columns, rows).html()
+
+
+def _rejected(results: StudyResults) -> str:
+    fits = results.fits
+    blocks = html.heading("Rejected and warned trials")
+    for verdict, kept in (
+        ("rejected", "They stay in fits.csv; no test uses them."),
+        ("warned", _use_of_warned(results)),
+    ):
+        these = np.flatnonzero(fits.verdict == verdict)
+        if not these.size:
+            blocks += html.paragraph(f"No trial was {verdict}.")
+            continue
+        reasons = Counter(reason for i in these for reason in str(fits.reason[i]).split("; "))
+        blocks += html.paragraph(f"{count(these.size, 'trial')} {verdict}. {kept}")
+        columns = (
+            Column("participant", "Participant"),
+            Column("specimen", "Specimen"),
+            Column("press", "Press"),
+            Column("reason", "Reason"),
+        )
+        rows = tuple(
+            (str(fits.participant[i]), str(fits.specimen[i]), str(fits.repetition[i]), str(fits.reason[i]))
+            for i in these
+        )
+        listing = Table(verdict, f"Trials {verdict}, with reasons", columns, rows).html()
+        blocks += html.details(f"The {count(these.size, 'trial')} and {count(len(reasons), 'reason')}", listing)
+    return blocks
+
+
+def _use_of_warned(results: StudyResults) -> str:
+    return "They enter the tests." if "warned" in results.study.hypotheses.use else "They do not enter the tests."
+
+
+def fits(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+    """What equation (6) gives, at each stage of smoothing."""
+
+    def worst(stage: str) -> str:
+        least, middle = (float(found[f"fit.adj_r2_{stage}.{which}"]) for which in ("min", "median"))
+        return f"worst {bounded(least)}, median {bounded(middle)}"
+
+    text = (
+        f"Each trial is fitted as v = a + b ln F. Adjusted R² on force bins: {worst('bins')}; on the samples of the same "
+        f"trials: {worst('samples')}. Smoother data give a larger R² from the same trial, so the two are never mixed. "
+        f"Neighbouring samples are alike (lag-1 correlation {number(float(found['fit.lag1.median']))}): the samples of a "
+        f"trial are worth about {number(float(found['fit.n_effective.median']), 2)} independent ones. "
+        f"Slopes that are not positive: {found['fit.b_not_positive']}."
+    )
+    where = html.paragraph("All trials, rejected ones included: tables/fits.csv.", "small")
+    return html.section(
+        "fits",
+        "Fits",
+        html.paragraph(text),
+        tables["fits_by_specimen"].html(),
+        where,
+        _recovery(results, found, tables),
+    )
+
+
+def _recovery(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+    if "recovery" not in tables:
+        return ""
+    if "recovery.n" not in found:
+        return html.heading("Against the truth") + html.paragraph(
+            "The activity is not in volts, the truth is: they cannot be compared."
+        )
+    value = {
+        key: float(found[f"recovery.{key}"])
+        for key in ("mean_b_error", "mean_b_error_mcse", "coverage", "coverage_mcse", "sd_b_error", "confidence")
+    }
+    text = (
+        f"Over {found['recovery.n']} trials whose truth is known, fitted b is off by "
+        f"{percent(value['mean_b_error'], 2)} on average (Monte-Carlo standard error "
+        f"{percent(value['mean_b_error_mcse'], 2)}), with a standard deviation of {percent(value['sd_b_error'], 2)}. "
+        f"{percent(value['coverage'])} of the {percent(value['confidence'])} intervals hold the true b (Monte-Carlo "
+        f"standard error {percent(value['coverage_mcse'], 2)})."
+    )
+    return html.heading("Against the truth of the simulation") + html.paragraph(text) + tables["recovery"].html()

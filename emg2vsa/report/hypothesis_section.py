@@ -1,0 +1,132 @@
+"""The tests of section IV.B in plain words: the claim, the paper's test by name, what came out, what to mind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+
+import numpy as np
+
+from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.report import html
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.quantities import Quantity
+from emg2vsa.report.table import Table
+from emg2vsa.report.wording import f_text, listed, number, p_text, t_text
+
+
+def hypotheses(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+    """All four: Gaussian clusters, equal participants, different specimens, power."""
+    title = "Hypotheses"
+    tested = results.hypotheses
+    if tested is None:
+        return html.section("hypotheses", title, html.paragraph(results.why_absent("hypotheses")))
+    return html.section(
+        "hypotheses",
+        title,
+        html.paragraph(f"All tests are on the slopes b, at alpha = {tested.alpha:g}."),
+        _normality(tested, found, tables),
+        _between_participants(tested, tables),
+        _between_specimens(tested, tables),
+        _power(tested, found),
+        html.heading("Notes of the tests") + html.bullets(tested.notes) if tested.notes else "",
+    )
+
+
+def _claim(title: str, claim: str, test: str, result: str, mind: str, table: str = "") -> str:
+    items = {"Claim": claim, "Test": test, "Result": result, "Mind": mind}
+    entries = "".join(f"<dt>{name}</dt><dd>{escape(text)}</dd>" for name, text in items.items())
+    return f"{html.heading(title)}<dl>{entries}</dl>\n{table}"
+
+
+def _normality(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+    n, key = tested.normality.n.size, "hypotheses.normality"
+    if not n:
+        result = "There is no cluster to test."
+    else:
+        smallest = {kind: p_text(float(found[f"{key}.{kind}.smallest_p"])) for kind in ("standardised", "raw")}
+        result = (
+            f"Standardised: {found[f'{key}.standardised.significant']} of {n} clusters deviate (smallest "
+            f"{smallest['standardised']}). Raw: {found[f'{key}.raw.significant']} of {n} deviate (smallest {smallest['raw']})."
+        )
+    return _claim(
+        "Is each cluster Gaussian?",
+        "The slopes of one participant on one specimen come from a Gaussian distribution.",
+        "One-sample Kolmogorov-Smirnov, in the two ways that go by this name: on values standardised by their own mean and "
+        "standard deviation, and on raw values against N(0, 1), the default of MATLAB's kstest. The paper does not say "
+        "which; only the first can give its answer, since b is positive.",
+        result,
+        "Standardising by the sample's own mean and standard deviation makes p far too large, so passing says next to "
+        "nothing about shape; the raw test of small positive numbers always rejects.",
+        html.details("Every cluster", tables["normality"].html()) if n else "",
+    )
+
+
+def _between_participants(tested: Hypotheses, tables: Mapping[str, Table]) -> str:
+    anova = tested.between_participants
+    if anova.p.size:
+        worst = int(np.nanargmin(np.where(np.isnan(anova.p), np.inf, anova.p)))
+        said = f_text(*(float(getattr(anova, name)[worst]) for name in ("f", "df1", "df2", "p", "eta2")))
+        result = (
+            f"Participants differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} specimens. "
+            f"Smallest p: {anova.specimen[worst]}, {said}."
+        )
+    else:
+        result = "Not tested: this takes two participants or more."
+    return _claim(
+        "Do participants differ?",
+        "People palpate the same specimen with the same slope.",
+        "One-way ANOVA between participants, one for each specimen.",
+        result,
+        "A test that finds no difference does not show that there is none: it only bounds how large a difference could have "
+        "been missed.",
+        tables["anova_participants"].html() if anova.p.size else "",
+    )
+
+
+def _between_specimens(tested: Hypotheses, tables: Mapping[str, Table]) -> str:
+    anova, pairs = tested.between_specimens, tested.pairs
+    if anova.p.size:
+        result = (
+            f"Specimens differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} participants. "
+            + _worst(tested)
+        )
+        shown = html.details("ANOVA of every participant", tables["anova_specimens"].html())
+        shown += html.details(f"All {pairs.p.size} pairs", tables["lsd_pairs"].html())
+    else:
+        result, shown = "Not tested: this takes two specimens or more.", ""
+    return _claim(
+        "Do specimens differ?",
+        f"For every participant, {listed(tested.kept)} have different slopes.",
+        "One-way ANOVA between specimens, one for each participant, then Fisher's LSD: pairwise t tests with the pooled "
+        "standard deviation, not corrected for the number of pairs.",
+        result,
+        "Without correction, some of so many pairs come out significant by chance. And repetitions of one person count as "
+        "independent here, so each ANOVA speaks of that person only, not of people.",
+        shown,
+    )
+
+
+def _worst(tested: Hypotheses) -> str:
+    if np.isnan(tested.worst_p):
+        return f"No pair among {listed(tested.kept)} could be tested."
+    pairs = tested.pairs
+    among = np.isin(pairs.first, tested.kept) & np.isin(pairs.second, tested.kept) & np.isfinite(pairs.p)
+    i = int(np.argmax(np.where(among, pairs.p, -1.0)))
+    verdict = "all pairs differ" if tested.worst_p < tested.alpha else "not all pairs differ"
+    return (
+        f"Worst pair among {listed(tested.kept)}, over all participants: {tested.worst_pair}, "
+        f"{t_text(float(pairs.t[i]), float(pairs.df[i]), tested.worst_p)}; {verdict} at this level."
+    )
+
+
+def _power(tested: Hypotheses, found: Mapping[str, Quantity]) -> str:
+    study = "not defined" if np.isnan(tested.power) else number(tested.power)
+    return _claim(
+        "Was the sample large enough?",
+        "Fourteen participants with ten movements give a power of about .80 at f = 0.25 and alpha = 0.05.",
+        "Repeated-measures F test within factors, noncentral F, with the correlation .5 and sphericity 1 that G*Power proposes.",
+        f"Power of the paper's design: {number(float(found['power.n14']))}. Power of this study's design: {study}.",
+        "With ten repetitions entered as measurements this is the power to tell repetitions apart; neither comparison above "
+        "was planned for.",
+    )

@@ -1,0 +1,127 @@
+"""The page of one participant: is the session good, and what every press looked like."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from emg2vsa.atomic import write_text_atomic
+from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
+from emg2vsa.figures.palette import INK, looks
+from emg2vsa.fits import Fits
+from emg2vsa.report import html
+from emg2vsa.report.inputs import Failure
+from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
+from emg2vsa.report.study_tables import activity_column
+from emg2vsa.report.table import Column, Table
+from emg2vsa.report.wording import number, percent
+from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict, judge_session
+from emg2vsa.study import Study
+from emg2vsa.trials import Trials
+
+VERDICT_TEXT = {
+    "good": "Every press is as wanted.",
+    "usable": "The session can be used; read the remarks.",
+    "repeat": "Record again what is listed, while the participant is there.",
+}
+
+
+def write_session_page(
+    study: Study, participant: str, trials: Sequence[Trials], fits: Fits, failures: Sequence[Failure], folder: Path
+) -> list[Path]:
+    """Write ``folder/participants/<participant>.html``; the files written. ``fits`` are this participant's."""
+    path = folder / "participants" / f"{participant}.html"
+    write_text_atomic(path, _page(study, participant, trials, fits, failures))
+    return [path]
+
+
+def session_verdict(
+    study: Study, participant: str, trials: Sequence[Trials], failures: Sequence[Failure]
+) -> SessionVerdict:
+    """The verdict on one participant's recordings; ``trials`` and ``failures`` may hold those of others too."""
+    entries = [entry for entry in study.recordings if entry.participant == participant]
+    missed = {f.key.partition("/")[2]: f.message for f in failures if f.key.partition("/")[0] == participant}
+    own = [t for t in trials if t.participant == participant]
+    return judge_session(participant, own, {e.specimen: e.window.expected_trials for e in entries}, missed)
+
+
+def _page(study: Study, participant: str, trials: Sequence[Trials], fits: Fits, failures: Sequence[Failure]) -> str:
+    verdict = session_verdict(study, participant, trials, failures)
+    by_specimen = {t.specimen: t for t in trials}
+    look = looks([specimen.name for specimen in study.specimens])
+    scale = activity_scale(fits.activity_unit, fits.v_max_v)
+    sections = []
+    for place, judged in enumerate(verdict.specimens):
+        recording = by_specimen.get(judged.specimen)
+        colour = look[judged.specimen].colour if judged.specimen in look else INK
+        body = _recording(study, recording, fits, colour, scale, f"r{place}") if recording else ""
+        sections.append(html.section(f"r{place}", _heading(judged), html.bullets(judged.problems), body))
+    top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
+    steps = "".join(
+        html.paragraph(f"{f.stage} failed for {f.key}: {f.message}") for f in failures if f.stage != "trials"
+    )
+    header = f'<h1>{escape(participant)}</h1><p class="sub">{escape(study.title)}</p>'
+    nav = [("../index.html", "Study report"), *((f"#r{i}", s.specimen) for i, s in enumerate(verdict.specimens))]
+    body = top + html.bullets(verdict.advice) + steps + PATTERNS + LEGEND + "".join(sections)
+    return html.page(f"{participant}: {study.title}", header, nav, body, "<p></p>")
+
+
+def _heading(judged: SpecimenVerdict) -> str:
+    wanted = f" of {judged.wanted}" if judged.wanted is not None else ""
+    return f"{judged.specimen}: usable presses {judged.usable}{wanted}"
+
+
+def _recording(study: Study, trials: Trials, fits: Fits, colour: str, scale: ActivityScale, name: str) -> str:
+    own = _rows(fits, fits.specimen == trials.specimen)
+    window_n = next(e.window.force_n for e in study.recordings if e.specimen == trials.specimen)
+    body = html.figure(
+        force_trace(trials, window_n, f"{name}f"), "Force over time. Loading phases are shaded and numbered."
+    )
+    if own.b_v.size:
+        dashed = "solid: ok; dashed: warned; dotted: rejected"
+        body += html.figure(
+            activity_plot(own, colour, scale, f"{name}v"), f"Force bins and fits v = a + b ln F. Curves: {dashed}."
+        )
+        body += _table(trials, own, scale).html()
+    return body + html.details("Signal quality and processing", _quality(trials))
+
+
+def _rows(fits: Fits, of: np.ndarray) -> Fits:
+    per_trial = {f.name: getattr(fits, f.name) for f in fields(fits)}
+    return replace(fits, **{k: v[of] for k, v in per_trial.items() if isinstance(v, np.ndarray) and k != "bin_edges_n"})
+
+
+def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
+    columns = (
+        Column("repetition", "Press"), Column("start_s", "Start (s)", digits=4), Column("duration_s", "Lasts (s)"),
+        Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling (%)", 100.0, 2),
+        Column("snr_db", "SNR (dB)"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
+        Column("interval", f"{100 * fits.confidence:g} % interval"), Column("adj_r2_bins", "adj. R², bins"),
+        Column("adj_r2_samples", "samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
+    )  # fmt: skip
+    rows = []
+    for i in range(fits.b_v.size):
+        low, high = (number(float(end[i]) * scale.factor) for end in (fits.b_lo_v, fits.b_hi_v))
+        given = {"interval": f"{low} to {high}", "verdict": str(fits.verdict[i]), "reason": str(fits.reason[i])}
+        rows.append(
+            tuple(
+                given[c.key] if c.key in given else getattr(fits if hasattr(fits, c.key) else trials, c.key)[i].item()
+                for c in columns
+            )
+        )
+    return Table("presses", f"Presses on {trials.specimen}", columns, tuple(rows))
+
+
+def _quality(trials: Trials) -> str:
+    muscles = [
+        f"{muscle}: rest {number(rest * 1e6)} µV, mains {percent(mains, 2)} of power, clipped {percent(clip, 2)}"
+        for muscle, rest, mains, clip in zip(
+            trials.muscles, trials.rest_envelope_v.tolist(), trials.mains_ratio.tolist(), trials.clip_share.tolist(),
+            strict=True,
+        )
+    ]  # fmt: skip
+    return html.bullets([*muscles, f"force at rest: {number(trials.rest_force_n)} N, subtracted", *trials.notes])

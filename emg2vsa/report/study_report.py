@@ -1,0 +1,143 @@
+"""The report of a study: one page, its numbers, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+
+from emg2vsa.atomic import write_bytes_atomic, write_text_atomic
+from emg2vsa.figures.canvas import inline_svg
+from emg2vsa.report import data_sections, html
+from emg2vsa.report.hypothesis_section import hypotheses
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.methods import methods_paragraph
+from emg2vsa.report.numbers_files import numbers_tex, results_json
+from emg2vsa.report.paper_comparison import paper_comparison
+from emg2vsa.report.quantities import Quantity, quantities
+from emg2vsa.report.study_figures import Drawing, study_figures
+from emg2vsa.report.study_tables import study_tables
+from emg2vsa.report.table import Table
+
+_CONTENTS = (
+    ("#paper", "Beside the paper"), ("#participants", "Participants"), ("#fits", "Fits"), ("#hypotheses", "Hypotheses"),
+    ("#profiles", "Profiles"), ("#schedules", "Schedules"), ("#methods", "Methods"), ("#provenance", "Provenance"),
+)  # fmt: skip
+_TOO_LONG_FOR_PRINT = {"fits"}
+
+
+def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
+    """Write index.html, results.json, numbers.tex, tables/ and figures/ into ``folder``; the files written.
+
+    The bytes depend on ``results`` alone. Participants' pages are written by ``write_session_page``.
+    """
+    found = quantities(results)
+    tables = study_tables(results)
+    comparison = paper_comparison(results, found)
+    drawings = study_figures(results)
+    texts = {
+        "index.html": _page(results, found, tables, comparison, drawings),
+        "results.json": results_json(found),
+        "numbers.tex": numbers_tex(found),
+        "methods.txt": _methods(results) + "\n",
+    }
+    for table in [*tables.values(), comparison]:
+        texts[f"tables/{table.name}.csv"] = table.csv()
+        if table.name not in _TOO_LONG_FOR_PRINT:
+            texts[f"tables/{table.name}.tex"] = table.latex()
+    texts |= {f"figures/{drawing.name}.svg": drawing.svg for drawing in drawings.values()}
+    for name, text in texts.items():
+        write_text_atomic(folder / name, text)
+    for drawing in drawings.values():
+        write_bytes_atomic(folder / f"figures/{drawing.name}.pdf", drawing.pdf)
+    return [folder / name for name in (*texts, *(f"figures/{name}.pdf" for name in drawings))]
+
+
+def _page(
+    results: StudyResults,
+    found: Mapping[str, Quantity],
+    tables: Mapping[str, Table],
+    comparison: Table,
+    drawings: Mapping[str, Drawing],
+) -> str:
+    study = results.study
+    header = (
+        f"<h1>{escape(study.title)}</h1>"
+        f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. Section IV.B: from palpation EMG '
+        "and force to stiffness schedules.</p>"
+    )
+    body = (
+        data_sections.glance(results, found),
+        html.section("paper", "Beside the paper", comparison.html()),
+        data_sections.participants(results),
+        data_sections.fits(results, found, tables),
+        hypotheses(results, found, tables),
+        _profiles(results, tables, drawings),
+        _schedules(results, tables, drawings),
+        html.section("methods", "Methods", html.paragraph(_methods(results))),
+        _provenance(results),
+    )
+    return html.page(study.title, header, _CONTENTS, "".join(body), _FOOTER)
+
+
+_FOOTER = (
+    '<p class="small">Numbers in full: <a href="results.json">results.json</a>, <a href="numbers.tex">numbers.tex</a>, '
+    "tables/ and figures/ beside this page.</p>"
+)
+
+
+def _profiles(results: StudyResults, tables: Mapping[str, Table], drawings: Mapping[str, Drawing]) -> str:
+    title = "Profiles"
+    if results.profiles is None:
+        return html.section("profiles", title, html.paragraph(results.why_absent("profiles")))
+    left_out = tables["leave_one_out"]
+    new = (
+        _figure(drawings["fig11_interpolation"])
+        if "fig11_interpolation" in drawings
+        else html.paragraph("The study names no new specimen, so nothing is interpolated.")
+    )
+    return html.section(
+        "profiles",
+        title,
+        _figure(drawings["fig04_cocontraction"]),
+        tables["profiles"].html(),
+        new,
+        left_out.html() if left_out.rows else html.paragraph("Too few specimens of known stiffness to leave one out."),
+        html.bullets(results.profiles.notes),
+    )
+
+
+def _schedules(results: StudyResults, tables: Mapping[str, Table], drawings: Mapping[str, Drawing]) -> str:
+    title = "Stiffness schedules"
+    if not results.schedules:
+        return html.section("schedules", title, html.paragraph(results.why_absent("schedules")))
+    ramp, limits = results.schedules[0].ramp, results.schedules[0].limits
+    text = (
+        f"The probe moves {ramp.travel_mm:g} mm at {ramp.speed_mm_per_s:g} mm/s ({ramp.duration_s:g} s, "
+        f"{ramp.speed_deg_per_s:g} degrees/s of the shaft) while the preset follows the measured force. 100 % is "
+        f"{limits.max_preset_ticks} ticks of a {limits.actuator}."
+    )
+    short = [s.specimen for s in results.schedules if s.last_step_short and s.condition == "modular"]
+    remark = html.paragraph("The last force step is shorter than the others; it is kept.", "small") if short else ""
+    data = html.details("Every step of every schedule", tables["schedules"].html())
+    return html.section("schedules", title, _figure(drawings["fig05_schedules"]), html.paragraph(text), remark, data)
+
+
+def _figure(drawing: Drawing) -> str:
+    svg = inline_svg(drawing.svg, drawing.name.split("_")[0], escape(drawing.title), escape(drawing.description))
+    data = html.details("The numbers of this figure", drawing.table.html()) if drawing.table else ""
+    return html.figure(svg, drawing.caption, data)
+
+
+def _methods(results: StudyResults) -> str:
+    versions = {name: value for name, value in results.provenance.items() if " key" not in name}
+    return methods_paragraph(results.study, results.trials, versions)
+
+
+def _provenance(results: StudyResults) -> str:
+    entries = "".join(
+        f"<dt>{escape(name)}</dt><dd><code>{escape(value)}</code></dd>"
+        for name, value in sorted(results.provenance.items())
+    )
+    body = f"<dl>{entries}</dl>" if entries else html.paragraph("No versions were handed over.")
+    return html.section("provenance", "Provenance", body)

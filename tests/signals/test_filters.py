@@ -1,0 +1,77 @@
+"""Filters do what they say: edges, delays, memory, and the Nyquist rule aloud."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from emg2vsa.errors import SettingError
+from emg2vsa.settings import FilterSettings
+from emg2vsa.signals.filters import band_pass, default_pad_samples, force_low_pass, gain, group_delay_samples
+
+
+@pytest.mark.parametrize("phase", ["causal", "compensated"])
+def test_one_pass_is_3_db_down_at_the_edges_asked_for(phase):
+    band = band_pass(FilterSettings(phase=phase), 1000.0)
+    assert band.edges_hz == pytest.approx((10.0, 450.0), rel=1e-9)
+
+
+def test_two_passes_are_3_db_down_inside_the_edges_asked_for():
+    band = band_pass(FilterSettings(), 1000.0)
+    for edge, side in zip(band.edges_hz, (10.0, 450.0), strict=True):
+        assert gain(band.sos, edge, 1000.0) ** 2 == pytest.approx(math.sqrt(0.5), rel=1e-9)
+        assert abs(edge - side) > 1
+    assert any("12.43 Hz and 438.1 Hz" in note for note in band.notes)
+
+
+@pytest.mark.parametrize("upper", [500.0, 501.0, 5000.0])
+def test_nyquist_rule_drops_the_upper_edge_and_says_so_first(upper):
+    band = band_pass(FilterSettings(band_hz=(10.0, upper), phase="causal"), 1000.0)
+    assert np.array_equal(band.sos, signal.butter(2, 10.0, "highpass", fs=1000.0, output="sos"))
+    assert band.notes[0].startswith("NYQUIST RULE") and f"{upper:g} Hz" in band.notes[0]
+    assert math.isnan(band.edges_hz[1])
+
+
+def test_an_upper_edge_just_below_half_the_rate_is_built():
+    band = band_pass(FilterSettings(band_hz=(10.0, 499.0)), 1000.0)
+    assert band.name == "EMG band-pass" and not any("NYQUIST" in note for note in band.notes)
+
+
+@pytest.mark.parametrize("band_hz", [(500.0, 600.0), (450.0, 10.0), (10.0, 10.0)])
+def test_a_band_that_cannot_be_is_refused(band_hz):
+    with pytest.raises(SettingError, match=r"filters\.band_hz"):
+        band_pass(FilterSettings(band_hz=band_hz), 1000.0)
+
+
+def test_force_filter_off_or_too_high():
+    assert force_low_pass(FilterSettings(force_filter=False), 100.0) is None
+    with pytest.raises(SettingError, match="force_cutoff_hz"):
+        force_low_pass(FilterSettings(force_cutoff_hz=50.0), 100.0)
+
+
+@pytest.mark.parametrize(("order", "fs_hz"), [(1, 200.0), (2, 1000.0), (4, 2048.0)])
+def test_force_delay_is_that_of_the_butterworth(order, fs_hz):
+    low = force_low_pass(FilterSettings(phase="causal", force_order=order), fs_hz)
+    # delay at 0 Hz of a Butterworth prototype is the sum of Re(-1/pole) over its poles on the unit circle
+    poles = np.exp(1j * np.pi * (2 * np.arange(order) + order + 1) / (2 * order))
+    expected_s = float(np.sum((-1 / poles).real)) / (2 * np.pi * 5)
+    assert low.delay_s == pytest.approx(expected_s, rel=1e-3)
+
+
+def test_group_delay_agrees_with_scipy():
+    sos = signal.butter(3, (20.0, 300.0), "bandpass", fs=1000.0, output="sos")
+    b, a = signal.butter(3, (20.0, 300.0), "bandpass", fs=1000.0)
+    _, expected = signal.group_delay((b, a), w=[40.0, 77.0, 200.0], fs=1000.0)
+    assert [group_delay_samples(sos, f, 1000.0) for f in (40.0, 77.0, 200.0)] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5])
+def test_padding_is_that_of_sosfiltfilt(order):
+    sos = signal.butter(order, (10.0, 450.0), "bandpass", fs=1000.0, output="sos")
+    pad = default_pad_samples(sos)
+    signal.sosfiltfilt(sos, np.ones(pad + 1))
+    with pytest.raises(ValueError, match="padlen"):
+        signal.sosfiltfilt(sos, np.ones(pad))

@@ -1,0 +1,80 @@
+"""Measures of quality, each provoked and each silent on a clean signal."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from emg2vsa.signals.quality import falling_share, mains_ratio, ratio_db, raw_quality, window_means
+
+FS_HZ = 1000.0
+CLEAN = np.random.default_rng(0).standard_normal(2500)
+
+
+def quality(samples, missing=None):
+    return raw_quality(samples, np.zeros(samples.size, bool) if missing is None else missing, FS_HZ)
+
+
+def test_a_clean_signal():
+    found = quality(CLEAN)
+    assert (found.clip_share, found.repeat_share, found.held_samples, found.flat, found.missing) == (0, 0, 1, False, 0)
+    assert found.mains_ratio < 0.02
+
+
+def test_clipping_counts_runs_at_the_extremes_only():
+    clipped = np.clip(np.repeat(CLEAN, 1), -1.5, 1.5)
+    at = np.abs(clipped) == 1.5
+    inner = at & (np.r_[False, clipped[1:] == clipped[:-1]] | np.r_[clipped[1:] == clipped[:-1], False])
+    assert quality(clipped).clip_share == pytest.approx(inner.mean())
+    held = CLEAN.copy()
+    held[100:140] = 0.3
+    assert quality(held).clip_share == 0 and quality(held).held_samples == 40
+
+
+def test_a_coarse_converter_does_not_clip():
+    coarse = np.round(CLEAN * 20)
+    assert quality(coarse).clip_share < 0.001
+
+
+def test_flat_and_repeated():
+    assert quality(np.full(100, 2.0)).flat
+    assert quality(np.repeat(CLEAN, 2)).repeat_share == pytest.approx(0.5, abs=0.001)
+
+
+@pytest.mark.parametrize("mains_hz", [49.95, 50.0, 60.0, 60.05])
+def test_mains_power_is_measured(mains_hz):
+    hum = np.sqrt(2) * np.sin(2 * np.pi * mains_hz * np.arange(2500) / FS_HZ + 1)
+    assert mains_ratio(CLEAN + hum + 100, FS_HZ) == pytest.approx(0.5, abs=0.04)
+    assert mains_ratio(CLEAN[:50], FS_HZ) == 0
+
+
+def test_missing_samples_are_counted():
+    assert quality(CLEAN, np.arange(CLEAN.size) < 3).missing == 3
+
+
+def test_falling_share_of_a_known_path():
+    up_down_up = np.concatenate([np.linspace(0, 3, 50), np.linspace(3, 2, 50), np.linspace(2, 7, 50)])
+    assert falling_share(up_down_up, 0.1) == pytest.approx(1 / 9)
+    assert falling_share(up_down_up, 1.1) == 0
+    assert falling_share(np.linspace(0, 7, 100), 0.0) == 0
+    assert falling_share(-np.linspace(0, 7, 100), 0.1) == 1
+    assert falling_share(np.array([1.0]), 0.1) == 0
+
+
+@given(st.lists(st.integers(-50, 50), min_size=2, max_size=40), st.integers(-100, 100), st.integers(1, 9))
+def test_falling_share_ignores_offset_and_scale_and_mirrors(levels, offset, scale):
+    force = np.array(levels, dtype=float)
+    share = falling_share(force, 0.0)
+    assert falling_share(scale * force + offset, 0.0) == pytest.approx(share)
+    steps = np.diff(force)
+    path = np.abs(steps).sum()
+    assert share == pytest.approx(-steps[steps < 0].sum() / path if path else 0)
+
+
+def test_ratio_and_means():
+    assert ratio_db(np.array([10.0]), np.array([1.0])) == pytest.approx([20.0])
+    assert np.isnan(ratio_db(np.array([1.0]), np.array([np.nan])))
+    means = window_means(np.array([[1.0, 3.0, 5.0]]), np.array([0, 2, 2, 3]))
+    assert means[0, [0, 2]] == pytest.approx([2.0, 5.0]) and np.isnan(means[0, 1])
