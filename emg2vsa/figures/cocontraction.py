@@ -81,7 +81,7 @@ def _trend(axes: Axes, profile: Profile, look: Look, scale: ActivityScale) -> No
 
 def _box(axes: Axes, place: int, b: Floats, look: Look) -> None:
     bottom, low, median, high, top = hazen_box(b)
-    axes.vlines(place, [bottom, high], [low, top], colors=INK, linewidth=0.7)
+    axes.vlines([place, place], [bottom, high], [low, top], colors=INK, linewidth=0.7)
     axes.hlines([bottom, top], place - 0.1, place + 0.1, colors=INK, linewidth=0.7)
     box = Rectangle((place - 0.25, low), 0.5, high - low, facecolor="none", edgecolor=look.colour, linewidth=1.2)
     axes.add_patch(box)

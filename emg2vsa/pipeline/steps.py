@@ -37,8 +37,8 @@ STAGES = {
         ),
         Stage("fits", ("trials",), "recording", ("emg2vsa.fits",), ("numpy", "scipy")),
         Stage("hypotheses", ("fits",), "study", ("emg2vsa.hypotheses",), ("numpy", "scipy")),
-        Stage("profiles", ("fits",), "study", ("emg2vsa.profiles",), ("numpy",)),
-        Stage("schedules", ("profiles",), "study", ("emg2vsa.schedules", "emg2vsa.schedule_files"), ("numpy",)),
+        Stage("profiles", ("fits",), "study", ("emg2vsa.profiles",), ("numpy", "scipy")),
+        Stage("schedules", ("profiles",), "study", ("emg2vsa.schedules",), ("numpy", "scipy")),
         Stage("pages", ("trials", "fits"), "participant", ("emg2vsa.report.session_page",), ("numpy",)),
         Stage(
             "report", ("trials", "fits", "hypotheses", "profiles", "schedules", "pages"), "study",
@@ -144,10 +144,10 @@ def _settings(study: Study, stage: str, entry: RecordingEntry | None) -> dict[st
     elif stage == "profiles":
         used = {
             "profile": study.profile, "specimens": study.stiffness_n_per_mm, "hypotheses.use": study.hypotheses.use,
-            "window": study.window,
+            "window.force_n": study.window.force_n,
         }  # fmt: skip
     elif stage == "schedules":
-        used = {"schedule": study.schedule, "study": study.name}
+        used = {"schedule": study.schedule, "study": study.name, "mode": study.mode}
     elif stage == "pages":
         used = {"title": study.title, "specimens": study.specimens, "reports": study.reports.name}
     elif stage == "report":

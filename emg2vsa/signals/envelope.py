@@ -92,8 +92,11 @@ def envelopes_at(
     """Envelopes of all windows, one after the other: (channels, sum of counts), in the unit of the channels.
 
     Window w is evaluated at the samples ``first[w] + step * arange(counts[w])``, all inside the record. Within the
-    kernel's reach of an end of the record, the taps that remain are rescaled to unit sum.
+    kernel's reach of an end of the record, the taps that remain are rescaled to unit sum, but never more than doubled:
+    a causal envelope rises from zero at the start of its record.
     """
+    if not np.any(counts):
+        return np.empty((len(channels), 0))
     last = first + step * (np.maximum(counts, 1) - 1)
     n = channels[0].size
     starts, stops = np.maximum(first - kernel.before, 0), np.minimum(last + kernel.after + 1, n)
@@ -126,7 +129,8 @@ def _tap_sum(kernel: Smoother, at: Ints, n_samples: int) -> Floats:
     cumulative = np.concatenate(([0.0], np.cumsum(kernel.taps)))
     missing_before = np.maximum(kernel.before - at, 0)
     missing_after = np.maximum(at + kernel.after - (n_samples - 1), 0)
-    return np.asarray(cumulative[kernel.taps.size - missing_after] - cumulative[missing_before], dtype=np.float64)
+    remaining = cumulative[kernel.taps.size - missing_after] - cumulative[missing_before]
+    return np.asarray(np.maximum(remaining, 0.5 * cumulative[-1]), dtype=np.float64)
 
 
 def decimation(fs_hz: float, output_fs_hz: float | Literal["native"]) -> int:

@@ -66,8 +66,8 @@ def _tared(
 
 def _gaps(force_n: Floats, fs_hz: float, presses: Presses) -> Floats:
     """Lower quartile of the force between the release before and each contact, over at most ``GAP_S``."""
-    released = np.concatenate(([0.0], presses.release_s[:-1]))
-    gaps = np.full(presses.start_s.size, np.nan)
+    released = np.concatenate(([0.0], presses.release_s))[: presses.start_s.size]
+    gaps = np.full(released.size, np.nan)
     for i, (after_s, before_s) in enumerate(zip(released, presses.start_s, strict=True)):
         piece = force_n[int(max(after_s, before_s - GAP_S) * fs_hz) : int(before_s * fs_hz)]
         if piece.size >= 0.3 * fs_hz:

@@ -24,7 +24,8 @@ LEVELS = np.array([[1.0, 4.0, 0.0, 0.0], [3.0, 2.0, 5.0, 0.0]])
 )
 def test_definitions(index, expected, unit):
     activity, found_unit, _ = cocontraction_index(LEVELS, MUSCLES, CocontractionSettings(index=index))
-    assert activity == pytest.approx(expected) and found_unit == unit
+    assert activity == pytest.approx(expected)
+    assert found_unit == unit
 
 
 @pytest.mark.parametrize("index", ["sum", "minimum", "rudolph", "falconer-winter"])
@@ -37,7 +38,9 @@ def test_order_of_muscles_does_not_matter(index):
 def test_normalised_to_mvc_or_to_the_session():
     mvc = CocontractionSettings(normalise="mvc", mvc_v={"EDC": 2.0, "FDS": 10.0})
     activity, unit, notes = cocontraction_index(LEVELS, MUSCLES, mvc)
-    assert activity == pytest.approx([0.8, 2.2, 0.5, 0.0]) and unit == "1" and "MVC" in notes[0]
+    assert activity == pytest.approx([0.8, 2.2, 0.5, 0.0])
+    assert unit == "1"
+    assert "MVC" in notes[0]
     activity, _, _ = cocontraction_index(LEVELS, MUSCLES, CocontractionSettings(normalise="session-max"))
     assert activity == pytest.approx([0.25 + 0.6, 1.4, 1.0, 0.0])
 

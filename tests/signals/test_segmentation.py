@@ -42,7 +42,8 @@ def test_every_press_from_its_last_rise_to_its_first_reach():
 def test_a_dip_below_the_lower_force_restarts_the_press():
     dip = [(0, 0), (0.3, 2.0), (0.4, 0.3), (0.5, 0.3), (2.5, 7.5), (3.5, 0)]
     found = find_presses(force_of(dip), FS_HZ, WINDOW_N)
-    assert found.start_s.size == 1 and found.start_s[0] > 2.5
+    assert found.start_s.size == 1
+    assert found.start_s[0] > 2.5
 
 
 def test_two_full_presses_close_together_are_two():
@@ -58,22 +59,27 @@ def test_a_bounce_on_release_is_no_press_of_its_own():
 def test_a_press_that_fails_is_kept_and_a_touch_is_counted():
     fails, touch = [(0, 0), (2, 5.2), (3, 0)], [(0, 0), (0.5, 1.0), (1, 0)]
     found = find_presses(force_of(RISE, fails, touch, RISE), FS_HZ, WINDOW_N)
-    assert found.reached.tolist() == [True, False, True] and found.touches == 1
+    assert found.reached.tolist() == [True, False, True]
+    assert found.touches == 1
     assert found.peak_n[1] == pytest.approx(5.2, abs=0.03)
 
 
 def test_a_record_that_begins_in_a_press():
     rising = np.interp(np.arange(0, 5, 0.005), [0, 2, 3], [2, 8, 0])
     found = find_presses(rising, FS_HZ, WINDOW_N)
-    assert found.start_s.tolist() == [0.0] and found.at_edge.tolist() == [True] and found.reached.tolist() == [True]
+    assert found.start_s.tolist() == [0.0]
+    assert found.at_edge.tolist() == [True]
+    assert found.reached.tolist() == [True]
     for falling in (9 - rising, rising[::-1] + 8):
         found = find_presses(np.maximum(falling[:350], 0), FS_HZ, WINDOW_N)
-        assert found.start_s.size == 0 and found.skipped == 1
+        assert found.start_s.size == 0
+        assert found.skipped == 1
 
 
 def test_a_record_that_ends_in_a_press():
     found = find_presses(force_of(RISE)[: round(4 * FS_HZ)], FS_HZ, WINDOW_N)
-    assert found.reached.tolist() == [False] and found.at_edge.tolist() == [True]
+    assert found.reached.tolist() == [False]
+    assert found.at_edge.tolist() == [True]
 
 
 presses = st.lists(st.floats(3.0, 12.0), min_size=1, max_size=4)
@@ -85,7 +91,8 @@ def test_later_means_later(peaks, shift):
     force = force_of(*[[(0, 0), (2, peak), (3, 0)] for peak in peaks])
     start, stop = starts_and_stops(force)
     moved = starts_and_stops(np.concatenate([np.zeros(shift), force]))
-    assert moved[0] == pytest.approx(start + shift / FS_HZ) and moved[1] == pytest.approx(stop + shift / FS_HZ)
+    assert moved[0] == pytest.approx(start + shift / FS_HZ)
+    assert moved[1] == pytest.approx(stop + shift / FS_HZ)
 
 
 @given(presses, st.floats(0.01, 100))
@@ -94,7 +101,8 @@ def test_unit_of_force_does_not_matter(peaks, scale):
     force = force_of(*[[(0, 0), (2, peak), (3, 0)] for peak in peaks])
     start, stop = starts_and_stops(force)
     scaled = starts_and_stops(scale * force, (scale * WINDOW_N[0], scale * WINDOW_N[1]))
-    assert scaled[0] == pytest.approx(start, abs=1e-6) and scaled[1] == pytest.approx(stop, abs=1e-6)
+    assert scaled[0] == pytest.approx(start, abs=1e-6)
+    assert scaled[1] == pytest.approx(stop, abs=1e-6)
 
 
 @given(st.floats(-40, 40), st.floats(-0.02, 0.02), st.integers(0, 2**32 - 1))
