@@ -21,8 +21,10 @@ from typing import Any
 import numpy as np
 from scipy import signal, stats
 
-from emg2vsa.curves.force_bins import bin_edges, bin_means
-from emg2vsa.curves.logarithmic import LogFit, fit_log, level_weights
+from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.logarithmic import LogFit, fit_log
+from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.settings import FitSettings
 from emg2vsa.stats.anova import one_way
 from emg2vsa.stats.lsd import lsd
 from emg2vsa.stats.normality import ks_normal
@@ -36,6 +38,12 @@ A_V, B_V = 30e-6, 15e-6
 N_FITS, N_POINTS = 700, 131
 REPEATS = 7
 CHECKED = range(0, N_FITS, 35)
+REPORTED = {
+    "bins, weighted (default)": FitSettings(),
+    "bins, robust": FitSettings(robust=True),
+    "bins, unweighted": FitSettings(weights="none"),
+    "samples at 100 Hz": FitSettings(points="samples", weights="none"),
+}
 Run = Callable[[], Any]
 
 
@@ -173,18 +181,10 @@ def coverage(n_trials: int = 2000) -> None:
     for envelope, taps in (("20 Hz FIR", 1), ("20 Hz FIR forth and back", 2), ("RMS 100 ms", 0)):
         for ramp in ("even", "eased"):
             force, v = simulate(n_trials, taps, ramp)
-            slow_force, slow_v = force[:, ::10].copy(), v[:, ::10].copy()
-            offsets = np.arange(n_trials + 1) * slow_v.shape[1]
-            bins = bin_means(slow_force.ravel(), slow_v.ravel(), offsets, bin_edges(0.5, 7, 0.3))
-            first = fit_log(bins.force_n, bins.v)
-            fits = {
-                "bins, weighted (default)": fit_log(
-                    bins.force_n, bins.v, bins.samples * level_weights(bins.force_n, first)
-                ),
-                "bins": first,
-                "samples at 100 Hz": fit_log(slow_force, slow_v),
-                "samples at 1000 Hz (paper)": fit_log(force, v),
-            }
+            slow = force[:, ::10].ravel(), v[:, ::10].ravel(), np.arange(n_trials + 1) * force[:, ::10].shape[1]
+            runs = {name: fit_presses(*slow, bin_edges(0.5, 7, 0.3), settings) for name, settings in REPORTED.items()}
+            fits = {name: run.reported for name, run in runs.items()}
+            fits["samples at 1000 Hz (paper)"] = fit_log(force, v)
             for points, fit in fits.items():
                 print(f"{envelope + ', ' + ramp + ', ' + points:58}{coverage_row(fit)}")
 

@@ -52,7 +52,7 @@ def carrier(rng: np.random.Generator, n: int) -> Floats:
     power /= np.sum(power)
     spectrum = np.sqrt(power / 2) * (rng.standard_normal(f.size) + 1j * rng.standard_normal(f.size))
     wave = np.fft.irfft(spectrum, size)[1000 : 1000 + n] * size / np.sqrt(2)
-    return wave * np.sqrt(np.pi / 2)
+    return np.asarray(wave * np.sqrt(np.pi / 2), dtype=np.float64)
 
 
 def simulate(n_trials: int) -> tuple[Floats, Floats, Floats]:

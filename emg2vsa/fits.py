@@ -15,12 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.curves.force_bins import bin_edges, bin_means
-from emg2vsa.curves.logarithmic import LogFit, fit_log, level_weights
-from emg2vsa.curves.ragged import pad_rows
+from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.press_fits import fit_presses
 from emg2vsa.errors import DataError
 from emg2vsa.settings import FitSettings, WindowSettings
-from emg2vsa.stats.autocorrelation import residual_memory
 from emg2vsa.trials import Trials
 
 MIN_POINTS = 3
@@ -60,7 +58,7 @@ class Fits:
     r2_samples: Floats
     adj_r2_samples: Floats
     n_effective: Floats
-    "Independent observations that the samples are worth, from the autocorrelation of their residuals."
+    "Independent observations that the samples are worth, from the autocorrelation of their residuals over the level."
     lag1: Floats
     "Autocorrelation of the sample residuals at a lag of one sample."
     v_min_v: Floats
@@ -82,18 +80,12 @@ class Fits:
 def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits:
     """Fit every trial of a recording, the rejected ones too.
 
-    Reported is the fit that ``fit`` asks for. With inverse-variance weights a bin counts as its number of samples over
-    the square of its level in a first, ordinary fit (``level_weights`` says how a level near zero is bounded).
+    With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
+    (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_errors``). On samples they do not.
     """
     edges = bin_edges(*window.force_n, fit.bin_n)
-    bins = bin_means(trials.force_n, trials.activity, trials.offsets, edges)
-    force, v = pad_rows(trials.force_n, trials.offsets), pad_rows(trials.activity, trials.offsets)
-    on_bins, on_samples = fit_log(bins.force_n, bins.v), fit_log(force, v)
-    lag1, n_effective = residual_memory(v - on_samples.at(force))
-    if fit.points == "bins":
-        reported = _refit(on_bins, bins.force_n, bins.v, bins.samples, fit)
-    else:
-        reported = _refit(on_samples, force, v, np.ones(v.shape, dtype=np.int64), fit)
+    curves = fit_presses(trials.force_n, trials.activity, trials.offsets, edges, fit)
+    reported, bins = curves.reported, curves.bins
     fitted = (reported.n >= MIN_POINTS) & np.isfinite(reported.b) & np.isfinite(reported.b_se)
     at_ends = reported.at(window.force_n)
     n = fitted.size
@@ -110,12 +102,12 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
         reason=_reasons(trials.reasons, fitted, reported.n, fit.points),
         start_s=trials.start_s,
         n_points=reported.n,
-        r2_bins=on_bins.r2,
-        adj_r2_bins=on_bins.adj_r2,
-        r2_samples=on_samples.r2,
-        adj_r2_samples=on_samples.adj_r2,
-        n_effective=n_effective,
-        lag1=lag1,
+        r2_bins=curves.on_bins.r2,
+        adj_r2_bins=curves.on_bins.adj_r2,
+        r2_samples=curves.on_samples.r2,
+        adj_r2_samples=curves.on_samples.adj_r2,
+        n_effective=curves.n_effective,
+        lag1=curves.lag1,
         bin_edges_n=edges,
         bin_force_n=bins.force_n,
         bin_v=bins.v,
@@ -125,11 +117,6 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
         confidence=fit.confidence,
         **{name: np.where(fitted, values, np.nan) for name, values in shown.items()},
     )
-
-
-def _refit(first: LogFit, force_n: Floats, v: Floats, samples: Ints, fit: FitSettings) -> LogFit:
-    weights = samples * level_weights(force_n, first) if fit.weights == "inverse-variance" else None
-    return fit_log(force_n, v, weights, robust=fit.robust, confidence=fit.confidence)
 
 
 def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str) -> NDArray[np.str_]:

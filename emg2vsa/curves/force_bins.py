@@ -7,17 +7,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.curves.ragged import row_of_each
+from emg2vsa.curves.ragged import pad_rows, row_of_each
 from emg2vsa.errors import SettingError
 
 
 @dataclass(frozen=True)
 class ForceBins:
-    """force_n, v, samples : (k, B) force, activity and number of samples of every bin; NaN and 0 where empty."""
+    """force_n, v, samples : (k, B) force, activity and number of samples of every bin; NaN and 0 where empty.
+
+    column : (k, longest) the bin of every sample of every trial, -1 outside the edges and beyond the trial's end.
+    """
 
     force_n: Floats
     v: Floats
     samples: Ints
+    column: Ints
 
 
 def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
@@ -41,10 +45,13 @@ def bin_means(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats) -> For
     column = np.searchsorted(edges_n, force_n, side="right") - 1
     column[force_n == edges_n[-1]] = n_bins - 1
     inside = (column >= 0) & (column < n_bins) & np.isfinite(force_n) & np.isfinite(v)
+    column[~inside] = -1
     cell = (row_of_each(offsets) * n_bins + column)[inside]
     shape = (offsets.size - 1, n_bins)
     samples = np.bincount(cell, minlength=shape[0] * n_bins)
     with np.errstate(invalid="ignore", divide="ignore"):
         log_force = np.bincount(cell, np.log(force_n[inside]), minlength=samples.size) / samples
         level = np.bincount(cell, v[inside], minlength=samples.size) / samples
-    return ForceBins(np.exp(log_force).reshape(shape), level.reshape(shape), samples.reshape(shape))
+    return ForceBins(
+        np.exp(log_force).reshape(shape), level.reshape(shape), samples.reshape(shape), pad_rows(column, offsets, -1)
+    )

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TypeVar
 
-from emg2vsa.arrays import Floats, Ints
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Ints
+
+Number = TypeVar("Number", np.float64, np.int64)
 
 
 def row_of_each(offsets: Ints) -> Ints:
@@ -12,9 +17,9 @@ def row_of_each(offsets: Ints) -> Ints:
     return np.repeat(np.arange(offsets.size - 1), np.diff(offsets))
 
 
-def pad_rows(values: Floats, offsets: Ints) -> Floats:
-    """Rows ``values[offsets[i]:offsets[i + 1]]`` as (k, longest), NaN beyond the end of each."""
+def pad_rows(values: NDArray[Number], offsets: Ints, filler: float = np.nan) -> NDArray[Number]:
+    """Rows ``values[offsets[i]:offsets[i + 1]]`` as (k, longest), ``filler`` beyond the end of each."""
     rows = row_of_each(offsets)
-    padded = np.full((offsets.size - 1, int(np.max(np.diff(offsets), initial=0))), np.nan)
+    padded = np.full((offsets.size - 1, int(np.max(np.diff(offsets), initial=0))), filler, dtype=values.dtype)
     padded[rows, np.arange(values.size) - offsets[:-1][rows]] = values
     return padded

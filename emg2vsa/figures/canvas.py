@@ -16,6 +16,8 @@ from emg2vsa.figures.palette import GRID, INK
 ONE_COLUMN_MM = 88.9
 TWO_COLUMNS_MM = 181.0
 _MM_PER_INCH = 25.4
+_ON_SCREEN = 1.6
+"How much larger than on paper a figure is shown on a page."
 
 STYLE: dict[str, Any] = {
     "font.family": ["DejaVu Sans"],  # ships with matplotlib: the same text on every machine
@@ -93,8 +95,9 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
     body = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{prefix}-", body)
     body = body.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "", 1)
     head, rest = body.split(">", 1)
+    width_pt = float(re.search(r' width="([0-9.]+)pt"', head)[1])  # type: ignore[index]
     head = re.sub(r' (width|height)="[^"]*"', "", head)
-    named = f'role="img" aria-labelledby="{prefix}-title {prefix}-desc"'
+    named = f'style="max-width:{_ON_SCREEN * width_pt:.0f}pt" role="img" aria-labelledby="{prefix}-title {prefix}-desc"'
     return (
         f'{head} {named}><title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
     )

@@ -55,7 +55,7 @@ def draw_cocontraction(
     figure, (trends, boxes) = new_figure(TWO_COLUMNS_MM, 72, (13, 2, 11, 6), panels=2, gap_mm=16)
     for profile, look in zip(profiles, looks, strict=True):
         _trend(trends, profile, look, scale)
-    trends.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
+    trends.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None), ylim=(0, None))
     trends.set_title("(a)", loc="left")
     trends.legend(loc="upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):

@@ -17,7 +17,7 @@ def draw_interpolation(
     measured: Sequence[Profile], new: Profile, looks: Mapping[str, Look], scale: ActivityScale, rmse: float
 ) -> Figure:
     """``rmse`` in stored units, NaN where nobody measured the new specimen."""
-    figure, (axes,) = new_figure(ONE_COLUMN_MM, 62, (13, 3, 11, 6))
+    figure, (axes,) = new_figure(ONE_COLUMN_MM, 70, (13, 3, 11, 12))
     for profile in [*measured, new]:
         look = NEW if profile is new else looks[profile.specimen]
         axes.plot(
@@ -25,8 +25,9 @@ def draw_interpolation(
             markevery=max(1, profile.force_n.size // 8), markeredgecolor=INK, markeredgewidth=0.4,
             label=f"{profile.specimen}{' (interpolated)' if profile.source == 'interpolated' else ''}",
         )  # fmt: skip
-    axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
+    axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None), ylim=(0, None))
     if not np.isnan(rmse):
-        axes.set_title(f"RMSE to measured: {rmse * scale.factor:.3g} {scale.unit}".rstrip(), loc="right")
-    axes.legend(loc="upper left")
+        said = f"RMSE to measured: {rmse * scale.factor:.3g} {scale.unit}".rstrip()
+        axes.text(0.98, 0.03, said, transform=axes.transAxes, ha="right", va="bottom")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1, handletextpad=0.4)
     return figure

@@ -54,8 +54,9 @@ def participants(results: StudyResults) -> str:
         for head in ("Participant", "Session", "Recordings", "Trials", "Ok", "Warned", "Rejected")
     )
     table = (
-        '<div class="wide" role="region" tabindex="0" aria-label="Sessions"><table><caption>Sessions: good, usable, or to '
-        f"repeat</caption><thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>\n"
+        '<div class="wide" role="region" tabindex="0" aria-label="Sessions"><table>'
+        f"<caption>Sessions: good, usable, or to repeat</caption><thead><tr>{heads}</tr></thead>"
+        f"<tbody>{''.join(rows)}</tbody></table></div>\n"
     )
     return html.section("participants", "Participants", table, _failures(results), _rejected(results))
 
@@ -108,10 +109,10 @@ def fits(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[s
         return f"worst {bounded(least)}, median {bounded(middle)}"
 
     text = (
-        f"Each trial is fitted as v = a + b ln F. Adjusted R² on force bins: {worst('bins')}; on the samples of the same "
-        f"trials: {worst('samples')}. Smoother data give a larger R² from the same trial, so the two are never mixed. "
-        f"Neighbouring samples are alike (lag-1 correlation {number(float(found['fit.lag1.median']))}): the samples of a "
-        f"trial are worth about {number(float(found['fit.n_effective.median']), 2)} independent ones. "
+        f"Each trial is fitted as v = a + b ln F. Adjusted R² on force bins: {worst('bins')}; on the samples of the "
+        f"same trials: {worst('samples')}. Smoother data give a larger R² from the same trial, so the two are never "
+        f"mixed. Neighbouring samples are alike (lag-1 correlation {number(float(found['fit.lag1.median']))}): the "
+        f"samples of a trial are worth about {number(float(found['fit.n_effective.median']), 2)} independent ones. "
         f"Slopes that are not positive: {found['fit.b_not_positive']}."
     )
     where = html.paragraph("All trials, rejected ones included: tables/fits.csv.", "small")

@@ -25,7 +25,8 @@ def page(title: str, header: str, nav: Iterable[tuple[str, str]], body: str, foo
 def section(name: str, title: str, *body: str) -> str:
     """A landmark with its heading."""
     return (
-        f'<section id="{escape(name)}" aria-labelledby="{escape(name)}-h"><h2 id="{escape(name)}-h">{escape(title)}</h2>\n'
+        f'<section id="{escape(name)}" aria-labelledby="{escape(name)}-h">'
+        f'<h2 id="{escape(name)}-h">{escape(title)}</h2>\n'
         f"{''.join(body)}</section>\n"
     )
 

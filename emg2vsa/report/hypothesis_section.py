@@ -47,14 +47,15 @@ def _normality(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mappin
         smallest = {kind: p_text(float(found[f"{key}.{kind}.smallest_p"])) for kind in ("standardised", "raw")}
         result = (
             f"Standardised: {found[f'{key}.standardised.significant']} of {n} clusters deviate (smallest "
-            f"{smallest['standardised']}). Raw: {found[f'{key}.raw.significant']} of {n} deviate (smallest {smallest['raw']})."
+            f"{smallest['standardised']}). Raw: {found[f'{key}.raw.significant']} of {n} deviate (smallest "
+            f"{smallest['raw']})."
         )
     return _claim(
         "Is each cluster Gaussian?",
         "The slopes of one participant on one specimen come from a Gaussian distribution.",
-        "One-sample Kolmogorov-Smirnov, in the two ways that go by this name: on values standardised by their own mean and "
-        "standard deviation, and on raw values against N(0, 1), the default of MATLAB's kstest. The paper does not say "
-        "which; only the first can give its answer, since b is positive.",
+        "One-sample Kolmogorov-Smirnov, in the two ways that go by this name: on values standardised by their own mean "
+        "and standard deviation, and on raw values against N(0, 1), the default of MATLAB's kstest. The paper does not "
+        "say which; only the first can give its answer, since b is positive.",
         result,
         "Standardising by the sample's own mean and standard deviation makes p far too large, so passing says next to "
         "nothing about shape; the raw test of small positive numbers always rejects.",
@@ -68,8 +69,8 @@ def _between_participants(tested: Hypotheses, tables: Mapping[str, Table]) -> st
         worst = int(np.nanargmin(np.where(np.isnan(anova.p), np.inf, anova.p)))
         said = f_text(*(float(getattr(anova, name)[worst]) for name in ("f", "df1", "df2", "p", "eta2")))
         result = (
-            f"Participants differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} specimens. "
-            f"Smallest p: {anova.specimen[worst]}, {said}."
+            f"Participants differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} "
+            f"specimens. Smallest p: {anova.specimen[worst]}, {said}."
         )
     else:
         result = "Not tested: this takes two participants or more."
@@ -78,8 +79,8 @@ def _between_participants(tested: Hypotheses, tables: Mapping[str, Table]) -> st
         "People palpate the same specimen with the same slope.",
         "One-way ANOVA between participants, one for each specimen.",
         result,
-        "A test that finds no difference does not show that there is none: it only bounds how large a difference could have "
-        "been missed.",
+        "A test that finds no difference does not show that there is none: it only bounds how large a difference could "
+        "have been missed.",
         tables["anova_participants"].html() if anova.p.size else "",
     )
 
@@ -88,8 +89,8 @@ def _between_specimens(tested: Hypotheses, tables: Mapping[str, Table]) -> str:
     anova, pairs = tested.between_specimens, tested.pairs
     if anova.p.size:
         result = (
-            f"Specimens differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} participants. "
-            + _worst(tested)
+            f"Specimens differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} "
+            f"participants. {_worst(tested)}"
         )
         shown = html.details("ANOVA of every participant", tables["anova_specimens"].html())
         shown += html.details(f"All {pairs.p.size} pairs", tables["lsd_pairs"].html())
@@ -98,11 +99,11 @@ def _between_specimens(tested: Hypotheses, tables: Mapping[str, Table]) -> str:
     return _claim(
         "Do specimens differ?",
         f"For every participant, {listed(tested.kept)} have different slopes.",
-        "One-way ANOVA between specimens, one for each participant, then Fisher's LSD: pairwise t tests with the pooled "
-        "standard deviation, not corrected for the number of pairs.",
+        "One-way ANOVA between specimens, one for each participant, then Fisher's LSD: pairwise t tests with the "
+        "pooled standard deviation, not corrected for the number of pairs.",
         result,
-        "Without correction, some of so many pairs come out significant by chance. And repetitions of one person count as "
-        "independent here, so each ANOVA speaks of that person only, not of people.",
+        "Without correction, some of so many pairs come out significant by chance. And repetitions of one person count "
+        "as independent here, so each ANOVA speaks of that person only, not of people.",
         shown,
     )
 
@@ -125,8 +126,9 @@ def _power(tested: Hypotheses, found: Mapping[str, Quantity]) -> str:
     return _claim(
         "Was the sample large enough?",
         "Fourteen participants with ten movements give a power of about .80 at f = 0.25 and alpha = 0.05.",
-        "Repeated-measures F test within factors, noncentral F, with the correlation .5 and sphericity 1 that G*Power proposes.",
+        "Repeated-measures F test within factors, noncentral F, with the correlation .5 and sphericity 1 that G*Power "
+        "proposes.",
         f"Power of the paper's design: {number(float(found['power.n14']))}. Power of this study's design: {study}.",
-        "With ten repetitions entered as measurements this is the power to tell repetitions apart; neither comparison above "
-        "was planned for.",
+        "With ten repetitions entered as measurements this is the power to tell repetitions apart; neither comparison "
+        "above was planned for.",
     )

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from emg2vsa.report.wording import listed
+from emg2vsa.report.wording import count, listed
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, WindowSettings
 from emg2vsa.study import Study
 from emg2vsa.trials import Trials
 
 AUTHORS_ADD = (
-    "To be added by the authors: electrode type, size, distance and placement; amplifier, its gain, input impedance and "
-    "common-mode rejection; resolution of the converter; participants' age, sex and handedness; ethics approval."
+    "To be added by the authors: electrode type, size, distance and placement; amplifier, its gain, input impedance "
+    "and common-mode rejection; resolution of the converter; participants' age, sex and handedness; ethics approval."
 )
 _FILTER_NOTES = (
     "NYQUIST RULE",
@@ -65,7 +65,7 @@ def _recording(study: Study, trials: Sequence[Trials]) -> Iterable[str]:
     people, specimens = len(study.participants), len(study.specimens)
     muscles = list(dict.fromkeys(muscle for t in trials for muscle in t.muscles))
     yield (
-        f"{people} participant{'s' * (people != 1)} pressed {specimens} specimen{'s' * (specimens != 1)} while surface EMG"
+        f"{count(people, 'participant')} pressed {count(specimens, 'specimen')} while surface EMG"
         f"{' of ' + listed(muscles) if muscles else ''} and the pressing force were recorded."
     )
 
@@ -104,9 +104,9 @@ def _cocontraction(c: CocontractionSettings) -> str:
 def _segmentation(w: WindowSettings) -> str:
     low, high = w.force_n
     return (
-        f"A trial is the loading phase from {low:g} to {high:g} N; trials shorter than {w.min_duration_s:g} s, longer than "
-        f"{w.max_duration_s:g} s, with more than {100 * w.max_falling_share:g} % of the force path falling, or with a "
-        f"clipped channel (more than {100 * w.clip_share:g} % of samples) were rejected."
+        f"A trial is the loading phase from {low:g} to {high:g} N; trials shorter than {w.min_duration_s:g} s, longer "
+        f"than {w.max_duration_s:g} s, with more than {100 * w.max_falling_share:g} % of the force path falling, or with "
+        f"a clipped channel (more than {100 * w.clip_share:g} % of samples) were rejected."
     )
 
 
@@ -119,8 +119,8 @@ def _fit(f: FitSettings, w: WindowSettings) -> str:
     weights = "weighted by the inverse variance (1/v²)" if f.weights == "inverse-variance" else "ordinary"
     robust = " with Huber weights" if f.robust else ""
     return (
-        f"Each trial was fitted as v = a + b ln F by {weights} least squares{robust} on {points}, with Student-t intervals "
-        f"at {100 * f.confidence:g} %."
+        f"Each trial was fitted as v = a + b ln F by {weights} least squares{robust} on {points}, with Student-t "
+        f"intervals at {100 * f.confidence:g} %."
     )
 
 
@@ -129,9 +129,9 @@ def _tests(study: Study) -> Iterable[str]:
     kept = f" among {listed(h.kept_specimens)}" if h.kept_specimens else ""
     yield (
         f"On b of the trials with verdict {h.use.replace('+', ' or ')} (alpha = {h.alpha:g}): one-sample "
-        "Kolmogorov-Smirnov test of each cluster (participant by specimen), standardised by the cluster's own mean and SD, "
-        "and raw against N(0, 1); one-way ANOVA between participants for each specimen; one-way ANOVA between specimens "
-        f"for each participant, followed by Fisher's LSD without correction{kept}."
+        "Kolmogorov-Smirnov test of each cluster (participant by specimen), standardised by the cluster's own mean and "
+        "SD, and raw against N(0, 1); one-way ANOVA between participants for each specimen; one-way ANOVA between "
+        f"specimens for each participant, followed by Fisher's LSD without correction{kept}."
     )
 
 
@@ -143,6 +143,6 @@ def _export(study: Study) -> Iterable[str]:
         yield f"The profile of {profile.new_specimen} was interpolated {_INTERPOLATION[profile.interpolation]}."
     low, high = schedule.stiffness_percent
     yield (
-        f"Mean co-contraction in force steps of {schedule.step_n:g} N was mapped linearly on {low:g} to {high:g} % of the "
-        f"maximum stiffness preset of a {schedule.actuator}, over all exported specimens together."
+        f"Mean co-contraction in force steps of {schedule.step_n:g} N was mapped linearly on {low:g} to {high:g} % of "
+        f"the maximum stiffness preset of a {schedule.actuator}, over all exported specimens together."
     )

@@ -32,7 +32,7 @@ def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Ta
 def _curves(found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
     worst = [_share(found, f"fit.adj_r2_{stage}.min") for stage in ("samples", "bins")]
     return [
-        ("fitted curves", "700", f"{found['fit.curves']} of {found['trials.total']} trials", f"{found['fit.used']} used"),
+        ("fitted curves", "700", f"{found['fit.curves']}", f"{found['fit.used']} of {found['trials.total']} trials used"),
         (
             "worst adjusted R² of the logarithmic fit", ".832", f"{worst[0]} on samples, {worst[1]} on bins",
             "the paper does not say how smooth its curves were; R² depends on it",

@@ -1,4 +1,4 @@
-"""A small hand-drawn plot: whole-number coordinates, so that a page of ten plots stays light and the same at each run."""
+"""A small hand-drawn plot: whole-number coordinates, so that a page of ten plots is light and always the same."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ import numpy as np
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.palette import GRID, INK, MUTED
 
-_TEXT = 24  # of a drawing 1000 or so wide that a screen shows at half its size
+_TEXT = 24
+_SHOWN = 0.56
+"Pixels a unit, at most: drawings are made fine and shown at about half their size."
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,8 @@ class PlotArea:
     def svg(self, body: str, name: str, title: str, description: str) -> str:
         """The drawing, with a name and words for those who do not see it."""
         return (
-            f'<svg viewBox="0 0 {self.width} {self.height}" role="img" aria-labelledby="{name}-t {name}-d" fill="none" '
+            f'<svg viewBox="0 0 {self.width} {self.height}" style="max-width:{self.width * _SHOWN:.0f}px" role="img" '
+            f'aria-labelledby="{name}-t {name}-d" fill="none" '
             f'stroke-width="2" font-size="{_TEXT}"><title id="{name}-t">{escape(title)}</title>'
             f'<desc id="{name}-d">{escape(description)}</desc>{body}</svg>'
         )

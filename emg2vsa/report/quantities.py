@@ -1,4 +1,4 @@
-"""Every number of section IV.B under one flat name: results.json. The page, the macros and the tests read it from here."""
+"""Every number of section IV.B under one flat name: what results.json holds, and the page and the macros read."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.study_tables import activity_column, scale_of
 from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import count, listed, number, p_text
+from emg2vsa.report.wording import count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
 _MARKS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05"
@@ -101,7 +101,7 @@ def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:
     entering = usable(fits, results.study.hypotheses.use) & (fits.specimen == specimen)
     if whose:
         entering &= fits.participant == whose
-    return fits.b_v[entering]
+    return np.asarray(fits.b_v[entering])
 
 
 def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> list[PairBar]:
@@ -125,11 +125,11 @@ def _schedules(results: StudyResults) -> Drawing | None:
         return None
     new = results.profiles.new.specimen if results.profiles and results.profiles.new else None
     figure = draw_schedules(results.schedules, looks(_specimens(results), new))
-    low, high = results.study.schedule.stiffness_percent
+    low, high, scale = (*results.study.schedule.stiffness_percent, results.study.schedule.scale)
     caption = (
-        f"Fig. 5. Co-contraction mapped on the actuator's stiffness, {low:g} to {high:g} % of the maximum preset over all "
-        "exported specimens. Steps with marks: modular stiffness. Dotted lines: constant stiffness, at the minimum, mean "
-        "and maximum of each profile."
+        f"Fig. 5. Co-contraction mapped on the actuator's stiffness, {low:g} to {high:g} % of the maximum {scale} over "
+        "all exported specimens. Steps with marks: modular stiffness. Dotted lines: constant stiffness, at the "
+        "minimum, mean and maximum of each profile."
     )
     told = [
         f"{s.specimen} {s.condition}: {number(s.stiffness_percent.min())}"
@@ -153,14 +153,14 @@ def _interpolation(results: StudyResults) -> Drawing | None:
     figure = draw_interpolation(measured, new, looks(_specimens(results)), scale, rmse)
     bracket = listed(profiles.bracket or ())
     beside = (
-        f"RMSE to the measured {error.specimen}: {number(rmse * scale.factor)} {scale.unit}, {number(100 * error.relative)} % "
-        "of its root mean square."
+        f"RMSE to the measured {error.specimen}: {number(rmse * scale.factor)} {scale.unit}, "
+        f"{percent(error.relative)} of its root mean square."
         if error
         else "Nobody palpated a specimen of this stiffness, so there is no measured profile to compare with."
     )
     caption = (
-        f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from {bracket}, with the "
-        f"measured profiles. {beside}"
+        f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from {bracket}, "
+        f"with the measured profiles. {beside}"
     )
     columns = (
         Column("force_n", "Force (N)"),

@@ -63,8 +63,8 @@ def _page(
     study = results.study
     header = (
         f"<h1>{escape(study.title)}</h1>"
-        f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. Section IV.B: from palpation EMG '
-        "and force to stiffness schedules.</p>"
+        f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. Section IV.B: from palpation '
+        "EMG and force to stiffness schedules.</p>"
     )
     body = (
         data_sections.glance(results, found),

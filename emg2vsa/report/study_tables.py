@@ -104,7 +104,7 @@ def _hypotheses(found: Hypotheses, scale: ActivityScale) -> list[Table]:
     return [
         Table(
             "normality",
-            "Kolmogorov-Smirnov test of each cluster of b, standardised by its own mean and SD, and raw against N(0, 1)",
+            "Kolmogorov-Smirnov test of each cluster of b: standardised by its own mean and SD; raw against N(0, 1)",
             (
                 Column("participant", "Participant"), Column("specimen", "Specimen"), Column("n", "n"),
                 Column("d_standardised", "D standardised"), Column("p_standardised", "p standardised"),
@@ -156,8 +156,8 @@ def _profiles(profiles: Profiles, scale: ActivityScale) -> Table:
 
 def _leave_one_out(profiles: Profiles, scale: ActivityScale) -> Table:
     columns = (
-        Column("specimen", "Left out"), Column("bracket", "Interpolated from"), activity_column("rmse_v", "RMSE", scale),
-        Column("relative", "RMSE (% of mean)", 100.0),
+        Column("specimen", "Left out"), Column("bracket", "Interpolated from"),
+        activity_column("rmse_v", "RMSE", scale), Column("relative", "RMSE (% of root mean square)", 100.0),
     )  # fmt: skip
     rows = tuple(
         (left.specimen, " and ".join(left.bracket) if left.bracket else None, left.rmse_v, left.relative)

@@ -32,7 +32,8 @@ td{border-bottom:1px solid #e6e6e6}
 .n{text-align:right}
 details{margin:.5rem 0}
 summary{cursor:pointer;color:var(--link)}
-dt{font-weight:600}dd{margin:0 0 .4rem 0}
+dl{display:grid;grid-template-columns:minmax(5rem,auto) minmax(0,1fr);gap:.2rem 1rem;max-width:52rem;margin:.5rem 0}
+dt{font-weight:600}dd{margin:0}
 code{font-size:.85rem;overflow-wrap:anywhere}
 .skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:#fff}
 @media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible}figure,tr{break-inside:avoid}

@@ -58,8 +58,9 @@ class Table:
         alignment = "".join("r" if numeric else "l" for numeric in self._numeric())
         return "\n".join(
             [
-                r"\begin{table}", r"\centering", rf"\caption{{{latex_text(self.caption)}}}", rf"\label{{tab:{self.name}}}",
-                rf"\begin{{tabular}}{{{alignment}}}", r"\toprule", heads + r" \\", r"\midrule", *lines, r"\bottomrule",
+                r"\begin{table}", r"\centering", rf"\caption{{{latex_text(self.caption)}}}",
+                rf"\label{{tab:{self.name}}}", rf"\begin{{tabular}}{{{alignment}}}",
+                r"\toprule", heads + r" \\", r"\midrule", *lines, r"\bottomrule",
                 r"\end{tabular}", r"\end{table}", "",
             ]
         )  # fmt: skip
@@ -102,7 +103,8 @@ _LATEX = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\ensuremath{<}", ">": r"\ensuremath{>}",
     "µ": r"\ensuremath{\mu}", "²": r"\ensuremath{^2}", "η": r"\ensuremath{\eta}", "κ": r"\ensuremath{\kappa}",
-    "α": r"\ensuremath{\alpha}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}", "−": r"\ensuremath{-}",
+    "α": r"\ensuremath{\alpha}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}",
+    "−": r"\ensuremath{-}", "≤": r"\ensuremath{\le}",
 }  # fmt: skip
 
 

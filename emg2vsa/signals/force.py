@@ -83,7 +83,7 @@ def _said_of_presses(presses: Presses, force_n: Floats, window: WindowSettings) 
     if window.expected_trials is not None and n != window.expected_trials:
         notes.append(f"presses: {n} found, {window.expected_trials} expected")
     if presses.touches:
-        notes.append(f"presses: {presses.touches} light touches of the specimen not counted")
+        notes.append(f"presses: light touches of the specimen, not counted: {presses.touches}")
     if presses.skipped:
         notes.append("presses: the record begins above the window or while force falls; that press is not counted")
     if n == 0:

@@ -16,12 +16,15 @@ MAINS_HARMONICS = 3
 MAINS_BLOCK_S = 1.0
 "Mains is looked for in blocks of this length, so that its wander of +-0.1 Hz does not matter."
 
+REPEATING = 0.3
+"A channel that holds values for this share of its samples was sampled more slowly than its file says."
+
 
 @dataclass(frozen=True)
 class RawQuality:
     """One channel within one window.
 
-    clip_share : share of samples in runs of two or more at the largest or the smallest value.
+    clip_share : share of samples in runs at the largest or the smallest value, longer than runs elsewhere usually are.
     repeat_share : share of samples equal to the one before. held_samples : longest run of one value.
     mains_ratio : share of power at 50 or 60 Hz (the larger) and two harmonics. missing : samples that were no numbers.
     """
@@ -48,7 +51,10 @@ def raw_quality(samples: Floats, missing: NDArray[np.bool_], fs_hz: float) -> Ra
     length = last - first + 1
     value = samples[first]
     at_extreme = (value == samples.max()) | (value == samples.min())
-    clipped = float(np.sum(length[at_extreme])) / samples.size
+    elsewhere = length[~at_extreme]
+    # a channel that repeats its samples everywhere also repeats its single largest one
+    usual = int(elsewhere.max()) if elsewhere.sum() > REPEATING * samples.size else 1
+    clipped = float(np.sum(length[at_extreme & (length > usual)])) / samples.size
     return RawQuality(clipped, n_repeats / repeats.size, int(length.max()), False, mains, n_missing)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from emg2vsa.settings import WindowSettings
-from emg2vsa.signals.quality import RawQuality
+from emg2vsa.signals.quality import REPEATING, RawQuality
 
 MAINS_WARNING = 0.3
 "Share of EMG power at the mains and its harmonics."
@@ -16,8 +16,6 @@ HELD_WARNING_SAMPLES = 8
 "... and for at least so many samples: a coarse converter repeats a few."
 HELD_SHARE = 0.1
 "Share of the window above which a held value rejects the trial."
-REPEAT_WARNING = 0.3
-"Share of samples equal to the one before: the channel was sampled more slowly than its file says."
 
 
 @dataclass(frozen=True)
@@ -80,7 +78,7 @@ def _on_signals(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool,
             continue
         if quality.clip_share > window.clip_share:
             yield True, f"{muscle} clips in {100 * quality.clip_share:.2g} % of samples"
-        elif quality.repeat_share > REPEAT_WARNING:
+        elif quality.repeat_share > REPEATING:
             yield False, f"{muscle} repeats {100 * quality.repeat_share:.0f} % of its samples"
         held_s = quality.held_samples / trial.emg_fs_hz
         if held_s > HELD_WARNING_S and quality.held_samples >= HELD_WARNING_SAMPLES:

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from emg2vsa.stats.autocorrelation import residual_memory
+from emg2vsa.curves.autocorrelation import autocorrelation, effective_number, memory
+
+
+def residual_memory(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    correlation = autocorrelation(rows)
+    lag1 = correlation[:, 1] if rows.shape[1] > 1 else np.full(len(rows), np.nan)
+    return lag1, effective_number(correlation, np.isfinite(rows).sum(axis=1).astype(np.float64))
 
 
 def test_white_noise_is_worth_its_length() -> None:
@@ -40,3 +46,8 @@ def test_undefined() -> None:
         assert lag1.shape == n_effective.shape == (len(rows),)
         assert np.isnan(lag1).all()
         assert np.isnan(n_effective).all()
+
+
+def test_memory_ends_with_the_first_lag_that_is_not_positive() -> None:
+    kept = memory(np.array([[1.0, 0.5, -0.1, 0.3], [np.nan] * 4, [1.0, 0.0, 0.2, 0.1]]))
+    np.testing.assert_array_equal(kept, [[1, 0.5, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0]])
