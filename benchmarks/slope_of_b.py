@@ -14,8 +14,9 @@ import numpy as np
 from scipy import signal
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.force_bins import bin_edges, bin_means
-from emg2vsa.curves.logarithmic import LogFit, fit_log, level_weights
+from emg2vsa.curves.force_bins import bin_edges
+from emg2vsa.curves.logarithmic import LogFit
+from emg2vsa.curves.press_fits import fit_presses
 from emg2vsa.settings import FilterSettings, FitSettings, WindowSettings
 from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.envelope import decimation, envelopes_at, smoother
@@ -91,15 +92,11 @@ def curves(emg: Floats, force_n: Floats, filters: FilterSettings) -> tuple[Float
 
 
 def fitted(activity: Floats, force_n: Floats, fit: FitSettings) -> LogFit:
-    """Equation (6) for every trial, with the points and weights of ``fit``."""
-    samples = np.ones(activity.shape, dtype=np.int64)
-    force, v = np.broadcast_to(force_n, activity.shape), activity
-    if fit.points == "bins":
-        offsets = np.arange(len(activity) + 1) * force_n.size
-        bins = bin_means(force.ravel(), v.ravel(), offsets, bin_edges(*WindowSettings().force_n, fit.bin_n))
-        force, v, samples = bins.force_n, bins.v, bins.samples
-    first = fit_log(force, v)
-    return first if fit.weights == "none" else fit_log(force, v, samples * level_weights(force, first))
+    """Equation (6) for every trial, as the stage fits it."""
+    offsets = np.arange(len(activity) + 1) * force_n.size
+    force = np.broadcast_to(force_n, activity.shape).ravel()
+    edges = bin_edges(*WindowSettings().force_n, fit.bin_n)
+    return fit_presses(force, activity.ravel(), offsets, edges, fit).reported
 
 
 def unbiased_mean(b: Floats, clean_b: Floats) -> tuple[float, float]:

@@ -72,7 +72,7 @@ class FilterSettings:
     __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     band_hz: tuple[Positive, Positive] = (10.0, 450.0)
-    "EMG band-pass edges. An upper edge at or above fs/2 is dropped: a high-pass at the lower edge, recorded."
+    "EMG band-pass: -3 dB edges of the whole run, both passes. An upper edge at or above fs/2 is dropped (recorded)."
     band_order: Annotated[int, Ge(1), Le(8)] = 2
     "Butterworth order in scipy's and MATLAB's sense (a band-pass of order 2 has four poles)."
     envelope: Literal["fir", "rms"] = "fir"

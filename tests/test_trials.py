@@ -11,7 +11,8 @@ from scipy import signal
 from emg2vsa.errors import SettingError, SignalError
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.trials import extract_trials
+from emg2vsa.signals.filters import one_pass_band_hz
+from emg2vsa.trials.extract import extract_trials
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
@@ -86,7 +87,8 @@ def test_a_good_session():
 def test_envelopes_are_those_of_the_whole_record():
     emg, force = recorded(force_of(*[RISE] * 3))
     trials = extract(emg, force)
-    sos = signal.butter(2, (10.0, 450.0), "bandpass", fs=FS_HZ, output="sos")
+    edges = one_pass_band_hz((10.0, 450.0), 2, "zero-phase", FS_HZ)
+    sos = signal.butter(2, edges, "bandpass", fs=FS_HZ, output="sos")
     taps = signal.firwin(51, 20.0, fs=FS_HZ)
     for row, name in enumerate(trials.muscles):
         whole = np.convolve(np.abs(signal.sosfiltfilt(sos, emg[name].samples)), taps, "same")
@@ -99,7 +101,8 @@ def test_envelopes_are_those_of_the_whole_record():
 def test_force_is_the_filtered_tared_force_at_the_envelopes():
     emg, force = recorded(force_of(RISE))
     trials = extract(emg, force, filters=FilterSettings(output_fs_hz="native"))
-    low = signal.butter(2, 5.0, fs=FS_HZ, output="sos")
+    edge_hz = np.arctan(np.tan(np.pi * 5.0 / FS_HZ) / (np.sqrt(2) - 1) ** 0.25) * FS_HZ / np.pi  # two passes: 5 Hz
+    low = signal.butter(2, edge_hz, fs=FS_HZ, output="sos")
     whole = signal.sosfiltfilt(low, force.samples) - trials.rest_force_n
     first = int(np.ceil(trials.start_s[0] * FS_HZ))
     assert trials.fs_hz == FS_HZ

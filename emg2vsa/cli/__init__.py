@@ -16,7 +16,7 @@ COMMANDS = ("simulate", "check", "run", "status", "fit", "schedule", "report", "
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
-    arguments = _parser().parse_args(argv)
+    arguments = parser().parse_args(argv)
     try:
         status: int = arguments.run(arguments)
         sys.stdout.flush()
@@ -26,23 +26,27 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"{error}\n{count} problem{'s' if count != 1 else ''}; nothing was run.", file=sys.stderr)
     except Emg2vsaError as error:
         print(f"emg2vsa: {error}", file=sys.stderr)
-    except KeyboardInterrupt:
-        print("\nStopped. What was finished is kept; the same command goes on from there.", file=sys.stderr)
-        return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        print(f"emg2vsa: {error.filename or 'input or output'}: {error.strerror or error}", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("\nStopped. What was finished is kept; the same command goes on from there.", file=sys.stderr)
+        return 130
     return 2
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line; each sub-command adds its own."""
+    whole = argparse.ArgumentParser(
         prog="emg2vsa",
         description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
-        epilog="Try: emg2vsa simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml",
+        epilog="Try: emg2vsa simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml. "
+        "Exit status: 0 done; 1 something is not good; 2 unusable input, nothing was done; 130 stopped.",
     )
-    parser.add_argument("--version", action="version", version=f"emg2vsa {emg2vsa.__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    whole.add_argument("--version", action="version", version=f"emg2vsa {emg2vsa.__version__}")
+    commands = whole.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for name in COMMANDS:
         importlib.import_module(f"emg2vsa.cli.{name}").add_to(commands)
-    return parser
+    return whole

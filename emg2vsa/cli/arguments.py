@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.plan import Board
 
 Commands = Any  # argparse gives its collection of sub-parsers no public type
 
@@ -21,7 +25,9 @@ def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: s
 
 def add_study(parser: argparse.ArgumentParser) -> None:
     """The study file."""
-    parser.add_argument("study", type=Path, metavar="STUDY", help="study file, e.g. studies/palpation/study.toml")
+    parser.add_argument(
+        "study", type=Path, metavar="STUDY", help="study file, for example studies/palpation/study.toml"
+    )
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -41,6 +47,12 @@ def jobs_of(arguments: argparse.Namespace) -> int:
     return int(arguments.jobs or available_cores())
 
 
+def say_not_used(board: Board) -> None:
+    """One line on the error stream for every step that was refused or failed, in this run or before it."""
+    for item, stage, message in board.failures():
+        print(f"not used: {item} ({stage}): {message}", file=sys.stderr)
+
+
 def print_json(value: object) -> None:
     """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
     print(json.dumps(_finite(value), indent=2, sort_keys=True))
@@ -57,10 +69,6 @@ def _finite(value: object) -> object:
 
 
 def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise ValueError
-    return value
-
-
-_positive.__name__ = "whole number from 1"
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
+    return int(text)

@@ -18,8 +18,10 @@ def add_to(commands: Commands) -> None:
         commands,
         "check",
         run,
-        "Check the study file, then judge sessions: good, usable or repeat.",
-        "Exit status 0: every session is good or usable; 1: at least one recording should be repeated.",
+        "Check the study file, then judge each participant's session: good, usable or repeat.",
+        "Good: every press as wanted. Usable: go on, and read the remarks. Repeat: a recording has fewer than 80 % "
+        "usable presses, or could not be read. Exit status 0: all good or usable; 1: something to repeat; 2: the study "
+        "file has problems.",
     )
     add_study(parser)
     parser.add_argument("participants", nargs="*", metavar="PARTICIPANT", help="sessions to judge (default: all)")

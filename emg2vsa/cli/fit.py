@@ -1,4 +1,4 @@
-"""``emg2vsa fit``: one recording, no study; its presses and their fits v = a + b log F."""
+"""``emg2vsa fit``: one recording, no study; its presses and their fits v = a + b ln F."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def add_to(commands: Commands) -> None:
         commands,
         "fit",
         run,
-        "Find the presses of one recording and fit v = a + b log F to each.",
-        "Without --emg and --force the channels of the file are listed. "
+        "Find the presses of one recording and fit v = a + b ln F to each; no study file needed.",
+        "Without --emg or --force the channels of the file are listed. Exit status 1: no press was found. "
         "Example: emg2vsa fit P01_S1.csv --emg EDC --emg FDS --force Fz --sign -1",
     )
     parser.add_argument(
-        "file", type=Path, metavar="FILE", help="recording: CSV, EMGworks, Discover, C3D, EDF, BDF, .mat"
+        "file", type=Path, metavar="FILE", help="recording: CSV, text, EMGworks, Discover, C3D, EDF, BDF, .mat"
     )
     channels = parser.add_argument_group("channels")
     channels.add_argument(
@@ -34,7 +34,9 @@ def add_to(commands: Commands) -> None:
         "--force-file", type=Path, metavar="FILE", help="second file that holds the force, same clock"
     )
     channels.add_argument("--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, where the file states none")
-    channels.add_argument("--gain", type=float, default=1.0, help="amplifier gain to divide the EMG by (default 1)")
+    channels.add_argument(
+        "--gain", type=float, default=1.0, metavar="X", help="amplifier gain to divide the EMG by (default 1)"
+    )
     channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, where the file states none")
     channels.add_argument("--newtons-per-unit", type=float, metavar="X", help="newtons per stored unit (counts, %%MVC)")
     channels.add_argument(
@@ -73,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"file": str(arguments.file), "notes": list(trials.notes), "trials": _rows(trials, fits)})
     else:
         _print(trials, fits)
-    return 0
+    return 0 if trials.repetition.size else 1
 
 
 def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -129,7 +131,8 @@ def _list_channels(arguments: argparse.Namespace) -> int:
         print(f"  {channel.name:<{width}}  {channel.unit or 'no unit':<10} {rate:>14} {channel.n_samples:>9} samples")
     for note in opened.contents.notes:
         print(f"note: {note}")
-    print("To fit, name the channels: --emg CHANNEL --force CHANNEL")
+    absent = [*([] if arguments.emg else ["--emg CHANNEL"]), *([] if arguments.force else ["--force CHANNEL"])]
+    print(f"To fit, add {' and '.join(absent)}; more muscles: --emg again")
     return 0
 
 
@@ -147,17 +150,22 @@ def _rows(trials: Trials, fits: Fits) -> list[dict[str, Any]]:
 def _print(trials: Trials, fits: Fits) -> None:
     rows = _rows(trials, fits)
     ok = sum(row["verdict"] == "ok" for row in rows)
-    print(f"{len(rows)} press{'es' if len(rows) != 1 else ''} found, {ok} ok; v = a + b log(F / N), v in microvolts")
+    print(f"{len(rows)} press{'es' if len(rows) != 1 else ''} found, {ok} ok; v = a + b ln(F / 1 N), in microvolts")
+    if rows:
+        _print_table(rows)
+    for note in trials.notes:
+        print(f"note: {note}")
+
+
+def _print_table(rows: list[dict[str, Any]]) -> None:
     head = ("press", "from s", "to s", "verdict", "a", "b", "b 95 % interval", "adj R2 bins", "samples", "n eff")
     print("{:>5} {:>8} {:>8} {:<9} {:>8} {:>8} {:>20} {:>11} {:>8} {:>6}".format(*head))
     for row in rows:
         interval = f"{row['b_lo_v'] * 1e6:.3g} to {row['b_hi_v'] * 1e6:.3g}"
         print(
             f"{row['repetition']:>5} {row['start_s']:>8.3f} {row['stop_s']:>8.3f} {row['verdict']:<9} "
-            f"{row['a_v'] * 1e6:>8.3f} {row['b_v'] * 1e6:>8.3f} {interval:>20} "
+            f"{row['a_v'] * 1e6:>8.4g} {row['b_v'] * 1e6:>8.4g} {interval:>20} "
             f"{row['adj_r2_bins']:>11.3f} {row['adj_r2_samples']:>8.3f} {row['n_effective']:>6.0f}"
         )
         if row["reason"]:
             print(f"      {row['reason']}")
-    for note in trials.notes:
-        print(f"note: {note}")

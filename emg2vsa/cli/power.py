@@ -18,12 +18,21 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("--participants", type=int, default=14, metavar="N", help="people (default 14)")
     parser.add_argument("--measurements", type=int, default=10, metavar="M", help="repeated measurements (default 10)")
-    parser.add_argument("--effect", type=float, default=0.25, metavar="F", help="Cohen's f (default 0.25)")
-    parser.add_argument("--rho", type=float, default=0.5, help="correlation between measurements (default 0.5)")
-    parser.add_argument("--epsilon", type=float, default=1.0, help="non-sphericity correction (default 1)")
-    parser.add_argument("--alpha", type=float, default=0.05, help="significance level (default 0.05)")
-    parser.add_argument("--target", type=float, default=0.8, help="wanted power (default 0.8)")
-    parser.add_argument("--convention", choices=("gpower", "spss"), default="gpower", help="meaning of f")
+    parser.add_argument("--effect", type=float, default=0.25, metavar="F", help="effect size, Cohen's f (default 0.25)")
+    parser.add_argument(
+        "--rho", type=float, default=0.5, metavar="R", help="correlation between measurements (default 0.5)"
+    )
+    parser.add_argument(
+        "--epsilon", type=float, default=1.0, metavar="E", help="non-sphericity, 1/(M-1) to 1 (default 1: spherical)"
+    )
+    parser.add_argument("--alpha", type=float, default=0.05, metavar="P", help="significance level (default 0.05)")
+    parser.add_argument("--target", type=float, default=0.8, metavar="P", help="wanted power (default 0.8)")
+    parser.add_argument(
+        "--convention",
+        choices=("gpower", "spss"),
+        default="gpower",
+        help="what f means: G*Power's default, or SPSS's (default gpower)",
+    )
     parser.add_argument("--sensitivity", action="store_true", help="add a table of power over rho and epsilon")
     add_json(parser)
 
@@ -52,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
             }
         )
         return 0
-    print(f"power {power:.12f} with {n} participants measured {m} times each")
+    print(f"power {power:.4f} with {n} participants measured {m} times each")
     print(f"participants needed for power {arguments.target:g}: {needed or 'more than a million'}")
     if arguments.sensitivity:
         print("power (participants needed) over rho (down) and epsilon (across)")
@@ -60,5 +69,5 @@ def run(arguments: argparse.Namespace) -> int:
         for rho, powers, people in zip(table.rho, table.power, table.people, strict=True):
             cells = (f"{p:.4f} ({k or '>1e6'})" for p, k in zip(powers, people, strict=True))
             print(f"{rho:<7.2f}" + "".join(f"{cell:>16}" for cell in cells))
-    print(MEANING)
+    print(f"The paper's design: {MEANING}")
     return 0

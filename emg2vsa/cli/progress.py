@@ -34,7 +34,6 @@ class Screen:
         self._done += 1
         if state.status == "failed":
             self._failed += 1
-            self._line(f"FAILED {state.step.id}: {state.message}")
         elif self.explain and state.reasons:
             self._line(f"{state.step.id}: {shortened(state.reasons)}")
         self._draw()

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import argparse
 
-from emg2vsa.cli.arguments import Commands, add_command, add_jobs, add_json, add_study, jobs_of, print_json
+from emg2vsa.cli.arguments import (
+    Commands,
+    add_command,
+    add_jobs,
+    add_json,
+    add_study,
+    jobs_of,
+    print_json,
+    say_not_used,
+)
 
 
 def add_to(commands: Commands) -> None:
@@ -29,8 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json({"files": [str(path) for path in [*files, *pages]], "failed": failed})
     else:
-        for message in failed:
-            print(f"The report could not be written: {message}")
+        say_not_used(board)
         for path in files:
             print(path)
         print(f"and {len(pages)} participant page{'s' if len(pages) != 1 else ''} beside it")

@@ -5,13 +5,29 @@ from __future__ import annotations
 import argparse
 import time
 
-from emg2vsa.cli.arguments import Commands, add_command, add_jobs, add_json, add_study, jobs_of, print_json
+from emg2vsa.cli.arguments import (
+    Commands,
+    add_command,
+    add_jobs,
+    add_json,
+    add_study,
+    jobs_of,
+    print_json,
+    say_not_used,
+)
 
 STAGE_NAMES = ("trials", "fits", "hypotheses", "profiles", "schedules", "pages", "report")
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(commands, "run", run, "Run a study: recordings in, fits, tests, schedules and report out.")
+    parser = add_command(
+        commands,
+        "run",
+        run,
+        "Run a study: recordings in, fits, tests, schedules and report out.",
+        "Only stale steps run; a stopped run goes on where it was. A recording that cannot be used is named and left "
+        "out. Exit status 0: the study's own steps are done; 1: one of them failed; 2: the study file has problems.",
+    )
     add_study(parser)
     parser.add_argument("--only", choices=STAGE_NAMES, metavar="STAGE", help=f"stop after: {', '.join(STAGE_NAMES)}")
     parser.add_argument("--explain", action="store_true", help="say for every step why it runs")
@@ -45,8 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
             }
         )
     else:
-        for item, stage, message in failures:
-            print(f"not used: {item} ({stage}): {message}")
+        say_not_used(board)
         seconds = time.monotonic() - start
         print(f"{study.name}: {len(ran)} steps run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s")
         if arguments.only in {None, "report"} and not study_failed:

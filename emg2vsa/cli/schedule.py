@@ -3,13 +3,33 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from emg2vsa.cli.arguments import Commands, add_command, add_jobs, add_json, add_study, jobs_of, print_json
+from emg2vsa.cli.arguments import (
+    Commands,
+    add_command,
+    add_jobs,
+    add_json,
+    add_study,
+    jobs_of,
+    print_json,
+    say_not_used,
+)
+
+if TYPE_CHECKING:
+    from emg2vsa.schedules import Schedule
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(commands, "schedule", run, "Export stiffness schedules (CSV and JSON) for the actuator.")
+    parser = add_command(
+        commands,
+        "schedule",
+        run,
+        "Export the stiffness schedules of a study (CSV and JSON) for the actuator.",
+        "Stale steps up to the schedules run first. Every file is checked against the limits before it is written.",
+    )
     add_study(parser)
     parser.add_argument("--specimen", action="append", default=[], metavar="NAME", help="only these specimens; repeat")
     parser.add_argument(
@@ -40,22 +60,16 @@ def run(arguments: argparse.Namespace) -> int:
         raise ScheduleError(
             arguments.study, wanted="schedules", found="none", do=message or "Run emg2vsa status --explain."
         )
-    chosen = [
-        schedule
-        for schedule in artifacts.load(made[0])
-        if (not arguments.specimen or schedule.specimen in arguments.specimen)
-        and (not arguments.condition or schedule.condition in arguments.condition)
-    ]
-    if not chosen:
-        raise ScheduleError(
-            arguments.study, wanted=f"a schedule of {', '.join(arguments.specimen) or 'any specimen'}", found="none",
-            do="Name specimens of the study's [profile] table.",
-        )  # fmt: skip
+    schedules = artifacts.load(made[0])
+    specimens = _chosen(arguments, "specimen", schedules, "See specimens and new_specimen of its [profile] table.")
+    conditions = _chosen(arguments, "condition", schedules, "See conditions of its [schedule] table.")
+    chosen = [s for s in schedules if s.specimen in specimens and s.condition in conditions]
     folder = arguments.out or study.reports / "schedules"
     files = [path for schedule in chosen for path in write_schedule(folder, schedule)]
     if arguments.json:
         print_json({"files": [str(path) for path in files]})
     else:
+        say_not_used(board)
         for schedule in chosen:
             low, high = schedule.stiffness_percent.min(), schedule.stiffness_percent.max()
             steps = schedule.stiffness_percent.size
@@ -64,3 +78,16 @@ def run(arguments: argparse.Namespace) -> int:
             )
         print(f"{len(files)} files in {folder}")
     return 0
+
+
+def _chosen(arguments: argparse.Namespace, what: str, schedules: Sequence[Schedule], do: str) -> list[str]:
+    """The specimens or conditions asked for, or all; ScheduleError where the study has no schedule of one."""
+    from emg2vsa.errors import ScheduleError
+
+    there = list(dict.fromkeys(getattr(schedule, what) for schedule in schedules))
+    asked: list[str] = getattr(arguments, what)
+    absent = [name for name in asked if name not in there]
+    if absent:
+        wanted, found = f"{what}s with a schedule ({', '.join(there)})", ", ".join(absent)
+        raise ScheduleError(arguments.study, wanted=wanted, found=found, do=do)
+    return asked or there

@@ -20,7 +20,10 @@ def add_to(commands: Commands) -> None:
     add_study(parser)
     parser.add_argument("--out", type=Path, metavar="DIR", help="another folder (default: the study's own data folder)")
     parser.add_argument(
-        "--format", choices=("bids", "csv", "emgworks", "c3d"), default="bids", help="file format (default: bids)"
+        "--format",
+        choices=("bids", "csv", "emgworks", "c3d"),
+        default="bids",
+        help="file format (default: bids; choose the one that the [recordings] table of the study expects)",
     )
     parser.add_argument("--seed", type=int, metavar="N", help="another seed than the study's")
     parser.add_argument("--force", action="store_true", help="replace recordings that are there")

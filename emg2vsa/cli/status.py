@@ -9,9 +9,16 @@ from emg2vsa.cli.arguments import Commands, add_command, add_json, add_study, pr
 
 
 def add_to(commands: Commands) -> None:
-    parser = add_command(commands, "status", run, "Say which steps of a study are fresh, stale or failed.")
+    parser = add_command(
+        commands,
+        "status",
+        run,
+        "Say which steps of a study are fresh, stale, failed or blocked; nothing is computed.",
+        "Fresh: its result is there. Stale: emg2vsa run would do it. Failed: its input must change first. Blocked: the "
+        "step before it failed. The exit status is 0 in each case.",
+    )
     add_study(parser)
-    parser.add_argument("--explain", action="store_true", help="list every stale or failed step with its reasons")
+    parser.add_argument("--explain", action="store_true", help="list every step that is not fresh, with its reasons")
     add_json(parser)
 
 

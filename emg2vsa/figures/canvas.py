@@ -97,7 +97,8 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
     head, rest = body.split(">", 1)
     width_pt = float(re.search(r' width="([0-9.]+)pt"', head)[1])  # type: ignore[index]
     head = re.sub(r' (width|height)="[^"]*"', "", head)
-    named = f'style="max-width:{_ON_SCREEN * width_pt:.0f}pt" role="img" aria-labelledby="{prefix}-title {prefix}-desc"'
+    widths = f"max-width:{_ON_SCREEN * width_pt:.0f}pt;min-width:{width_pt:.0f}pt"
     return (
-        f'{head} {named}><title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
+        f'{head} style="{widths}" role="img" aria-labelledby="{prefix}-title {prefix}-desc">'
+        f'<title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
     )

@@ -10,7 +10,8 @@ from emg2vsa.pipeline.tasks import Ended, guarded
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import CocontractionSettings, FitSettings
 from emg2vsa.study import RecordingEntry
-from emg2vsa.trials import Trials, extract_trials
+from emg2vsa.trials import Trials
+from emg2vsa.trials.extract import extract_trials
 
 
 def trials_of(entry: RecordingEntry, cocontraction: CocontractionSettings) -> Trials:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from emg2vsa.pipeline.fingerprint import Fingerprints, as_json, digest, library_versions
 from emg2vsa.pipeline.ledger import Parts
-from emg2vsa.readers.formats import reader_module
 from emg2vsa.readers.bids_sidecars import side_file_paths
+from emg2vsa.readers.formats import reader_module
 from emg2vsa.study import RecordingEntry, Study
 
 FAILED = "failed"
@@ -32,7 +32,7 @@ STAGES = {
     stage.name: stage
     for stage in (
         Stage(
-            "trials", (), "recording", ("emg2vsa.trials", "emg2vsa.readers.roles"),
+            "trials", (), "recording", ("emg2vsa.trials.extract", "emg2vsa.readers.roles"),
             ("numpy", "scipy", "edfio", "ezc3d", "pandas", "pymatreader"),
         ),
         Stage("fits", ("trials",), "recording", ("emg2vsa.fits",), ("numpy", "scipy")),

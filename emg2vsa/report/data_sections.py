@@ -14,7 +14,7 @@ from emg2vsa.report.paper_comparison import PROVENANCE
 from emg2vsa.report.quantities import Quantity
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import bounded, count, number, p_text, percent
+from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
 
 
 def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
@@ -25,11 +25,12 @@ def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
         (f"{found['trials.rejected']}", "trials rejected"),
         (f"{found['fit.used']}", "trials in the tests"),
     ]
-    if "hypotheses.worst_p" in found:
-        kept = ", ".join(str(found["hypotheses.kept"]).split())
-        tiles.append((p_text(float(found["hypotheses.worst_p"])), f"worst pair among {kept}"))
+    tested = results.hypotheses
+    if tested is not None and tested.worst_pair:
+        tiles.append((p_text(tested.worst_p), f"worst pair among {listed(tested.kept)}"))
     if "recovery.mean_b_error" in found:
-        tiles.append((percent(float(found["recovery.mean_b_error"]), 2), "mean error of b against the truth"))
+        error, mcse = (100 * float(found[f"recovery.mean_b_error{suffix}"]) for suffix in ("", "_mcse"))
+        tiles.append((f"{error:.2f} ± {mcse:.2f} %", "mean error of b against the truth"))
     shown = "".join(f"<li><b>{escape(value)}</b>{escape(name)}</li>" for value, name in tiles)
     strong, text = PROVENANCE[results.simulated]
     return html.statement("usable" if results.simulated else "", strong, text) + f'<ul class="tiles">{shown}</ul>\n'
@@ -93,7 +94,8 @@ def _rejected(results: StudyResults) -> str:
             for i in these
         )
         listing = Table(verdict, f"Trials {verdict}, with reasons", columns, rows).html()
-        blocks += html.details(f"The {count(these.size, 'trial')} and {count(len(reasons), 'reason')}", listing)
+        frequent = "; ".join(f"{reason} ({n})" for reason, n in reasons.most_common(5))
+        blocks += html.paragraph(f"Most frequent reasons: {frequent}.", "small") + html.details("All of them", listing)
     return blocks
 
 
@@ -141,7 +143,7 @@ def _recovery(results: StudyResults, found: Mapping[str, Quantity], tables: Mapp
         f"Over {found['recovery.n']} trials whose truth is known, fitted b is off by "
         f"{percent(value['mean_b_error'], 2)} on average (Monte-Carlo standard error "
         f"{percent(value['mean_b_error_mcse'], 2)}), with a standard deviation of {percent(value['sd_b_error'], 2)}. "
-        f"{percent(value['coverage'])} of the {percent(value['confidence'])} intervals hold the true b (Monte-Carlo "
+        f"{percent(value['coverage'])} of the {100 * value['confidence']:g} % intervals hold the true b (Monte-Carlo "
         f"standard error {percent(value['coverage_mcse'], 2)})."
     )
     return html.heading("Against the truth of the simulation") + html.paragraph(text) + tables["recovery"].html()

@@ -26,8 +26,8 @@ def hypotheses(results: StudyResults, found: Mapping[str, Quantity], tables: Map
         title,
         html.paragraph(f"All tests are on the slopes b, at alpha = {tested.alpha:g}."),
         _normality(tested, found, tables),
-        _between_participants(tested, tables),
-        _between_specimens(tested, tables),
+        _between_participants(tested, found, tables),
+        _between_specimens(tested, found, tables),
         _power(tested, found),
         html.heading("Notes of the tests") + html.bullets(tested.notes) if tested.notes else "",
     )
@@ -40,16 +40,12 @@ def _claim(title: str, claim: str, test: str, result: str, mind: str, table: str
 
 
 def _normality(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
-    n, key = tested.normality.n.size, "hypotheses.normality"
-    if not n:
-        result = "There is no cluster to test."
+    key = "hypotheses.normality"
+    if found[f"{key}.raw.tested"]:
+        parts = {kind: _deviating(found, f"{key}.{kind}") for kind in ("standardised", "raw")}
+        result = f"Standardised: {parts['standardised']}. Raw: {parts['raw']}."
     else:
-        smallest = {kind: p_text(float(found[f"{key}.{kind}.smallest_p"])) for kind in ("standardised", "raw")}
-        result = (
-            f"Standardised: {found[f'{key}.standardised.significant']} of {n} clusters deviate (smallest "
-            f"{smallest['standardised']}). Raw: {found[f'{key}.raw.significant']} of {n} deviate (smallest "
-            f"{smallest['raw']})."
-        )
+        result = "There is no cluster to test."
     return _claim(
         "Is each cluster Gaussian?",
         "The slopes of one participant on one specimen come from a Gaussian distribution.",
@@ -59,21 +55,28 @@ def _normality(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mappin
         result,
         "Standardising by the sample's own mean and standard deviation makes p far too large, so passing says next to "
         "nothing about shape; the raw test of small positive numbers always rejects.",
-        html.details("Every cluster", tables["normality"].html()) if n else "",
+        html.details("Every cluster", tables["normality"].html()),
     )
 
 
-def _between_participants(tested: Hypotheses, tables: Mapping[str, Table]) -> str:
-    anova = tested.between_participants
-    if anova.p.size:
-        worst = int(np.nanargmin(np.where(np.isnan(anova.p), np.inf, anova.p)))
+def _deviating(found: Mapping[str, Quantity], test: str) -> str:
+    if not found[f"{test}.tested"]:
+        return "no cluster is large enough"
+    smallest = p_text(float(found[f"{test}.smallest_p"]))
+    return f"{found[f'{test}.significant']} of {found[f'{test}.tested']} clusters deviate (smallest {smallest})"
+
+
+def _between_participants(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+    anova, key = tested.between_participants, "hypotheses.between_participants"
+    if found[f"{key}.tested"]:
+        worst = int(np.nanargmin(anova.p))
         said = f_text(*(float(getattr(anova, name)[worst]) for name in ("f", "df1", "df2", "p", "eta2")))
         result = (
-            f"Participants differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} "
+            f"Participants differ significantly for {found[f'{key}.significant']} of {found[f'{key}.tested']} "
             f"specimens. Smallest p: {anova.specimen[worst]}, {said}."
         )
     else:
-        result = "Not tested: this takes two participants or more."
+        result = "Not tested: this takes usable trials of two participants or more."
     return _claim(
         "Do participants differ?",
         "People palpate the same specimen with the same slope.",
@@ -81,21 +84,21 @@ def _between_participants(tested: Hypotheses, tables: Mapping[str, Table]) -> st
         result,
         "A test that finds no difference does not show that there is none: it only bounds how large a difference could "
         "have been missed.",
-        tables["anova_participants"].html() if anova.p.size else "",
+        tables["anova_participants"].html() if found[f"{key}.tested"] else "",
     )
 
 
-def _between_specimens(tested: Hypotheses, tables: Mapping[str, Table]) -> str:
-    anova, pairs = tested.between_specimens, tested.pairs
-    if anova.p.size:
+def _between_specimens(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+    key, shown = "hypotheses.between_specimens", ""
+    if found[f"{key}.tested"]:
         result = (
-            f"Specimens differ significantly for {np.count_nonzero(anova.p < tested.alpha)} of {anova.p.size} "
+            f"Specimens differ significantly for {found[f'{key}.significant']} of {found[f'{key}.tested']} "
             f"participants. {_worst(tested)}"
         )
         shown = html.details("ANOVA of every participant", tables["anova_specimens"].html())
-        shown += html.details(f"All {pairs.p.size} pairs", tables["lsd_pairs"].html())
+        shown += html.details(f"All {tested.pairs.p.size} pairs", tables["lsd_pairs"].html())
     else:
-        result, shown = "Not tested: this takes two specimens or more.", ""
+        result = "Not tested: this takes usable trials on two specimens or more."
     return _claim(
         "Do specimens differ?",
         f"For every participant, {listed(tested.kept)} have different slopes.",

@@ -105,8 +105,8 @@ def _segmentation(w: WindowSettings) -> str:
     low, high = w.force_n
     return (
         f"A trial is the loading phase from {low:g} to {high:g} N; trials shorter than {w.min_duration_s:g} s, longer "
-        f"than {w.max_duration_s:g} s, with more than {100 * w.max_falling_share:g} % of the force path falling, or with "
-        f"a clipped channel (more than {100 * w.clip_share:g} % of samples) were rejected."
+        f"than {w.max_duration_s:g} s, with more than {100 * w.max_falling_share:g} % of the force path falling, or "
+        f"with a clipped channel (more than {100 * w.clip_share:g} % of samples) were rejected."
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.quantities import Quantity
+from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Cell, Column, Table
 from emg2vsa.report.wording import bounded, listed, number, percent
 
@@ -23,7 +24,7 @@ PROVENANCE = {
 
 def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Table:
     """Quantity, the paper's value, ours, and what to mind; ours is missing where its stage failed."""
-    rows = [*_curves(found), *_tests(found), *_new_specimen(results, found), *_design(results, found)]
+    rows = [*_curves(found), *_tests(results, found), *_new_specimen(results, found), *_design(results, found)]
     columns = (Column("quantity", "Quantity"), Column("paper", "Paper"), Column("here", "Here"), Column("mind", "Mind"))
     source = "simulated data" if results.simulated else "recorded data"
     return Table("paper_comparison", f"The paper's numbers beside ours ({source})", columns, tuple(rows))
@@ -32,7 +33,7 @@ def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Ta
 def _curves(found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
     worst = [_share(found, f"fit.adj_r2_{stage}.min") for stage in ("samples", "bins")]
     return [
-        ("fitted curves", "700", f"{found['fit.curves']}", f"{found['fit.used']} of {found['trials.total']} trials used"),
+        ("fitted curves", "700", str(found["fit.curves"]), f"{found['fit.used']} used, {found['trials.total']} found"),
         (
             "worst adjusted R² of the logarithmic fit", ".832", f"{worst[0]} on samples, {worst[1]} on bins",
             "the paper does not say how smooth its curves were; R² depends on it",
@@ -40,26 +41,19 @@ def _curves(found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
     ]  # fmt: skip
 
 
-def _tests(found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
-    if "hypotheses.worst_p" not in found:
+def _tests(results: StudyResults, found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
+    if results.hypotheses is None:
         return []
-    normal = "hypotheses.normality"
-    rejected = f"{found[f'{normal}.standardised.significant']} of {found[f'{normal}.clusters']} (standardised)"
+    kept, pair = results.hypotheses.kept, results.hypotheses.worst_pair
+    normal = {kind: _of_tested(found, f"hypotheses.normality.{kind}") for kind in ("standardised", "raw")}
+    different = _of_tested(found, "hypotheses.between_participants")
+    which = f"raw N(0, 1) test: {normal['raw']}; the paper does not say which of the two it ran"
+    whose = f"{pair}; LSD without correction" if pair else "no pair could be tested"
     return [
-        (
-            "clusters of b that are not Gaussian", "0 of 70", rejected,
-            f"raw N(0, 1) test: {found[f'{normal}.raw.significant']}; the paper does not say which of the two it ran",
-        ),
-        (
-            "specimens for which participants differ", "0 of 5",
-            f"{found['hypotheses.between_participants.significant']} of {_count(found, 'between_participants')}",
-            "not finding a difference does not show equality",
-        ),
-        (
-            f"worst p among {listed(str(found['hypotheses.kept']).split())}", ".0391 (S1, S3 and S5)",
-            _p(found["hypotheses.worst_p"]), f"{found['hypotheses.worst_pair']}; LSD without correction" ,
-        ),
-    ]  # fmt: skip
+        ("clusters of b that are not Gaussian", "0 of 70", f"{normal['standardised']} (standardised)", which),
+        ("specimens for which participants differ", "0 of 5", different, "no difference found is not equality shown"),
+        (f"worst p among {listed(kept)}", ".0391 (S1, S3 and S5)", _p(results.hypotheses.worst_p), whose),
+    ]
 
 
 def _new_specimen(results: StudyResults, found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
@@ -76,11 +70,11 @@ def _new_specimen(results: StudyResults, found: Mapping[str, Quantity]) -> list[
         )
     ]
     if f"{name}.rmse_v" in found:
-        unit = f" {results.fits.activity_unit}" if results.fits.activity_unit == "V" else ""
-        rmse, relative = float(found[f"{name}.rmse_v"]), float(found[f"{name}.rmse_relative"])
+        scale, relative = scale_of(results), float(found[f"{name}.rmse_relative"])
+        rmse = f"{number(float(found[f'{name}.rmse_v']) * scale.factor)} {scale.unit}"
         rows.append(
             (
-                "interpolated profile against measured, RMSE", "0.0002 V", f"{number(rmse)}{unit}",
+                "interpolated profile against measured, RMSE", "0.0002 V (200 µV)", rmse,
                 f"{percent(relative)} of the measured level; volts depend on electrodes and gain, the share does not",
             )
         )  # fmt: skip
@@ -98,14 +92,13 @@ def _design(results: StudyResults, found: Mapping[str, Quantity]) -> list[tuple[
     ]
 
 
-def _count(found: Mapping[str, Quantity], test: str) -> int:
-    return sum(key.startswith(f"hypotheses.{test}.") and key.endswith(".df1") for key in found)
+def _of_tested(found: Mapping[str, Quantity], test: str) -> str:
+    return f"{found[f'{test}.significant']} of {found[f'{test}.tested']}"
 
 
 def _share(found: Mapping[str, Quantity], key: str) -> str:
     return bounded(float(found.get(key, np.nan)))
 
 
-def _p(p: Quantity) -> str:
-    p = float(p)
+def _p(p: float) -> str:
     return bounded(p, 4) if p >= 1e-4 or np.isnan(p) else number(p, 2)

@@ -61,7 +61,7 @@ class PlotArea:
     def axes(self, x_label: str, y_label: str) -> str:
         """Grid, ticks and labels."""
         bottom, right = self.height - self.bottom, self.width - self.right
-        x_ticks, y_ticks = ticks(*self.x_range, most=9), ticks(*self.y_range, most=5)
+        x_ticks, y_ticks = ticks(*self.x_range, most=9), ticks(*self.y_range, most=6)
         xs, ys = self.x(np.array(x_ticks)).astype(int), self.y(np.array(y_ticks)).astype(int)
         grid = "".join(f"M{self.left} {y}H{right}" for y in ys)
         marks = "".join(f"M{x} {bottom}v8" for x in xs)
@@ -76,7 +76,8 @@ class PlotArea:
     def svg(self, body: str, name: str, title: str, description: str) -> str:
         """The drawing, with a name and words for those who do not see it."""
         return (
-            f'<svg viewBox="0 0 {self.width} {self.height}" style="max-width:{self.width * _SHOWN:.0f}px" role="img" '
+            f'<svg viewBox="0 0 {self.width} {self.height}" style="max-width:{self.width * _SHOWN:.0f}px;'
+            f'min-width:{self.width * _SHOWN * 0.7:.0f}px" role="img" '
             f'aria-labelledby="{name}-t {name}-d" fill="none" '
             f'stroke-width="2" font-size="{_TEXT}"><title id="{name}-t">{escape(title)}</title>'
             f'<desc id="{name}-d">{escape(description)}</desc>{body}</svg>'

@@ -76,18 +76,18 @@ def _hypotheses(results: StudyResults) -> Items:
     if found is None:
         return
     yield "hypotheses.alpha", found.alpha
-    yield "hypotheses.kept", " ".join(found.kept)
+    yield "hypotheses.kept", ", ".join(found.kept)
     yield "hypotheses.worst_p", found.worst_p
     yield "hypotheses.worst_pair", found.worst_pair
     yield from _normality(found)
     between = found.between_participants
-    yield "hypotheses.between_participants.significant", int(np.count_nonzero(between.p < found.alpha))
+    yield from _how_many("hypotheses.between_participants", between.p, found.alpha)
     yield "hypotheses.between_participants.smallest_p", _least(between.p)
     for i, specimen in enumerate(between.specimen.tolist()):
         for name in ("f", "df1", "df2", "p", "eta2"):
             yield f"hypotheses.between_participants.{specimen}.{name}", getattr(between, name)[i].item()
     within = found.between_specimens
-    yield "hypotheses.between_specimens.significant", int(np.count_nonzero(within.p < found.alpha))
+    yield from _how_many("hypotheses.between_specimens", within.p, found.alpha)
     yield "hypotheses.between_specimens.largest_p", _most(within.p)
     for i, participant in enumerate(within.participant.tolist()):
         for name in ("f", "df1", "df2", "p", "eta2"):
@@ -100,11 +100,16 @@ def _hypotheses(results: StudyResults) -> Items:
 
 def _normality(found: Hypotheses) -> Items:
     normality = found.normality
-    yield "hypotheses.normality.clusters", int(normality.n.size)
+    yield "hypotheses.normality.clusters", int(np.count_nonzero(normality.n))
     for kind in ("standardised", "raw"):
-        p = getattr(normality, f"p_{kind}")
-        yield f"hypotheses.normality.{kind}.significant", int(np.count_nonzero(p < found.alpha))
+        p = np.where(normality.n > 0, getattr(normality, f"p_{kind}"), np.nan)
+        yield from _how_many(f"hypotheses.normality.{kind}", p, found.alpha)
         yield f"hypotheses.normality.{kind}.smallest_p", _least(p)
+
+
+def _how_many(name: str, p: Floats, alpha: float) -> Items:
+    yield f"{name}.tested", int(np.count_nonzero(np.isfinite(p)))
+    yield f"{name}.significant", int(np.count_nonzero(p < alpha))
 
 
 def _power(results: StudyResults) -> Items:

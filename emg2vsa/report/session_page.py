@@ -77,15 +77,19 @@ def _heading(judged: SpecimenVerdict) -> str:
 
 def _recording(study: Study, trials: Trials, fits: Fits, colour: str, scale: ActivityScale, name: str) -> str:
     own = _rows(fits, fits.specimen == trials.specimen)
-    window_n = next(e.window.force_n for e in study.recordings if e.specimen == trials.specimen)
+    key = f"{trials.participant}/{trials.specimen}"
+    window_n = next(entry.window.force_n for entry in study.recordings if entry.key == key)
     body = html.figure(
         force_trace(trials, window_n, f"{name}f"), "Force over time. Loading phases are shaded and numbered."
     )
-    if own.b_v.size:
+    if not np.isfinite(own.bin_v).any():
+        body += html.paragraph("No press has co-contraction within the force window, so there is no curve to show.")
+    else:
         dashed = "solid: ok; dashed: warned; dotted: rejected"
         body += html.figure(
             activity_plot(own, colour, scale, f"{name}v"), f"Force bins and fits v = a + b ln F. Curves: {dashed}."
         )
+    if own.b_v.size:
         body += _table(trials, own, scale).html()
     return body + html.details("Signal quality and processing", _quality(trials))
 
@@ -100,19 +104,13 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("repetition", "Press"), Column("start_s", "Start (s)", digits=4), Column("duration_s", "Lasts (s)"),
         Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling (%)", 100.0, 2),
         Column("snr_db", "SNR (dB)"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
-        Column("interval", f"{100 * fits.confidence:g} % interval"), Column("adj_r2_bins", "adj. R², bins"),
+        activity_column("b_lo_v", f"{100 * fits.confidence:g} %: from", scale), activity_column("b_hi_v", "to", scale),
+        Column("adj_r2_bins", "adj. R², bins"),
         Column("adj_r2_samples", "samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
     rows = []
     for i in range(fits.b_v.size):
-        low, high = (number(float(end[i]) * scale.factor) for end in (fits.b_lo_v, fits.b_hi_v))
-        given = {"interval": f"{low} to {high}", "verdict": str(fits.verdict[i]), "reason": str(fits.reason[i])}
-        rows.append(
-            tuple(
-                given[c.key] if c.key in given else getattr(fits if hasattr(fits, c.key) else trials, c.key)[i].item()
-                for c in columns
-            )
-        )
+        rows.append(tuple(getattr(fits if hasattr(fits, c.key) else trials, c.key)[i].item() for c in columns))
     return Table("presses", f"Presses on {trials.specimen}", columns, tuple(rows))
 
 

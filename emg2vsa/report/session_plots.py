@@ -15,6 +15,7 @@ MARKS = {"ok": "", "warned": "!", "rejected": "×"}
 _DASHES = {"ok": "", "warned": ' stroke-dasharray="14 6"', "rejected": ' stroke-dasharray="4 8"'}
 _TRACE_POINTS = 900
 _CURVE_POINTS = 12
+_LABEL_WIDTH = 45
 
 PATTERNS = (
     '<svg width="0" height="0" style="position:absolute" aria-hidden="true"><defs>'
@@ -45,14 +46,17 @@ def force_trace(trials: Trials, window_n: tuple[float, float], name: str) -> str
     x_range = (float(time_s[0]), float(time_s[-1])) if time_s.size > 1 else (0.0, 1.0)
     area = PlotArea(x_range, (min(0.0, float(known.min(initial=0.0))), top), width=1900, height=380)
     ceiling, floor = area.top, area.height - area.bottom
-    shades = []
+    shades, labelled = [], -_LABEL_WIDTH
     for i, verdict in enumerate(trials.verdict.tolist()):
         left, right = (int(area.x(float(at))) for at in (trials.start_s[i], trials.stop_s[i]))
         shades.append(
             f'<rect x="{left}" y="{ceiling}" width="{max(right - left, 3)}" height="{floor - ceiling}" '
             f'fill="url(#{verdict})"/>'
-            + text((left + right) // 2, ceiling - 6, f"{trials.repetition[i]}{MARKS[verdict]}", "middle", INK)
         )
+        middle = (left + right) // 2
+        if middle - labelled >= _LABEL_WIDTH:
+            shades.append(text(middle, ceiling - 6, f"{trials.repetition[i]}{MARKS[verdict]}", "middle", INK))
+            labelled = middle
     limits = "".join(f"M{area.left} {int(area.y(n))}H{area.width - area.right}" for n in window_n)
     body = (
         "".join(shades)

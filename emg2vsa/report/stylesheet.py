@@ -19,16 +19,16 @@ nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;list-style:none;padding:0;max-
 .say strong:first-child{font-size:1.1rem}
 .tiles{display:flex;flex-wrap:wrap;gap:.6rem;padding:0;margin:.8rem 0;list-style:none;max-width:none}
 .tiles li{border:1px solid var(--line);padding:.4rem .8rem;min-width:8rem}
-.tiles b{display:block;font-size:1.3rem}
+.tiles b{display:block;font-size:1.2rem}
 figure{margin:1rem 0}
 figure svg{display:block;width:100%;height:auto}
 .wide{overflow-x:auto}
-figure .wide svg{min-width:34rem}
+@media(max-width:40rem){.wide table{min-width:34rem}}
 table{border-collapse:collapse;font-size:.86rem;margin:.5rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;padding:.2rem 0}
 th,td{padding:.15rem .6rem .15rem 0;text-align:left;vertical-align:top}
 th{border-bottom:1px solid var(--ink);vertical-align:bottom}
-td{border-bottom:1px solid #e6e6e6}
+td,tbody th{border-bottom:1px solid #e6e6e6;font-weight:inherit}
 .n{text-align:right}
 details{margin:.5rem 0}
 summary{cursor:pointer;color:var(--link)}

@@ -74,7 +74,7 @@ class Table:
             for column, kind in zip(self.columns, classes, strict=True)
         )
         body = "\n".join(
-            "<tr>" + "".join(cell[kind] + escape(text) for kind, text in zip(classes, cells, strict=True))
+            "<tr>" + "".join(cell[kind] + escape(text) for kind, text in zip(classes, cells, strict=True)) + "</tr>"
             for cells in self._shown_rows()
         )
         label = escape(self.caption)
@@ -104,7 +104,7 @@ _LATEX = {
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\ensuremath{<}", ">": r"\ensuremath{>}",
     "µ": r"\ensuremath{\mu}", "²": r"\ensuremath{^2}", "η": r"\ensuremath{\eta}", "κ": r"\ensuremath{\kappa}",
     "α": r"\ensuremath{\alpha}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}",
-    "−": r"\ensuremath{-}", "≤": r"\ensuremath{\le}",
+    "−": r"\ensuremath{-}", "≤": r"\ensuremath{\le}", "\N{NO-BREAK SPACE}": "~",
 }  # fmt: skip
 
 

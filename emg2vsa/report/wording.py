@@ -7,15 +7,16 @@ import re
 from collections.abc import Sequence
 
 UNDEFINED = "–"
+_SPACE = "\N{NO-BREAK SPACE}"
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """``digits`` significant digits; whole numbers in full."""
+    """``digits`` significant digits, zeros at the end kept; integers in full."""
     if value is None or math.isnan(value):
         return UNDEFINED
-    if isinstance(value, int) or (value == round(value) and abs(value) < 1e6):
+    if isinstance(value, int) or value == 0:
         return f"{value:.0f}"
-    return f"{value:.{digits}g}"
+    return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")
 
 
 def bounded(value: float, decimals: int = 3) -> str:
@@ -26,13 +27,14 @@ def bounded(value: float, decimals: int = 3) -> str:
 def p_text(p: float) -> str:
     """``p = .039``, ``p < .001``."""
     if math.isnan(p):
-        return "p not defined"
-    return "p < .001" if p < 0.001 else f"p = {bounded(p)}"
+        return f"p{_SPACE}not defined"
+    return f"p{_SPACE}<{_SPACE}.001" if p < 0.001 else f"p{_SPACE}={_SPACE}{bounded(p)}"
 
 
 def f_text(f: float, df1: float, df2: float, p: float, eta2: float) -> str:
     """``F(4, 45) = 5.23, p = .002, η² = .32``."""
-    return f"F({df1:.0f}, {df2:.0f}) = {f:.2f}, {p_text(p)}, η² = {bounded(eta2, 2)}"
+    shown = f"F({df1:.0f}, {df2:.0f}) = {f:.2f}, {p_text(p)}, η² = {bounded(eta2, 2)}"
+    return shown.replace(" = ", f"{_SPACE}={_SPACE}")
 
 
 def t_text(t: float, df: float, p: float) -> str:
@@ -42,7 +44,7 @@ def t_text(t: float, df: float, p: float) -> str:
 
 def percent(share: float, digits: int = 3) -> str:
     """A share as percent."""
-    return UNDEFINED if math.isnan(share) else f"{number(100 * share, digits)} %"
+    return UNDEFINED if math.isnan(share) else f"{number(100 * share, digits)}{_SPACE}%"
 
 
 def count(n: int, noun: str) -> str:

@@ -71,9 +71,11 @@ def _band_pass(band_hz: tuple[float, float], order: int, phase: Phase, fs_hz: fl
         found, do = f"{low:g} to {high:g} Hz at {fs_hz:g} Hz", "Give lower edge, then upper edge."
         raise SettingError("filters.band_hz", wanted=f"0 < lower < upper, lower < {half:g} Hz", found=found, do=do)
     if high < half:
-        sos = signal.butter(order, (low, high), "bandpass", fs=fs_hz, output="sos")
+        edges = one_pass_band_hz((low, high), order, phase, fs_hz)
+        sos = signal.butter(order, edges, "bandpass", fs=fs_hz, output="sos")
         return _described("EMG band-pass", sos, phase, fs_hz, math.sqrt(low * high), ())
-    sos = signal.butter(order, low, "highpass", fs=fs_hz, output="sos")
+    edge = _unwarped(_warped(low, fs_hz) * _narrowing(order, phase), fs_hz)
+    sos = signal.butter(order, edge, "highpass", fs=fs_hz, output="sos")
     rule = (
         f"NYQUIST RULE: upper edge {high:g} Hz is at or above half the EMG rate ({half:g} Hz) and cannot be built; "
         f"dropped, EMG is high-passed at {low:g} Hz"
@@ -90,8 +92,35 @@ def _low_pass(cutoff_hz: float, order: int, phase: Phase, fs_hz: float) -> IirFi
             found=f"{cutoff_hz:g} Hz",
             do="Lower it, or set force_filter = false.",
         )
-    sos = signal.butter(order, cutoff_hz, "lowpass", fs=fs_hz, output="sos")
+    edge = _unwarped(_warped(cutoff_hz, fs_hz) / _narrowing(order, phase), fs_hz)
+    sos = signal.butter(order, edge, "lowpass", fs=fs_hz, output="sos")
     return _described("force low-pass", sos, phase, fs_hz, 0.0, ())
+
+
+def one_pass_band_hz(band_hz: tuple[float, float], order: int, phase: Phase, fs_hz: float) -> tuple[float, float]:
+    """Edges to design one pass with, so that the whole run is 3.01 dB down at ``band_hz``.
+
+    Two passes of a plain design would be 6 dB down there, that is, 12.4 to 438 Hz for 10 to 450 Hz at 1000 Hz. The
+    prototype's bandwidth is widened about the same centre (Winter 2009, section 2.2.4.4, for the band-pass case).
+    """
+    low, high = (_warped(edge, fs_hz) for edge in band_hz)
+    width, centre = (high - low) / _narrowing(order, phase), low * high
+    upper = (width + math.sqrt(width**2 + 4 * centre)) / 2
+    return _unwarped(centre / upper, fs_hz), _unwarped(upper, fs_hz)
+
+
+def _narrowing(order: int, phase: Phase) -> float:
+    """How much all passes together narrow a Butterworth low-pass of one pass; 1 for a single pass."""
+    passes = 2 if phase == "zero-phase" else 1
+    return float((2 ** (1 / passes) - 1) ** (0.5 / order))
+
+
+def _warped(frequency_hz: float, fs_hz: float) -> float:
+    return math.tan(math.pi * frequency_hz / fs_hz)
+
+
+def _unwarped(warped: float, fs_hz: float) -> float:
+    return math.atan(warped) * fs_hz / math.pi
 
 
 def _described(
