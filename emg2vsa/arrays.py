@@ -49,4 +49,4 @@ def exponent_of(values: Floats) -> NDArray[np.int32]:
 
     |value| <= 2^e: rows scaled by 2^-e can be squared and summed without overflow or underflow, and without rounding.
     """
-    return np.frexp(np.max(np.abs(values), axis=-1, keepdims=True, initial=0.0))[1]
+    return np.asarray(np.frexp(np.max(np.abs(values), axis=-1, keepdims=True, initial=0.0))[1], dtype=np.int32)

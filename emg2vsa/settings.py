@@ -104,9 +104,14 @@ class CocontractionSettings:
     index: Literal["sum", "rudolph", "falconer-winter", "minimum"] = "sum"
     "sum (paper); Rudolph 2000; Falconer and Winter 1985; minimum ('wasted contraction')."
     normalise: Literal["none", "session-max", "mvc"] = "none"
-    "none: volts, comparable within one session only; session-max or mvc: fraction of that level."
+    "none: volts, comparable within one session only; session-max: fraction of the session's largest; mvc: of mvc_v."
     mvc_v: dict[str, Positive] = field(default_factory=dict)
     "Envelope level of the maximum voluntary contraction per muscle, volts; used by normalise = 'mvc'."
+
+    @property
+    def needs_session(self) -> bool:
+        """Whether a recording's activity depends on the participant's other recordings."""
+        return self.normalise == "session-max"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,7 +151,7 @@ class FitSettings:
     bin_n: Positive = 0.3
     "Width of the force bins, newtons."
     weights: Literal["inverse-variance", "none"] = "inverse-variance"
-    "inverse-variance: 1/v^2 of a first fit (the envelope's noise grows with its level); none: ordinary least squares."
+    "inverse-variance: samples over v^2 of the fit itself (noise grows with the level); none: ordinary least squares."
     robust: bool = False
     "Huber weights on top, for bursts and artefacts."
     confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
@@ -212,7 +217,10 @@ class ScheduleSettings:
     travel_mm: Positive = 15.0
     "Length of the position ramp."
     conditions: tuple[Literal["modular", "constant-min", "constant-mean", "constant-max"], ...] = (
-        "modular", "constant-min", "constant-mean", "constant-max",
+        "modular",
+        "constant-min",
+        "constant-mean",
+        "constant-max",
     )
     "Conditions exported."
 

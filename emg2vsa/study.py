@@ -62,9 +62,9 @@ class Study:
     simulation: SimulationSettings | None
     results: Path
     reports: Path
-    data: Path = Path("data")
+    data: Path
     "Folder of the recordings; a simulation writes there."
-    window: WindowSettings = WindowSettings()
+    window: WindowSettings
     "The study's force window; all recordings share its forces, and may differ in the rest."
 
     @property

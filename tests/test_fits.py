@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,13 +35,13 @@ def trials_of(force: list[np.ndarray], activity: list[np.ndarray], **changes: ob
     return dataclasses.replace(trials, **changes)
 
 
-def noisy(n: int = 10, seed: int = 0, relative_noise: float = 0.35) -> Trials:
+def noisy(n: int = 10, seed: int = 0, relative_noise: float = 0.35, memory: float = 0.5) -> Trials:
     """Presses of uneven speed; noise grows with the level and is as correlated as a 20 Hz envelope's."""
     rng = np.random.default_rng(seed)
     force, activity = [], []
     for length in rng.integers(200, 300, n):
         ramp = 0.5 + 6.5 * (0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, length)))
-        noise = signal.lfilter([0.75**0.5], [1, -0.5], rng.standard_normal(length + 50))[50:]
+        noise = signal.lfilter([(1 - memory**2) ** 0.5], [1, -memory], rng.standard_normal(length + 50))[50:]
         force.append(ramp)
         activity.append((A_V + B_V * np.log(ramp)) * (1 + relative_noise * noise))
     return trials_of(force, activity)
@@ -85,15 +86,22 @@ def test_unweighted_bins_are_the_fit_of_the_bin_means() -> None:
     assert fits.bin_v.shape == (10, 22)
 
 
-def test_intervals_on_bins_cover_and_naive_ones_do_not() -> None:
-    trials = noisy(600, seed=3)
-    honest = fit_trials(trials, FitSettings(), WINDOW)
-    naive = fit_trials(trials, FitSettings(points="samples", weights="none"), WINDOW)
-    covered = [np.mean((f.b_lo_v < B_V) & (f.b_hi_v > B_V)) for f in (honest, naive)]
-    assert 0.91 < covered[0] < 0.98
-    assert covered[1] < 0.85
-    assert np.std(honest.b_v) < np.std(naive.b_v)
-    assert abs(np.mean(honest.b_v) / B_V - 1) < 0.01
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.8])
+@pytest.mark.parametrize("options", [{}, {"weights": "none"}, {"robust": True}])
+def test_intervals_on_bins_cover(memory: float, options: dict[str, Any]) -> None:
+    fits = fit_trials(noisy(600, seed=3, memory=memory), FitSettings(**options), WINDOW)
+    assert 0.92 < np.mean((fits.b_lo_v < B_V) & (fits.b_hi_v > B_V)) < 0.98
+    assert 0.93 < np.mean(fits.b_se_v) / np.std(fits.b_v) < 1.07
+    assert 0.92 < np.mean(fits.a_se_v) / np.std(fits.a_v) < 1.08
+
+
+def test_weighted_bins_are_unbiased_and_better_than_the_papers_fit() -> None:
+    trials = noisy(600, seed=4)
+    bins = fit_trials(trials, FitSettings(), WINDOW)
+    paper = fit_trials(trials, FitSettings(points="samples", weights="none"), WINDOW)
+    assert abs(np.mean(bins.b_v) / B_V - 1) < 0.01
+    assert np.std(bins.b_v) < 0.95 * np.std(paper.b_v)
+    assert np.mean((paper.b_lo_v < B_V) & (paper.b_hi_v > B_V)) < 0.85
 
 
 def test_samples_are_worth_fewer_than_their_number() -> None:

@@ -83,6 +83,7 @@ def _print(verdict: SessionVerdict) -> None:
     print(f"{verdict.participant}: {verdict.verdict.upper()}")
     for s in verdict.specimens:
         wanted = f" of {s.wanted}" if s.wanted is not None else ""
-        print(f"  {s.specimen:<10} {s.found:>3}{wanted} presses: {s.ok} ok, {s.warned} warned, {s.rejected} rejected")
+        presses = "press" if (s.wanted or s.found) == 1 else "presses"
+        print(f"  {s.specimen:<10} {s.found:>3}{wanted} {presses}: {s.ok} ok, {s.warned} warned, {s.rejected} rejected")
     for advice in verdict.advice:
         print(f"  - {advice}")

@@ -62,8 +62,10 @@ def run(arguments: argparse.Namespace) -> int:
         )
     else:
         say_not_used(board)
-        seconds = time.monotonic() - start
-        print(f"{study.name}: {len(ran)} steps run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s")
+        seconds, steps = time.monotonic() - start, "step" if len(ran) == 1 else "steps"
+        print(
+            f"{study.name}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s"
+        )
         if arguments.only in {None, "report"} and not study_failed:
             print(f"Report: {study.reports / 'index.html'}")
     return 1 if study_failed else 0

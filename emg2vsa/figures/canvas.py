@@ -43,8 +43,6 @@ STYLE: dict[str, Any] = {
     "grid.linewidth": 0.4,
     "lines.linewidth": 1.2,
     "lines.markersize": 3.5,
-    "hatch.linewidth": 0.5,
-    "hatch.color": INK,
     "path.simplify": False,
     "svg.fonttype": "path",
     "svg.hashsalt": "emg2vsa",

@@ -19,23 +19,22 @@ VERDICT_COLOURS = {"ok": GREEN, "warned": YELLOW, "rejected": RED}
 
 @dataclass(frozen=True)
 class Look:
-    """How one specimen is drawn; ``hatch`` fills its box, ``marker`` and ``dash`` are matplotlib's."""
+    """How one specimen is drawn; ``marker`` and ``dash`` are matplotlib's."""
 
     colour: str
     marker: str
     dash: str | tuple[int, tuple[float, ...]]
-    hatch: str
 
 
 _MEASURED = (
-    Look(BLUE, "o", "-", ""),
-    Look(PURPLE, "D", (0, (6, 1)), "xx"),
-    Look(GREEN, "s", (0, (5, 1, 1, 1)), "//"),
-    Look(SKY, "v", (0, (3, 1, 1, 1, 1, 1)), "||"),
-    Look(YELLOW, "^", (0, (3, 1)), ".."),
-    Look(GREY, "P", (0, (1, 1)), "++"),
+    Look(BLUE, "o", "-"),
+    Look(PURPLE, "D", (0, (6, 1))),
+    Look(GREEN, "s", (0, (5, 1, 1, 1))),
+    Look(SKY, "v", (0, (3, 1, 1, 1, 1, 1))),
+    Look(YELLOW, "^", (0, (3, 1))),
+    Look(GREY, "P", (0, (1, 1))),
 )
-NEW = Look(RED, "X", (0, (1, 1)), "\\\\")
+NEW = Look(RED, "X", (0, (1, 1)))
 """A specimen nobody palpated: red and dotted, as in the paper's Fig. 11."""
 
 

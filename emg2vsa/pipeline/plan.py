@@ -9,7 +9,7 @@ from pathlib import Path
 from emg2vsa.pipeline.fingerprint import Fingerprints
 from emg2vsa.pipeline.ledger import Entry, Ledger, differences
 from emg2vsa.pipeline.manifest import manifest_holds
-from emg2vsa.pipeline.steps import FAILED, STAGES, Step, items, make_step, step_id, upstream
+from emg2vsa.pipeline.steps import FAILED, Step, items, make_step, step_id, upstream
 from emg2vsa.study import Study
 
 WRITES_FILES = frozenset({"pages", "report"})
@@ -71,9 +71,9 @@ class Board:
 
     def _state(self, step: Step) -> State:
         last = self.ledger.last(step.id)
-        inputs = [self.states[name] for name in step.parts.inputs]
-        if STAGES[step.stage].per == "recording" and any(i.status in {FAILED, "blocked"} for i in inputs):
-            return State(step, "blocked", message=f"{inputs[0].step.id} failed")
+        own = step_id("trials", step.item)
+        if own in step.parts.inputs and self.states[own].status == FAILED:
+            return State(step, "blocked", message=f"{own} failed")
         if last is not None and last.key == step.key:
             if last.status == FAILED:
                 return State(step, FAILED, message=last.message) if last.final else State(step, "stale", (_AGAIN,))

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 
 from emg2vsa.pipeline.tasks import Ended, Task
 
 ALONE = 2
 """Up to this many tasks run in the calling process: starting workers would take longer."""
-
-PRELOAD = ("emg2vsa.pipeline.recording_work", "emg2vsa.pipeline.page_work")
 
 
 def available_cores() -> int:
@@ -21,23 +22,37 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def run_tasks(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None]) -> None:
+@dataclass(frozen=True)
+class Modules:
+    """What to import where, so that imports are done once and side by side: in the workers, and here meanwhile."""
+
+    workers: tuple[str, ...] = ()
+    here: tuple[str, ...] = ()
+
+
+NOTHING = Modules()
+
+
+def run_tasks(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None], modules: Modules = NOTHING) -> None:
     """Run all tasks and report each step as it ends."""
     if jobs == 1 or len(tasks) <= ALONE:
         for task in tasks:
             _report(task(), on_end)
         return
-    left = _run_in_pool(tasks, jobs, on_end)
+    left = _run_in_pool(tasks, jobs, on_end, modules)
     for task in left:  # some process died: one at a time, so that the task that kills it is known
-        if _run_in_pool([task], 1, on_end):
+        if _run_in_pool([task], 1, on_end, NOTHING):
             died = "its process died (out of memory, or killed). Run again with --jobs 1 if memory is short."
             _report([Ended(step, "failed", died) for step in task.steps], on_end)
 
 
-def _run_in_pool(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None]) -> list[Task]:
-    with _executor(min(jobs, len(tasks))) as pool:
+def _run_in_pool(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None], modules: Modules) -> list[Task]:
+    with _executor(min(jobs, len(tasks)), modules.workers) as pool:
         waiting = {pool.submit(task): task for task in tasks}
         try:
+            for name in modules.here:
+                with contextlib.suppress(ImportError):  # the step that needs it will say so
+                    importlib.import_module(name)
             for future in as_completed(list(waiting)):
                 _report(future.result(), on_end)
                 del waiting[future]
@@ -49,12 +64,12 @@ def _run_in_pool(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], Non
     return []
 
 
-def _executor(jobs: int) -> ProcessPoolExecutor:
+def _executor(jobs: int, preload: Sequence[str]) -> ProcessPoolExecutor:
     method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
     context = multiprocessing.get_context(method)
     if method == "forkserver":
         # workers are forked from a server that has done the imports once
-        context.set_forkserver_preload(list(PRELOAD))
+        context.set_forkserver_preload(list(preload))
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     return ProcessPoolExecutor(jobs, mp_context=context)

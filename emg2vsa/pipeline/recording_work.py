@@ -12,6 +12,7 @@ from emg2vsa.settings import CocontractionSettings, FitSettings
 from emg2vsa.study import RecordingEntry
 from emg2vsa.trials import Trials
 from emg2vsa.trials.extract import extract_trials
+from emg2vsa.trials.session import in_session
 
 
 def trials_of(entry: RecordingEntry, cocontraction: CocontractionSettings) -> Trials:
@@ -37,8 +38,9 @@ def run(
     trials_path: Path,
     fits_path: Path,
     stages: tuple[str, ...],
+    session: tuple[Path, ...],
 ) -> list[Ended]:
-    """Make and store what is asked for of ``trials`` and ``fits``."""
+    """Make and store what is asked for of ``trials`` and ``fits``; fits are relative to ``session``, if it holds any."""
     made: list[Trials] = []
     ended: list[Ended] = []
 
@@ -48,6 +50,8 @@ def run(
 
     def make_fits() -> None:
         trials = made[0] if made else artifacts.load(trials_path)
+        if session:
+            trials = in_session(trials, [artifacts.load(path) for path in session], cocontraction)
         artifacts.save(fits_path, fit_trials(trials, fit, entry.window))
 
     if "trials" in stages:

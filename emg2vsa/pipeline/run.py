@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from emg2vsa.pipeline.fingerprint import Fingerprints
 from emg2vsa.pipeline.ledger import Ledger
 from emg2vsa.pipeline.plan import Board, State
-from emg2vsa.pipeline.pool import run_tasks
+from emg2vsa.pipeline.pool import Modules, run_tasks
 from emg2vsa.pipeline.steps import STAGES, stages_for, truth_files
 from emg2vsa.pipeline.tasks import Ended, Task
-from emg2vsa.study import Study
+from emg2vsa.readers.formats import reader_module
+from emg2vsa.study import RecordingEntry, Study
 
 
 @dataclass(frozen=True)
@@ -31,22 +33,22 @@ def run_study(study: Study, *, only: str | None, jobs: int, progress: Progress) 
     board = Board(study, Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
     stages = stages_for(only)
     try:
-        for wave in _waves(stages):
-            _run_wave(board, wave, jobs, progress)
+        for wave in _waves(stages, study.cocontraction.needs_session):
+            _run_wave(board, wave, jobs, progress, stages)
     finally:
         board.prints.save()
     board.ledger.compact()
     return board
 
 
-def _waves(stages: Sequence[str]) -> list[tuple[str, ...]]:
-    """Stages that run together: both of a recording in one task, each of the study's own alone."""
+def _waves(stages: Sequence[str], needs_session: bool) -> list[tuple[str, ...]]:
+    """Stages that run together: trials and fits of a recording in one task, unless fits wait for the whole session."""
     first = tuple(stage for stage in stages if STAGES[stage].per == "recording")
     rest = sorted((s for s in stages if s not in first), key=lambda s: (s == "report", STAGES[s].per != "participant"))
-    return [first, *((stage,) for stage in rest)]
+    return [*(((stage,) for stage in first) if needs_session else (first,)), *((stage,) for stage in rest)]
 
 
-def _run_wave(board: Board, stages: Sequence[str], jobs: int, progress: Progress) -> None:
+def _run_wave(board: Board, stages: Sequence[str], jobs: int, progress: Progress, all_stages: Sequence[str]) -> None:
     states = [state for stage in stages for state in board.add_stage(stage)]
     stale = [state for state in states if state.status == "stale"]
     if not stale:
@@ -57,7 +59,7 @@ def _run_wave(board: Board, stages: Sequence[str], jobs: int, progress: Progress
         board.end(ended.step, ended.status, ended.message, ended.final)
         progress.step(board.states[ended.step])
 
-    run_tasks([*_tasks(board, stages, stale)], jobs, on_end)
+    run_tasks(_tasks(board, stages, stale), jobs, on_end, _modules(board, stale, all_stages))
     for state in stale:
         if state.status == "stale":  # fits whose trials failed in this very run
             state.status, state.message = "blocked", "its trials failed"
@@ -74,6 +76,26 @@ def _tasks(board: Board, stages: Sequence[str], stale: Sequence[State]) -> list[
     return [_study_task(board, state) for state in stale]
 
 
+def _modules(board: Board, stale: Sequence[State], all_stages: Sequence[str]) -> Modules:
+    """What the tasks of this run will load, in the workers and, for the study's own stages, here."""
+    items = {state.step.item for state in stale if state.step.stage == "trials"}
+    files = [entry.emg_file for entry in board.study.recordings if entry.key in items]
+    workers = {module for path in files if (module := reader_module(path))}
+    workers |= {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per != "study"}
+    here = {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per == "study"}
+    return Modules(tuple(sorted(workers)), tuple(sorted(here)))
+
+
+def _function(stage: str) -> str:
+    match STAGES[stage].per:
+        case "recording":
+            return "emg2vsa.pipeline.recording_work:run"
+        case "participant":
+            return "emg2vsa.pipeline.page_work:run"
+        case _:
+            return f"emg2vsa.pipeline.{'report' if stage == 'report' else 'study'}_work:{stage}"
+
+
 def _recording_tasks(board: Board, stale: Sequence[State]) -> list[Task]:
     by_item: dict[str, list[State]] = {}
     for state in stale:
@@ -88,9 +110,15 @@ def _recording_tasks(board: Board, stale: Sequence[State]) -> list[Task]:
             "trials_path": board.result(f"trials/{item}"),
             "fits_path": board.result(f"fits/{item}") if f"fits/{item}" in board.states else board.study.results,
             "stages": tuple(state.step.stage for state in states),
+            "session": _session(board, entries[item]),
         }
-        tasks.append(Task(tuple(s.step.id for s in states), "emg2vsa.pipeline.recording_work:run", arguments))
+        tasks.append(Task(tuple(s.step.id for s in states), _function("trials"), arguments))
     return tasks
+
+
+def _session(board: Board, entry: RecordingEntry) -> tuple[Path, ...]:
+    """The trials that the activity of a recording depends on, besides its own."""
+    return board.done("trials", f"{entry.participant}/") if board.study.cocontraction.needs_session else ()
 
 
 def _page_task(board: Board, state: State) -> Task:
@@ -103,7 +131,7 @@ def _page_task(board: Board, state: State) -> Task:
         "failures": board.failures(prefix),
         "result": board.result(state.step.id),
     }
-    return Task((state.step.id,), "emg2vsa.pipeline.page_work:run", arguments)
+    return Task((state.step.id,), _function("pages"), arguments)
 
 
 def _study_task(board: Board, state: State) -> Task:
@@ -113,7 +141,6 @@ def _study_task(board: Board, state: State) -> Task:
         "inputs": {need: board.done(need) for need in STAGES[stage].needs if need != "pages"},
         "result": board.result(state.step.id),
     }
-    if stage != "report":
-        return Task((state.step.id,), f"emg2vsa.pipeline.study_work:{stage}", arguments)
-    arguments |= {"failures": board.failures(), "truth": next(iter(truth_files(board.study)), None)}
-    return Task((state.step.id,), "emg2vsa.pipeline.report_work:report", arguments)
+    if stage == "report":
+        arguments |= {"failures": board.failures(), "truth": next(iter(truth_files(board.study)), None)}
+    return Task((state.step.id,), _function(stage), arguments)

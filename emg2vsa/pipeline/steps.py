@@ -35,7 +35,7 @@ STAGES = {
             "trials", (), "recording", ("emg2vsa.trials.extract", "emg2vsa.readers.roles"),
             ("numpy", "scipy", "edfio", "ezc3d", "pandas", "pymatreader"),
         ),
-        Stage("fits", ("trials",), "recording", ("emg2vsa.fits",), ("numpy", "scipy")),
+        Stage("fits", ("trials",), "recording", ("emg2vsa.fits", "emg2vsa.trials.session"), ("numpy", "scipy")),
         Stage("hypotheses", ("fits",), "study", ("emg2vsa.hypotheses",), ("numpy", "scipy")),
         Stage("profiles", ("fits",), "study", ("emg2vsa.profiles",), ("numpy", "scipy")),
         Stage("schedules", ("profiles",), "study", ("emg2vsa.schedules",), ("numpy", "scipy")),
@@ -93,9 +93,9 @@ def items(study: Study, stage: str) -> tuple[str, ...]:
 
 def upstream(study: Study, stage: str, item: str) -> tuple[str, ...]:
     """Ids of the steps whose results this one takes."""
-    if STAGES[stage].per == "recording":
+    if STAGES[stage].per == "recording" and not (stage == "fits" and study.cocontraction.needs_session):
         return tuple(step_id(need, item) for need in STAGES[stage].needs)
-    prefix = "" if STAGES[stage].per == "study" else f"{item}/"
+    prefix = "" if STAGES[stage].per == "study" else f"{item.partition('/')[0]}/"
     return tuple(
         step_id(need, other) for need in STAGES[stage].needs for other in items(study, need) if other.startswith(prefix)
     )
@@ -139,6 +139,8 @@ def _settings(study: Study, stage: str, entry: RecordingEntry | None) -> dict[st
     elif stage == "fits":
         assert entry is not None
         used = {"fit": study.fit, "window.force_n": entry.window.force_n}
+        if study.cocontraction.needs_session:
+            used["cocontraction"] = study.cocontraction
     elif stage == "hypotheses":
         used = {"hypotheses": study.hypotheses}
     elif stage == "profiles":

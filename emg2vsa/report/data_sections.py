@@ -117,7 +117,7 @@ def fits(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[s
         f"samples of a trial are worth about {number(float(found['fit.n_effective.median']), 2)} independent ones. "
         f"Slopes that are not positive: {found['fit.b_not_positive']}."
     )
-    where = html.paragraph("All trials, rejected ones included: tables/fits.csv.", "small")
+    where = '<p class="small">All trials, rejected ones included: <a href="tables/fits.csv">tables/fits.csv</a>.</p>\n'
     return html.section(
         "fits",
         "Fits",

@@ -34,7 +34,7 @@ _INDEX = {
 }
 _NORMALISED = {
     "none": "not normalised, so that levels compare within a session only",
-    "session-max": "normalised to the largest envelope of the recording",
+    "session-max": "normalised to the largest envelope of the session",
     "mvc": "normalised to the maximum voluntary contraction",
 }
 _INTERPOLATION = {

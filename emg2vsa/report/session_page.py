@@ -31,9 +31,17 @@ VERDICT_TEXT = {
 
 
 def write_session_page(
-    study: Study, participant: str, trials: Sequence[Trials], fits: Fits, failures: Sequence[Failure], folder: Path
+    study: Study,
+    participant: str,
+    trials: Sequence[Trials],
+    fits: Fits | None,
+    failures: Sequence[Failure],
+    folder: Path,
 ) -> list[Path]:
-    """Write ``folder/participants/<participant>.html``; the files written. ``fits`` are this participant's."""
+    """Write ``folder/participants/<participant>.html``; the files written.
+
+    ``fits`` are this participant's, None where no recording could be fitted: the page then says why.
+    """
     path = folder / "participants" / f"{participant}.html"
     write_text_atomic(path, _page(study, participant, trials, fits, failures))
     return [path]
@@ -49,11 +57,13 @@ def session_verdict(
     return judge_session(participant, own, {e.specimen: e.window.expected_trials for e in entries}, missed)
 
 
-def _page(study: Study, participant: str, trials: Sequence[Trials], fits: Fits, failures: Sequence[Failure]) -> str:
+def _page(
+    study: Study, participant: str, trials: Sequence[Trials], fits: Fits | None, failures: Sequence[Failure]
+) -> str:
     verdict = session_verdict(study, participant, trials, failures)
     by_specimen = {t.specimen: t for t in trials}
     look = looks([specimen.name for specimen in study.specimens])
-    scale = activity_scale(fits.activity_unit, fits.v_max_v)
+    scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
     sections = []
     for place, judged in enumerate(verdict.specimens):
         recording = by_specimen.get(judged.specimen)
@@ -75,21 +85,21 @@ def _heading(judged: SpecimenVerdict) -> str:
     return f"{judged.specimen}: usable presses {judged.usable}{wanted}"
 
 
-def _recording(study: Study, trials: Trials, fits: Fits, colour: str, scale: ActivityScale, name: str) -> str:
-    own = _rows(fits, fits.specimen == trials.specimen)
+def _recording(study: Study, trials: Trials, fits: Fits | None, colour: str, scale: ActivityScale, name: str) -> str:
+    own = _rows(fits, fits.specimen == trials.specimen) if fits else None
     key = f"{trials.participant}/{trials.specimen}"
     window_n = next(entry.window.force_n for entry in study.recordings if entry.key == key)
     body = html.figure(
         force_trace(trials, window_n, f"{name}f"), "Force over time. Loading phases are shaded and numbered."
     )
-    if not np.isfinite(own.bin_v).any():
+    if own is None or not np.isfinite(own.bin_v).any():
         body += html.paragraph("No press has co-contraction within the force window, so there is no curve to show.")
     else:
         dashed = "solid: ok; dashed: warned; dotted: rejected"
         body += html.figure(
             activity_plot(own, colour, scale, f"{name}v"), f"Force bins and fits v = a + b ln F. Curves: {dashed}."
         )
-    if own.b_v.size:
+    if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
     return body + html.details("Signal quality and processing", _quality(trials))
 

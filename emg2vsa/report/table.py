@@ -74,7 +74,9 @@ class Table:
             for column, kind in zip(self.columns, classes, strict=True)
         )
         body = "\n".join(
-            "<tr>" + "".join(cell[kind] + escape(text) for kind, text in zip(classes, cells, strict=True)) + "</tr>"
+            "<tr>"
+            + "".join(f"{cell[kind]}{escape(text)}</td>" for kind, text in zip(classes, cells, strict=True))
+            + "</tr>"
             for cells in self._shown_rows()
         )
         label = escape(self.caption)

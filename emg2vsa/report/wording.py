@@ -11,10 +11,10 @@ _SPACE = "\N{NO-BREAK SPACE}"
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """``digits`` significant digits, zeros at the end kept; integers in full."""
+    """``digits`` significant digits, zeros at the end kept; integers, and whole parts up to a million, in full."""
     if value is None or math.isnan(value):
         return UNDEFINED
-    if isinstance(value, int) or value == 0:
+    if isinstance(value, int) or value == 0 or 10**digits <= abs(value) < 1e6:
         return f"{value:.0f}"
     return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")
 

@@ -80,6 +80,22 @@ def test_a_setting_re_runs_what_uses_it(
     assert {str(step).partition("/")[0] for step in run(ran, capsys)["ran"]} == stages
 
 
+def test_session_normalisation_takes_the_whole_session(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(study, "[profile]", '[cocontraction]\nnormalise = "session-max"\n[profile]')
+    assert run(study, capsys)["failures"] == []
+    results = json.loads((study.parents[2] / "reports" / "small" / "results.json").read_text())
+    b = [results[f"fit.{specimen}.b_mean_v"] for specimen in ("S1", "S3", "S5")]
+    assert b == sorted(b, reverse=True)
+    assert 0.05 < b[0] < 0.6  # shares of two muscles, not volts
+    path = next(study.parent.glob("data/sub-P02/emg/*acq-S3_emg.bdf"))
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+    ran = run(study, capsys)["ran"]
+    assert {"trials/P02/S3", "fits/P02/S1", "fits/P02/S3", "fits/P02/S5"} <= set(ran)
+    assert not any(str(step).endswith("P01/S1") for step in ran)
+
+
 def test_a_setting_taken_back_finds_its_results(ran: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(ran, "[profile]", "[fit]\nrobust = true\n[profile]")
     assert run(ran, capsys)["ran"] != []

@@ -41,8 +41,14 @@ def test_normalised_to_mvc_or_to_the_session():
     assert activity == pytest.approx([0.8, 2.2, 0.5, 0.0])
     assert unit == "1"
     assert "MVC" in notes[0]
-    activity, _, _ = cocontraction_index(LEVELS, MUSCLES, CocontractionSettings(normalise="session-max"))
-    assert activity == pytest.approx([0.25 + 0.6, 1.4, 1.0, 0.0])
+    session = CocontractionSettings(normalise="session-max")
+    activity, unit, notes = cocontraction_index(LEVELS, MUSCLES, session, {"EDC": 4.0, "FDS": 20.0})
+    assert activity == pytest.approx([0.4, 1.1, 0.25, 0.0])
+    assert unit == "1"
+    assert "session" in notes[0]
+    activity, unit, _ = cocontraction_index(LEVELS, MUSCLES, session)
+    assert unit == "V"
+    assert np.array_equal(activity, LEVELS.sum(axis=0))
 
 
 def test_what_cannot_be_is_refused():

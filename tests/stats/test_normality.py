@@ -40,7 +40,7 @@ def test_p_is_exact_to_1e_15(n: int) -> None:
     assert max(abs(float(Fraction(p[i]) - exact_survival(float(d[i]), n))) for i in range(20)) <= 1e-15
 
 
-@pytest.mark.parametrize("n", [10, 100])
+@pytest.mark.parametrize("n", [10, 20])
 def test_tail_keeps_its_digits(n: int) -> None:
     d = np.array([0.55, 0.7, 0.9])
     relative = [

@@ -61,6 +61,8 @@ def make_study(
         simulation=SimulationSettings(**{**defaults, **simulation}),
         results=Path("results"),
         reports=Path("reports"),
+        data=Path("data"),
+        window=WindowSettings(),
     )
 
 

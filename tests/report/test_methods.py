@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from emg2vsa.report.methods import AUTHORS_ADD, methods_paragraph
+from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ProfileSettings, WindowSettings
+
+
+def written(study, trials=()):
+    return methods_paragraph(study, trials, {"emg2vsa": "0.1.0", "numpy": "2.3"})
+
+
+def with_filters(study, filters):
+    return replace(study, recordings=tuple(replace(entry, filters=filters) for entry in study.recordings))
+
+
+def test_states_what_a_reporting_standard_asks_for(results):
+    text = written(results.study, results.trials)
+    for said in (
+        "3 participants pressed 4 specimens", "EDC and FDS", "Butterworth, order 2, 10 to 450 Hz", "order 50, 20 Hz",
+        "phase: zero-phase", "true -3 dB at 12.4 Hz and 438 Hz", "not normalised", "0.5 to 7 N",
+        "force bins of 0.3 N", "inverse variance", "intervals at 95 %", "Kolmogorov-Smirnov", "Fisher's LSD",
+        "participant P01", "emg2vsa 0.1.0 and numpy 2.3", AUTHORS_ADD,
+    ):  # fmt: skip
+        assert said in text
+    assert "None" not in text
+
+
+def test_a_note_said_of_every_recording_is_said_once(results):
+    assert written(results.study, results.trials).count("true -3 dB at 12.4 Hz") == 1
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            lambda s: replace(s, fit=FitSettings(points="samples", weights="none")),
+            "ordinary least squares on the samples",
+        ),
+        (lambda s: replace(s, fit=FitSettings(robust=True)), "Huber"),
+        (lambda s: with_filters(s, FilterSettings(envelope="rms", rms_window_s=0.05)), "root mean square over 50 ms"),
+        (lambda s: with_filters(s, FilterSettings(force_filter=False)), "force was taken as recorded"),
+        (lambda s: with_filters(s, FilterSettings(phase="causal")), "phase: causal"),
+        (lambda s: replace(s, cocontraction=CocontractionSettings(index="rudolph", normalise="mvc")), "Rudolph"),
+        (lambda s: replace(s, profile=ProfileSettings()), "all participants"),
+        (lambda s: replace(s, window=WindowSettings(force_n=(1.0, 5.0))), "1 to 5 N"),
+    ],
+)
+def test_follows_the_settings(results, changed, said):
+    assert said not in written(results.study)
+    assert said in written(changed(results.study))
+
+
+def test_recordings_with_other_settings_are_all_stated(results):
+    first, *rest = results.study.recordings
+    mixed = replace(results.study, recordings=(replace(first, filters=FilterSettings(fir_cutoff_hz=6.0)), *rest))
+    text = written(mixed)
+    assert "order 50, 6 Hz" in text
+    assert "order 50, 20 Hz" in text
+    assert "differ between recordings" in text

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.report.inputs import Failure
+from emg2vsa.report.session_page import write_session_page
+
+LIGHT_PAGE_BYTES = 100_000
+
+
+@pytest.fixture
+def write(results, fits_of, tmp_path):
+    def page_of(participant="P01", trials=None, failures=(), study=results.study) -> Path:
+        own = [t for t in results.trials if t.participant == participant] if trials is None else trials
+        fits = fits_of(own, study) if own else None
+        (path,) = write_session_page(study, participant, own, fits, failures, tmp_path)
+        assert path == tmp_path / "participants" / f"{participant}.html"
+        return path
+
+    return page_of
+
+
+def test_one_verdict_and_every_press(write, read_page):
+    path = write("P02")
+    page = read_page(path)
+    assert "Good. Every press is as wanted." in page.text
+    assert page.text.count("Presses on") == 4
+    assert path.stat().st_size < LIGHT_PAGE_BYTES
+    assert "../index.html" in page.addresses
+
+
+def test_warned_and_rejected_presses_are_told_apart_without_colour(write, read_page):
+    path = write("P01")
+    page = read_page(path)
+    text = path.read_text()
+    assert "Usable." in page.text
+    assert "EDC clipped <3 %>" in page.text
+    assert "force falls on 4 % of its path" in page.text
+    assert 'fill="url(#rejected)"' in text
+    assert ">3×</text>" in text
+    assert ">2!</text>" in text
+    assert "6 presses: 4 ok, 1 warned, 1 rejected" in page.text
+
+
+def test_a_recording_that_failed_is_named_with_its_reason(write, results, read_page):
+    trials = [t for t in results.trials if t.participant == "P02" and t.specimen != "S5"]
+    failure = Failure("P02/S5", "trials", "P02_S5.csv: no channel 'Fz' & no <force>")
+    page = read_page(write("P02", trials, [failure]))
+    assert "Repeat." in page.text
+    assert "no channel 'Fz' & no <force>" in page.text
+
+
+def test_a_participant_without_any_usable_recording_has_a_page_too(write, read_page):
+    failures = [Failure(f"P02/{name}", "trials", f"{name} is unreadable") for name in ("S1", "S2", "S3", "S5")]
+    page = read_page(write("P02", [], failures))
+    assert "Repeat." in page.text
+    assert all(failure.message in page.text for failure in failures)
+
+
+def test_a_recording_without_presses_is_not_an_exception(write, results, read_page):
+    full = next(t for t in results.trials if t.participant == "P02" and t.specimen == "S1")
+    none = np.empty(0)
+    empty = replace(
+        full, repetition=none.astype(int), start_s=none, stop_s=none, duration_s=none, peak_force_n=none,
+        falling_share=none, snr_db=none, verdict=none.astype("<U8"), reasons=(), offsets=np.zeros(1, dtype=int),
+        force_n=none, activity=none, envelopes_v=np.empty((2, 0)),
+    )  # fmt: skip
+    trials = [empty, *(t for t in results.trials if t.participant == "P02" and t.specimen != "S1")]
+    page = read_page(write("P02", trials))
+    assert "no curve to show" in page.text
+    assert "0 presses: 0 ok" in page.text
+
+
+def test_a_long_recording_stays_light(write, results):
+    trials = [t for t in results.trials if t.participant == "P02"]
+    hour = np.arange(0, 3600, 0.1)
+    noise = np.random.default_rng(1).standard_normal(hour.size)
+    long = [replace(t, overview_time_s=hour, overview_force_n=noise) for t in trials]
+    assert write("P02", long).stat().st_size < LIGHT_PAGE_BYTES
+
+
+def test_names_cannot_break_the_page(write, results, read_page):
+    page = read_page(write(study=replace(results.study, title="<b>&'\"")))
+    assert "<b>&'\"" in page.text
+
+
+def test_same_bytes_again(write):
+    first = write("P01").read_bytes()
+    assert write("P01").read_bytes() == first
+
+
+def test_pages_do_not_wait_for_matplotlib():
+    code = "import sys, emg2vsa.report.session_page; sys.exit('matplotlib' in sys.modules or 'pandas' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

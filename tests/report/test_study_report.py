@@ -1,0 +1,140 @@
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+import pickle
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.report.study_report import write_study_report
+
+
+@pytest.fixture(scope="module")
+def written(results, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    files = write_study_report(results, folder)
+    assert set(files) == {path for path in folder.rglob("*") if path.is_file()}
+    assert len(set(files)) == len(files)
+    return folder
+
+
+def digests(folder: Path) -> dict[str, str]:
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def test_everything_the_issue_names_is_there(written):
+    names = set(digests(written))
+    assert {"index.html", "results.json", "numbers.tex"} <= names
+    for figure in ("fig04_cocontraction", "fig05_schedules", "fig11_interpolation"):
+        assert {f"figures/{figure}.svg", f"figures/{figure}.pdf"} <= names
+    tables = (
+        "anova_participants",
+        "anova_specimens",
+        "lsd_pairs",
+        "normality",
+        "profiles",
+        "schedules",
+        "leave_one_out",
+    )
+    assert {f"tables/{name}.{kind}" for name in tables for kind in ("csv", "tex")} <= names
+
+
+def test_the_page_is_whole_self_contained_and_speaks(written, read_page):
+    page = read_page(written / "index.html")
+    assert page.tags.count("svg") == 3
+    assert "These results come from a simulation." in page.text
+    assert "EDC clipped <3 %>" in page.text
+    assert [f"participants/P0{i}.html" for i in (1, 2, 3)] == [
+        a for a in page.addresses if a.startswith("participants")
+    ]
+    assert "nan" not in re.split(r"\W+", page.text.lower())
+
+
+def test_numbers_on_the_page_are_those_of_results_json(written, read_page):
+    found = json.loads((written / "results.json").read_text())
+    text = read_page(written / "index.html").text
+    between = (found[f"hypotheses.between_participants.{kind}"] for kind in ("significant", "tested"))
+    assert "Participants differ significantly for {} of {} specimens".format(*between) in text
+    assert f"{100 * found['recovery.mean_b_error']:.2f} ± {100 * found['recovery.mean_b_error_mcse']:.2f} %" in text
+    assert f"RMSE to the measured S2: {found['profiles.S_new.rmse_v'] * 1e6:#.3g} µV" in text
+    assert found["hypotheses.worst_pair"] in text
+
+
+def test_fits_csv_holds_every_trial_exactly(written, results):
+    with (written / "tables/fits.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["verdict"] for row in rows] == results.fits.verdict.tolist()
+    assert np.array_equal([float(row["b_v"]) for row in rows], results.fits.b_v)
+    assert [row["reason"] for row in rows if row["verdict"] == "rejected"] == ["EDC clipped <3 %>"]
+
+
+def test_figures_keep_their_width_fonts_and_no_date(written):
+    for name, width_mm in (("fig04_cocontraction", 181.0), ("fig05_schedules", 88.9), ("fig11_interpolation", 88.9)):
+        svg = (written / f"figures/{name}.svg").read_text()
+        pdf = (written / f"figures/{name}.pdf").read_bytes()
+        width_pt = float(re.search(r'width="([0-9.]+)pt"', svg)[1])
+        assert width_pt * 25.4 / 72 == pytest.approx(width_mm, abs=0.01)
+        assert b"/FontFile2" in pdf  # TrueType, as IEEE asks: no Type 3
+        assert b"/Type3" not in pdf
+        assert b"CreationDate" not in pdf
+        assert "dc:date" not in svg
+
+
+def test_bytes_depend_on_the_results_alone(written, results, tmp_path):
+    (tmp_path / "results.pickle").write_bytes(pickle.dumps(results))
+    code = (
+        "import pickle, sys; from pathlib import Path; from emg2vsa.report.study_report import write_study_report; "
+        "write_study_report(pickle.load(open(sys.argv[1], 'rb')), Path(sys.argv[2]))"
+    )
+    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
+    again = tmp_path / "again"
+    subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "results.pickle"), str(again)], check=True, env=environment
+    )
+    assert digests(again) == digests(written)
+
+
+def test_a_failed_stage_says_why_in_its_place(broken, tmp_path, read_page):
+    files = write_study_report(broken, tmp_path)
+    page = read_page(tmp_path / "index.html")
+    assert "Failed: no usable <trial>" in page.text
+    assert "Failed: no profile of P01" in page.text
+    assert "The study has no schedules." in page.text
+    assert "channel 'Fz' is missing" in page.text
+    assert "These results come from recorded data." in page.text
+    assert "svg" not in page.tags
+    assert not [path for path in files if path.suffix == ".pdf"]
+
+
+def test_without_an_exemplary_participant_all_enter(results, tmp_path, read_page):
+    everyone = replace(results, profiles=replace(results.profiles, participant=""))
+    write_study_report(everyone, tmp_path)
+    text = read_page(tmp_path / "index.html").text
+    assert "Co-contraction of all participants" in text
+    assert "largest p of all participants" in text
+
+
+def test_without_a_new_specimen_there_is_no_figure_11(results, tmp_path, read_page):
+    without = replace(results, profiles=replace(results.profiles, new=None, new_measured=None, new_error=None))
+    without = replace(without, schedules=tuple(s for s in results.schedules if s.specimen != "S_new"))
+    files = write_study_report(without, tmp_path)
+    assert "names no new specimen" in read_page(tmp_path / "index.html").text
+    assert not [path for path in files if "fig11" in path.name]
+
+
+def test_an_unmeasured_new_specimen_is_shown_without_error(results, tmp_path, read_page):
+    unknown = replace(results, profiles=replace(results.profiles, new_measured=None, new_error=None))
+    write_study_report(unknown, tmp_path)
+    assert "Nobody palpated a specimen of this stiffness" in read_page(tmp_path / "index.html").text

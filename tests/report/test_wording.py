@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from emg2vsa.report.wording import bounded, count, f_text, listed, number, p_text, percent, t_text
+
+NAN = math.nan
+
+
+def plain(text: str) -> str:
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+@pytest.mark.parametrize(
+    ("p", "shown"), [(0.0391, "p = .039"), (0.0009999, "p < .001"), (0.001, "p = .001"), (1.0, "p = 1.000")]
+)
+def test_p_has_three_decimals_and_no_leading_zero(p, shown):
+    assert plain(p_text(p)) == shown
+
+
+def test_f_and_t_read_as_apa_writes_them():
+    assert plain(f_text(5.231, 4, 45, 0.0016, 0.3174)) == "F(4, 45) = 5.23, p = .002, η² = .32"
+    assert plain(t_text(-2.12, 45, 0.0391)) == "t(45) = -2.12, p = .039"
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [(23.0, "23.0"), (0.0, "0"), (7, "7"), (123456, "123456"), (123.4, "123"), (4321.6, "4322"), (0.05, "0.0500"),
+     (7.2e-10, "7.20e-10"), (-0.474, "-0.474")],
+)  # fmt: skip
+def test_numbers_keep_their_significant_digits(value, shown):
+    assert number(value) == shown
+
+
+def test_what_is_not_defined_is_never_shown_as_a_number():
+    assert number(NAN) == number(None) == bounded(NAN) == percent(NAN) == "–"
+    assert plain(p_text(NAN)) == "p not defined"
+
+
+def test_small_words():
+    assert bounded(-0.25, 2) == "-.25"
+    assert plain(percent(0.4774)) == "47.7 %"
+    assert count(1, "trial") == "1 trial"
+    assert count(2, "trial") == "2 trials"
+    assert listed(["S1", "S3", "S5"]) == "S1, S3 and S5"
+    assert listed(["S1"]) == "S1"
+    assert listed([]) == ""
