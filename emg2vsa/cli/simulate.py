@@ -5,8 +5,12 @@ from __future__ import annotations
 import argparse
 import dataclasses
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 from emg2vsa.cli.arguments import Commands, add_command, add_json, add_study, print_json
+
+if TYPE_CHECKING:
+    from emg2vsa.study import Study
 
 
 def add_to(commands: Commands) -> None:
@@ -22,8 +26,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--format",
         choices=("bids", "csv", "emgworks", "c3d"),
-        default="bids",
-        help="file format (default: bids; choose the one that the [recordings] table of the study expects)",
+        help="file format (default: the one of the study's own recordings)",
     )
     parser.add_argument("--seed", type=int, metavar="N", help="another seed than the study's")
     parser.add_argument("--force", action="store_true", help="replace recordings that are there")
@@ -33,7 +36,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import counter
     from emg2vsa.errors import SettingError
-    from emg2vsa.study_file import load_study
+    from emg2vsa.study_file import load_study, missing_files
     from emg2vsa.synthetic import simulate_study
 
     study = load_study(arguments.study)
@@ -51,11 +54,23 @@ def run(arguments: argparse.Namespace) -> int:
             folder, wanted="an empty or absent folder", found="files in it",
             do="Choose another with --out, or replace them with --force.",
         )  # fmt: skip
-    made = simulate_study(study, folder, format=arguments.format, progress=counter("simulate"))
+    format = arguments.format or _format_of(study)
+    made = simulate_study(study, folder, format=format, progress=counter("simulate"))
+    absent = [] if arguments.out else missing_files(study)
     size_mb = sum(path.stat().st_size for path in made.recordings) / 1e6
     if arguments.json:
         print_json({"folder": str(folder), "recordings": [str(p) for p in made.recordings], "truth": str(made.truth)})
     else:
         print(f"{len(made.recordings)} recordings ({size_mb:.1f} MB, {made.format}) in {folder}")
         print(f"truth: {made.truth}")
+        if absent:
+            print(
+                f"note: the study looks for {absent[0].emg_file}, which is not among them; see its [recordings] table"
+            )
     return 0
+
+
+def _format_of(study: Study) -> Literal["bids", "csv", "c3d"]:
+    """The format that the study's file names ask for."""
+    suffix = study.recordings[0].emg_file.suffix.lower()
+    return "c3d" if suffix == ".c3d" else "csv" if suffix == ".csv" else "bids"

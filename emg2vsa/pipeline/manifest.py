@@ -10,7 +10,10 @@ from emg2vsa.atomic import write_text_atomic
 
 
 def write_manifest(path: Path, files: Sequence[Path]) -> None:
-    """Remember the files a step wrote outside the store, and their sizes."""
+    """Remember the files a step wrote outside the store, and their sizes; remove what only its earlier runs wrote."""
+    left = {file for earlier in path.parent.glob("*.result") for file in manifest_files(earlier)} - set(files)
+    for file in left:
+        file.unlink(missing_ok=True)
     write_text_atomic(path, json.dumps({str(file): file.stat().st_size for file in files}))
 
 

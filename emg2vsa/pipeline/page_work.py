@@ -28,7 +28,7 @@ def run(
             study,
             participant,
             [artifacts.load(path) for path in trials],
-            concatenate([artifacts.load(path) for path in fits]),
+            concatenate([artifacts.load(path) for path in fits]) if fits else None,
             tuple(Failure(*failure) for failure in failures),
             study.reports,
         )

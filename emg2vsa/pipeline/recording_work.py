@@ -40,7 +40,7 @@ def run(
     stages: tuple[str, ...],
     session: tuple[Path, ...],
 ) -> list[Ended]:
-    """Make and store what is asked for of ``trials`` and ``fits``; fits are relative to ``session``, if it holds any."""
+    """Make and store what is asked for of ``trials`` and ``fits``; fits relate to ``session``, if it holds any."""
     made: list[Trials] = []
     ended: list[Ended] = []
 

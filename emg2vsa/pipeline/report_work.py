@@ -13,6 +13,7 @@ from emg2vsa.pipeline.manifest import write_manifest
 from emg2vsa.pipeline.tasks import Ended, guarded
 from emg2vsa.report.inputs import Failure, StudyResults
 from emg2vsa.report.study_report import write_study_report
+from emg2vsa.schedule_files import write_schedule
 from emg2vsa.study import Study
 from emg2vsa.truth import read_truth
 
@@ -41,7 +42,10 @@ def report(
             provenance=provenance,
             truth=read_truth(truth, fits) if truth else None,
         )
-        write_manifest(result, write_study_report(results, study.reports))
+        files = write_study_report(results, study.reports)
+        for schedule in results.schedules:
+            files += write_schedule(study.reports / "schedules", schedule)
+        write_manifest(result, files)
 
     return [guarded("report/study", write)]
 

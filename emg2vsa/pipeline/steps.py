@@ -42,7 +42,7 @@ STAGES = {
         Stage("pages", ("trials", "fits"), "participant", ("emg2vsa.report.session_page",), ("numpy",)),
         Stage(
             "report", ("trials", "fits", "hypotheses", "profiles", "schedules", "pages"), "study",
-            ("emg2vsa.report.study_report",), ("numpy", "matplotlib"),
+            ("emg2vsa.report.study_report", "emg2vsa.schedule_files", "emg2vsa.truth"), ("numpy", "matplotlib"),
         ),
     )
 }  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -34,7 +35,7 @@ def load_study(path: str | Path) -> Study:
     """
     path = Path(path)
     text, raw = _toml(path)
-    draft = read_draft(raw, path.absolute().parent)
+    draft = read_draft(raw, Path(os.path.abspath(path)).parent)
     problems = _all_problems(draft)
     if problems:
         lines = key_lines(text)
@@ -88,7 +89,7 @@ def _study(path: Path, draft: Draft) -> Study:
         name=file.study.name,
         title=file.study.title or file.study.name,
         mode=file.study.mode,
-        path=path.absolute(),
+        path=Path(os.path.abspath(path)),  # one spelling, however it was given: keys of steps hold paths relative to it
         participants=draft.participant_ids or (),
         specimens=tuple(Specimen(s.name, s.stiffness_n_per_mm) for s in file.specimens),
         recordings=entries(draft),

@@ -41,8 +41,8 @@ class StudyTable:
     "Title of the report; omitted: the name."
     mode: Literal["default", "paper"] = "default"
     "default: what a careful analyst would do; paper: what the paper did, for every key the study does not set itself."
-    results: Text = ".emg2vsa"
-    "Folder of the intermediate results."
+    results: Text | None = None
+    "Folder of the intermediate results; omitted: .emg2vsa/<name>."
     reports: Text | None = None
     "Folder of the report; omitted: ../../reports/<name>."
 

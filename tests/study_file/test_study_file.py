@@ -21,7 +21,7 @@ def test_paths_start_at_the_folder_of_the_study_file(small: str, load: Load, tmp
     study = load(small)
     folder = tmp_path / "studies" / "small"
     assert study.path == folder / "study.toml"
-    assert study.results == folder / ".emg2vsa"
+    assert study.results == folder / ".emg2vsa" / study.name
     assert study.reports == tmp_path / "reports" / "small"
     assert study.data == folder / "data"
     assert [r.key for r in study.recordings] == ["P01/S1", "P01/S3", "P02/S1", "P02/S3"]
