@@ -13,9 +13,6 @@ from dataclasses import dataclass
 
 from emg2vsa.pipeline.tasks import Ended, Task
 
-ALONE = 2
-"""Up to this many tasks run in the calling process: starting workers would take longer."""
-
 
 def available_cores() -> int:
     """Cores this process may use."""
@@ -33,9 +30,19 @@ class Modules:
 NOTHING = Modules()
 
 
-def run_tasks(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None], modules: Modules = NOTHING) -> None:
-    """Run all tasks and report each step as it ends."""
-    if jobs == 1 or len(tasks) <= ALONE:
+def run_tasks(
+    tasks: Sequence[Task],
+    jobs: int,
+    on_end: Callable[[Ended], None],
+    *,
+    alone: int = 1,
+    modules: Modules = NOTHING,
+) -> None:
+    """Run all tasks and report each step as it ends.
+
+    Up to ``alone`` of them run in this process: starting workers would take longer.
+    """
+    if jobs == 1 or len(tasks) <= alone:
         for task in tasks:
             _report(task(), on_end)
         return

@@ -15,6 +15,9 @@ from emg2vsa.pipeline.tasks import Ended, Task
 from emg2vsa.readers.formats import reader_module
 from emg2vsa.study import RecordingEntry, Study
 
+ALONE = {"recording": 8, "participant": 64, "study": 1}
+"""Up to so many tasks run in the calling process: starting workers costs about a second of imports."""
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -59,7 +62,8 @@ def _run_wave(board: Board, stages: Sequence[str], jobs: int, progress: Progress
         board.end(ended.step, ended.status, ended.message, ended.final)
         progress.step(board.states[ended.step])
 
-    run_tasks(_tasks(board, stages, stale), jobs, on_end, _modules(board, stale, all_stages))
+    alone = ALONE[STAGES[stages[0]].per]
+    run_tasks(_tasks(board, stages, stale), jobs, on_end, alone=alone, modules=_modules(board, stale, all_stages))
     for state in stale:
         if state.status == "stale":  # fits whose trials failed in this very run
             state.status, state.message = "blocked", "its trials failed"
@@ -77,12 +81,12 @@ def _tasks(board: Board, stages: Sequence[str], stale: Sequence[State]) -> list[
 
 
 def _modules(board: Board, stale: Sequence[State], all_stages: Sequence[str]) -> Modules:
-    """What the tasks of this run will load, in the workers and, for the study's own stages, here."""
+    """What these tasks load in the workers, and what the stages that run here will."""
     items = {state.step.item for state in stale if state.step.stage == "trials"}
     files = [entry.emg_file for entry in board.study.recordings if entry.key in items]
     workers = {module for path in files if (module := reader_module(path))}
-    workers |= {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per != "study"}
-    here = {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per == "study"}
+    workers |= {_function(state.step.stage).partition(":")[0] for state in stale}
+    here = {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per != "recording"}
     return Modules(tuple(sorted(workers)), tuple(sorted(here)))
 
 

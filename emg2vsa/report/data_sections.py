@@ -10,7 +10,7 @@ import numpy as np
 
 from emg2vsa.report import html
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.paper_comparison import PROVENANCE
+from emg2vsa.report.origin import origin
 from emg2vsa.report.quantities import Quantity
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Table
@@ -32,8 +32,8 @@ def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
         error, mcse = (100 * float(found[f"recovery.mean_b_error{suffix}"]) for suffix in ("", "_mcse"))
         tiles.append((f"{error:.2f} ± {mcse:.2f} %", "mean error of b against the truth"))
     shown = "".join(f"<li><b>{escape(value)}</b>{escape(name)}</li>" for value, name in tiles)
-    strong, text = PROVENANCE[results.simulated]
-    return html.statement("usable" if results.simulated else "", strong, text) + f'<ul class="tiles">{shown}</ul>\n'
+    said = origin(results)
+    return html.statement(said.kind, said.strong, said.text) + f'<ul class="tiles">{shown}</ul>\n'
 
 
 def participants(results: StudyResults) -> str:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -40,10 +44,6 @@ class StudyResults:
     truth: Truth | None = None
     "Of a simulated study: (participant, specimen, repetition) to the true (a, b) in volts."
 
-    @property
-    def simulated(self) -> bool:
-        return self.truth is not None
-
     def verdict_counts(self) -> dict[str, int]:
         """Trials by verdict."""
         return {name: int(np.count_nonzero(self.fits.verdict == name)) for name in ("ok", "warned", "rejected")}
@@ -52,3 +52,21 @@ class StudyResults:
         """One sentence on why a section has nothing to show."""
         reasons = [failure.message for failure in self.failures if failure.stage == stage]
         return f"Failed: {' '.join(reasons)}" if reasons else f"The study has no {stage}."
+
+
+def with_short_paths(failures: Sequence[Failure], study: Study) -> tuple[Failure, ...]:
+    """The failures, with paths as seen from the study file: a report must not depend on where the project lies."""
+    return tuple(replace(failure, message=short_paths(failure.message, study)) for failure in failures)
+
+
+def short_paths(text: str, study: Study) -> str:
+    """``text`` with the folders of the study, its data and its recordings relative to the study file's folder."""
+    base = study.path.parent
+    files = [path for entry in study.recordings for path in (entry.emg_file, entry.force_file) if path]
+    folders = {base, study.data, *(path.parent for path in files)}
+    for folder in sorted(folders, key=lambda path: len(path.parts), reverse=True):
+        if folder.is_absolute() and folder.anchor == base.anchor != str(folder):
+            short = Path(os.path.relpath(folder, base)).as_posix() + "/"
+            found = rf"(?<![\w.-]){re.escape(str(folder))}[\\/]"
+            text = re.sub(found, lambda _, short=short: "" if short == "./" else short, text)
+    return text

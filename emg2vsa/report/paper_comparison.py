@@ -7,27 +7,19 @@ from collections.abc import Mapping
 import numpy as np
 
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.origin import origin
 from emg2vsa.report.quantities import Quantity
 from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Cell, Column, Table
 from emg2vsa.report.wording import bounded, listed, number, percent
-
-PROVENANCE = {
-    True: (
-        "These results come from a simulation.",
-        "Every recording was synthesised from chosen curves plus noise. Numbers on this page show that the method "
-        "finds what was put in; they are no evidence about people, and agreement with the paper is not a replication.",
-    ),
-    False: ("These results come from recorded data.", "Nothing on this page was simulated."),
-}
 
 
 def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Table:
     """Quantity, the paper's value, ours, and what to mind; ours is missing where its stage failed."""
     rows = [*_curves(found), *_tests(results, found), *_new_specimen(results, found), *_design(results, found)]
     columns = (Column("quantity", "Quantity"), Column("paper", "Paper"), Column("here", "Here"), Column("mind", "Mind"))
-    source = "simulated data" if results.simulated else "recorded data"
-    return Table("paper_comparison", f"The paper's numbers beside ours ({source})", columns, tuple(rows))
+    caption = f"The paper's numbers beside ours ({origin(results).source})"
+    return Table("paper_comparison", caption, columns, tuple(rows))
 
 
 def _curves(found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:

@@ -30,7 +30,7 @@ def _study(results: StudyResults) -> Items:
     study = results.study
     yield "study.name", study.name
     yield "study.mode", study.mode
-    yield "study.simulated", results.simulated
+    yield "study.truth_found", results.truth is not None
     yield "study.participants", len(study.participants)
     yield "study.specimens", len(study.specimens)
     yield "study.recordings", len(study.recordings)

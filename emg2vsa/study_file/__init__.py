@@ -99,7 +99,7 @@ def _study(path: Path, draft: Draft) -> Study:
         profile=file.profile,
         schedule=file.schedule,
         simulation=file.simulation,
-        results=beside(draft.folder, file.study.results),
+        results=beside(draft.folder, file.study.results or f".emg2vsa/{file.study.name}"),
         reports=beside(draft.folder, file.study.reports or f"../../reports/{file.study.name}"),
         data=data_folder(draft),
         window=file.window,
