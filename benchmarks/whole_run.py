@@ -39,6 +39,22 @@ if __name__ == "__main__":
         with ProcessPoolExecutor(jobs) as pool:
             print(sum(pool.map(read, entries, chunksize=5)))
 """
+WARM = """
+import sys, time
+from emg2vsa.fits import fit_trials
+from emg2vsa.pipeline.recording_work import trials_of
+from emg2vsa.readers.roles import read_roles
+from emg2vsa.study_file import load_study
+study = load_study(sys.argv[1])
+fit_trials(trials_of(study.recordings[0], study.cocontraction), study.fit, study.window)
+start = time.process_time()
+for entry in study.recordings:
+    read_roles(entry.emg_file, entry.force_file, entry.channels)
+middle = time.process_time()
+for entry in study.recordings:
+    fit_trials(trials_of(entry, study.cocontraction), study.fit, entry.window)
+print(middle - start, time.process_time() - middle)
+"""
 LOADED = "import sys; from emg2vsa.cli import main; main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
 
 
@@ -75,12 +91,20 @@ def main() -> None:
             best = min(seconds)
             ratio = best / reading[1 if "1 process" in what else 2]
             print(f"{what:<38}{best:>8.2f}{statistics.median(seconds):>10.2f}{ratio:>11.2f}")
+        _in_process(study)
         print(f"after a change of {changed}: {', '.join(ran['ran'])}; {ran['fresh']} steps fresh")
         done = subprocess.run(
             [sys.executable, "-c", LOADED, "run", str(study)], capture_output=True, text=True, check=True
         )
         loaded = [module for module in HEAVY if module in done.stderr.split()]
         print(f"loaded when nothing changed: {', '.join(loaded) or 'none of ' + ', '.join(HEAVY)}")
+
+
+def _in_process(study: Path) -> None:
+    """CPU time of the same without imports: reading, and reading to fits, in one warm process."""
+    done = _python("-c", WARM, str(study)).split()
+    reading, fits = float(done[0]), float(done[1])
+    print(f"without imports, CPU s: reading {reading:.2f}, reading to fits {fits:.2f} ({fits / reading:.1f} x reading)")
 
 
 def _timed(times: dict[str, list[float]], what: str, *arguments: str) -> str:

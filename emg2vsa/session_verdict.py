@@ -8,14 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.trials import Trials
+from emg2vsa.trials.reasons import grouped
 
 MIN_USABLE_SHARE = 0.8
 """A specimen with a smaller share of usable presses should be recorded again while the participant is there."""
 
+VERDICTS = ("good", "usable", "repeat", "unreadable")
+"""From best to worst; a session is as good as its worst recording."""
+
 
 @dataclass(frozen=True)
 class SpecimenVerdict:
-    """One recording: presses found, wanted (None where the study does not say), and how they were judged."""
+    """One recording: presses found, wanted (None where the study does not say), and how they were judged.
+
+    fault : why it cannot be judged at all, which recording again would not change; empty if it can. problems : what
+    was found on the presses, one line per kind.
+    """
 
     specimen: str
     found: int
@@ -23,6 +31,7 @@ class SpecimenVerdict:
     ok: int
     warned: int
     rejected: int
+    fault: str
     problems: tuple[str, ...]
 
     @property
@@ -30,13 +39,29 @@ class SpecimenVerdict:
         return self.ok + self.warned
 
     @property
-    def enough(self) -> bool:
-        return self.usable >= MIN_USABLE_SHARE * max(self.wanted or self.found, 1)
+    def verdict(self) -> str:
+        """One of ``VERDICTS``."""
+        if self.fault:
+            return "unreadable"
+        if self.usable < MIN_USABLE_SHARE * max(self.wanted or self.found, 1):
+            return "repeat"
+        return "good" if self.ok == (self.wanted or self.found) == self.found else "usable"
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to do about this recording, a sentence each; nothing for a good one."""
+        if self.verdict == "unreadable":
+            return (f"{self.specimen}: cannot be used: {self.fault}",)
+        if self.verdict == "repeat":
+            presses = [f"{self.usable} usable presses of {self.wanted or self.found}"] if self.found else []
+            return (f"{self.specimen}: record again ({'; '.join([*presses, *self.problems])}).",)
+        return tuple(f"{self.specimen}: {problem}" for problem in self.problems)
 
 
 @dataclass(frozen=True)
 class SessionVerdict:
-    """``good``: every press as wanted; ``usable``: go on, with what ``advice`` says; ``repeat``: record some again."""
+    """``good``: every press as wanted; ``usable``: go on, with what ``advice`` says; ``repeat``: record some again;
+    ``unreadable``: some recording cannot be judged before its file or the study file is put right."""
 
     participant: str
     verdict: str
@@ -56,32 +81,22 @@ def judge_session(
     """
     by_specimen = {t.specimen: t for t in trials}
     specimens = tuple(
-        _judge_recording(name, by_specimen.get(name), count, failures.get(name)) for name, count in wanted.items()
+        _judge_recording(by_specimen[name], count)
+        if name in by_specimen
+        else SpecimenVerdict(name, 0, count, 0, 0, 0, failures.get(name, "no recording"), ())
+        for name, count in wanted.items()
     )
-    again = [s for s in specimens if not s.enough]
-    advice = [f"{s.specimen}: record again ({_why(s)})." for s in again]
-    advice += [f"{s.specimen}: {problem}" for s in specimens if s.enough for problem in s.problems]
-    good = all(s.ok == (s.wanted or s.found) == s.found for s in specimens)
-    verdict = "repeat" if again else "good" if good else "usable"
-    return SessionVerdict(participant, verdict, specimens, tuple(advice))
+    worst_first = sorted(specimens, key=lambda s: -VERDICTS.index(s.verdict))
+    verdict = worst_first[0].verdict if worst_first else "good"
+    return SessionVerdict(participant, verdict, specimens, tuple(line for s in worst_first for line in s.advice))
 
 
-def _judge_recording(name: str, trials: Trials | None, wanted: int | None, failure: str | None) -> SpecimenVerdict:
-    if trials is None:
-        return SpecimenVerdict(name, 0, wanted, 0, 0, 0, (failure or "no recording",))
+def _judge_recording(trials: Trials, wanted: int | None) -> SpecimenVerdict:
     ok, warned, rejected = (int(np.sum(trials.verdict == v)) for v in ("ok", "warned", "rejected"))
     found = len(trials.repetition)
-    problems = [
-        f"press {repetition} {verdict}: {reason}"
-        for repetition, verdict, reason in zip(trials.repetition, trials.verdict, trials.reasons, strict=True)
-        if reason
-    ]
+    problems = grouped(zip(trials.repetition.tolist(), trials.verdict.tolist(), trials.reasons, strict=True))
     if wanted is not None and found != wanted:
         problems.insert(0, f"{found} presses found, {wanted} wanted")
-    return SpecimenVerdict(name, found, wanted, ok, warned, rejected, tuple(problems))
-
-
-def _why(specimen: SpecimenVerdict) -> str:
-    if not specimen.found:
-        return "; ".join(specimen.problems)
-    return f"{specimen.usable} usable presses of {specimen.wanted or specimen.found}; " + "; ".join(specimen.problems)
+    if not found:
+        problems += [note for note in trials.notes if note.startswith("presses: none")]
+    return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, trials.sign_doubt, tuple(problems))

@@ -18,10 +18,10 @@ def add_to(commands: Commands) -> None:
         commands,
         "check",
         run,
-        "Check the study file, then judge each participant's session: good, usable or repeat.",
+        "Check the study file, then judge each participant's session: good, usable, repeat or unreadable.",
         "Good: every press as wanted. Usable: go on, and read the remarks. Repeat: a recording has fewer than 80 % "
-        "usable presses, or could not be read. Exit status 0: all good or usable; 1: something to repeat; 2: the study "
-        "file has problems.",
+        "usable presses. Unreadable: a recording cannot be used before its file or the study file is mended. Exit "
+        "status 0: all good or usable; 1: some repeat or unreadable; 2: the study file has problems.",
     )
     add_study(parser)
     parser.add_argument("participants", nargs="*", metavar="PARTICIPANT", help="sessions to judge (default: all)")
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         for verdict in verdicts:
             _print(verdict)
-    return int(any(verdict.verdict == "repeat" for verdict in verdicts))
+    return int(any(verdict.verdict in ("repeat", "unreadable") for verdict in verdicts))
 
 
 def _only(study: Study, participants: list[str]) -> Study:

@@ -49,7 +49,8 @@ def inspect(path: Path) -> tuple[str, tuple[ChannelInfo, ...]]:
 def read(path: Path, names: Sequence[str]) -> Recording:
     """The channels ``names`` of a file, at their native rates; voltages in V, forces in N, all else as stored.
 
-    Raises RecordingError for an unusable file, an unknown channel, or a NaN or infinite sample in a channel asked for.
+    Missing samples stay NaN, with a note. Raises RecordingError for an unusable file, an unknown channel, or a channel
+    asked for that is infinite anywhere or misses half of its samples.
     """
     name, opened = open_recording(path)
     stored = load_named(opened, names)
@@ -58,7 +59,7 @@ def read(path: Path, names: Sequence[str]) -> Recording:
 
 
 def load_named(opened: OpenRecording, names: Sequence[str]) -> list[StoredChannel]:
-    """The named channels as stored, each under the name it was asked by; checked to be there, not empty and finite."""
+    """The named channels as stored, each under the name it was asked by; checked as in ``usable``."""
     contents = opened.contents
     index = {**contents.aliases, **{known: i for i, known in enumerate(contents.names)}}
     for name in names:

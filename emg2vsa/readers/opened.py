@@ -70,7 +70,10 @@ def unique_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def usable(path: Path, name: str, channel: StoredChannel) -> StoredChannel:
-    """``channel`` under the name it was asked by; RecordingError where it is empty, of unknown rate or not finite."""
+    """``channel`` under the name it was asked by, with a note on its missing samples, which stay NaN.
+
+    RecordingError where it is empty, of unknown rate, infinite anywhere, or where half of its samples or more miss.
+    """
     where = f"{path}, channel {name!r}"
     if channel.samples.size == 0:
         raise RecordingError(where, wanted="samples", found="none", do="Choose another channel.")
@@ -81,13 +84,26 @@ def usable(path: Path, name: str, channel: StoredChannel) -> StoredChannel:
     with np.errstate(invalid="ignore", over="ignore"):
         total = channel.samples.sum()
     if not math.isfinite(total):  # one pass decides the usual case; a sum may overflow, hence the second
-        bad = np.flatnonzero(~np.isfinite(channel.samples))
-        if bad.size:
-            first = int(bad[0])
-            raise RecordingError(
-                where, wanted="finite samples",
-                found=f"{channel.samples[first]} at sample {first} ({channel.start_s + first / channel.fs_hz:.6g} s; "
-                f"{bad.size} of {channel.samples.size} samples)",
-                do="Repair or cut that stretch, or choose another channel.",
-            )  # fmt: skip
+        missing = np.flatnonzero(np.isnan(channel.samples))
+        _refuse_at(where, channel, np.flatnonzero(np.isinf(channel.samples)))
+        if 2 * missing.size >= channel.samples.size:
+            _refuse_at(where, channel, missing)
+        if missing.size:
+            note = f"{name}: {missing.size} of {channel.samples.size} samples are missing, the first at "
+            channel = replace(channel, notes=(*channel.notes, note + _time(channel, int(missing[0]))))
     return replace(channel, name=name)
+
+
+def _refuse_at(where: str, channel: StoredChannel, bad: NDArray[np.intp]) -> None:
+    if bad.size:
+        first = int(bad[0])
+        raise RecordingError(
+            where, wanted="finite samples",
+            found=f"{channel.samples[first]} at sample {first} ({_time(channel, first)}; "
+            f"{bad.size} of {channel.samples.size} samples)",
+            do="Repair or cut that stretch, or choose another channel.",
+        )  # fmt: skip
+
+
+def _time(channel: StoredChannel, sample: int) -> str:
+    return f"{channel.start_s + sample / channel.fs_hz:.6g} s"

@@ -34,7 +34,7 @@ def read_roles(emg_file: Path, force_file: Path | None, channels: ChannelSetting
 
     Two files must share a clock: time 0 of both is taken as the same moment, and their time ranges must overlap.
 
-    Raises RecordingError: unusable file, unknown channel, non-finite sample, a unit that is no voltage (EMG) or force
+    Raises RecordingError: unusable file, unknown or unusable channel, a unit that is no voltage (EMG) or force
     and that the study does not replace, or no overlap in time.
     """
     emg_format, emg_open = open_recording(emg_file)

@@ -38,7 +38,7 @@ def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
 
 def participants(results: StudyResults) -> str:
     """One row a participant, with a link to the page; then everything that failed."""
-    rows = []
+    rows, without_page = [], {failure.key for failure in results.failures if failure.stage == "pages"}
     for name in dict.fromkeys(entry.participant for entry in results.study.recordings):
         verdict = session_verdict(results.study, name, results.trials, results.failures)
         of = verdict.specimens
@@ -48,7 +48,9 @@ def participants(results: StudyResults) -> str:
             *(sum(getattr(s, v) for s in of) for v in ("ok", "warned", "rejected")),
         )
         numbers = "".join(f'<td class="n">{n}</td>' for n in cells)
-        link = f'<a href="participants/{escape(name)}.html">{escape(name)}</a>'
+        link = escape(name)
+        if name not in without_page:
+            link = f'<a href="participants/{link}.html">{link}</a>'
         rows.append(f'<tr><th scope="row">{link}</th><td>{verdict.verdict}</td>{numbers}</tr>')
     heads = "".join(
         f'<th scope="col">{head}</th>'
@@ -56,7 +58,7 @@ def participants(results: StudyResults) -> str:
     )
     table = (
         '<div class="wide" role="region" tabindex="0" aria-label="Sessions"><table>'
-        f"<caption>Sessions: good, usable, or to repeat</caption><thead><tr>{heads}</tr></thead>"
+        f"<caption>Sessions: good, usable, to repeat, or unreadable</caption><thead><tr>{heads}</tr></thead>"
         f"<tbody>{''.join(rows)}</tbody></table></div>\n"
     )
     return html.section("participants", "Participants", table, _failures(results), _rejected(results))

@@ -12,7 +12,8 @@ from emg2vsa.report import html
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.quantities import Quantity
 from emg2vsa.report.table import Table
-from emg2vsa.report.wording import f_text, listed, number, p_text, t_text
+from emg2vsa.report.wording import NO_BREAK, bounded, f_text, listed, number, p_text, percent, t_text
+from emg2vsa.stats.ks_exact import ks_survival
 
 
 def hypotheses(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
@@ -54,9 +55,21 @@ def _normality(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mappin
         "say which; only the first can give its answer, since b is positive.",
         result,
         "Standardising by the sample's own mean and standard deviation makes p far too large, so passing says next to "
-        "nothing about shape; the raw test of small positive numbers always rejects.",
+        f"nothing about shape. {_raw_bound(tested)}",
         html.details("Every cluster", tables["normality"].html()),
     )
+
+
+def _raw_bound(tested: Hypotheses) -> str:
+    """How little the raw test looks at the shape of positive values, from the sizes of the clusters at hand."""
+    sizes = tested.normality.n[np.isfinite(tested.normality.p_raw)]
+    bounds = [
+        f"at most {bounded(p, 4)} for {n} values"
+        for n in sorted({int(np.min(sizes)), int(np.max(sizes))} if sizes.size else ())
+        for p in ks_survival([0.5], [n]).tolist()
+    ]
+    at = f", and p is {' and '.join(bounds)}, whatever their shape" if bounds else ""
+    return f"Positive values have D of .5 or more in the raw test{at}."
 
 
 def _deviating(found: Mapping[str, Quantity], test: str) -> str:
@@ -82,8 +95,9 @@ def _between_participants(tested: Hypotheses, found: Mapping[str, Quantity], tab
         "People palpate the same specimen with the same slope.",
         "One-way ANOVA between participants, one for each specimen.",
         result,
-        "A test that finds no difference does not show that there is none: it only bounds how large a difference could "
-        "have been missed.",
+        _chance(found, key, "tests")
+        + "A test that finds no difference does not show that there is none: it only bounds how large a difference "
+        "could have been missed.",
         tables["anova_participants"].html() if found[f"{key}.tested"] else "",
     )
 
@@ -105,9 +119,24 @@ def _between_specimens(tested: Hypotheses, found: Mapping[str, Quantity], tables
         "One-way ANOVA between specimens, one for each participant, then Fisher's LSD: pairwise t tests with the "
         "pooled standard deviation, not corrected for the number of pairs.",
         result,
-        "Without correction, some of so many pairs come out significant by chance. And repetitions of one person count "
-        "as independent here, so each ANOVA speaks of that person only, not of people.",
+        _chance(found, "hypotheses.pairs", "uncorrected pairs")
+        + "Repetitions of one person count as independent here, so each ANOVA speaks of that person only, not of "
+        "people.",
         shown,
+    )
+
+
+def _chance(found: Mapping[str, Quantity], key: str, many: str) -> str:
+    """What a family of tests rejects by chance alone."""
+    if not (n := int(found[f"{key}.tested"])):
+        return ""
+    chance = float(found[f"{key}.chance_of_any"])
+    shown = f"more than 99.9{NO_BREAK}%" if chance > 0.999 else percent(chance)
+    return (
+        f"If nothing differed at all, at least one of {n} {many} would come out significant with a chance of "
+        f"{shown} (1 − (1 − α)^{n} at α = {float(found['hypotheses.alpha']):g}, taking them as independent). "
+        if n > 1
+        else ""
     )
 
 

@@ -68,5 +68,5 @@ def short_paths(text: str, study: Study) -> str:
         if folder.is_absolute() and folder.anchor == base.anchor != str(folder):
             short = Path(os.path.relpath(folder, base)).as_posix() + "/"
             found = rf"(?<![\w.-]){re.escape(str(folder))}[\\/]"
-            text = re.sub(found, lambda _, short=short: "" if short == "./" else short, text)
+            text = re.sub(found, "" if short == "./" else short, text)
     return text

@@ -6,11 +6,11 @@ know (electrodes, amplifier, ethics) is listed for the authors to add, not made 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from emg2vsa.report.wording import count, listed
-from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, WindowSettings
-from emg2vsa.study import Study
+from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, HypothesisSettings, WindowSettings
+from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
 
 AUTHORS_ADD = (
@@ -23,126 +23,177 @@ _FILTER_NOTES = (
     "EMG high-pass",
     "EMG envelope",
     "force low-pass",
-    "force: not",
     "delays:",
 )
+_PHASE = {
+    "zero-phase": "the Butterworth filters were run forward and backward and the {envelope} was centred, so that "
+    "nothing is delayed (zero phase)",
+    "compensated": "all filters were causal, and the difference of their known delays was removed when EMG and force "
+    "were paired",
+    "causal": "all filters were causal, as on line, and their delays were left in",
+}
 _INDEX = {
     "sum": "the sum of the envelopes",
-    "rudolph": "the index of Rudolph et al. (2000)",
-    "falconer-winter": "the index of Falconer and Winter (1985)",
-    "minimum": "the lowest envelope",
+    "rudolph": "the index of Rudolph et al. (2000), (lower / higher envelope) × their sum",
+    "falconer-winter": "the index of Falconer and Winter (1985), twice the lower envelope over the sum of both",
+    "minimum": "the lowest envelope at each instant",
 }
 _NORMALISED = {
-    "none": "not normalised, so that levels compare within a session only",
-    "session-max": "normalised to the largest envelope of the session",
-    "mvc": "normalised to the maximum voluntary contraction",
+    "none": "in volts and not normalised, so that levels compare within a session only",
+    "session-max": "each envelope first divided by the muscle's largest in the trials of the session that were not "
+    "rejected",
+    "mvc": "each envelope first divided by the muscle's level at maximum voluntary contraction",
 }
 _INTERPOLATION = {
     "bracket": "linearly in stiffness between its two neighbours",
-    "paper": "with weight κ/10 of the softer neighbour",
+    "paper": "between its two neighbours in stiffness, with the new stiffness over 10 N/mm as the weight of the softer",
     "log-stiffness": "linearly in the logarithm of stiffness between its two neighbours",
-    "coefficients": "by a monotone cubic (PCHIP) through the coefficients of all exported specimens",
+    "coefficients": "by monotone cubics (PCHIP) in stiffness through a and b of all exported specimens",
 }
+_FEW = 3
 
 
-def methods_paragraph(study: Study, trials: Sequence[Trials], versions: Mapping[str, str]) -> str:
+def methods_paragraph(
+    study: Study, trials: Sequence[Trials], versions: Mapping[str, str], simulated: bool = False
+) -> str:
     """Plain text. ``trials`` supply what was measured of the filters (true edges, delays) as they ran."""
     sentences = [
-        *_recording(study, trials),
-        *_conditioning(study, trials),
+        _recording(study, trials, simulated),
+        *_by_recording(study, lambda entry: _filters(entry.filters)),
+        *_as_run(trials),
+        *_by_recording(study, lambda entry: _tare(entry.channels.force.tare)),
         _cocontraction(study.cocontraction),
-        _segmentation(study.window),
+        *_by_recording(study, lambda entry: _segmentation(entry.window)),
         _fit(study.fit, study.window),
         *_tests(study),
         *_export(study),
         f"Software: {listed([f'{name} {version}' for name, version in versions.items()])}." if versions else "",
-        AUTHORS_ADD,
+        "" if simulated else AUTHORS_ADD,
     ]
     return " ".join(filter(None, sentences))
 
 
-def _recording(study: Study, trials: Sequence[Trials]) -> Iterable[str]:
-    people, specimens = len(study.participants), len(study.specimens)
+def _recording(study: Study, trials: Sequence[Trials], simulated: bool) -> str:
+    people, specimens = count(len(study.participants), "participant"), count(len(study.specimens), "specimen")
     muscles = list(dict.fromkeys(muscle for t in trials for muscle in t.muscles))
-    yield (
-        f"{count(people, 'participant')} pressed {count(specimens, 'specimen')} while surface EMG"
-        f"{' of ' + listed(muscles) if muscles else ''} and the pressing force were recorded."
-    )
+    emg = f"surface EMG{' of ' + listed(muscles) if muscles else ''}"
+    if simulated:
+        return f"Recordings of {people} pressing {specimens}, with {emg} and the pressing force, were simulated."
+    return f"{people} pressed {specimens} while {emg} and the pressing force were recorded."
 
 
-def _conditioning(study: Study, trials: Sequence[Trials]) -> Iterable[str]:
-    settings = list(dict.fromkeys(entry.filters for entry in study.recordings))
-    for f in settings:
-        yield _filters(f)
-    if len(settings) > 1:
-        yield "These settings differ between recordings, as listed."
-    ran = dict.fromkeys(note for t in trials for note in t.notes if note.startswith(_FILTER_NOTES))
-    if ran:
-        yield f"As run: {'; '.join(ran)}."
+def _by_recording(study: Study, sentence_of: Callable[[RecordingEntry], str]) -> Iterable[str]:
+    """A sentence for all recordings, or one for each group of recordings that have it in common."""
+    groups: dict[str, list[str]] = {}
+    for entry in study.recordings:
+        groups.setdefault(sentence_of(entry), []).append(entry.key)
+    for sentence, keys in groups.items():
+        whose = listed(keys) if len(keys) <= _FEW else f"{len(keys)} of {len(study.recordings)} recordings"
+        yield sentence if len(groups) == 1 else f"In {whose}: {sentence}"
 
 
 def _filters(f: FilterSettings) -> str:
     if f.envelope == "fir":
-        envelope = f"full-wave rectified and smoothed by an FIR low-pass of order {f.fir_order}, {f.fir_cutoff_hz:g} Hz"
+        smoother = "FIR filter"
+        low_pass = f"FIR low-pass (Hamming, order {f.fir_order}, {f.fir_cutoff_hz:g} Hz)"
+        how = f", full-wave rectified and smoothed by an {low_pass}"
     else:
-        envelope = f"smoothed by a moving root mean square over {1e3 * f.rms_window_s:g} ms"
+        smoother = "moving window"
+        how = f" and smoothed by a moving root mean square over {1e3 * f.rms_window_s:g} ms"
     force = (
         f"force was low-pass filtered (Butterworth, order {f.force_order}, {f.force_cutoff_hz:g} Hz)"
         if f.force_filter
-        else "force was taken as recorded"
+        else "force was not filtered"
     )
     return (
-        f"EMG was band-pass filtered (Butterworth, order {f.band_order}, {f.band_hz[0]:g} to {f.band_hz[1]:g} Hz), "
-        f"{envelope}; {force}; phase: {f.phase}."
+        f"EMG was band-pass filtered (Butterworth, order {f.band_order}, {f.band_hz[0]:g} to {f.band_hz[1]:g} Hz)"
+        f"{how}; {force}; {_PHASE[f.phase].format(envelope=smoother)}."
     )
+
+
+def _as_run(trials: Sequence[Trials]) -> Iterable[str]:
+    ran = dict.fromkeys(note for t in trials for note in t.notes if note.startswith(_FILTER_NOTES))
+    if ran:
+        yield f"As run: {' / '.join(ran)}."
+
+
+def _tare(tare: str) -> str:
+    return "The force at rest was subtracted." if tare == "rest" else "Force was not tared."
 
 
 def _cocontraction(c: CocontractionSettings) -> str:
-    return f"Co-contraction was {_INDEX[c.index]}, {_NORMALISED[c.normalise]}."
+    scale = _NORMALISED[c.normalise]
+    if c.index == "falconer-winter" and c.normalise == "none":
+        scale = "of envelopes in volts"
+    return f"Co-contraction was {_INDEX[c.index]}, {scale}."
 
 
 def _segmentation(w: WindowSettings) -> str:
     low, high = w.force_n
     return (
-        f"A trial is the loading phase from {low:g} to {high:g} N; trials shorter than {w.min_duration_s:g} s, longer "
-        f"than {w.max_duration_s:g} s, with more than {100 * w.max_falling_share:g} % of the force path falling, or "
-        f"with a clipped channel (more than {100 * w.clip_share:g} % of samples) were rejected."
+        f"A trial is the loading phase from {low:g} to {high:g} N. It was rejected if it did not reach {high:g} N, "
+        f"lasted less than {w.min_duration_s:g} s or more than {w.max_duration_s:g} s, if force fell on more than "
+        f"{100 * w.max_falling_share:g} % of its path, or if a channel was clipped (more than {100 * w.clip_share:g} % "
+        f"of samples), flat or incomplete; it was marked with a warning if, among others, force fell on more than "
+        f"{100 * w.warn_falling_share:g} % of its path, EMG was less than {w.min_snr_db:g} dB above rest, or force "
+        f"rested more than {w.max_gap_force_n:g} N from zero."
     )
 
 
 def _fit(f: FitSettings, w: WindowSettings) -> str:
+    bins = f.points == "bins"
     points = (
         f"the means over force bins of {f.bin_n:g} N from {w.force_n[0]:g} to {w.force_n[1]:g} N"
-        if f.points == "bins"
+        if bins
         else "the samples"
     )
-    weights = "weighted by the inverse variance (1/v²)" if f.weights == "inverse-variance" else "ordinary"
-    robust = " with Huber weights" if f.robust else ""
+    if f.weights == "inverse-variance":
+        over = "number of samples in the bin over the squared fitted level" if bins else "one over the squared level"
+        how = f"least squares weighted by inverse variance ({over})"
+    else:
+        how = "unweighted least squares" if f.robust else "ordinary least squares"
+    robust = ", with Huber's weights against outliers," if f.robust else ""
+    errors = (
+        "their standard errors allow for the correlation of neighbouring samples"
+        if bins
+        else "their standard errors take neighbouring samples as independent, and are therefore too small"
+    )
     return (
-        f"Each trial was fitted as v = a + b ln F by {weights} least squares{robust} on {points}, with Student-t "
-        f"intervals at {100 * f.confidence:g} %."
+        f"Each trial was fitted as v = a + b ln F (F in newtons) by {how}{robust} on {points}; intervals of a and b "
+        f"are at {100 * f.confidence:g} % (Student's t), and {errors}."
     )
 
 
 def _tests(study: Study) -> Iterable[str]:
     h = study.hypotheses
-    kept = f" among {listed(h.kept_specimens)}" if h.kept_specimens else ""
+    tests = [
+        "a one-sample Kolmogorov-Smirnov test of each cluster (participant by specimen), both on values standardised "
+        "by the cluster's own mean and SD and on raw values against N(0, 1)"
+    ]
+    if len(study.participants) > 1:
+        tests.append("a one-way ANOVA between participants for each specimen")
+    if len(study.specimens) > 1:
+        tests.append(f"a one-way ANOVA between specimens for each participant, followed by {_pairs(h)}")
     yield (
-        f"On b of the trials with verdict {h.use.replace('+', ' or ')} (alpha = {h.alpha:g}): one-sample "
-        "Kolmogorov-Smirnov test of each cluster (participant by specimen), standardised by the cluster's own mean and "
-        "SD, and raw against N(0, 1); one-way ANOVA between participants for each specimen; one-way ANOVA between "
-        f"specimens for each participant, followed by Fisher's LSD without correction{kept}."
+        f"The slopes b of the trials judged {h.use.replace('+', ' or ')} were tested at alpha = {h.alpha:g}: "
+        f"{'; '.join(tests)}."
     )
+
+
+def _pairs(h: HypothesisSettings) -> str:
+    among = f" among {listed(h.kept_specimens)}" if h.kept_specimens else ""
+    return f"Fisher's LSD without correction for the number of pairs, whose largest p{among} is reported"
 
 
 def _export(study: Study) -> Iterable[str]:
     profile, schedule = study.profile, study.schedule
     whose = f"participant {profile.participant}" if profile.participant else "all participants"
-    yield f"Profiles are the mean fits of {whose}."
+    yield f"A specimen's profile is the mean of the fits of {whose}."
     if profile.new_specimen:
         yield f"The profile of {profile.new_specimen} was interpolated {_INTERPOLATION[profile.interpolation]}."
     low, high = schedule.stiffness_percent
+    maximum = "maximum stiffness preset" if schedule.scale == "preset" else "maximum stiffness at zero load"
     yield (
         f"Mean co-contraction in force steps of {schedule.step_n:g} N was mapped linearly on {low:g} to {high:g} % of "
-        f"the maximum stiffness preset of a {schedule.actuator}, over all exported specimens together."
+        f"the {maximum} of a {schedule.actuator}, over all exported specimens together."
     )

@@ -7,8 +7,8 @@ import math
 import re
 from collections.abc import Mapping
 
+from emg2vsa.report.latex import latex_text
 from emg2vsa.report.quantities import Quantity
-from emg2vsa.report.table import latex_text
 
 _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
 

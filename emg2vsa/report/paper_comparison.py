@@ -8,10 +8,10 @@ import numpy as np
 
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.origin import origin
-from emg2vsa.report.quantities import Quantity
+from emg2vsa.report.quantities import Quantity, activity_suffix
 from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Cell, Column, Table
-from emg2vsa.report.wording import bounded, listed, number, percent
+from emg2vsa.report.wording import activity, bounded, listed, number, percent
 
 
 def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Table:
@@ -61,9 +61,9 @@ def _new_specimen(results: StudyResults, found: Mapping[str, Quantity]) -> list[
             f"rule: {rule}",
         )
     ]
-    if f"{name}.rmse_v" in found:
+    if f"{name}.rmse_relative" in found:
         scale, relative = scale_of(results), float(found[f"{name}.rmse_relative"])
-        rmse = f"{number(float(found[f'{name}.rmse_v']) * scale.factor)} {scale.unit}"
+        rmse = activity(float(found[f"{name}.rmse{activity_suffix(results)}"]), scale)
         rows.append(
             (
                 "interpolated profile against measured, RMSE", "0.0002 V (200 µV)", rmse,

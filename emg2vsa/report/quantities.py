@@ -26,6 +26,11 @@ def quantities(results: StudyResults) -> dict[str, Quantity]:
     return dict(sorted(item for part in parts for item in part(results)))
 
 
+def activity_suffix(results: StudyResults) -> str:
+    """End of the names of activities: their unit, unless they are normalised."""
+    return "_v" if results.fits.activity_unit == "V" else ""
+
+
 def _study(results: StudyResults) -> Items:
     study = results.study
     yield "study.name", study.name
@@ -65,8 +70,8 @@ def _fit(results: StudyResults) -> Items:
     for specimen in (s.name for s in results.study.specimens):
         of = used & (fits.specimen == specimen)
         yield f"fit.{specimen}.n", int(np.count_nonzero(of))
-        for name in ("a_v", "b_v"):
-            values = getattr(fits, name)[of]
+        for name in ("a", "b"):
+            values, name = getattr(fits, f"{name}_v")[of], name + activity_suffix(results)
             yield f"fit.{specimen}.{name}.mean", float(np.mean(values)) if values.size else np.nan
             yield f"fit.{specimen}.{name}.sd", float(np.std(values, ddof=1)) if values.size > 1 else np.nan
 
@@ -93,6 +98,7 @@ def _hypotheses(results: StudyResults) -> Items:
         for name in ("f", "df1", "df2", "p", "eta2"):
             yield f"hypotheses.between_specimens.{participant}.{name}", getattr(within, name)[i].item()
     pairs = found.pairs
+    yield from _how_many("hypotheses.pairs", pairs.p, found.alpha)
     names = zip(pairs.participant.tolist(), pairs.first.tolist(), pairs.second.tolist(), strict=True)
     for i, (participant, first, second) in enumerate(names):
         yield f"hypotheses.pairs.{participant}.{first}-{second}.p", pairs.p[i].item()
@@ -108,8 +114,11 @@ def _normality(found: Hypotheses) -> Items:
 
 
 def _how_many(name: str, p: Floats, alpha: float) -> Items:
-    yield f"{name}.tested", int(np.count_nonzero(np.isfinite(p)))
+    """``chance_of_any``: that of at least one rejection where nothing differs and the tests are independent."""
+    tested = int(np.count_nonzero(np.isfinite(p)))
+    yield f"{name}.tested", tested
     yield f"{name}.significant", int(np.count_nonzero(p < alpha))
+    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested
 
 
 def _power(results: StudyResults) -> Items:
@@ -122,25 +131,25 @@ def _power(results: StudyResults) -> Items:
 
 
 def _profiles(results: StudyResults) -> Items:
-    profiles = results.profiles
+    profiles, v = results.profiles, activity_suffix(results)
     if profiles is None:
         return
     yield "profiles.participant", profiles.participant or "all"
     for profile in profiles.profiles:
-        yield f"profiles.{profile.specimen}.a_v", profile.a_v
-        yield f"profiles.{profile.specimen}.b_v", profile.b_v
+        yield f"profiles.{profile.specimen}.a{v}", profile.a_v
+        yield f"profiles.{profile.specimen}.b{v}", profile.b_v
         yield f"profiles.{profile.specimen}.n_trials", profile.n_trials
     for left in profiles.leave_one_out:
-        yield f"profiles.leave_one_out.{left.specimen}.rmse_v", left.rmse_v
+        yield f"profiles.leave_one_out.{left.specimen}.rmse{v}", left.rmse_v
         yield f"profiles.leave_one_out.{left.specimen}.relative", left.relative
     if profiles.new is not None:
         name = f"profiles.{profiles.new.specimen}"
         yield f"{name}.alpha", profiles.weight_alpha
-        yield f"{name}.a_v", profiles.new.a_v
-        yield f"{name}.b_v", profiles.new.b_v
+        yield f"{name}.a{v}", profiles.new.a_v
+        yield f"{name}.b{v}", profiles.new.b_v
         if profiles.new_error is not None:
             yield f"{name}.measured_as", profiles.new_error.specimen
-            yield f"{name}.rmse_v", profiles.new_error.rmse_v
+            yield f"{name}.rmse{v}", profiles.new_error.rmse_v
             yield f"{name}.rmse_relative", profiles.new_error.relative
 
 

@@ -14,7 +14,7 @@ from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.figures.palette import INK, looks
 from emg2vsa.fits import Fits
 from emg2vsa.report import html
-from emg2vsa.report.inputs import Failure
+from emg2vsa.report.inputs import Failure, short_paths, with_short_paths
 from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
 from emg2vsa.report.study_tables import activity_column
 from emg2vsa.report.table import Column, Table
@@ -27,6 +27,7 @@ VERDICT_TEXT = {
     "good": "Every press is as wanted.",
     "usable": "The session can be used; read the remarks.",
     "repeat": "Record again what is listed, while the participant is there.",
+    "unreadable": "A recording cannot be used as it is: read why, and mend the file or the study file.",
 }
 
 
@@ -43,7 +44,7 @@ def write_session_page(
     ``fits`` are this participant's, None where no recording could be fitted: the page then says why.
     """
     path = folder / "participants" / f"{participant}.html"
-    write_text_atomic(path, _page(study, participant, trials, fits, failures))
+    write_text_atomic(path, _page(study, participant, trials, fits, with_short_paths(failures, study)))
     return [path]
 
 
@@ -69,7 +70,11 @@ def _page(
         recording = by_specimen.get(judged.specimen)
         colour = look[judged.specimen].colour if judged.specimen in look else INK
         body = _recording(study, recording, fits, colour, scale, f"r{place}") if recording else ""
-        sections.append(html.section(f"r{place}", _heading(judged), html.bullets(judged.problems), body))
+        sections.append(
+            html.section(
+                f"r{place}", _heading(judged), html.bullets(filter(None, (judged.fault, *judged.problems))), body
+            )
+        )
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(
         html.paragraph(f"{f.stage} failed for {f.key}: {f.message}") for f in failures if f.stage != "trials"
@@ -101,7 +106,7 @@ def _recording(study: Study, trials: Trials, fits: Fits | None, colour: str, sca
         )
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
-    return body + html.details("Signal quality and processing", _quality(trials))
+    return body + html.details("Signal quality and processing", _quality(trials, study))
 
 
 def _rows(fits: Fits, of: np.ndarray) -> Fits:
@@ -124,7 +129,7 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
     return Table("presses", f"Presses on {trials.specimen}", columns, tuple(rows))
 
 
-def _quality(trials: Trials) -> str:
+def _quality(trials: Trials, study: Study) -> str:
     muscles = [
         f"{muscle}: rest {number(rest * 1e6)} µV, mains {percent(mains, 2)} of power, clipped {percent(clip, 2)}"
         for muscle, rest, mains, clip in zip(
@@ -132,4 +137,5 @@ def _quality(trials: Trials) -> str:
             strict=True,
         )
     ]  # fmt: skip
-    return html.bullets([*muscles, f"force at rest: {number(trials.rest_force_n)} N, subtracted", *trials.notes])
+    notes = (short_paths(note, study) for note in trials.notes)
+    return html.bullets([*muscles, f"force at rest: {number(trials.rest_force_n)} N, subtracted", *notes])

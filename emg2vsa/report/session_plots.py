@@ -8,7 +8,7 @@ from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.figures.palette import INK, MUTED, VERDICT_COLOURS
 from emg2vsa.fits import Fits
 from emg2vsa.report.plot_area import PlotArea, text, thinned
-from emg2vsa.report.wording import number
+from emg2vsa.report.wording import activity, number
 from emg2vsa.trials import Trials
 
 MARKS = {"ok": "", "warned": "!", "rejected": "×"}
@@ -92,9 +92,9 @@ def activity_plot(fits: Fits, colour: str, scale: ActivityScale, name: str) -> s
             body += f'<path d="{dots}" stroke="{stroke}" stroke-width="7" stroke-linecap="round" stroke-opacity=".45"/>'
         if lines:
             body += f'<path d="{lines}" stroke="{stroke}"{_DASHES[verdict]}/>'
-    fitted = fits.b_v[np.isfinite(fits.b_v)] * scale.factor
+    fitted = fits.b_v[np.isfinite(fits.b_v)]
     spread = (
-        f"b from {number(float(fitted.min()))} to {number(float(fitted.max()))} {scale.unit}"
+        f"b from {activity(float(fitted.min()), scale)} to {activity(float(fitted.max()), scale)}"
         if fitted.size
         else "no fit"
     )

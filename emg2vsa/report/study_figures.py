@@ -20,7 +20,7 @@ from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.study_tables import activity_column, scale_of
 from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import count, listed, number, p_text, percent
+from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
 _MARKS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05"
@@ -65,8 +65,8 @@ def _cocontraction(results: StudyResults) -> Drawing | None:
         "quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
     ) + (f" {test}: {_MARKS}." if bars else "")
     told = [
-        f"{p.specimen}: {number(p.v[0] * scale.factor)} to {number(p.v[-1] * scale.factor)} {scale.unit}, median b "
-        f"{number(float(np.median(b)) * scale.factor) if b.size else 'none'} {scale.unit} in {count(b.size, 'trial')}"
+        f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}, median b "
+        f"{activity(float(np.median(b)), scale) if b.size else 'not known'} in {count(b.size, 'trial')}"
         for p, b in zip(profiles, slopes, strict=True)
     ]
     columns = (
@@ -153,7 +153,7 @@ def _interpolation(results: StudyResults) -> Drawing | None:
     figure = draw_interpolation(measured, new, looks(_specimens(results)), scale, rmse)
     bracket = listed(profiles.bracket or ())
     beside = (
-        f"RMSE to the measured {error.specimen}: {number(rmse * scale.factor)} {scale.unit}, "
+        f"RMSE to the measured {error.specimen}: {activity(rmse, scale)}, "
         f"{percent(error.relative)} of its root mean square."
         if error
         else "Nobody palpated a specimen of this stiffness, so there is no measured profile to compare with."

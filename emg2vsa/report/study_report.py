@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
@@ -10,7 +11,8 @@ from emg2vsa.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa.figures.canvas import inline_svg
 from emg2vsa.report import data_sections, html
 from emg2vsa.report.hypothesis_section import hypotheses
-from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.inputs import StudyResults, with_short_paths
+from emg2vsa.report.latex import latex_table
 from emg2vsa.report.methods import methods_paragraph
 from emg2vsa.report.numbers_files import numbers_tex, results_json
 from emg2vsa.report.paper_comparison import paper_comparison
@@ -31,6 +33,7 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
 
     The bytes depend on ``results`` alone. Participants' pages are written by ``write_session_page``.
     """
+    results = replace(results, failures=with_short_paths(results.failures, results.study))
     found = quantities(results)
     tables = study_tables(results)
     comparison = paper_comparison(results, found)
@@ -44,7 +47,7 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
     for table in [*tables.values(), comparison]:
         texts[f"tables/{table.name}.csv"] = table.csv()
         if table.name not in _TOO_LONG_FOR_PRINT:
-            texts[f"tables/{table.name}.tex"] = table.latex()
+            texts[f"tables/{table.name}.tex"] = latex_table(table)
     texts |= {f"figures/{drawing.name}.svg": drawing.svg for drawing in drawings.values()}
     for name, text in texts.items():
         write_text_atomic(folder / name, text)
@@ -119,7 +122,7 @@ def _schedules(results: StudyResults, tables: Mapping[str, Table], drawings: Map
     )
     short = [s.specimen for s in results.schedules if s.last_step_short and s.condition == "modular"]
     remark = html.paragraph("The last force step is shorter than the others; it is kept.", "small") if short else ""
-    data = html.details("Every step of every schedule", tables["schedules"].html())
+    data = html.details("Every schedule in numbers", tables["schedules"].html())
     return html.section("schedules", title, _figure(drawings["fig05_schedules"]), html.paragraph(text), remark, data)
 
 
@@ -131,7 +134,7 @@ def _figure(drawing: Drawing) -> str:
 
 def _methods(results: StudyResults) -> str:
     versions = {name: value for name, value in results.provenance.items() if " key" not in name}
-    return methods_paragraph(results.study, results.trials, versions)
+    return methods_paragraph(results.study, results.trials, versions, results.truth is not None)
 
 
 def _provenance(results: StudyResults) -> str:

@@ -10,7 +10,7 @@ from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.recovery import recover
-from emg2vsa.report.table import Column, Table, rows_of
+from emg2vsa.report.table import Cell, Column, Table, rows_of
 from emg2vsa.schedules import Schedule
 
 
@@ -36,8 +36,8 @@ def scale_of(results: StudyResults) -> ActivityScale:
 
 
 def activity_column(key: str, name: str, scale: ActivityScale) -> Column:
-    """Column of activities: volts in CSV, ``scale``'s unit for people."""
-    return Column(key, scale.label(name), scale.factor)
+    """Column of activities: volts in CSV, ``scale``'s unit for people; without ``_v`` where it is not in volts."""
+    return Column(key, scale.label(name), scale.factor, name="" if scale.unit else key.removesuffix("_v"))
 
 
 _R2_HEADS = {
@@ -181,7 +181,13 @@ def _schedules(schedules: tuple[Schedule, ...], scale: ActivityScale) -> Table:
             s.step_force_n[1:], s.activity_v, s.stiffness_percent, s.preset_ticks, s.stiffness_nm_per_rad,
         )
     )  # fmt: skip
-    return Table("schedules", "Stiffness schedules, step by step", columns, rows)
+    starts = np.cumsum([0, *(len(s.preset_ticks) for s in schedules)]).tolist()
+    shown: list[tuple[Cell, ...]] = []
+    for s, first, after in zip(schedules, starts[:-1], starts[1:], strict=True):
+        of = rows[first:after]
+        shown += of if s.condition == "modular" else [(*of[0][:3], of[-1][3], *of[0][4:])]
+    caption = "Stiffness schedules: every step where the stiffness changes, one row where it is constant"
+    return Table("schedules", caption, columns, rows, tuple(shown))
 
 
 def _recovery(results: StudyResults) -> Table:

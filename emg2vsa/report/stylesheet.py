@@ -15,7 +15,7 @@ a{color:var(--link)}
 nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;list-style:none;padding:0;max-width:none}
 .sub,figcaption,caption,.small{color:var(--muted);font-size:.9rem}
 .say{border-left:4px solid var(--ink);background:var(--soft);padding:.5rem .8rem;max-width:46rem;margin:.8rem 0}
-.good{border-color:#009E73}.usable{border-color:#E69F00}.repeat{border-color:#D55E00}
+.good{border-color:#009E73}.usable{border-color:#E69F00}.repeat,.unreadable{border-color:#D55E00}
 .say strong:first-child{font-size:1.1rem}
 .tiles{display:flex;flex-wrap:wrap;gap:.6rem;padding:0;margin:.8rem 0;list-style:none;max-width:none}
 .tiles li{border:1px solid var(--line);padding:.4rem .8rem;min-width:8rem}

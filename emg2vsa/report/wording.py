@@ -6,8 +6,10 @@ import math
 import re
 from collections.abc import Sequence
 
+from emg2vsa.figures.activity_scale import ActivityScale
+
 UNDEFINED = "–"
-_SPACE = "\N{NO-BREAK SPACE}"
+NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -27,14 +29,14 @@ def bounded(value: float, decimals: int = 3) -> str:
 def p_text(p: float) -> str:
     """``p = .039``, ``p < .001``."""
     if math.isnan(p):
-        return f"p{_SPACE}not defined"
-    return f"p{_SPACE}<{_SPACE}.001" if p < 0.001 else f"p{_SPACE}={_SPACE}{bounded(p)}"
+        return f"p{NO_BREAK}not defined"
+    return f"p{NO_BREAK}<{NO_BREAK}.001" if p < 0.001 else f"p{NO_BREAK}={NO_BREAK}{bounded(p)}"
 
 
 def f_text(f: float, df1: float, df2: float, p: float, eta2: float) -> str:
     """``F(4, 45) = 5.23, p = .002, η² = .32``."""
     shown = f"F({df1:.0f}, {df2:.0f}) = {f:.2f}, {p_text(p)}, η² = {bounded(eta2, 2)}"
-    return shown.replace(" = ", f"{_SPACE}={_SPACE}")
+    return shown.replace(" = ", f"{NO_BREAK}={NO_BREAK}")
 
 
 def t_text(t: float, df: float, p: float) -> str:
@@ -44,12 +46,17 @@ def t_text(t: float, df: float, p: float) -> str:
 
 def percent(share: float, digits: int = 3) -> str:
     """A share as percent."""
-    return UNDEFINED if math.isnan(share) else f"{number(100 * share, digits)}{_SPACE}%"
+    return UNDEFINED if math.isnan(share) else f"{number(100 * share, digits)}{NO_BREAK}%"
 
 
 def count(n: int, noun: str) -> str:
     """``1 trial``, ``2 trials``."""
     return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
+def activity(value: float, scale: ActivityScale) -> str:
+    """A stored activity in the unit of ``scale``."""
+    return f"{number(value * scale.factor)} {scale.unit}".rstrip()
 
 
 def listed(names: Sequence[str]) -> str:

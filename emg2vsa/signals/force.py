@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.settings import WindowSettings
+from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import IirFilter
+from emg2vsa.signals.force_sign import doubt_by_force
 from emg2vsa.signals.rest import Rest, find_rest
 from emg2vsa.signals.segmentation import Presses, find_presses
 from emg2vsa.signals.windowed import filter_record
@@ -25,7 +25,7 @@ SMALLEST_REVERSAL = 0.005
 @dataclass(frozen=True)
 class ForceRecord:
     """force_n : (n,) tared and filtered. tare_n : median of what was subtracted. gap_n : (p,) level before each press,
-    NaN if unknown. reversal_n : fall of force that is no more than noise."""
+    NaN if unknown. reversal_n : fall of force that is no more than noise. sign_doubt : of a record without presses."""
 
     force_n: Floats
     fs_hz: float
@@ -34,33 +34,36 @@ class ForceRecord:
     tare_n: float
     gap_n: Floats
     reversal_n: float
+    sign_doubt: str
     notes: tuple[str, ...]
 
 
 def condition_force(
-    samples: Floats, fs_hz: float, low: IirFilter | None, tare: Literal["rest", "none"], window: WindowSettings
+    samples: Floats, fs_hz: float, low: IirFilter | None, channel: ForceChannelSettings, window: WindowSettings
 ) -> ForceRecord:
     """Filter the whole record (n,) of raw force, tare it on its rests, and find the presses."""
     filtered = samples if low is None else filter_record(samples, low)
     rest = find_rest(filtered, fs_hz, window)
-    force_n, tare_n, notes = _tared(filtered, fs_hz, rest, tare)
+    force_n, tare_n, notes = _tared(filtered, fs_hz, rest, channel)
     presses = find_presses(force_n, fs_hz, window.force_n)
     noise_n = 0.0 if np.isnan(rest.noise_n) else NOISE_REVERSAL * rest.noise_n
     reversal_n = max(noise_n, SMALLEST_REVERSAL * (window.force_n[1] - window.force_n[0]))
     gap_n = _gaps(force_n, fs_hz, presses) if rest.level_n.size else np.full(presses.start_s.size, np.nan)
+    doubt = "" if presses.start_s.size else doubt_by_force(force_n, window.force_n, channel.sign)
     notes = (*notes, *_said_of_presses(presses, force_n, window))
-    return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, notes)
+    return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes)
 
 
 def _tared(
-    filtered: Floats, fs_hz: float, rest: Rest, tare: Literal["rest", "none"]
+    filtered: Floats, fs_hz: float, rest: Rest, channel: ForceChannelSettings
 ) -> tuple[Floats, float, tuple[str, ...]]:
-    if tare == "none":
+    if channel.tare == "none":
         return filtered, 0.0, ("force: not tared, as the study says",)
     if rest.level_n.size == 0:
         return filtered, 0.0, ("force: tare impossible, the record never rests; force is taken as it is",)
     tare_n, drift_n = float(np.median(rest.level_n)), float(np.ptp(rest.level_n))
-    said = f"force: tared on {rest.level_n.size} rests, median {tare_n:.4g} N, drift {drift_n:.2g} N"
+    rests = "1 rest" if rest.level_n.size == 1 else f"{rest.level_n.size} rests"
+    said = f"force: tared on {rests}, median {tare_n:.4g} N, drift {drift_n:.2g} N"
     return filtered - rest.baseline.at(np.arange(filtered.size) / fs_hz), tare_n, (said,)
 
 
@@ -87,7 +90,6 @@ def _said_of_presses(presses: Presses, force_n: Floats, window: WindowSettings) 
     if presses.skipped:
         notes.append("presses: the record begins above the window or while force falls; that press is not counted")
     if n == 0:
-        sign = "; is its sign -1?" if -force_n.min() >= upper_n > force_n.max() else ""
         reach = f"{force_n.min():.3g} to {force_n.max():.3g} N"
-        notes.append(f"presses: none; tared force goes from {reach}, the window is {lower_n:g} to {upper_n:g} N{sign}")
+        notes.append(f"presses: none; tared force goes from {reach}, the window is {lower_n:g} to {upper_n:g} N")
     return tuple(notes)

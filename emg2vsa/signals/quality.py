@@ -16,6 +16,9 @@ MAINS_HARMONICS = 3
 MAINS_BLOCK_S = 1.0
 "Mains is looked for in blocks of this length, so that its wander of +-0.1 Hz does not matter."
 
+SILENT_DB = 1.0
+"A muscle that differs from its rest by less shows nothing of the press: estimates of a dead channel stay within it."
+
 REPEATING = 0.3
 "A channel that holds values for this share of its samples was sampled more slowly than its file says."
 

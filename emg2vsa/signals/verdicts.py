@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from emg2vsa.settings import WindowSettings
-from emg2vsa.signals.quality import REPEATING, RawQuality
+from emg2vsa.signals.quality import REPEATING, SILENT_DB, RawQuality
 
 MAINS_WARNING = 0.3
 "Share of EMG power at the mains and its harmonics."
@@ -20,8 +20,12 @@ HELD_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Evidence:
-    """What is known of one trial. rest_gap_n : tared force before contact, NaN if unknown. emg : by muscle."""
+    """What is known of one trial. rest_gap_n : tared force before contact, NaN if unknown. emg : by muscle.
 
+    sign_doubt : why the force of the whole record seems reversed, so that this is a release; empty if it does not.
+    """
+
+    sign_doubt: str
     duration_s: float
     peak_force_n: float
     reached: bool
@@ -38,6 +42,8 @@ class Evidence:
 
 def judge(trial: Evidence, window: WindowSettings) -> tuple[str, str]:
     """Verdict and reasons, the rejecting ones first, joined by "; "."""
+    if trial.sign_doubt:
+        return "rejected", trial.sign_doubt
     said = [*_on_force(trial, window), *_on_signals(trial, window)]
     rejecting = [reason for rejects, reason in said if rejects]
     warning = [reason for rejects, reason in said if not rejects]
@@ -85,5 +91,8 @@ def _on_signals(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool,
             yield held_s > HELD_SHARE * trial.duration_s, f"{muscle} holds one value for {1e3 * held_s:.0f} ms"
         if quality.mains_ratio > MAINS_WARNING:
             yield False, f"mains is {100 * quality.mains_ratio:.0f} % of the power of {muscle}"
-        if trial.snr_db[muscle] < window.min_snr_db:
-            yield False, f"{muscle} is {trial.snr_db[muscle]:.1f} dB over rest"
+        snr_db = trial.snr_db[muscle]
+        if abs(snr_db) < SILENT_DB:
+            yield True, f"{muscle} is as silent as at rest ({snr_db:.1f} dB over it)"
+        elif snr_db < window.min_snr_db:
+            yield False, f"{muscle} is {snr_db:.1f} dB over rest"

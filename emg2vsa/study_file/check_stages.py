@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from emg2vsa.settings import FilterSettings, ProfileSettings, SimulationSettings, WindowSettings
+from emg2vsa.settings import FilterSettings, ProfileSettings, ScheduleSettings, SimulationSettings, WindowSettings
 from emg2vsa.study_file.draft import Draft
 from emg2vsa.study_file.lines import KeyPath
 from emg2vsa.study_file.problems import Problem, nearest, shown
@@ -27,7 +27,7 @@ def stage_problems(draft: Draft) -> Iterator[Problem]:
     if draft.profile:
         yield from _new_specimen(draft, draft.profile)
     if draft.schedule:
-        yield from _rising(draft.schedule.stiffness_percent, ("schedule", "stiffness_percent"))
+        yield from _schedule(draft, draft.schedule)
     if draft.simulation:
         yield from _simulation(draft, draft.simulation)
 
@@ -109,6 +109,15 @@ def _new_specimen(draft: Draft, profile: ProfileSettings) -> Iterator[Problem]:
         )
         do = "Add specimens, or set extrapolate = true."
         yield Problem(("profile", "new_stiffness_n_per_mm"), span, f"{stiffness:g}", do)
+
+
+def _schedule(draft: Draft, schedule: ScheduleSettings) -> Iterator[Problem]:
+    yield from _rising(schedule.stiffness_percent, ("schedule", "stiffness_percent"))
+    if draft.window:
+        lower, upper = draft.window.force_n
+        if 0 < upper - lower < schedule.step_n:
+            wanted = f"at most {upper - lower:g}, the width of the force window"
+            yield Problem(("schedule", "step_n"), wanted, f"{schedule.step_n:g}")
 
 
 def _simulation(draft: Draft, simulation: SimulationSettings) -> Iterator[Problem]:

@@ -68,3 +68,5 @@ class Trials:
     delay: DelayBudget
     notes: tuple[str, ...]
     "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
+    sign_doubt: str = ""
+    "Why the sign of the force seems wrong, which rejects every press; empty if it does not."

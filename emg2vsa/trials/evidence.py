@@ -32,7 +32,9 @@ def gather_evidence(
     quality: list[list[RawQuality]],
     snr_db: Floats,
     record: EmgRecord,
+    sign_doubt: str,
 ) -> list[Evidence]:
+    """What is known of each press of a record; arrays as in ``extract_trials``."""
     presses, offsets = force.presses, instants.offsets
     missing_until = np.concatenate(([0], np.cumsum(force_missing)))
     fs_hz = force.fs_hz
@@ -42,6 +44,7 @@ def gather_evidence(
         begin, end = int(start_s * fs_hz), min(int(np.ceil(stop_s * fs_hz)) + 1, force_missing.size)
         evidence.append(
             Evidence(
+                sign_doubt=sign_doubt,
                 duration_s=float(stop_s - start_s),
                 peak_force_n=float(presses.peak_n[i]),
                 reached=bool(presses.reached[i]),

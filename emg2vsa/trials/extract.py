@@ -18,6 +18,7 @@ from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoothe
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
 from emg2vsa.signals.force import ForceRecord, condition_force
 from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants
+from emg2vsa.signals.force_sign import doubt_by_emg
 from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.verdicts import judge
 from emg2vsa.trials import Trials
@@ -76,7 +77,10 @@ def extract_trials(
     rest_v = _rest_level(chain, record, rest_instants(conditioned.rest, emg_clock, force_clock, chain.step))
     snr_db = ratio_db(window_means(envelopes_v, instants.offsets), rest_v[:, None])
     quality = raw_qualities(record, instants, chain.envelope)
-    evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record)
+    doubt = conditioned.sign_doubt or doubt_by_emg(
+        force_n, envelopes_v, instants.offsets, rest_v, window.force_n, force_channel.sign
+    )
+    evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt)
     verdicts = [judge(trial, window) for trial in evidence]
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
     conversions = (f"{role}: {channel.conversion}" for role, channel in (*emg.items(), ("force", force)))
@@ -106,7 +110,8 @@ def extract_trials(
         overview_time_s=force_clock.time_s(np.arange(0, force_missing.size, every)),
         overview_force_n=conditioned.force_n[::every].copy(),
         delay=delay,
-        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *said),
+        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *said, *([doubt] if doubt else ())),
+        sign_doubt=doubt,
     )
 
 
@@ -127,7 +132,7 @@ def _conditioned(
     """The force record, and which of its samples (n,) were missing."""
     at_least = 4 if low is None else max(4, low.pad_samples + 1)
     raw_n, missing = bridge_gaps(samples_1d(force.samples, where_of(force), at_least=at_least), where_of(force))
-    return condition_force(raw_n, force.fs_hz, low, force_channel.tare, window), missing
+    return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
 
 
 def _rest_level(chain: Chain, record: EmgRecord, resting: Instants) -> Floats:

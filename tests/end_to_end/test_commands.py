@@ -50,8 +50,9 @@ def test_check_judges_a_session(study: Path, capsys: pytest.CaptureFixture[str])
     next(study.parent.glob("data/sub-P01/emg/*acq-S3_emg.bdf")).unlink()
     assert main(["check", str(study), "P01", "--jobs", "1"]) == 1
     said = capsys.readouterr().out
-    assert "P01: REPEAT" in said
-    assert "S3: record again" in said
+    assert "P01: UNREADABLE" in said
+    assert "S3: cannot be used: " in said
+    assert "No such file" in said
 
 
 def test_check_names_an_unknown_participant(study: Path, capsys: pytest.CaptureFixture[str]) -> None:

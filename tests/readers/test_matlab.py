@@ -59,7 +59,7 @@ def test_a_text_cell_of_equal_length_names_the_channels(tmp_path: Path) -> None:
             "wanted the stated rate, 1000 Hz; found 500 Hz",
         ),
         ({"EDC": np.ones(50), "fs": 1000, "srate": 500}, "wanted one sampling rate"),
-        ({"EDC": np.array([1.0, np.nan, 2.0]), "fs": 1000}, "found nan at sample 1"),
+        ({"EDC": np.array([1.0, np.inf, 2.0]), "fs": 1000}, "found inf at sample 1"),
         ({"fs": 1000}, "wanted numeric vectors"),
     ],
 )

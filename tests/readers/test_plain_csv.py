@@ -128,7 +128,8 @@ def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> No
         ("time (s),EDC (mV)\n10:32:01.5,1\n10:32:01.6,1\n", r"line 2, column 'time of EDC': wanted a number"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.001,3\n0.002,4\n", "line 4: .*same stamp again"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,3\n0.009,4\n0.010,3\n", "line 5: .*a gap of 0.007 s"),
-        ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,3\n", r"channel 'EDC': .*; found nan at sample 1 \(0.001 s"),
+        ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,nan\n0.003,3\n", r"'EDC': .*; found nan at sample 1 \(0.001 s; 2 of 4"),
+        ("time (s),EDC (mV)\n0,nan\n0.001,2\n0.002,-inf\n0.003,3\n", r"found -inf at sample 2 \(0.002 s; 1 of 4 sam"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,inf\n", r"found inf at sample 2 \(0.002 s"),
         ("time (s),EDC (mV)\n0,inf\n0.001,-inf\n0.002,1\n", r"found inf at sample 0 \(0 s; 2 of 3 samples"),
         ("time (s),EDC (mV)\n0,\n0.001,\n", "wanted samples; found none"),
@@ -138,6 +139,14 @@ def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> No
 def test_faults_say_where_and_what(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(RecordingError, match=message):
         read(write(tmp_path, text), ["EDC"])
+
+
+def test_missing_samples_stay_and_are_counted(tmp_path: Path) -> None:
+    text = "time (s),EDC (mV),FDS (mV)\n" + "".join(f"{i / 1000},{'' if i in (3, 5) else i},{i}\n" for i in range(9))
+    recording = read(write(tmp_path, text), ["EDC", "FDS"])
+    assert np.flatnonzero(np.isnan(recording.channel("EDC").samples)).tolist() == [3, 5]
+    assert recording.channel("EDC").samples[4] == pytest.approx(4e-3)
+    assert recording.notes == ("EDC: 2 of 9 samples are missing, the first at 0.003 s",)
 
 
 def test_a_late_decimal_comma_is_seen(tmp_path: Path) -> None:

@@ -52,14 +52,14 @@ def test_a_recording_that_failed_is_named_with_its_reason(write, results, read_p
     trials = [t for t in results.trials if t.participant == "P02" and t.specimen != "S5"]
     failure = Failure("P02/S5", "trials", "P02_S5.csv: no channel 'Fz' & no <force>")
     page = read_page(write("P02", trials, [failure]))
-    assert "Repeat." in page.text
+    assert "Unreadable." in page.text
     assert "no channel 'Fz' & no <force>" in page.text
 
 
 def test_a_participant_without_any_usable_recording_has_a_page_too(write, read_page):
     failures = [Failure(f"P02/{name}", "trials", f"{name} is unreadable") for name in ("S1", "S2", "S3", "S5")]
     page = read_page(write("P02", [], failures))
-    assert "Repeat." in page.text
+    assert "Unreadable." in page.text
     assert all(failure.message in page.text for failure in failures)
 
 

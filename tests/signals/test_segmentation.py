@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emg2vsa.settings import WindowSettings
+from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.force import condition_force
 from emg2vsa.signals.rest import find_rest
 from emg2vsa.signals.segmentation import find_presses
 
 FS_HZ = 200.0
+RESTS = ForceChannelSettings(name="Fz")
 WINDOW_N = (0.5, 7.0)
 RISE = [(0, 0), (2.5, 7.5), (2.8, 7.5), (3.5, 0)]
 
@@ -112,7 +113,7 @@ def test_offset_and_drift_of_the_sensor_do_not_matter(offset_n, drift_n_per_s, s
     noise = 0.005 * np.random.default_rng(seed).standard_normal(force.size)
     moved = force + noise + offset_n + drift_n_per_s * np.arange(force.size) / FS_HZ
     truth = starts_and_stops(force)
-    found = condition_force(moved, FS_HZ, None, "rest", WindowSettings())
+    found = condition_force(moved, FS_HZ, None, RESTS, WindowSettings())
     assert found.presses.start_s == pytest.approx(truth[0], abs=0.02)
     assert found.presses.stop_s == pytest.approx(truth[1], abs=0.02)
     assert found.tare_n == pytest.approx(offset_n + drift_n_per_s * force.size / FS_HZ / 2, abs=0.05)
@@ -122,7 +123,7 @@ def test_one_rest_at_which_the_hand_leans_does_not_move_the_tare():
     force = force_of(*[RISE] * 6)
     leaning = force.copy()
     leaning[round(13.5 * FS_HZ) : round(14.9 * FS_HZ)] = 0.2
-    tared = condition_force(leaning, FS_HZ, None, "rest", WindowSettings())
+    tared = condition_force(leaning, FS_HZ, None, RESTS, WindowSettings())
     assert np.max(np.abs(tared.force_n - leaning)) < 1e-9
 
 
@@ -139,7 +140,16 @@ def test_a_ramp_or_a_grip_never_rests(force_n):
 
 
 def test_no_press_says_why():
-    quiet = condition_force(np.zeros(2000), FS_HZ, None, "rest", WindowSettings(expected_trials=10))
+    quiet = condition_force(np.zeros(2000), FS_HZ, None, RESTS, WindowSettings(expected_trials=10))
     assert any("0 found, 10 expected" in note for note in quiet.notes)
-    mirrored = condition_force(-force_of(RISE), FS_HZ, None, "none", WindowSettings())
-    assert any("sign -1" in note for note in mirrored.notes)
+    assert quiet.sign_doubt == ""
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_no_press_of_a_reversed_force_asks_for_the_other_sign(sign):
+    channel = ForceChannelSettings(name="Fz", sign=sign, tare="none")
+    mirrored = condition_force(-force_of(RISE), FS_HZ, None, channel, WindowSettings())
+    assert mirrored.sign_doubt.startswith("force goes down to -7.5 N")
+    assert mirrored.sign_doubt.endswith(f"is its sign {-sign}?")
+    upright = condition_force(force_of(RISE), FS_HZ, None, channel, WindowSettings())
+    assert upright.sign_doubt == ""

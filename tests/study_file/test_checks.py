@@ -73,6 +73,7 @@ CASES = [
     ("+", "[profile]\nnew_stiffness_n_per_mm = 5", "profile.new_specimen", "a name"),
     ("+", NEW + "new_stiffness_n_per_mm = 9", "profile.new_stiffness_n_per_mm", "between 3.35 and 7.63"),
     ("+", "[schedule]\nstiffness_percent = [80, 20]", "schedule.stiffness_percent", "smaller number first"),
+    ("+", "[schedule]\nstep_n = 6.6", "schedule.step_n", "at most 6.5, the width of the force window"),
     # simulation
     ("a_v = { S1 = 40e-6, S3", "a_v = { S3", "simulation.a_v.S1", "none for 'S1'"),
     ("b_v = { S1", "b_v = { S2 = 1e-5, S1", "simulation.b_v.S2", "a specimen of this study"),
@@ -100,6 +101,7 @@ def test_the_small_study_itself_is_sound(small: str, load: Callable[[str], Study
 def test_limits_that_are_no_faults(small: str, load: Callable[[str], Study]) -> None:
     load(f"{small}loading_s = [2, 2]\n{NEW}new_stiffness_n_per_mm = 7.63\n")
     load(f"{small}{NEW}new_stiffness_n_per_mm = 9\nextrapolate = true\n")
+    load(small + "[schedule]\nstep_n = 6.5\n")
     load(small + "[filters]\noutput_fs_hz = 100\n[fit]\nconfidence = 0.5\n")
 
 

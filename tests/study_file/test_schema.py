@@ -65,7 +65,7 @@ def test_every_setting_is_described() -> None:
     for node in nodes(json_schema()):
         for described in node.get("properties", {}).values():
             assert described["description"]
-    assert docs["FilterSettings", "band_hz"].startswith("EMG band-pass edges.")
+    assert docs["FilterSettings", "band_hz"].startswith("EMG band-pass: -3 dB edges")
     assert {key for name, key in docs if name == "FitSettings"} == {f.name for f in fields(settings.FitSettings)}
 
 

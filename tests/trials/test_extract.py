@@ -185,7 +185,7 @@ def flat(samples):
 
 
 def hum(samples):
-    return samples + 1e-4 * np.sin(2 * np.pi * 50 * np.arange(samples.size) / FS_HZ)
+    return samples + 1e-5 * np.sin(2 * np.pi * 50 * np.arange(samples.size) / FS_HZ)
 
 
 def held(samples):
@@ -208,7 +208,16 @@ def with_gaps(samples):
 
 
 def noisy(samples):
-    return samples + 1e-4 * np.random.default_rng(3).standard_normal(samples.size)
+    return samples + 1.5e-5 * np.random.default_rng(3).standard_normal(samples.size)
+
+
+def off(samples):
+    return 1e-5 * np.random.default_rng(3).standard_normal(samples.size)
+
+
+def quieter(samples):
+    """Loud in the rests alone, as of a finger held up between the presses."""
+    return samples + 1e-4 * np.random.default_rng(3).standard_normal(samples.size) * (samples**2 < 3e-11)
 
 
 @pytest.mark.parametrize(
@@ -222,6 +231,8 @@ def noisy(samples):
         (upsampled, "warned", "EDC repeats 50 % of its samples"),
         (with_gaps, "rejected", "EDC misses 3 samples"),
         (noisy, "warned", "dB over rest"),
+        (off, "rejected", "EDC is as silent as at rest ("),
+        (quieter, "warned", "EDC is -"),
     ],
 )
 def test_verdicts_on_emg(change, verdict, reason):
@@ -230,6 +241,57 @@ def test_verdicts_on_emg(change, verdict, reason):
     assert reason in trials.reasons[0]
     assert "FDS" not in trials.reasons[0]
     assert np.all(np.isfinite(trials.activity))
+
+
+@pytest.mark.parametrize("offset_n", [0.3, -20.0])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("dead", [(), ("EDC",)])
+def test_a_wrong_sign_is_noticed(offset_n, sign, dead):
+    held = [(0, 0), (2.0, 7.6), (4.5, 7.6), (5.5, 0)]
+    emg, force = recorded(force_of(*[held] * 3, rest_s=1.0))
+    emg |= {name: replace(emg[name], samples=off(emg[name].samples)) for name in dead}
+    reversed_force = replace(force, samples=offset_n - force.samples)
+    trials = extract(emg, reversed_force, force_channel=ForceChannelSettings(name="Fz", sign=sign))
+    assert trials.verdict.tolist() == ["rejected"] * 3
+    assert set(trials.reasons) == {f"force rises while EMG is below its rest; is its sign {-sign}?"}
+    assert trials.sign_doubt == trials.reasons[0]
+    assert trials.sign_doubt in trials.notes
+
+
+def test_a_wrong_sign_without_presses_is_noticed():
+    emg, force = recorded(force_of(*[RISE] * 3))
+    trials = extract(emg, replace(force, samples=-force.samples))
+    assert trials.verdict.size == 0
+    assert trials.sign_doubt.endswith("is its sign -1?")
+
+
+@pytest.mark.parametrize("dead", [("EDC",), ("FDS",), ("EDC", "FDS")])
+def test_dead_electrodes_are_no_wrong_sign(dead):
+    emg, force = recorded(force_of(*[RISE] * 4))
+    off_v = {name: 1e-6 * np.random.default_rng(i).standard_normal(force.samples.size) for i, name in enumerate(dead)}
+    trials = extract({**emg, **{name: channel(samples) for name, samples in off_v.items()}}, force)
+    assert trials.sign_doubt == ""
+    assert trials.verdict.tolist() == ["rejected"] * 4
+    assert all(f"{name} is as silent as at rest" in reason for name in dead for reason in trials.reasons)
+
+
+def test_one_muscle_quieter_than_at_rest_is_no_wrong_sign():
+    emg, force = recorded(force_of(*[RISE] * 3))
+    emg["EDC"] = replace(emg["EDC"], samples=quieter(emg["EDC"].samples))
+    assert extract(emg, force).sign_doubt == ""
+
+
+def test_a_held_grip_with_short_rests_is_no_wrong_sign():
+    held = [(0, 0), (2.0, 7.6), (12.0, 7.6), (12.5, 0)]
+    trials = extract(*recorded(force_of(*[held] * 3, rest_s=0.8)))
+    assert trials.sign_doubt == ""
+    assert trials.verdict.tolist() == ["ok"] * 3
+
+
+def test_the_tare_says_how_many_rests():
+    held = [(0, 0), (2.0, 7.6), (6, 7.6)]
+    said = [note for note in extract(*recorded(force_of(held, rest_s=1.0)[:-999])).notes if "tared" in note]
+    assert said[0].startswith("force: tared on 1 rest, median 0.3")
 
 
 SLOW_RISE = [(0, 0), (26, 7.6), (27, 0)]
