@@ -8,8 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from emg2vsa.figures.palette import GRID, INK
 
@@ -51,17 +53,32 @@ STYLE: dict[str, Any] = {
 
 
 def new_figure(
-    width_mm: float, height_mm: float, margins_mm: Sequence[float], panels: int = 1, gap_mm: float = 0.0
+    width_mm: float, height_mm: float, margins_mm: Sequence[float], shares: Sequence[float] = (1,), gap_mm: float = 0.0
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``panels`` axes side by side. margins_mm : left, right, bottom, top. Call it inside ``style()``."""
+    """A figure with axes side by side, as wide as their ``shares``. Call it inside ``style()``.
+
+    margins_mm : left, right, bottom, top.
+    """
     left, right, bottom, top = margins_mm
     figure = Figure(figsize=(width_mm / _MM_PER_INCH, height_mm / _MM_PER_INCH))
-    each = (width_mm - left - right - gap_mm * (panels - 1)) / panels
+    unit = (width_mm - left - right - gap_mm * (len(shares) - 1)) / sum(shares)
     boxes = [
-        ((left + i * (each + gap_mm)) / width_mm, bottom / height_mm, each / width_mm, 1 - (bottom + top) / height_mm)
-        for i in range(panels)
+        (
+            (left + unit * sum(shares[:i]) + i * gap_mm) / width_mm,
+            bottom / height_mm,
+            unit * share / width_mm,
+            1 - (bottom + top) / height_mm,
+        )
+        for i, share in enumerate(shares)
     ]
     return figure, [figure.add_axes(box) for box in boxes]
+
+
+def show_zero(axes: Axes, values: ArrayLike) -> None:
+    """Let the vertical axis begin at zero, unless there are values below it."""
+    known = np.asarray(values, dtype=np.float64)
+    if not np.any(known[np.isfinite(known)] < 0):
+        axes.set_ylim(bottom=0)
 
 
 def style() -> Any:

@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.figures.canvas import TWO_COLUMNS_MM, new_figure
+from emg2vsa.figures.canvas import TWO_COLUMNS_MM, new_figure, show_zero
 from emg2vsa.figures.palette import INK, Look
 from emg2vsa.profiles import Profile
 
@@ -52,12 +52,14 @@ def draw_cocontraction(
     bar_legend: str,
 ) -> Figure:
     """profiles, slopes (n,) and looks belong together, one per specimen; ``bar_legend`` names test and correction."""
-    figure, (trends, boxes) = new_figure(TWO_COLUMNS_MM, 72, (13, 2, 11, 6), panels=2, gap_mm=16)
+    figure, (trends, boxes) = new_figure(TWO_COLUMNS_MM, 72, (13, 2, 11, 6), shares=(1, 1), gap_mm=16)
     for profile, look in zip(profiles, looks, strict=True):
         _trend(trends, profile, look, scale)
-    trends.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None), ylim=(0, None))
+    trends.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
+    show_zero(trends, [profile.v for profile in profiles])
     trends.set_title("(a)", loc="left")
-    trends.legend(loc="upper left")
+    falling = sum(profile.b_v < 0 for profile in profiles)
+    trends.legend(loc="upper right" if 2 * falling > len(profiles) else "upper left")
     for place, (b, look) in enumerate(zip(slopes, looks, strict=True)):
         if b.size:
             _box(boxes, place, b * scale.factor, look)

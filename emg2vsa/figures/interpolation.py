@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.figures.canvas import ONE_COLUMN_MM, new_figure
+from emg2vsa.figures.canvas import ONE_COLUMN_MM, new_figure, show_zero
 from emg2vsa.figures.palette import INK, NEW, Look
 from emg2vsa.profiles import Profile
 
@@ -25,7 +25,8 @@ def draw_interpolation(
             markevery=max(1, profile.force_n.size // 8), markeredgecolor=INK, markeredgewidth=0.4,
             label=f"{profile.specimen}{' (interpolated)' if profile.source == 'interpolated' else ''}",
         )  # fmt: skip
-    axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None), ylim=(0, None))
+    axes.set(xlabel="Force (N)", ylabel=scale.label("Co-contraction"), xlim=(0, None))
+    show_zero(axes, [profile.v for profile in [*measured, new]])
     if not np.isnan(rmse):
         said = f"RMSE to measured: {rmse * scale.factor:.3g} {scale.unit}".rstrip()
         axes.text(0.98, 0.03, said, transform=axes.transAxes, ha="right", va="bottom")

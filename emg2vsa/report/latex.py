@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from textwrap import wrap
 
 from emg2vsa.report.table import Table
@@ -27,17 +28,35 @@ def latex_text(text: str) -> str:
     return "".join(_LATEX.get(character, character) for character in text)
 
 
+def latex_number(shown: str) -> str:
+    """A number as people see it, with a minus sign and powers of ten; other text as text."""
+    if not (parts := re.fullmatch(r"(-?[0-9.]+)(?:e([-+]?[0-9]+))?", shown)):
+        return latex_text(shown)
+    mantissa, exponent = parts.groups()
+    power = rf"\times10^{{{int(exponent)}}}" if exponent else ""
+    return rf"\ensuremath{{{mantissa}{power}}}" if power or mantissa.startswith("-") else mantissa
+
+
 def latex_table(table: Table) -> str:
     """A booktabs table with caption and label; its first line names the packages it takes."""
     cells, numeric = table.cells(), table.numeric()
     lengths = [max((len(row[i]) for row in cells), default=1) for i in range(len(table.columns))]
     texts = [length > _LONG_TEXT for length in lengths]
-    heads = [
-        _head(column.head, max(length, _HEAD), "r" if number else "l", broken=not text)
-        for column, length, number, text in zip(table.columns, lengths, numeric, texts, strict=True)
+    broken = [
+        # numbers and not words make a table wide
+        wrap(column.head, max(length, _HEAD), break_long_words=False)
+        for column, length in zip(table.columns, lengths, strict=True)
     ]
+    heads = [_head(head, "r" if number else "l") for head, number in zip(broken, numeric, strict=True)]
+    lengths = [max(length, *map(len, head)) for length, head in zip(lengths, broken, strict=True)]
     kinds = [_LONG if text else "r" if number else "l" for text, number in zip(texts, numeric, strict=True)]
-    lines = [" & ".join(map(latex_text, row)) + r" \\" for row in cells]
+    lines = [
+        " & ".join(
+            latex_number(cell) if number else latex_text(cell) for cell, number in zip(row, numeric, strict=True)
+        )
+        + r" \\"
+        for row in cells
+    ]
     caption, top = rf"\caption{{{latex_text(table.caption)}}}", [r"\toprule", " & ".join(heads) + r" \\", r"\midrule"]
     label = rf"\label{{tab:{table.name}}}"
     size = _size(sum(length + 2 for length in lengths))
@@ -52,11 +71,9 @@ def latex_table(table: Table) -> str:
 _LONG = r">{\raggedright\arraybackslash}X"
 
 
-def _head(head: str, width: int, side: str, *, broken: bool) -> str:
-    """A head in lines as short as its column, so that numbers and not words make a table wide."""
-    lines = wrap(head, width, break_long_words=False) if broken else [head]
+def _head(lines: list[str], side: str) -> str:
     if len(lines) == 1:
-        return latex_text(head)
+        return latex_text(lines[0])
     return rf"\begin{{tabular}}[b]{{@{{}}{side}@{{}}}}" + r"\\".join(map(latex_text, lines)) + r"\end{tabular}"
 
 

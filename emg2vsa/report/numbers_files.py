@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from emg2vsa.report.latex import latex_text
+from emg2vsa.report.latex import latex_number, latex_text
 from emg2vsa.report.quantities import Quantity
 
 _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
@@ -53,5 +53,4 @@ def _latex(value: Quantity) -> str:
         return str(value)
     if math.isnan(value):
         return "--"
-    mantissa, _, exponent = f"{value:.4g}".partition("e")
-    return rf"\ensuremath{{{mantissa}\times10^{{{int(exponent)}}}}}" if exponent else rf"\ensuremath{{{mantissa}}}"
+    return latex_number(f"{value:.4g}")

@@ -18,7 +18,7 @@ from emg2vsa.report.inputs import Failure, short_paths, with_short_paths
 from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
 from emg2vsa.report.study_tables import activity_column
 from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import number, percent
+from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict, judge_session
 from emg2vsa.study import Study
 from emg2vsa.trials import Trials
@@ -119,14 +119,16 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("repetition", "Press"), Column("start_s", "Start (s)", digits=4), Column("duration_s", "Lasts (s)"),
         Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling (%)", 100.0, 2),
         Column("snr_db", "SNR (dB)"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
-        activity_column("b_lo_v", f"{100 * fits.confidence:g} %: from", scale), activity_column("b_hi_v", "to", scale),
+        activity_column("b_lo_v", "b low", scale), activity_column("b_hi_v", "b high", scale),
         Column("adj_r2_bins", "adj. R², bins"),
-        Column("adj_r2_samples", "samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
+        Column("adj_r2_samples", "adj. R², samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
     rows = []
     for i in range(fits.b_v.size):
         rows.append(tuple(getattr(fits if hasattr(fits, c.key) else trials, c.key)[i].item() for c in columns))
-    return Table("presses", f"Presses on {trials.specimen}", columns, tuple(rows))
+    interval = f"{100 * fits.confidence:g}{NO_BREAK}%"
+    caption = f"Presses on {trials.specimen}; b low and b high are the ends of its {interval} interval"
+    return Table("presses", caption, columns, tuple(rows))
 
 
 def _quality(trials: Trials, study: Study) -> str:

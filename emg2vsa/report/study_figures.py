@@ -20,10 +20,12 @@ from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.study_tables import activity_column, scale_of
 from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
+from emg2vsa.report.wording import NO_BREAK, activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
-_MARKS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05"
+_MARKS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
+    f",{NO_BREAK}", ", "
+)
 
 
 @dataclass(frozen=True)
@@ -128,8 +130,8 @@ def _schedules(results: StudyResults) -> Drawing | None:
     low, high, scale = (*results.study.schedule.stiffness_percent, results.study.schedule.scale)
     caption = (
         f"Fig. 5. Co-contraction mapped on the actuator's stiffness, {low:g} to {high:g} % of the maximum {scale} over "
-        "all exported specimens. Steps with marks: modular stiffness. Dotted lines: constant stiffness, at the "
-        "minimum, mean and maximum of each profile."
+        "all exported specimens. Left: modular stiffness, step by step. Right: constant stiffness, at the "
+        "minimum (lower bar), mean (mark) and maximum (upper bar) of each profile."
     )
     told = [
         f"{s.specimen} {s.condition}: {number(s.stiffness_percent.min())}"
@@ -149,6 +151,7 @@ def _interpolation(results: StudyResults) -> Drawing | None:
     measured = [*profiles.profiles]
     if profiles.new_measured and profiles.new_measured.specimen not in {p.specimen for p in measured}:
         measured.append(profiles.new_measured)
+        measured.sort(key=lambda profile: _specimens(results).index(profile.specimen))
     rmse = error.rmse_v if error else float("nan")
     figure = draw_interpolation(measured, new, looks(_specimens(results)), scale, rmse)
     bracket = listed(profiles.bracket or ())

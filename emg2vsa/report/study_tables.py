@@ -88,9 +88,9 @@ def _fits_by_specimen(results: StudyResults, scale: ActivityScale) -> Table:
         activity_column("b_mean_v", "Mean b", scale),
         activity_column("b_sd_v", "SD b", scale),
         Column("adj_r2_bins_min", "Worst adj. R², bins"),
-        Column("adj_r2_bins_median", "Median, bins"),
+        Column("adj_r2_bins_median", "Median adj. R², bins"),
         Column("adj_r2_samples_min", "Worst adj. R², samples"),
-        Column("adj_r2_samples_median", "Median, samples"),
+        Column("adj_r2_samples_median", "Median adj. R², samples"),
     )
     return Table("fits_by_specimen", "Fits v = a + b ln F of the trials used, by specimen", columns, tuple(rows))
 

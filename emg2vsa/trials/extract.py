@@ -17,8 +17,8 @@ from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoother
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
 from emg2vsa.signals.force import ForceRecord, condition_force
-from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants
 from emg2vsa.signals.force_sign import doubt_by_emg
+from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants
 from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.verdicts import judge
 from emg2vsa.trials import Trials
@@ -82,6 +82,7 @@ def extract_trials(
     )
     evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt)
     verdicts = [judge(trial, window) for trial in evidence]
+    said += (doubt,) if doubt else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
     conversions = (f"{role}: {channel.conversion}" for role, channel in (*emg.items(), ("force", force)))
     return Trials(
@@ -110,7 +111,7 @@ def extract_trials(
         overview_time_s=force_clock.time_s(np.arange(0, force_missing.size, every)),
         overview_force_n=conditioned.force_n[::every].copy(),
         delay=delay,
-        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *said, *([doubt] if doubt else ())),
+        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *said),
         sign_doubt=doubt,
     )
 

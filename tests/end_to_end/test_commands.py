@@ -76,6 +76,15 @@ def test_fit_lists_channels_then_fits(study: Path, capsys: pytest.CaptureFixture
     assert sum(row["b_v"] for row in trials) / 4 == pytest.approx(20e-6, rel=0.15)
 
 
+@pytest.mark.parametrize("specimen", ["S1", "S3", "S5"])
+def test_fit_notices_a_wrong_sign(study: Path, specimen: str, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(next(study.parent.glob(f"data/sub-P01/emg/*acq-{specimen}_emg.bdf")))
+    main(["fit", path, "--emg", "EDC", "--emg", "FDS", "--force", "Fz", "--json"])
+    said = json.loads(capsys.readouterr().out)
+    assert any(note.endswith("is its sign -1?") for note in said["notes"])
+    assert all(row["verdict"] == "rejected" for row in said["trials"])
+
+
 def test_fit_says_which_channel_is_not_there(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = str(next(study.parent.glob("data/sub-P01/emg/*acq-S1_emg.bdf")))
     assert main(["fit", path, "--emg", "EDX", "--force", "Fz"]) == 2

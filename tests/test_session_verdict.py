@@ -1,0 +1,94 @@
+"""The verdict on a session, and what to do about it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from emg2vsa.session_verdict import VERDICTS, judge_session
+
+SLOW = "lasted 21 s, longer than 20 s"
+LEANT = "force rests at 0.30 N before contact"
+
+
+def recording(specimen="S1", ok=0, warned=0, rejected=0, notes=(), sign_doubt=""):
+    """What the verdict reads of trials."""
+    verdict = np.array(["ok"] * ok + ["warned"] * warned + ["rejected"] * rejected, dtype="<U8")
+    reasons = ("",) * ok + (LEANT,) * warned + (SLOW,) * rejected
+    repetition = np.arange(1, verdict.size + 1)
+    return SimpleNamespace(
+        specimen=specimen, repetition=repetition, verdict=verdict, reasons=reasons, notes=notes, sign_doubt=sign_doubt
+    )
+
+
+def judge(*trials, wanted=10, failures=None):
+    failures = failures or {}
+    return judge_session("P01", trials, {t.specimen: wanted for t in trials} | dict.fromkeys(failures, 10), failures)
+
+
+@pytest.mark.parametrize(
+    ("counts", "wanted", "verdict"),
+    [
+        ({"ok": 10}, 10, "good"),
+        ({"ok": 10}, None, "good"),
+        ({"ok": 9, "warned": 1}, 10, "usable"),
+        ({"ok": 9}, 10, "usable"),
+        ({"ok": 11}, 10, "usable"),
+        ({"ok": 7, "warned": 1, "rejected": 2}, 10, "usable"),
+        ({"ok": 7, "rejected": 3}, 10, "repeat"),
+        ({"ok": 7}, 10, "repeat"),
+        ({"rejected": 1}, None, "repeat"),
+        ({}, None, "repeat"),
+    ],
+)
+def test_each_verdict(counts, wanted, verdict):
+    judged = judge(recording(**counts), wanted=wanted)
+    assert judged.verdict == verdict
+    assert judged.specimens[0].verdict == verdict
+    assert bool(judged.advice) == (verdict != "good")
+
+
+def test_usable_lists_what_was_found_equal_reasons_once():
+    judged = judge(recording(ok=8, warned=3), wanted=10)
+    assert judged.advice == ("S1: 11 presses found, 10 wanted", f"S1: presses 9-11 warned: {LEANT}")
+
+
+def test_repeat_says_why():
+    assert judge(recording(ok=5, rejected=5)).advice == (
+        f"S1: record again (5 usable presses of 10; presses 6-10 rejected: {SLOW}).",
+    )
+    none = "presses: none; tared force goes from -0.02 to 3.1 N, the window is 0.5 to 7 N"
+    assert judge(recording(notes=("force: N as stored", none))).advice == (
+        f"S1: record again (0 presses found, 10 wanted; {none}).",
+    )
+
+
+def test_what_could_not_be_read_is_not_recorded_again():
+    judged = judge(recording(ok=10), failures={"S2": "S2.csv: wanted a force; found no unit. State it."})
+    assert judged.verdict == "unreadable"
+    assert judged.advice == ("S2: cannot be used: S2.csv: wanted a force; found no unit. State it.",)
+    assert [s.verdict for s in judged.specimens] == ["good", "unreadable"]
+
+
+def test_a_recording_that_nobody_tried_to_read():
+    judged = judge_session("P01", [], {"S1": 10}, {})
+    assert (judged.verdict, judged.advice) == ("unreadable", ("S1: cannot be used: no recording",))
+
+
+def test_a_wrong_sign_is_mended_in_the_study_file():
+    doubt = "force rises while EMG is below its rest; is its sign -1?"
+    judged = judge(recording(rejected=10, sign_doubt=doubt))
+    assert (judged.verdict, judged.advice) == ("unreadable", (f"S1: cannot be used: {doubt}",))
+
+
+def test_the_worst_recording_counts_and_is_said_first():
+    parts = {"good": recording("A", ok=10), "usable": recording("B", ok=9), "repeat": recording("C", ok=1)}
+    for worst in range(1, 4):
+        chosen = [parts[name] for name in VERDICTS[:worst]]
+        assert judge(*chosen).verdict == VERDICTS[worst - 1]
+    judged = judge(*parts.values(), failures={"D": "D.csv: found an empty file."})
+    assert judged.verdict == "unreadable"
+    assert [line[0] for line in judged.advice] == ["D", "C", "B"]
+    assert [s.specimen for s in judged.specimens] == ["A", "B", "C", "D"]
