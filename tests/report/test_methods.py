@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -20,8 +21,8 @@ def test_states_what_a_reporting_standard_asks_for(results):
     text = written(results.study, results.trials)
     for said in (
         "3 participants pressed 4 specimens", "EDC and FDS", "Butterworth, order 2, 10 to 450 Hz", "order 50, 20 Hz",
-        "phase: zero-phase", "true -3 dB at 12.4 Hz and 438 Hz", "not normalised", "0.5 to 7 N",
-        "force bins of 0.3 N", "inverse variance", "intervals at 95 %", "Kolmogorov-Smirnov", "Fisher's LSD",
+        "run forward and backward", "true -3 dB at 12.4 Hz and 438 Hz", "not normalised", "0.5 to 7 N",
+        "force bins of 0.3 N", "inverse variance", "at 95 %", "Kolmogorov-Smirnov", "Fisher's LSD",
         "participant P01", "emg2vsa 0.1.0 and numpy 2.3", AUTHORS_ADD,
     ):  # fmt: skip
         assert said in text
@@ -39,10 +40,10 @@ def test_a_note_said_of_every_recording_is_said_once(results):
             lambda s: replace(s, fit=FitSettings(points="samples", weights="none")),
             "ordinary least squares on the samples",
         ),
-        (lambda s: replace(s, fit=FitSettings(robust=True)), "Huber"),
+        (lambda s: replace(s, fit=FitSettings(robust=True)), ", with Huber's weights against outliers, on the means"),
         (lambda s: with_filters(s, FilterSettings(envelope="rms", rms_window_s=0.05)), "root mean square over 50 ms"),
-        (lambda s: with_filters(s, FilterSettings(force_filter=False)), "force was taken as recorded"),
-        (lambda s: with_filters(s, FilterSettings(phase="causal")), "phase: causal"),
+        (lambda s: with_filters(s, FilterSettings(force_filter=False)), "force was not filtered"),
+        (lambda s: with_filters(s, FilterSettings(phase="causal")), "their delays were left in"),
         (lambda s: replace(s, cocontraction=CocontractionSettings(index="rudolph", normalise="mvc")), "Rudolph"),
         (lambda s: replace(s, profile=ProfileSettings()), "all participants"),
         (lambda s: replace(s, window=WindowSettings(force_n=(1.0, 5.0))), "1 to 5 N"),
@@ -59,4 +60,36 @@ def test_recordings_with_other_settings_are_all_stated(results):
     text = written(mixed)
     assert "order 50, 6 Hz" in text
     assert "order 50, 20 Hz" in text
-    assert "differ between recordings" in text
+    assert f"In {first.key}: EMG was" in text
+    assert f"In {len(rest)} of {len(rest) + 1} recordings: EMG was" in text
+
+
+def test_a_window_of_its_own_is_stated(results):
+    first, *rest = results.study.recordings
+    own = replace(first, window=replace(first.window, min_duration_s=0.3))
+    text = written(replace(results.study, recordings=(own, *rest)))
+    assert "less than 0.3 s" in text
+    assert "less than 0.5 s" in text
+
+
+def test_a_simulated_study_does_not_claim_that_people_pressed(results):
+    text = methods_paragraph(results.study, results.trials, {}, simulated=True)
+    assert "were simulated" in text
+    assert AUTHORS_ADD not in text
+
+
+def test_tests_that_one_participant_does_not_allow_are_not_claimed(results):
+    assert "between participants" not in written(replace(results.study, participants=("P01",)))
+
+
+@pytest.mark.parametrize("phase", ["zero-phase", "compensated", "causal"])
+@pytest.mark.parametrize("envelope", ["fir", "rms"])
+@pytest.mark.parametrize("points", ["bins", "samples"])
+@pytest.mark.parametrize("weights", ["inverse-variance", "none"])
+def test_every_choice_reads_as_sentences(results, phase, envelope, points, weights):
+    study = replace(
+        with_filters(results.study, FilterSettings(phase=phase, envelope=envelope)),
+        fit=FitSettings(points=points, weights=weights),
+    )
+    text = written(study)
+    assert not re.search(r"  | [,.;]|,,|;\.|\{|\}|by weighted by", text)

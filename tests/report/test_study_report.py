@@ -13,7 +13,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import kstwo
 
+from emg2vsa.profiles import build_profiles
+from emg2vsa.report.inputs import Failure
 from emg2vsa.report.study_report import write_study_report
 
 
@@ -113,7 +116,7 @@ def test_a_failed_stage_says_why_in_its_place(broken, tmp_path, read_page):
     assert "Failed: no profile of P01" in page.text
     assert "The study has no schedules." in page.text
     assert "channel 'Fz' is missing" in page.text
-    assert "These results come from recorded data." in page.text
+    assert "No table of simulated truth was found beside the recordings" in page.text
     assert "svg" not in page.tags
     assert not [path for path in files if path.suffix == ".pdf"]
 
@@ -138,3 +141,50 @@ def test_an_unmeasured_new_specimen_is_shown_without_error(results, tmp_path, re
     unknown = replace(results, profiles=replace(results.profiles, new_measured=None, new_error=None))
     write_study_report(unknown, tmp_path)
     assert "Nobody palpated a specimen of this stiffness" in read_page(tmp_path / "index.html").text
+
+
+def test_chances_of_a_family_of_tests_stand_beside_their_result(written, results, read_page):
+    text = read_page(written / "index.html").text.replace("\N{NO-BREAK SPACE}", " ")
+    assert f"at least one of 4 tests would come out significant with a chance of {100 * (1 - 0.95**4):.1f} %" in text
+    assert (
+        f"at least one of 18 uncorrected pairs would come out significant with a chance of "
+        f"{100 * (1 - 0.95**18):.1f} %" in text
+    )
+
+
+def test_the_bound_of_the_raw_test_is_that_of_the_clusters_at_hand(written, read_page):
+    p = [f"{kstwo.sf(0.5, n):.4f}".lstrip("0") for n in (5, 6)]
+    assert f"at most {p[0]} for 5 values and at most {p[1]} for 6 values" in read_page(written / "index.html").text
+
+
+def test_a_participant_without_a_page_is_not_linked(results, tmp_path, read_page):
+    write_study_report(replace(results, failures=(Failure("P02", "pages", "disk full"),)), tmp_path)
+    page = read_page(tmp_path / "index.html")
+    assert [a for a in page.addresses if a.startswith("participants")] == [f"participants/P0{i}.html" for i in (1, 3)]
+    assert "disk full" in page.text
+
+
+def test_normalised_activity_is_never_called_volts(results, tmp_path, read_page):
+    fits = replace(
+        results.fits, activity_unit="1", a_v=1e4 * results.fits.a_v, b_v=-1e4 * results.fits.b_v,
+        v_max_v=1e4 * results.fits.v_max_v,
+    )  # fmt: skip
+    study = results.study
+    profiles = build_profiles(fits, study.stiffness_n_per_mm, study.profile, study.window, study.hypotheses.use)
+    write_study_report(replace(results, fits=fits, profiles=profiles), tmp_path)
+    names = json.loads((tmp_path / "results.json").read_text())
+    assert {"fit.S1.b.mean", "profiles.S_new.rmse"} <= set(names)
+    assert not [name for name in names if re.search(r"_v(\.|$)", name)]
+    heads = [path.read_text().splitlines()[0] for path in (tmp_path / "tables").glob("*.csv")]
+    assert not [head for head in heads if re.search(r"_v(,|$)", head)]
+    text = read_page(tmp_path / "index.html").text.replace("0.0002 V (200 µV)", "")  # the paper's number
+    assert "µV" not in text
+    assert "Slope b (" not in (tmp_path / "figures/fig04_cocontraction.svg").read_text()
+
+
+def test_schedules_are_printed_without_repeating_what_is_constant(written, results):
+    steps = results.schedules[0].preset_ticks.size
+    specimens = len({s.specimen for s in results.schedules})
+    printed = (written / "tables/schedules.tex").read_text().count(" & constant-")
+    assert printed == 3 * specimens
+    assert len((written / "tables/schedules.csv").read_text().splitlines()) == 1 + 4 * specimens * steps

@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from emg2vsa.report.latex import latex_number, latex_table, latex_text
+from emg2vsa.report.table import Column, Table
+
+
+def table(*rows: tuple, heads: tuple[str, ...] = ("Na_me", "v (µV)")) -> Table:
+    return Table("t", "A & B", tuple(Column(f"c{i}", head) for i, head in enumerate(heads)), rows)
+
+
+def test_booktabs_with_every_special_character_escaped():
+    made = latex_table(table(("50 % of A_1 & ~", 1.0)))
+    assert r"50 \% of A\_1 \& \textasciitilde{} & 1.00 \\" in made
+    assert made.index(r"\toprule") < made.index(r"\midrule") < made.index(r"\bottomrule")
+    assert r"\caption{A \& B}" in made
+    assert r"\begin{tabular}{lr}" in made
+    assert "Na\\_me & v (\\ensuremath{\\mu}V)" in made
+
+
+@given(st.text(alphabet="ab&%$#_{}~^\\<>µ²ηκα–·±−≤", max_size=20))
+def test_text_leaves_no_bare_special_character(text):
+    made = re.sub(r"\\(?:[&%$#_{}]|[a-zA-Z]+(?:\{\})?)", "", latex_text(text))
+    made = re.sub(r"[{}]|\^2", "", made)  # braces and powers of the symbols' own commands
+    assert not set(made) & set("&%$#_~^\\µηκα·±−≤")
+
+
+@pytest.mark.parametrize(
+    ("shown", "made"),
+    [
+        ("1.50", "1.50"),
+        ("-0.2", r"\ensuremath{-0.2}"),
+        ("4.4e-25", r"\ensuremath{4.4\times10^{-25}}"),
+        ("-1e+07", r"\ensuremath{-1\times10^{7}}"),
+        ("–", "--"),
+    ],
+)
+def test_numbers_have_minus_signs_and_powers(shown, made):
+    assert latex_number(shown) == made
+
+
+def test_long_heads_are_broken_so_that_numbers_set_the_width():
+    made = latex_table(table(("S1", 1.0), heads=("Name", "Stiffness at zero load (N·m/rad)")))
+    assert r"\begin{tabular}[b]{@{}r@{}}Stiffness\\at zero\\load\\" in made
+
+
+def test_a_narrow_table_takes_one_column_and_a_wide_one_both():
+    assert r"\begin{table}" in latex_table(table(("S1", 1.0)))
+    wide = latex_table(table(tuple(range(8)), heads=("A head",) * 8))
+    assert r"\begin{table*}" in wide
+    assert r"\footnotesize" in wide
+
+
+def test_long_texts_are_broken():
+    made = latex_table(table(("a quantity of so many words that it is a sentence", 1.0)))
+    assert made.startswith("% takes the packages booktabs, tabularx")
+    assert r"\begin{tabularx}{\linewidth}{>{\raggedright\arraybackslash}Xr}" in made
+
+
+def test_a_long_table_goes_over_pages_with_its_head_on_each():
+    made = latex_table(table(*[("S1", float(i)) for i in range(100)]))
+    assert r"\begin{longtable}{lr}" in made
+    assert "tabularx" not in made
+    assert made.count("Na\\_me") == 2
+    assert "longtable" not in latex_table(table(*[("S1", float(i)) for i in range(20)]))
