@@ -40,7 +40,11 @@ def bridge_gaps(samples: Floats, where: str) -> tuple[Floats, NDArray[np.bool_]]
 
 def runs_of(mask: NDArray[np.bool_]) -> tuple[Ints, Ints]:
     """First index and one past the last index of every run of True in ``mask`` (n,)."""
-    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    ends = np.zeros(mask.size + 1, dtype=np.bool_)
+    np.not_equal(mask[1:], mask[:-1], out=ends[1:-1])
+    if mask.size:
+        ends[0], ends[-1] = mask[0], mask[-1]
+    edges = np.flatnonzero(ends)
     return edges[0::2], edges[1::2]
 
 

@@ -76,7 +76,7 @@ def _rejected(results: StudyResults) -> str:
     fits = results.fits
     blocks = html.heading("Rejected and warned trials")
     for verdict, kept in (
-        ("rejected", "They stay in fits.csv; no test uses them."),
+        ("rejected", "Rejected trials stay in fits.csv; no test uses them."),
         ("warned", _use_of_warned(results)),
     ):
         these = np.flatnonzero(fits.verdict == verdict)
@@ -102,7 +102,8 @@ def _rejected(results: StudyResults) -> str:
 
 
 def _use_of_warned(results: StudyResults) -> str:
-    return "They enter the tests." if "warned" in results.study.hypotheses.use else "They do not enter the tests."
+    enter = "enter" if "warned" in results.study.hypotheses.use else "do not enter"
+    return f"Warned trials {enter} the tests."
 
 
 def fits(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:

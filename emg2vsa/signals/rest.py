@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, runs_of
 from emg2vsa.settings import WindowSettings
@@ -68,20 +69,21 @@ def find_rest(force_n: Floats, fs_hz: float, window: WindowSettings) -> Rest:
         return _rest(np.empty((0, 2), np.int64), np.empty(0), force_n, fs_hz)
     baseline_n = np.full(block_n.size, _lower_mode(block_n))
     runs, levels_n = np.empty((0, 2), np.int64), np.empty(0)
+    near = np.zeros(block_n.size, dtype=np.bool_)
     for _ in range(ROUNDS):
-        before = runs
-        runs, levels_n = _rests_near(baseline_n, block_n, lower_n / 2, largest_step_n)
-        if levels_n.size == 0 or np.array_equal(before, runs):
+        before, near = near, np.abs(block_n - baseline_n) < lower_n / 2
+        if np.array_equal(before, near):
             break
+        runs, levels_n = _rests_among(near, block_n, largest_step_n)
         baseline_n = _baseline(runs.mean(axis=1) * size / fs_hz, levels_n).at(block_s)
     if levels_n.size and np.mean(block_n < baseline_n - lower_n) > LOWER_STILL:
         runs, levels_n = runs[:0], levels_n[:0]
     return _rest(runs * size, levels_n, force_n, fs_hz)
 
 
-def _rests_near(baseline_n: Floats, block_n: Floats, reach_n: float, largest_step_n: float) -> tuple[Ints, Floats]:
-    """First and last-plus-one block (r, 2) and level (r,) of the rests within ``reach_n`` of the baseline."""
-    starts, stops = runs_of(np.abs(block_n - baseline_n) < reach_n)
+def _rests_among(near: NDArray[np.bool_], block_n: Floats, largest_step_n: float) -> tuple[Ints, Floats]:
+    """First and last-plus-one block (r, 2) and level (r,) of the rests among the blocks ``near`` the baseline."""
+    starts, stops = runs_of(near)
     runs, levels_n = [], []
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         if stop - start < MIN_BLOCKS:

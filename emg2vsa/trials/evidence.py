@@ -36,7 +36,6 @@ def gather_evidence(
 ) -> list[Evidence]:
     """What is known of each press of a record; arrays as in ``extract_trials``."""
     presses, offsets = force.presses, instants.offsets
-    missing_until = np.concatenate(([0], np.cumsum(force_missing)))
     fs_hz = force.fs_hz
     evidence = []
     for i, (start_s, stop_s) in enumerate(zip(presses.start_s, presses.stop_s, strict=True)):
@@ -50,7 +49,7 @@ def gather_evidence(
                 reached=bool(presses.reached[i]),
                 at_edge=bool(presses.at_edge[i]),
                 covered=bool(instants.covered[i]),
-                force_missing=int(missing_until[end] - missing_until[begin]),
+                force_missing=int(np.count_nonzero(force_missing[begin:end])),
                 falling_share=falling_share(curve_n, force.reversal_n),
                 rest_gap_n=float(force.gap_n[i]),
                 start_force_n=float(force.force_n[begin]),

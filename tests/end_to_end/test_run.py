@@ -84,7 +84,7 @@ def test_session_normalisation_takes_the_whole_session(study: Path, capsys: pyte
     edit(study, "[profile]", '[cocontraction]\nnormalise = "session-max"\n[profile]')
     assert run(study, capsys)["failures"] == []
     results = json.loads((study.parents[2] / "reports" / "small" / "results.json").read_text())
-    b = [results[f"fit.{specimen}.b_v.mean"] for specimen in ("S1", "S3", "S5")]
+    b = [results[f"fit.{specimen}.b.mean"] for specimen in ("S1", "S3", "S5")]
     assert b == sorted(b, reverse=True)
     assert 0.05 < b[0] < 0.6  # shares of two muscles, not volts
     path = next(study.parent.glob("data/sub-P02/emg/*acq-S3_emg.bdf"))
