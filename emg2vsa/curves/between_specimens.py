@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
@@ -49,6 +48,8 @@ def between(
     upper = min(max(int(np.searchsorted(known, new_n_per_mm, side="right")), 1), known.size - 1)
     stiffer, softer = int(first[upper]), int(first[upper - 1])
     if method == "coefficients" and inside:
+        from scipy.interpolate import PchipInterpolator  # noqa: PLC0415  (0.2 s that one option alone needs)
+
         return Interpolated(PchipInterpolator(known, values[first])(new_n_per_mm), stiffer, softer, math.nan)
     alpha = softer_weight(new_n_per_mm, float(known[upper]), float(known[upper - 1]), method, where)
     return Interpolated((1 - alpha) * values[stiffer] + alpha * values[softer], stiffer, softer, alpha)
