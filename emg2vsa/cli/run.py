@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections import Counter
 
 from emg2vsa.cli.arguments import (
     Commands,
@@ -62,6 +63,10 @@ def run(arguments: argparse.Namespace) -> int:
         )
     else:
         say_not_used(board)
+        said = Counter(state.message for state in board.states.values() if state.status in {"done", "fresh"})
+        for note, count in said.items():
+            if note:
+                print(f"note: {note} ({count} recording{'s' if count != 1 else ''})")
         seconds, steps = time.monotonic() - start, "step" if len(ran) == 1 else "steps"
         print(
             f"{study.name}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of
 
 _SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
 _IN_UNIT_OF_Y = ("intercept", "slope", "intercept_se", "slope_se")
@@ -31,6 +31,10 @@ class Line:
     adj_r2: Floats
     n: NDArray[np.int64]
     dof: NDArray[np.int64]
+
+    def at(self, x: Floats) -> Floats:
+        """Fitted y (k, p) at x (p,) or (k, p)."""
+        return self.intercept[:, None] + self.slope[:, None] * x
 
 
 def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
@@ -51,6 +55,8 @@ def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
 
 def join(lines: Sequence[Line]) -> Line:
     """Lines one after the other; at least one ``Line``."""
+    if len(lines) == 1:
+        return lines[0]
     return Line(*(np.concatenate([getattr(line, f.name) for line in lines]) for f in dataclasses.fields(Line)))
 
 
@@ -58,13 +64,15 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
     """The lines, and the sums of squares of y (k,)."""
     n = np.full(len(y), y.shape[1]) if weights is None else np.count_nonzero(weights, axis=1)
     total = n.astype(np.float64) if weights is None else np.sum(weights, axis=1)
-    x_centre, dx = _centred(x, weights, total)
-    y_centre, dy = _centred(y, weights, total)
-    sxx, syy = _sum_of(dx, dx, weights), _sum_of(dy, dy, weights)
-    slope = _sum_of(dx, dy, weights) / np.where(sxx > 0, sxx, np.nan)
+    first = None if weights is None else np.argmax(weights > 0, axis=1)
+    x_centre, dx = _centred(x, weights, total, first)
+    y_centre, dy = _centred(y, weights, total, first)
+    weighted_dx = dx if weights is None else weights * dx
+    sxx, syy = _dot(weighted_dx, dx), _sum_of_squares(dy, weights)
+    slope = _dot(weighted_dx, dy) / np.where(sxx > 0, sxx, np.nan)
     dx *= slope[:, None]
     dy -= dx
-    sse = _sum_of(dy, dy, weights)
+    sse = _sum_of_squares(dy, weights)
     dof = np.maximum(n - 2, 0)
     error = np.sqrt(np.where(dof > 0, sse / dof, np.nan))
     unexplained = sse / syy
@@ -81,21 +89,18 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
     return line, syy
 
 
-def _centred(values: Floats, weights: Floats | None, total: Floats) -> tuple[Floats, Floats]:
-    """Mean (k,), and values minus mean (k, p), both through differences from the row's first used value."""
-    if weights is None:
-        origin = values[:, :1]
-    else:
-        origin = np.take_along_axis(values, np.argmax(weights > 0, axis=1, keepdims=True), axis=1)
-    shifted = values - origin
+def _centred(values: Floats, weights: Floats | None, total: Floats, first: Ints | None) -> tuple[Floats, Floats]:
+    """Mean (k,), and values minus mean (k, p), both through differences from the row's ``first`` used value."""
+    origin = values[:, 0] if first is None else values[np.arange(len(values)), first]
+    shifted = values - origin[:, None]
     mean = (np.sum(shifted, axis=1) if weights is None else _dot(weights, shifted)) / total
     shifted -= mean[:, None]
-    return origin[:, 0] + mean, shifted
+    return origin + mean, shifted
 
 
-def _sum_of(left: Floats, right: Floats, weights: Floats | None) -> Floats:
-    """Sum (k,) of (weighted) products along each row."""
-    return _dot(left if weights is None else weights * left, right)
+def _sum_of_squares(values: Floats, weights: Floats | None) -> Floats:
+    """Sum (k,) of (weighted) squares along each row."""
+    return _dot(values if weights is None else weights * values, values)
 
 
 def _dot(left: Floats, right: Floats) -> Floats:

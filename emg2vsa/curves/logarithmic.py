@@ -61,11 +61,13 @@ def fit_log(
     force = np.asarray(force_n, dtype=np.float64)
     w = None if weights is None else np.asarray(weights, dtype=np.float64)
     _check_shapes(v, force, w)
-    if v.shape[1] == 0:
-        v, force, w = np.full((len(v), 1), np.nan), np.full(1, np.nan), None
-    rows = max(1, _POINTS_AT_ONCE // v.shape[1])
+    rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
     cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
     line = join([_fit_block(v[cut], _cut(force, cut), None if w is None else _cut(w, cut), robust) for cut in cuts])
+    return _log_fit(line, confidence)
+
+
+def _log_fit(line: Line, confidence: float) -> LogFit:
     reach = _t_quantile(line.dof, confidence) * line.slope_se
     return LogFit(
         a=line.intercept,
@@ -88,11 +90,18 @@ def _cut(array: Floats, rows: slice) -> Floats:
 def _fit_block(v: Floats, force: Floats, weights: Floats | None, robust: bool) -> Line:
     """The line through (ln F, v) for a block of rows; points that do not count get weight 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        x = np.broadcast_to(np.log(force), v.shape)
+        x = np.log(force)
+    return _fit_points(x, v, weights, robust)
+
+
+def _fit_points(x: Floats, v: Floats, weights: Floats | None, robust: bool) -> Line:
+    if v.shape[1] == 0:
+        x = v = np.full((len(v), 1), np.nan)
+        weights = None
     valid = np.isfinite(x) & np.isfinite(v)
     if weights is None and not robust and np.all(valid):
-        return fit_line(x, v)
-    w = np.ones(v.shape) if weights is None else np.broadcast_to(weights, v.shape)
+        return fit_line(np.broadcast_to(x, v.shape), v)
+    w = np.float64(1) if weights is None else weights
     valid &= (w > 0) & np.isfinite(w)
     w = np.where(valid, w, 0.0)
     w /= np.max(w, axis=1, keepdims=True, initial=np.finfo(np.float64).tiny)
@@ -101,19 +110,19 @@ def _fit_block(v: Floats, force: Floats, weights: Floats | None, robust: bool) -
 
 
 def fit_log_by_level(
-    force_n: ArrayLike, v: ArrayLike, counts: ArrayLike, robust: bool = False, confidence: float = 0.95
+    force_n: Floats, v: Floats, counts: Floats, robust: bool = False, confidence: float = 0.95
 ) -> tuple[LogFit, Floats]:
     """Fit with inverse-variance weights, counts over the square of the fitted level; also returns the weights (k, p).
 
-    counts : (k, p) samples behind each point. The level comes from a fit by counts alone, and once more from the fit
+    force_n, v : (k, p), NaN where there is no point; counts : (k, p) samples behind each, 0 there. The level comes from a fit by counts alone, and once more from the fit
     weighted so: after one round b is .15 % too small, after two the bias is that of the true weights.
     """
-    counts = np.asarray(counts, dtype=np.float64)
-    fit, weights = fit_log(force_n, v, counts, robust, confidence), counts
+    x, weights = np.log(force_n), counts
+    line = _fit_points(x, v, counts, robust)
     for _ in range(2):
-        weights = counts * level_weights(force_n, fit)
-        fit = fit_log(force_n, v, weights, robust, confidence)
-    return fit, weights
+        weights = counts * level_weights(line.at(x))
+        line = _fit_points(x, v, weights, robust)
+    return _log_fit(line, confidence), weights
 
 
 def widen(fit: LogFit, a_factor: Floats, b_factor: Floats) -> LogFit:
@@ -127,15 +136,14 @@ def widen(fit: LogFit, a_factor: Floats, b_factor: Floats) -> LogFit:
     )
 
 
-def level_weights(force_n: ArrayLike, fit: LogFit) -> Floats:
-    """Inverse-variance weights 1 / v^2 (k, p) from a fit, relative to the smallest: an envelope's noise grows
+def level_weights(level: Floats) -> Floats:
+    """Inverse-variance weights 1 / v^2 (k, p) from fitted levels, relative to the smallest: an envelope's noise grows
     with its level (SD of b 7.5 % to 6.0 % of b in simulation, EMG notes 3.3).
 
     A fitted level below ``LEVEL_FLOOR`` of the row's largest, or negative, counts as that floor. Rows whose fit is
     undefined or nowhere positive get equal weights.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        level = fit.at(force_n)
         top = np.max(level, axis=1, keepdims=True, initial=0.0, where=np.isfinite(level))
         weights = (top / np.maximum(level, LEVEL_FLOOR * top)) ** 2
     return np.where(np.isfinite(weights) & (top > 0), weights, 1.0)

@@ -39,8 +39,9 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
     bins = bin_means(force_n, v, offsets, edges_n)
     force, samples = pad_rows(force_n, offsets), pad_rows(v, offsets)
     on_bins, on_samples = fit_log(bins.force_n, bins.v), fit_log(force, samples)
-    noise = 1 / np.sqrt(level_weights(force, on_samples))
-    correlation = autocorrelation((samples - on_samples.at(force)) / noise)
+    level = on_samples.at(force)
+    noise = 1 / np.sqrt(level_weights(level))
+    correlation = autocorrelation((samples - level) / noise)
     if fit.points == "samples":
         reported, _ = _fit(force, samples, np.ones(samples.shape), fit)
     else:

@@ -77,7 +77,9 @@ class Board:
         if last is not None and last.key == step.key:
             if last.status == FAILED:
                 return State(step, FAILED, message=last.message) if last.final else State(step, "stale", (_AGAIN,))
-            return State(step, "fresh") if self._kept(step) else State(step, "stale", ("its result is missing",))
+            if self._kept(step):
+                return State(step, "fresh", message=last.message)
+            return State(step, "stale", ("its result is missing",))
         if step.stage not in WRITES_FILES and self.ledger.result_path(step.id, step.key).exists():
             self.ledger.record(Entry(step.id, step.key, "done", "", False, step.parts))
             return State(step, "fresh")

@@ -14,6 +14,9 @@ from emg2vsa.trials import Trials
 from emg2vsa.trials.extract import extract_trials
 from emg2vsa.trials.session import in_session
 
+LOUD = "NYQUIST RULE"
+"""Notes that begin so are said on screen, not only recorded: the study asked for a filter that cannot be built."""
+
 
 def trials_of(entry: RecordingEntry, cocontraction: CocontractionSettings) -> Trials:
     """Read one recording and extract its trials."""
@@ -44,9 +47,10 @@ def run(
     made: list[Trials] = []
     ended: list[Ended] = []
 
-    def make_trials() -> None:
+    def make_trials() -> str:
         made.append(trials_of(entry, cocontraction))
         artifacts.save(trials_path, made[0])
+        return "; ".join(note for note in made[0].notes if note.startswith(LOUD))
 
     def make_fits() -> None:
         trials = made[0] if made else artifacts.load(trials_path)

@@ -37,9 +37,9 @@ class Ended:
 
 
 def guarded(step: str, make: Callable[[], object]) -> Ended:
-    """Run one step; whatever goes wrong stays with this step."""
+    """Run one step; whatever goes wrong stays with this step. Text that ``make`` returns is to be said aloud."""
     try:
-        make()
+        said = make()
     except Emg2vsaError as error:
         return Ended(step, "failed", str(error), final=True)
     except Exception as error:
@@ -49,4 +49,4 @@ def guarded(step: str, make: Callable[[], object]) -> Ended:
             f"unexpected {type(error).__name__} in {place}: {error}. This is a fault of the program; please report it."
         )
         return Ended(step, "failed", fault)
-    return Ended(step, "done")
+    return Ended(step, "done", said if isinstance(said, str) else "")

@@ -40,14 +40,17 @@ class RawQuality:
     missing: int
 
 
-def raw_quality(samples: Floats, missing: NDArray[np.bool_], fs_hz: float) -> RawQuality:
-    """Quality of the unfiltered samples (n,), n >= 2, of one window; missing : (n,) where they were interpolated."""
+def raw_qualities(windows: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_hz: float) -> list[RawQuality]:
+    """Quality of the unfiltered samples (n,), n >= 2, of every window; missing : (n,) where they were interpolated."""
+    return [_quality(*window) for window in zip(windows, missing, mains_ratios(windows, fs_hz).tolist(), strict=True)]
+
+
+def _quality(samples: Floats, missing: NDArray[np.bool_], mains: float) -> RawQuality:
     n_missing = int(np.count_nonzero(missing))
     repeats = samples[1:] == samples[:-1]
     n_repeats = int(np.count_nonzero(repeats))
     if n_repeats == repeats.size:
         return RawQuality(0.0, 1.0, samples.size, True, 0.0, n_missing)
-    mains = mains_ratio(samples, fs_hz)
     if n_repeats == 0:
         return RawQuality(0.0, 0.0, 1, False, mains, n_missing)
     first, last = runs_of(repeats)
@@ -61,16 +64,23 @@ def raw_quality(samples: Floats, missing: NDArray[np.bool_], fs_hz: float) -> Ra
     return RawQuality(clipped, n_repeats / repeats.size, int(length.max()), False, mains, n_missing)
 
 
-def mains_ratio(samples: Floats, fs_hz: float) -> float:
-    """Share of the power of ``samples`` (n,) at 50 or 60 Hz, the larger, and its harmonics; 0 when n is small."""
-    size = min(samples.size, round(MAINS_BLOCK_S * fs_hz))
-    if size < 4 * fs_hz / MAINS_HZ[0]:
-        return 0.0
-    blocks = samples[: samples.size // size * size].reshape(-1, size)
-    blocks = blocks - blocks.mean(axis=1, keepdims=True)
-    total = float(np.vdot(blocks, blocks))
-    power = np.sum((blocks @ _mains_waves(size, fs_hz)) ** 2, axis=0).reshape(len(MAINS_HZ), -1).sum(axis=1)
-    return min(1.0, float(power.max()) / total) if total > 0 else 0.0
+def mains_ratios(windows: Sequence[Floats], fs_hz: float) -> Floats:
+    """Share (w,) of the power of each window (n,) at 50 or 60 Hz, the larger, and its harmonics; 0 when n is small."""
+    sizes = [min(window.size, round(MAINS_BLOCK_S * fs_hz)) for window in windows]
+    ratios = np.zeros(len(windows))
+    for size in set(sizes):
+        if size < 4 * fs_hz / MAINS_HZ[0]:
+            continue
+        alike = [i for i, own in enumerate(sizes) if own == size]
+        pieces = [windows[i][: windows[i].size // size * size].reshape(-1, size) for i in alike]
+        begin = np.cumsum([0, *map(len, pieces[:-1])])
+        blocks = np.concatenate(pieces)
+        blocks -= blocks.mean(axis=1, keepdims=True)
+        total = np.add.reduceat(np.vecdot(blocks, blocks), begin)
+        power = np.add.reduceat((blocks @ _mains_waves(size, fs_hz)) ** 2, begin)
+        larger = power.reshape(len(alike), len(MAINS_HZ), -1).sum(axis=2).max(axis=1)
+        ratios[alike] = np.divide(larger, total, out=np.zeros(len(alike)), where=total > 0)
+    return np.minimum(ratios, 1.0)
 
 
 @lru_cache(maxsize=16)

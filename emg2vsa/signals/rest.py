@@ -75,6 +75,8 @@ def find_rest(force_n: Floats, fs_hz: float, window: WindowSettings) -> Rest:
         if np.array_equal(before, near):
             break
         runs, levels_n = _rests_among(near, block_n, largest_step_n)
+        if levels_n.size == 0:
+            break
         baseline_n = _baseline(runs.mean(axis=1) * size / fs_hz, levels_n).at(block_s)
     if levels_n.size and np.mean(block_n < baseline_n - lower_n) > LOWER_STILL:
         runs, levels_n = runs[:0], levels_n[:0]

@@ -9,17 +9,18 @@ from emg2vsa.arrays import Floats
 from emg2vsa.signals.envelope import Smoother
 from emg2vsa.signals.force import ForceRecord
 from emg2vsa.signals.pairing import Instants
-from emg2vsa.signals.quality import RawQuality, falling_share, raw_quality
+from emg2vsa.signals.quality import RawQuality, falling_share, raw_qualities
 from emg2vsa.signals.verdicts import Evidence
 from emg2vsa.trials.emg_record import EmgRecord
 
 
-def raw_qualities(record: EmgRecord, instants: Instants, envelope: Smoother) -> list[list[RawQuality]]:
+def record_qualities(record: EmgRecord, instants: Instants, envelope: Smoother) -> list[list[RawQuality]]:
     """Quality by muscle and trial, of all raw samples under the envelope's kernel."""
     starts = np.maximum(instants.first - envelope.before, 0)
     stops = instants.last + envelope.after + 1
+    windows = [slice(i, j) for i, j in zip(starts.tolist(), stops.tolist(), strict=True)]
     return [
-        [raw_quality(samples[i:j], gone[i:j], record.fs_hz) for i, j in zip(starts, stops, strict=True)]
+        raw_qualities([samples[window] for window in windows], [gone[window] for window in windows], record.fs_hz)
         for samples, gone in zip(record.samples, record.missing, strict=True)
     ]
 

@@ -23,7 +23,7 @@ from emg2vsa.signals.quality import ratio_db, window_means
 from emg2vsa.signals.verdicts import judge
 from emg2vsa.trials import Trials
 from emg2vsa.trials.emg_record import EmgRecord, emg_record, where_of
-from emg2vsa.trials.evidence import gather_evidence, raw_qualities
+from emg2vsa.trials.evidence import gather_evidence, record_qualities
 
 OVERVIEW_HZ = 10.0
 
@@ -76,7 +76,7 @@ def extract_trials(
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     rest_v = _rest_level(chain, record, rest_instants(conditioned.rest, emg_clock, force_clock, chain.step))
     snr_db = ratio_db(window_means(envelopes_v, instants.offsets), rest_v[:, None])
-    quality = raw_qualities(record, instants, chain.envelope)
+    quality = record_qualities(record, instants, chain.envelope)
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, envelopes_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )

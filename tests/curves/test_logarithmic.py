@@ -223,10 +223,10 @@ def test_robust_finds_the_line_that_most_points_share() -> None:
 def test_level_weights_are_inverse_squares_with_a_floor() -> None:
     force = np.array([0.01, 1.0, np.e])
     fit = fit_log([1.0, np.e, np.e**2], [1.0, 2.0, 3.0])
-    np.testing.assert_allclose(level_weights(force, fit)[0], [LEVEL_FLOOR**-2, 4.0, 1.0], rtol=1e-14)
+    np.testing.assert_allclose(level_weights(fit.at(force))[0], [LEVEL_FLOOR**-2, 4.0, 1.0], rtol=1e-14)
 
 
 def test_level_weights_are_equal_where_there_is_no_level() -> None:
     nowhere_positive, undefined = fit_log([1.0, 2.0, 3.0], [-1.0, -2.0, -3.5]), fit_log([1.0], [1.0])
-    assert (level_weights([1.0, 2.0], nowhere_positive) == 1).all()
-    assert (level_weights([1.0, 2.0], undefined) == 1).all()
+    assert (level_weights(nowhere_positive.at([1.0, 2.0])) == 1).all()
+    assert (level_weights(undefined.at([1.0, 2.0])) == 1).all()

@@ -96,6 +96,16 @@ def test_session_normalisation_takes_the_whole_session(study: Path, capsys: pyte
     assert not any(str(step).endswith("P01/S1") for step in ran)
 
 
+def test_a_filter_that_cannot_be_built_is_said_on_screen(ran: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(ran, "[profile]", "[filters]\nband_hz = [10, 500]\n[profile]")
+    for _ in ("when it runs", "and when nothing is left to run"):
+        capsys.readouterr()
+        assert main(["run", str(ran), "--only", "trials", "--jobs", "1"]) == 0
+        said = capsys.readouterr().out
+        assert said.count("NYQUIST RULE: upper edge 500 Hz") == 1
+        assert "(6 recordings)" in said
+
+
 def test_a_setting_taken_back_finds_its_results(ran: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(ran, "[profile]", "[fit]\nrobust = true\n[profile]")
     assert run(ran, capsys)["ran"] != []
