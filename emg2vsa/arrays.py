@@ -48,6 +48,12 @@ def runs_of(mask: NDArray[np.bool_]) -> tuple[Ints, Ints]:
     return edges[0::2], edges[1::2]
 
 
+def median(values: Floats) -> float:
+    """Median of a few finite values (n,), n >= 1; numpy's costs more in its preparations than in the values."""
+    ordered = np.sort(values)
+    return float(ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]) / 2
+
+
 def exponent_of(values: Floats) -> NDArray[np.int32]:
     """Binary exponent e of the largest |value| along the last axis (kept), for finite values; 0 where all are zero.
 

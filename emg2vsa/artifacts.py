@@ -55,9 +55,8 @@ def load(path: Path) -> Any:
 
 
 def _encode(value: Any, arrays: list[np.ndarray]) -> Any:
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = {f.name: _encode(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
-        return {"@": f"{type(value).__module__}:{type(value).__qualname__}", "fields": fields}
+    if value is None or isinstance(value, (str, bool, int, float)):
+        return value
     if isinstance(value, np.ndarray):
         arrays.append(value)
         return {"@": "array", "at": len(arrays) - 1}
@@ -67,8 +66,9 @@ def _encode(value: Any, arrays: list[np.ndarray]) -> Any:
         return {"@": "tuple", "items": [_encode(item, arrays) for item in value]}
     if isinstance(value, dict):
         return {"@": "dict", "items": [[_encode(k, arrays), _encode(v, arrays)] for k, v in value.items()]}
-    if value is None or isinstance(value, (str, bool, int, float)):
-        return value
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {f.name: _encode(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
+        return {"@": f"{type(value).__module__}:{type(value).__qualname__}", "fields": fields}
     raise TypeError(f"cannot store a {type(value).__name__}")
 
 

@@ -22,8 +22,9 @@ def autocorrelation(residuals: Floats) -> Floats:
     scaled = np.ldexp(filled, -exponent_of(filled))
     mean = np.sum(scaled, axis=1) / np.maximum(n, 1)
     centred = np.where(valid, scaled - mean[:, None], 0.0)
-    spectrum = np.fft.rfft(centred, 2 * p, axis=1)
-    covariance = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, 2 * p, axis=1)[:, :p]
+    size = 1 << (2 * p - 1).bit_length()  # room for all lags; powers of two are the fastest
+    spectrum = np.fft.rfft(centred, size, axis=1)
+    covariance = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size, axis=1)[:, :p]
     undefined = (n < 3) | ~np.any(centred != 0, axis=1)
     return np.asarray(covariance / np.where(undefined, np.nan, covariance[:, 0])[:, None])
 

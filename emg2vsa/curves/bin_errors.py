@@ -20,14 +20,15 @@ def bin_covariance(bins: ForceBins, noise: Floats, memory: Floats) -> Floats:
     k, n_bins = bins.v.shape
     column = np.where(bins.column < 0, n_bins, bins.column)  # one more bin for what lies outside
     width = n_bins + 1
-    of_trial = np.arange(k)[:, None] * width * width
+    row = (np.arange(k)[:, None] * width + column) * width
     samples = np.append(bins.samples, np.ones((k, 1), dtype=np.int64), axis=1)
     share = np.where(bins.column < 0, 0.0, noise / np.take_along_axis(samples, column, axis=1))
     half = np.zeros(k * width * width)
     for lag in range(np.flatnonzero(np.any(memory > 0, axis=0)).max(initial=-1) + 1):
         stop = column.shape[1] - lag
-        product = memory[:, lag : lag + 1] * share[:, lag:] * share[:, :stop]
-        cell = of_trial + column[:, lag:] * width + column[:, :stop]
+        product = share[:, lag:] * share[:, :stop]
+        product *= memory[:, lag : lag + 1]
+        cell = row[:, lag:] + column[:, :stop]
         half += np.bincount(cell.ravel(), product.ravel(), minlength=half.size) * (1.0 if lag else 0.5)
     one_side = half.reshape(k, width, width)[:, :n_bins, :n_bins]
     return one_side + one_side.transpose(0, 2, 1)

@@ -19,7 +19,8 @@ def row_of_each(offsets: Ints) -> Ints:
 
 def pad_rows(values: NDArray[Number], offsets: Ints, filler: float = np.nan) -> NDArray[Number]:
     """Rows ``values[offsets[i]:offsets[i + 1]]`` as (k, longest), ``filler`` beyond the end of each."""
-    rows = row_of_each(offsets)
-    padded = np.full((offsets.size - 1, int(np.max(np.diff(offsets), initial=0))), filler, dtype=values.dtype)
-    padded[rows, np.arange(values.size) - offsets[:-1][rows]] = values
+    lengths = np.diff(offsets)
+    inside = np.arange(np.max(lengths, initial=0)) < lengths[:, None]
+    padded = np.full(inside.shape, filler, dtype=values.dtype)
+    padded[inside] = values
     return padded

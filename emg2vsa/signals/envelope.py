@@ -15,7 +15,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import IirFilter
-from emg2vsa.signals.windowed import Pieces, filter_windows
+from emg2vsa.signals.windowed import filter_windows
 
 
 @dataclass(frozen=True)
@@ -100,26 +100,30 @@ def envelopes_at(
     last = first + step * (np.maximum(counts, 1) - 1)
     n = channels[0].size
     starts, stops = np.maximum(first - kernel.before, 0), np.minimum(last + kernel.after + 1, n)
-    pieces = filter_windows(channels, starts, stops, iir)
+    filtered, columns = filter_windows(channels, starts, stops, iir)
     inside = np.arange(np.max(counts, initial=0)) < counts[:, None]
-    smoothed = _smooth(pieces, starts, stops, first, inside.shape[1], step, kernel)[:, inside]
+    outside = starts - (first - kernel.before)
+    smoothed = _smooth(filtered, columns, stops - starts, outside, inside.shape[1], step, kernel)[:, inside]
     smoothed /= _tap_sum(kernel, (first[:, None] + step * np.arange(inside.shape[1]))[inside], n)
     # a Hamming low-pass has tiny negative side taps; an envelope is never negative
     return np.sqrt(np.maximum(smoothed, 0)) if kernel.squared else np.maximum(smoothed, 0)
 
 
-def _smooth(pieces: Pieces, starts: Ints, stops: Ints, first: Ints, n_out: int, step: int, kernel: Smoother) -> Floats:
-    n_channels = pieces.rows.shape[0]
+def _smooth(
+    filtered: Floats, columns: Ints, sizes: Ints, outside: Ints, n_out: int, step: int, kernel: Smoother
+) -> Floats:
+    """Smoothed windows (channels, windows, n_out), each of ``sizes`` samples of ``filtered`` from ``columns`` on.
+
+    outside : (windows,) how many samples under the first output's kernel lie before the record.
+    """
     n_taps = kernel.taps.size
     # the first full overlap of the convolution must fall on a multiple of the step
     lead = -(n_taps - 1) % step
     length = lead + n_taps + step * max(n_out - 1, 0)
-    rectified = np.zeros((n_channels, first.size, length))
-    for w, (piece, start, stop, begin) in enumerate(zip(pieces.piece, starts, stops, first, strict=True)):
-        origin = pieces.first[piece]
-        source = pieces.rows[:, piece, start - origin : stop - origin]
-        at = lead + start - (begin - kernel.before)
-        target = rectified[:, w, at : at + stop - start]
+    rectified = np.zeros((len(filtered), columns.size, length))
+    for w, (column, size, begin) in enumerate(zip(columns, sizes, lead + outside, strict=True)):
+        source = filtered[:, column : column + size]
+        target = rectified[:, w, begin : begin + size]
         np.square(source, out=target) if kernel.squared else np.abs(source, out=target)
     skip = (lead + n_taps - 1) // step
     return np.asarray(signal.upfirdn(kernel.taps, rectified, down=step)[:, :, skip : skip + n_out], dtype=np.float64)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, median
 from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import IirFilter
 from emg2vsa.signals.force_sign import doubt_by_force
@@ -61,7 +61,7 @@ def _tared(
         return filtered, 0.0, ("force: not tared, as the study says",)
     if rest.level_n.size == 0:
         return filtered, 0.0, ("force: tare impossible, the record never rests; force is taken as it is",)
-    tare_n, drift_n = float(np.median(rest.level_n)), float(np.ptp(rest.level_n))
+    tare_n, drift_n = median(rest.level_n), float(np.ptp(rest.level_n))
     rests = "1 rest" if rest.level_n.size == 1 else f"{rest.level_n.size} rests"
     said = f"force: tared on {rests}, median {tare_n:.4g} N, drift {drift_n:.2g} N"
     return filtered - rest.baseline.at(np.arange(filtered.size) / fs_hz), tare_n, (said,)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.signals.quality import SILENT_DB, ratio_db, window_means
 
 
@@ -26,7 +26,7 @@ def doubt_by_emg(
     with np.errstate(invalid="ignore"):
         high_v = window_means(envelopes_v * high, offsets) / window_means(high[None], offsets)
     known = [row[np.isfinite(row)] for row in ratio_db(high_v, rest_v[:, None])]
-    typical_db = [float(np.median(row)) for row in known if row.size]
+    typical_db = [median(row) for row in known if row.size]
     if not typical_db or min(typical_db) > -SILENT_DB or max(typical_db) > SILENT_DB:
         return ""
     return f"force rises while EMG is below its rest; {question(sign)}"

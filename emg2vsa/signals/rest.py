@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints, runs_of
+from emg2vsa.arrays import Floats, Ints, median, runs_of
 from emg2vsa.settings import WindowSettings
 
 BLOCK_S = 0.1
@@ -96,13 +96,13 @@ def _rests_among(near: NDArray[np.bool_], block_n: Floats, largest_step_n: float
         lever = np.arange(piece.size) - (piece.size - 1) / 2
         if abs(float(lever @ piece)) <= largest_step_n * float(lever @ lever):
             runs.append(inner)
-            levels_n.append(_median(piece))
+            levels_n.append(median(piece))
     return np.array(runs, dtype=np.int64).reshape(-1, 2), np.array(levels_n, dtype=np.float64)
 
 
 def _rest(runs: Ints, levels_n: Floats, force_n: Floats, fs_hz: float) -> Rest:
-    squares = [float(np.var(force_n[start:stop])) for start, stop in runs]
-    noise_n = float(np.average(squares, weights=np.diff(runs, axis=1)[:, 0])) ** 0.5 if squares else np.nan
+    around = [force_n[start:stop] - force_n[start:stop].mean() for start, stop in runs.tolist()]
+    noise_n = float(np.std(np.concatenate(around))) if around else np.nan
     return Rest(runs[:, 0], runs[:, 1], levels_n, _baseline(runs.mean(axis=1) / fs_hz, levels_n), noise_n)
 
 
@@ -111,10 +111,10 @@ def _baseline(centre_s: Floats, level_n: Floats) -> Baseline:
         return Baseline(0.0, 0.0, np.zeros(1), np.zeros(1))
     if level_n.size < 3:
         return Baseline(0.0, 0.0, centre_s, level_n)
-    i, j = np.triu_indices(centre_s.size, 1)
-    slope = _median((level_n[j] - level_n[i]) / (centre_s[j] - centre_s[i]))
+    i, j = np.nonzero(centre_s[:, None] < centre_s)
+    slope = median((level_n[j] - level_n[i]) / (centre_s[j] - centre_s[i]))
     left = level_n - slope * centre_s
-    level = _median(left)
+    level = median(left)
     smooth = np.sort((left[:-2], left[1:-1], left[2:]), axis=0)[1]
     return Baseline(slope, level, centre_s[1:-1], smooth - level)
 
@@ -126,10 +126,4 @@ def _lower_mode(values: Floats) -> float:
     lower = ordered[: np.searchsorted(ordered, (low + high) / 2, side="right")]
     n = min(lower.size, max(MIN_BLOCKS, values.size // 5))
     begin = int(np.argmin(lower[n - 1 :] - lower[: lower.size - n + 1]))
-    return _median(lower[begin : begin + n])
-
-
-def _median(values: Floats) -> float:
-    # numpy's median costs more in its preparations than in these few values
-    ordered = np.sort(values)
-    return float(ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]) / 2
+    return median(lower[begin : begin + n])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy import signal
@@ -12,47 +11,32 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.filters import IirFilter
 
 
-@dataclass(frozen=True)
-class Pieces:
-    """Filtered pieces of a record of ``n_samples``.
-
-    rows : (m, p, length) filtered samples of m channels. piece : (w,) which piece holds window w.
-    first : (p,) record index of a piece's first sample; pieces may reach into the extension beyond the record.
-    """
-
-    rows: Floats
-    piece: Ints
-    first: Ints
-    n_samples: int
-
-
 def filter_record(samples: Floats, iir: IirFilter) -> Floats:
     """The whole record (n,), as ``sosfiltfilt`` (zero-phase) or one pass that starts in steady state (causal)."""
     extended = _cut(samples, -iir.pad_samples, samples.size + 2 * iir.pad_samples)
     return _run(extended[None], iir, iir.pad_samples)[0, : samples.size]
 
 
-def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: IirFilter) -> Pieces:
-    """Every window [start, stop) of every channel, filtered in one batch.
+def filter_windows(channels: Sequence[Floats], starts: Ints, stops: Ints, iir: IirFilter) -> tuple[Floats, Ints]:
+    """Every window [start, stop) of every channel, filtered in one batch; one window at least.
 
-    A window is widened by the filter's support, within which the missing past (and future) dies out, so the result
-    equals that of the whole record to better than 1e-10 of the signal; at the ends of the record it is the same
-    odd extension as ``sosfiltfilt`` uses. Windows that together are longer than the record are one piece, the record.
+    Returns rows (m, N) of filtered samples and the column (w,) at which each window begins. A window is widened by the
+    filter's support, within which whatever stands before (and after) it dies out, so the result equals that of the
+    whole record to better than 1e-10 of the signal; at the ends of the record it is the same odd extension as
+    ``sosfiltfilt`` uses. Widened windows that overlap are one piece, and a row is all pieces, one after the other.
     """
     n, pad = channels[0].size, iir.pad_samples
-    after = iir.support_samples if iir.zero_phase else 0
-    length = int(np.max(stops - starts, initial=0)) + iir.support_samples + after
-    if length * starts.size >= n + 2 * pad:
-        length, piece, first = n + 2 * pad, np.zeros(starts.size, np.int64), np.array([-pad])
-    else:
-        piece, first = np.arange(starts.size), np.clip(starts - iir.support_samples, -pad, n + pad - length)
-    cut = np.empty((len(channels), first.size, length))
-    for row, samples in zip(cut, channels, strict=True):
-        for target, begin in zip(row, first, strict=True):
-            target[:] = _cut(samples, int(begin), length)
-    lead = int(np.min(starts - first[piece], initial=length))
-    rows = _run(cut.reshape(-1, length), iir, lead)
-    return Pieces(rows.reshape(*cut.shape[:2], -1), piece, first + lead, n)
+    begins = np.maximum(starts - iir.support_samples, -pad)
+    ends = np.minimum(stops + iir.support_samples, n + pad) if iir.zero_phase else stops
+    order = np.argsort(begins)
+    ordered, reached = begins[order], np.maximum.accumulate(ends[order])
+    apart = ordered[1:] > reached[:-1]
+    first, last = ordered[np.append(True, apart)], reached[np.append(apart, True)]
+    columns = np.cumsum(last - first) - last
+    piece = np.searchsorted(first, begins, side="right") - 1
+    pieces = list(zip(first.tolist(), (last - first).tolist(), strict=True))
+    rows = np.array([np.concatenate([_cut(samples, *piece) for piece in pieces]) for samples in channels])
+    return _run(rows, iir, 0), columns[piece] + starts
 
 
 def _cut(samples: Floats, begin: int, length: int) -> Floats:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, bridge_gaps, samples_1d
+from emg2vsa.arrays import Floats, bridge_gaps, median, samples_1d
 from emg2vsa.errors import SignalError
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
@@ -37,9 +37,12 @@ class Chain:
     step: int
     low: IirFilter | None
 
-    def envelopes(self, record: EmgRecord, instants: Instants) -> Floats:
-        """Envelopes (m, N) in volts, computed at the instants only."""
-        return envelopes_at(record.samples, instants.first, instants.counts, self.step, self.band, self.envelope)
+    def envelopes(self, record: EmgRecord, pressing: Instants, resting: Instants) -> tuple[Floats, Floats]:
+        """Envelopes (m, N) in volts, computed at the instants of either only."""
+        first, counts = np.append(pressing.first, resting.first), np.append(pressing.counts, resting.counts)
+        both = envelopes_at(record.samples, first, counts, self.step, self.band, self.envelope)
+        n_pressing = pressing.offsets[-1]
+        return both[:, :n_pressing].copy(), both[:, n_pressing:]
 
 
 def extract_trials(
@@ -72,9 +75,10 @@ def extract_trials(
     instants = instants_between(start_s, stop_s, emg_clock, force_clock, chain.step)
     force_n = force_at(conditioned.force_n, instants, emg_clock, force_clock)
 
-    envelopes_v = chain.envelopes(record, instants)
+    resting = rest_instants(conditioned.rest, emg_clock, force_clock, chain.step)
+    envelopes_v, resting_v = chain.envelopes(record, instants, resting)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
-    rest_v = _rest_level(chain, record, rest_instants(conditioned.rest, emg_clock, force_clock, chain.step))
+    rest_v = _rest_level(resting_v, resting)
     snr_db = ratio_db(window_means(envelopes_v, instants.offsets), rest_v[:, None])
     quality = record_qualities(record, instants, chain.envelope)
     doubt = conditioned.sign_doubt or doubt_by_emg(
@@ -136,11 +140,11 @@ def _conditioned(
     return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
 
 
-def _rest_level(chain: Chain, record: EmgRecord, resting: Instants) -> Floats:
+def _rest_level(envelopes_v: Floats, resting: Instants) -> Floats:
     """Median over the pieces of rest of the mean envelope (m,); NaN without any."""
     if resting.counts.size == 0:
-        return np.full(len(record.muscles), np.nan)
-    return np.asarray(np.median(window_means(chain.envelopes(record, resting), resting.offsets), axis=1))
+        return np.full(len(envelopes_v), np.nan)
+    return np.array([median(means) for means in window_means(envelopes_v, resting.offsets)])
 
 
 def _filter_notes(chain: Chain) -> tuple[str, ...]:
