@@ -49,7 +49,7 @@ def test_mains_power_is_measured(mains_hz):
     hum = np.sqrt(2) * np.sin(2 * np.pi * mains_hz * np.arange(2500) / FS_HZ + 1)
     hummed = CLEAN + hum + 100
     windows = [hummed, hummed[:50], hummed[100:], CLEAN, hummed[:700]]
-    half = pytest.approx(0.5, abs=0.06)
+    half = pytest.approx(0.5, abs=0.04)
     assert mains_ratios(windows, FS_HZ).tolist() == [half, 0, half, pytest.approx(0, abs=0.02), half]
 
 
