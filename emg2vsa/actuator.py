@@ -54,11 +54,6 @@ def ticks_of_percent(percent: ArrayLike, max_preset_ticks: int) -> Ints:
     return np.rint(np.asarray(percent, dtype=np.float64) / 100 * max_preset_ticks).astype(np.int64)
 
 
-def percent_of_ticks(preset_ticks: ArrayLike, max_preset_ticks: int) -> Floats:
-    """Preset in ticks to percent of the maximum preset."""
-    return np.asarray(preset_ticks, dtype=np.float64) * 100 / max_preset_ticks
-
-
 def stiffness_nm_per_rad(preset_ticks: ArrayLike, model: str) -> Floats:
     """Joint stiffness at zero load, N m/rad, of presets in ticks (any shape); the sign of a preset does not matter."""
     springs = SPRINGS[model]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from emg2vsa import artifacts
@@ -38,25 +39,24 @@ def run(
     entry: RecordingEntry,
     cocontraction: CocontractionSettings,
     fit: FitSettings,
-    trials_path: Path,
-    fits_path: Path,
+    results: Mapping[str, Path],
     stages: tuple[str, ...],
     session: tuple[Path, ...],
 ) -> list[Ended]:
-    """Make and store what is asked for of ``trials`` and ``fits``; fits relate to ``session``, if it holds any."""
+    """Make the ``stages`` asked for and store them in ``results``; fits relate to ``session``, if it holds any."""
     made: list[Trials] = []
     ended: list[Ended] = []
 
     def make_trials() -> str:
         made.append(trials_of(entry, cocontraction))
-        artifacts.save(trials_path, made[0])
+        artifacts.save(results["trials"], made[0])
         return "; ".join(note for note in made[0].notes if note.startswith(LOUD))
 
     def make_fits() -> None:
-        trials = made[0] if made else artifacts.load(trials_path)
+        trials = made[0] if made else artifacts.load(results["trials"])
         if session:
             trials = in_session(trials, [artifacts.load(path) for path in session], cocontraction)
-        artifacts.save(fits_path, fit_trials(trials, fit, entry.window))
+        artifacts.save(results["fits"], fit_trials(trials, fit, entry.window))
 
     if "trials" in stages:
         ended.append(guarded(f"trials/{entry.key}", make_trials))

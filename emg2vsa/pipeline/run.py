@@ -111,8 +111,8 @@ def _recording_tasks(board: Board, stale: Sequence[State]) -> list[Task]:
             "entry": entries[item],
             "cocontraction": board.study.cocontraction,
             "fit": board.study.fit,
-            "trials_path": board.result(f"trials/{item}"),
-            "fits_path": board.result(f"fits/{item}") if f"fits/{item}" in board.states else board.study.results,
+            "results": {"trials": board.result(f"trials/{item}")}
+            | {state.step.stage: board.result(state.step.id) for state in states},
             "stages": tuple(state.step.stage for state in states),
             "session": _session(board, entries[item]),
         }

@@ -25,6 +25,13 @@ def test_help_loads_nothing_heavy(command: str) -> None:
     assert set(done.stderr.split()) & heavy == set()
 
 
+def test_run_offers_every_stage() -> None:
+    from emg2vsa.cli.run import STAGE_NAMES
+    from emg2vsa.pipeline.steps import STAGES
+
+    assert tuple(STAGES) == STAGE_NAMES  # listed twice, because help must not load the pipeline
+
+
 def test_power_reproduces_the_sample_size(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["power", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
