@@ -1,0 +1,52 @@
+"""Every error a user can cause. One tree, one form: where, what was wanted, what was found, what to do."""
+
+from __future__ import annotations
+
+
+class CasrError(Exception):
+    """Something given is not usable; the command line prints it without a traceback.
+
+    Parameters
+    ----------
+    where : file, frame, row or setting, e.g. ``"press.tif, frame 12"``.
+    wanted, found, do : what was expected, what was there, what the user can do; short clauses.
+    """
+
+    def __init__(self, where: object, *, wanted: str, found: str, do: str) -> None:
+        self.where, self.wanted, self.found, self.do = str(where), wanted, found, do
+        super().__init__(self.where, wanted, found, do)
+
+    def __str__(self) -> str:
+        return f"{self.where}: wanted {self.wanted}; found {self.found}. {self.do}"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # exceptions cross process borders; keyword-only arguments need their own way back
+        return _rebuild, (type(self), self.where, self.wanted, self.found, self.do)
+
+
+def _rebuild(kind: type[CasrError], where: str, wanted: str, found: str, do: str) -> CasrError:
+    return kind(where, wanted=wanted, found=found, do=do)
+
+
+class ImageError(CasrError):
+    """An image cannot be used as asked: empty, not finite, wrong shape or type."""
+
+
+class FramesError(CasrError):
+    """A frame sequence or its force log cannot be read or does not fit together."""
+
+
+class CameraError(CasrError):
+    """A camera file or a camera parameter makes no sense."""
+
+
+class PinsError(CasrError):
+    """Pins cannot be found, or too few of them for what was asked."""
+
+
+class NoContactError(CasrError):
+    """The frames show no contact, so there is no initial area to start from."""
+
+
+class SettingError(CasrError):
+    """One setting does not make sense, alone or with the others."""

@@ -1,0 +1,1 @@
+"""Optical flow between tactile frames and its divergence over the contact region."""

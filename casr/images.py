@@ -1,0 +1,71 @@
+"""What every algorithm here takes for an image: one grey channel, C-contiguous, grey levels 0 to 255."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import ImageError
+
+Grey = NDArray[np.uint8] | NDArray[np.float32]
+
+
+def as_grey(image: NDArray[Any], *, where: object = "image") -> Grey:
+    """One grey channel in grey levels 0 to 255, C-contiguous.
+
+    Parameters
+    ----------
+    image : (H, W), (H, W, 3) or (H, W, 4) array, colour in OpenCV's BGR order. uint8 stays uint8;
+        bool becomes 0 and 255; uint16 is divided by 257 and floats are taken as grey levels already, both as float32.
+    where : named in errors.
+
+    Raises
+    ------
+    ImageError : no pixels, another number of dimensions or another type, NaN or infinity.
+    """
+    image = np.asarray(image)
+    if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (1, 3, 4)) or image.size == 0:
+        raise ImageError(
+            where,
+            wanted="a grey (H, W) or colour (H, W, 3) image",
+            found=f"an array of shape {image.shape}",
+            do="Give one frame at a time.",
+        )
+    pixels = _grey_levels(image, where)
+    if pixels.ndim == 3:
+        pixels = _one_channel(pixels)
+    return np.ascontiguousarray(pixels)
+
+
+def _grey_levels(image: NDArray[Any], where: object) -> NDArray[Any]:
+    if image.dtype == np.uint8:
+        return image
+    if image.dtype == np.bool_:
+        return image.astype(np.uint8) * np.uint8(255)
+    if image.dtype == np.uint16:
+        return image.astype(np.float32) / np.float32(257.0)
+    if np.issubdtype(image.dtype, np.floating):
+        if not np.isfinite(image).all():
+            raise ImageError(
+                where,
+                wanted="finite grey levels",
+                found=f"{int((~np.isfinite(image)).sum())} pixels that are NaN or infinite",
+                do="Repair or drop this frame.",
+            )
+        return image.astype(np.float32)
+    raise ImageError(
+        where,
+        wanted="uint8, uint16, bool or float grey levels",
+        found=f"type {image.dtype}",
+        do="Convert the frames to 8 or 16 bits.",
+    )
+
+
+def _one_channel(pixels: NDArray[Any]) -> NDArray[Any]:
+    if pixels.shape[2] == 1:
+        return pixels[:, :, 0]
+    code = cv2.COLOR_BGR2GRAY if pixels.shape[2] == 3 else cv2.COLOR_BGRA2GRAY
+    return cv2.cvtColor(np.ascontiguousarray(pixels), code)

@@ -1,0 +1,1 @@
+"""Pins of the tactile skin: sub-pixel detection, one-to-one matching, tracking from frame to frame."""

@@ -1,0 +1,1 @@
+"""Rendered presses with known flow, contact area and force."""
