@@ -14,17 +14,18 @@ Grey = NDArray[np.uint8] | NDArray[np.float32]
 
 
 def as_grey(image: NDArray[Any], *, where: object = "image") -> Grey:
-    """One grey channel in grey levels 0 to 255, C-contiguous.
+    """One grey channel in grey levels 0 to 255, C-contiguous; the image itself when it already is that.
 
     Parameters
     ----------
-    image : (H, W), (H, W, 3) or (H, W, 4) array, colour in OpenCV's BGR order. uint8 stays uint8;
-        bool becomes 0 and 255; uint16 is divided by 257 and floats are taken as grey levels already, both as float32.
+    image : (H, W), (H, W, 1), (H, W, 3) or (H, W, 4) array, colour in OpenCV's BGR order, alpha ignored.
+        uint8 stays uint8; bool becomes 0 and 255; uint16 is divided by 257 and floats are taken as grey levels
+        already, both as float32.
     where : named in errors.
 
     Raises
     ------
-    ImageError : no pixels, another number of dimensions or another type, NaN or infinity.
+    ImageError : no pixels, another number of dimensions or another type, NaN, infinity or beyond single precision.
     """
     image = np.asarray(image)
     if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (1, 3, 4)) or image.size == 0:
@@ -41,27 +42,36 @@ def as_grey(image: NDArray[Any], *, where: object = "image") -> Grey:
 
 
 def _grey_levels(image: NDArray[Any], where: object) -> NDArray[Any]:
-    if image.dtype == np.uint8:
+    # kind and width, not the dtype itself: big-endian files give '>u2' and '>f4'
+    kind = image.dtype.kind, image.dtype.itemsize
+    if kind == ("u", 1):
         return image
-    if image.dtype == np.bool_:
+    if kind[0] == "b":
         return image.astype(np.uint8) * np.uint8(255)
-    if image.dtype == np.uint16:
+    if kind == ("u", 2):
         return image.astype(np.float32) / np.float32(257.0)
-    if np.issubdtype(image.dtype, np.floating):
-        if not np.isfinite(image).all():
-            raise ImageError(
-                where,
-                wanted="finite grey levels",
-                found=f"{int((~np.isfinite(image)).sum())} pixels that are NaN or infinite",
-                do="Repair or drop this frame.",
-            )
-        return image.astype(np.float32)
+    if kind[0] == "f":
+        return _finite(image, where)
     raise ImageError(
         where,
         wanted="uint8, uint16, bool or float grey levels",
         found=f"type {image.dtype}",
         do="Convert the frames to 8 or 16 bits.",
     )
+
+
+def _finite(image: NDArray[Any], where: object) -> NDArray[np.float32]:
+    with np.errstate(over="ignore"):
+        pixels = image.astype(np.float32, copy=False)
+    finite = np.isfinite(pixels)
+    if not finite.all():
+        raise ImageError(
+            where,
+            wanted="finite grey levels",
+            found=f"{finite.size - int(np.count_nonzero(finite))} of {finite.size} values NaN or infinite",
+            do="Repair or drop this frame.",
+        )
+    return pixels
 
 
 def _one_channel(pixels: NDArray[Any]) -> NDArray[Any]:

@@ -1,0 +1,52 @@
+"""Tables of a benchmark: printed in columns, kept as CSV."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+Cell = str | float | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a heading.
+
+    Parameters
+    ----------
+    name : file name without suffix.
+    title : one line above.
+    columns : heading and format of each, e.g. ``("ms", ".2f")``; text is left aligned in the first, right in the others.
+    rows : one cell per column; None where a method does not give the number.
+    notes : lines below.
+    """
+
+    name: str
+    title: str
+    columns: tuple[tuple[str, str], ...]
+    rows: Sequence[Sequence[Cell]]
+    notes: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """The table as lines of equal columns."""
+        shown = [[heading for heading, _ in self.columns]]
+        shown += [[_shown(cell, form) for cell, (_, form) in zip(row, self.columns, strict=True)] for row in self.rows]
+        widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+        lines = ["  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in shown]
+        return "\n".join([self.title, *lines, *self.notes])
+
+    def write(self, folder: Path) -> None:
+        """``<name>.csv`` with full digits."""
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / f"{self.name}.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([heading for heading, _ in self.columns])
+            writer.writerows([["" if cell is None else cell for cell in row] for row in self.rows])
+
+
+def _shown(cell: Cell, form: str) -> str:
+    if cell is None:
+        return "-"
+    return cell if isinstance(cell, str) else format(cell, form)

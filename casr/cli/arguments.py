@@ -1,0 +1,117 @@
+"""Arguments that several commands share, and the values they accept."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from casr.frames import FrameSequence
+
+Commands = Any  # argparse gives its collection of sub-parsers no public type
+
+ENGINES = ("pin-affine", "horn-schunck", "dis")
+AREA_RULES = ("hexagon", "circle", "paper")
+"Written out once more, because the modules that own them load NumPy; a test compares them."
+
+
+def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: str = "") -> argparse.ArgumentParser:
+    """A sub-command whose help opens with its one-line summary."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name, help=summary, description=summary, epilog=epilog or None
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str = "") -> None:
+    """The frames, and the files that go with them."""
+    kinds = "a folder of PNGs, a TIFF, AVI or .npy file, or a press folder (frames, force.csv, camera.toml)"
+    parser.add_argument("path", type=Path, metavar=metavar, help=help or kinds)
+    parser.add_argument("--force", type=Path, metavar="FILE", help="force log, CSV: time_s,force_n,frame_index")
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.toml; without one areas are in px²")
+
+
+def add_engine(parser: argparse.ArgumentParser) -> None:
+    """How motion between frames is measured."""
+    parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="motion estimate (default %(default)s)")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Output for programs."""
+    parser.add_argument("--json", action="store_true", help="print JSON for a program to read")
+
+
+def open_sequence(arguments: argparse.Namespace, path: Path | None = None) -> FrameSequence:
+    """The frames that were asked for."""
+    from casr.frame_files import open_frames
+
+    return open_frames(path or arguments.path, force=arguments.force, camera=arguments.camera)
+
+
+def say_notes(notes: Iterable[str], name: str = "") -> None:
+    """One line on the error stream for each."""
+    for note in notes:
+        print(f"note: {name}: {note}" if name else f"note: {note}", file=sys.stderr)
+
+
+def print_json(value: object) -> None:
+    """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
+    print(json.dumps(_finite(value), indent=2, sort_keys=True))
+
+
+def frame_pair(text: str) -> tuple[int, int]:
+    """``"0,12"``: two different frame indices."""
+    first, second = numbers(text, 2)
+    if first == second or min(first, second) < 0 or not (first.is_integer() and second.is_integer()):
+        raise argparse.ArgumentTypeError(f"wanted two different frame numbers from 0, such as 0,12; found {text!r}")
+    return int(first), int(second)
+
+
+def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
+    """Finite numbers between commas."""
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        found = ()
+    if not found or (count is not None and len(found) != count) or any(x - x != 0 for x in found):
+        wanted = f"{count} numbers" if count else "numbers"
+        raise argparse.ArgumentTypeError(f"wanted {wanted} with commas between them; found {text!r}")
+    return found
+
+
+def positive(text: str) -> float:
+    """A number above 0."""
+    (value,) = numbers(text, 1)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"wanted a number above 0; found {text!r}")
+    return value
+
+
+def not_negative(text: str) -> float:
+    """A number from 0."""
+    (value,) = numbers(text, 1)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"wanted a number from 0; found {text!r}")
+    return value
+
+
+def whole_number(text: str) -> int:
+    """A whole number from 1."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
+    return int(text)
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and value - value != 0:
+        return None
+    return value

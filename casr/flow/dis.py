@@ -1,0 +1,55 @@
+"""Dense flow by OpenCV's DIS (Kroeger et al., ECCV 2016): the reference engine."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import ImageError, SettingError
+from casr.images import Grey, as_grey
+
+PRESETS = {
+    "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
+    "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST,
+    "medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM,
+}
+# below this side OpenCV's pyramid has no level left: an exception, NaN or a crash, depending on the other side
+SHORTEST_SIDE_PX = 40
+
+
+def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np.float32]:
+    """Flow from ``first`` to ``second`` by dense inverse search.
+
+    Parameters
+    ----------
+    first, second : (H, W) images of the same shape, grey levels 0 to 255; crops of a larger image may be given.
+    preset : ``"ultrafast"``, ``"fast"`` or ``"medium"``, OpenCV's trade of time against accuracy.
+
+    Returns
+    -------
+    (H, W, 2) float32, (u right, v down) px.
+
+    Raises
+    ------
+    ImageError : the shapes differ, or an image is none.
+    SettingError : no such preset.
+    """
+    if preset not in PRESETS:
+        raise SettingError("dis_preset", wanted=f"one of {', '.join(PRESETS)}", found=repr(preset), do="Choose one.")
+    first, second = _bytes(as_grey(first, where="first image")), _bytes(as_grey(second, where="second image"))
+    if first.shape != second.shape:
+        raise ImageError(
+            "image pair", wanted="two images of one shape", found=f"{first.shape} and {second.shape}", do="Crop them."
+        )
+    height, width = first.shape
+    missing = (0, max(0, SHORTEST_SIDE_PX - height), 0, max(0, SHORTEST_SIDE_PX - width))
+    if any(missing):
+        first, second = (cv2.copyMakeBorder(image, *missing, cv2.BORDER_REPLICATE) for image in (first, second))
+    flow = cv2.DISOpticalFlow_create(PRESETS[preset]).calc(first, second, None)
+    return np.ascontiguousarray(flow[:height, :width])
+
+
+def _bytes(image: Grey) -> NDArray[np.uint8]:
+    """DIS takes bytes only; rounding costs at most half a grey level."""
+    return image if image.dtype == np.uint8 else np.clip(np.rint(image), 0, 255).astype(np.uint8)

@@ -1,0 +1,249 @@
+"""Full multigrid for the linear system of Horn and Schunck, stored by colour so that every inner loop runs on SIMD lanes.
+
+The unknown is one flow vector (u, v) per square cell. In every cell c, with n its neighbours left, right, above and below,
+
+    lam * sum_n (u_n - u_c) = J11 u_c + J12 v_c + b1
+    lam * sum_n (v_n - v_c) = J12 u_c + J22 v_c + b2
+
+which is the Euler-Lagrange equation of Horn & Schunck (Artificial Intelligence 17, 1981, section 9) with the five-point
+Laplacian; cells beyond the grid do not exist, so the flow's normal derivative is zero there.
+
+A level is one array (7, 2, rows + 2, half + 2): the planes U, V, A11, A12, A22, B1, B2; the colour (0 where row + column is
+even); a ring of zeros around the cells. A pair of neighbouring columns 2k, 2k + 1 holds one cell of each colour, both at
+index k + 1, so the four neighbours of a cell of one colour lie at unit stride in the other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+U, V, A11, A12, A22, B1, B2 = range(7)
+PLANES = 7
+# contraction and reassociation cannot hide a NaN
+FAST = frozenset({"contract", "reassoc", "nsz", "arcp"})
+COARSEST_CELLS = 4
+COARSEST_SWEEPS = 16
+
+
+def level_table(rows: int, columns: int) -> NDArray[np.int64]:
+    """Rows, half the columns (rounded up) and offset of every level, finest first; a last row with the total size.
+
+    A grid of odd width gets one more column, without data; the same holds at every coarser level.
+    """
+    table, offset = [], 0
+    while True:
+        half = (columns + 1) // 2
+        table.append((rows, half, offset))
+        offset += PLANES * 2 * (rows + 2) * (half + 2)
+        if max(rows, columns) <= COARSEST_CELLS:
+            return np.array([*table, (0, 0, offset)], dtype=np.int64)
+        rows, columns = (rows + 1) // 2, half
+
+
+@njit(cache=True, nogil=True)
+def level(work, table, index):  # type: ignore[no-untyped-def]
+    rows, half, offset = table[index]
+    shape = (PLANES, 2, rows + 2, half + 2)
+    return work[offset : offset + PLANES * 2 * (rows + 2) * (half + 2)].reshape(shape)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _relax_row(f, c, y, lam, rank_one):  # type: ignore[no-untyped-def]
+    """Solve the two equations of every cell of colour c in row y for its (u, v), its neighbours held."""
+    u, v, ou, ov = f[U, c], f[V, c], f[U, 1 - c], f[V, 1 - c]
+    a11, a12, a22, b1, b2 = f[A11, c], f[A12, c], f[A22, c], f[B1, c], f[B2, c]
+    # row y of the array is row y - 1 of the grid
+    if (y - 1 + c) % 2 == 0:
+        for k in range(1, u.shape[1] - 1):
+            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k - 1]) - b1[y, k]
+            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k - 1]) - b2[y, k]
+            product = a11[y, k] * a22[y, k]
+            det = max(product - a12[y, k] * a12[y, k], rank_one * product)
+            u[y, k] = (a22[y, k] * su - a12[y, k] * sv) / det
+            v[y, k] = (a11[y, k] * sv - a12[y, k] * su) / det
+    else:
+        for k in range(1, u.shape[1] - 1):
+            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k + 1]) - b1[y, k]
+            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k + 1]) - b2[y, k]
+            product = a11[y, k] * a22[y, k]
+            det = max(product - a12[y, k] * a12[y, k], rank_one * product)
+            u[y, k] = (a22[y, k] * su - a12[y, k] * sv) / det
+            v[y, k] = (a11[y, k] * sv - a12[y, k] * su) / det
+
+
+@njit(cache=True, nogil=True)
+def relax(f, lam, rank_one, sweeps):  # type: ignore[no-untyped-def]
+    """Red-black Gauss-Seidel; the second colour follows one row behind, while its rows are still in the cache."""
+    rows = f.shape[2] - 2
+    for _ in range(sweeps):
+        for y in range(1, rows + 2):
+            if y <= rows:
+                _relax_row(f, 0, y, lam, rank_one)
+            if y >= 2:
+                _relax_row(f, 1, y - 1, lam, rank_one)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _residual_row(f, y, lam, ru, rv):  # type: ignore[no-untyped-def]
+    """Add the residual of colour 0 in row y, negative, to ru and rv; colour 1, relaxed last, has none."""
+    u, v, ou, ov = f[U, 0], f[V, 0], f[U, 1], f[V, 1]
+    a11, a12, a22, b1, b2 = f[A11, 0], f[A12, 0], f[A22, 0], f[B1, 0], f[B2, 0]
+    if (y - 1) % 2 == 0:
+        for k in range(1, u.shape[1] - 1):
+            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k - 1]) - b1[y, k]
+            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k - 1]) - b2[y, k]
+            ru[k - 1] += a11[y, k] * u[y, k] + a12[y, k] * v[y, k] - su
+            rv[k - 1] += a12[y, k] * u[y, k] + a22[y, k] * v[y, k] - sv
+    else:
+        for k in range(1, u.shape[1] - 1):
+            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k + 1]) - b1[y, k]
+            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k + 1]) - b2[y, k]
+            ru[k - 1] += a11[y, k] * u[y, k] + a12[y, k] * v[y, k] - su
+            rv[k - 1] += a12[y, k] * u[y, k] + a22[y, k] * v[y, k] - sv
+
+
+@njit(cache=True, nogil=True)
+def put_row(plane, y, row):  # type: ignore[no-untyped-def]
+    """Store a row in column order into row y of a plane (2, rows + 2, half + 2), by colour."""
+    even, odd = plane[(y - 1) % 2, y], plane[y % 2, y]
+    for k in range(even.size - 2):
+        even[k + 1] = row[2 * k]
+        odd[k + 1] = row[2 * k + 1]
+
+
+@njit(cache=True, nogil=True)
+def restrict_residual(f, coarse, lam, rows2):  # type: ignore[no-untyped-def]
+    """Residuals of four cells summed are the right-hand side of one coarser cell, whose flow starts at zero."""
+    coarse[U], coarse[V] = 0, 0
+    for y in range(1, coarse.shape[2] - 1):
+        rows2[:] = 0
+        for fine_y in range(2 * y - 1, min(2 * y + 1, f.shape[2] - 1)):
+            _residual_row(f, fine_y, lam, rows2[0], rows2[1])
+        put_row(coarse[B1], y, rows2[0])
+        put_row(coarse[B2], y, rows2[1])
+
+
+@njit(cache=True, nogil=True)
+def take_row(plane, y, near, row):  # type: ignore[no-untyped-def]
+    """Three quarters of row y of a plane and a quarter of its row near, in column order, ends repeated.
+
+    row[j + 1] is column j.
+    """
+    quarter = row.dtype.type(0.25)
+    even, odd = plane[(y - 1) % 2, y], plane[y % 2, y]
+    near_even, near_odd = plane[(near - 1) % 2, near], plane[near % 2, near]
+    half = even.size - 2
+    for k in range(half):
+        row[2 * k + 1] = even[k + 1] + quarter * (near_even[k + 1] - even[k + 1])
+        row[2 * k + 2] = odd[k + 1] + quarter * (near_odd[k + 1] - odd[k + 1])
+    row[0], row[2 * half + 1] = row[1], row[2 * half]
+
+
+@njit(cache=True, nogil=True)
+def near_row(y, coarse_rows):  # type: ignore[no-untyped-def]
+    """Coarse row over fine row y and the next nearest one that exists (array rows, from 1)."""
+    over = (y + 1) // 2
+    near = over - 1 if y % 2 == 1 else over + 1
+    return over, min(max(near, 1), coarse_rows)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _add_row(out, row, side):  # type: ignore[no-untyped-def]
+    quarter = row.dtype.type(0.25)
+    if side == 0:
+        for k in range(1, out.size - 1):
+            out[k] += row[k] + quarter * (row[k - 1] - row[k])
+    else:
+        for k in range(1, out.size - 1):
+            out[k] += row[k] + quarter * (row[k + 1] - row[k])
+
+
+@njit(cache=True, nogil=True)
+def prolong(coarse, f, rows2):  # type: ignore[no-untyped-def]
+    """Add the bilinear flow of the coarser level to the flow of colour 1.
+
+    Colour 0 needs nothing: the sweep that follows computes it from colour 1 alone.
+    """
+    for y in range(1, f.shape[2] - 1):
+        over, near = near_row(y, coarse.shape[2] - 2)
+        for p in range(2):
+            take_row(coarse[p], over, near, rows2[p])
+            _add_row(f[p, 1, y], rows2[p], y % 2)
+
+
+@njit(cache=True, nogil=True)
+def _v_cycle(work, table, top, lam, rank_one, sweeps, rows2):  # type: ignore[no-untyped-def]
+    last = table.shape[0] - 2
+    for i in range(top, last):
+        f = level(work, table, i)
+        relax(f, lam, rank_one, sweeps)
+        restrict_residual(f, level(work, table, i + 1), lam, rows2)
+    relax(level(work, table, last), lam, rank_one, COARSEST_SWEEPS)
+    for i in range(last - 1, top - 1, -1):
+        f = level(work, table, i)
+        prolong(level(work, table, i + 1), f, rows2)
+        relax(f, lam, rank_one, sweeps)
+
+
+@njit(cache=True, nogil=True)
+def _sum_of_four(f, coarse, rows2):  # type: ignore[no-untyped-def]
+    for p in range(A11, PLANES):
+        for y in range(1, coarse.shape[2] - 1):
+            total = rows2[0]
+            total[:] = 0
+            for fine_y in range(2 * y - 1, min(2 * y + 1, f.shape[2] - 1)):
+                zero, one = f[p, 0, fine_y], f[p, 1, fine_y]
+                for k in range(zero.size - 2):
+                    total[k] += zero[k + 1] + one[k + 1]
+            put_row(coarse[p], y, total)
+
+
+@njit(cache=True, nogil=True)
+def _add_neighbours(f, lam):  # type: ignore[no-untyped-def]
+    """lam times the number of neighbours joins the diagonal."""
+    rows, half = f.shape[2] - 2, f.shape[3] - 2
+    for p in (A11, A22):
+        for c in range(2):
+            plane = f[p, c]
+            for y in range(1, rows + 1):
+                count = 2 + (y > 1) + (y < rows)
+                for k in range(1, half + 1):
+                    plane[y, k] += lam * count
+                # a row's first cell is of the colour of its number, its last (the width is even) of the other
+                if (y - 1 + c) % 2 == 0:
+                    plane[y, 1] -= lam
+                else:
+                    plane[y, half] -= lam
+
+
+@njit(cache=True, nogil=True)
+def solve(work, table, lam, rank_one, sweeps, cycles):  # type: ignore[no-untyped-def]
+    """Fill U and V of the finest level from the data sums J11, J12, J22, b1, b2 in its planes A11 ... B2.
+
+    Full multigrid: every level starts from the coarser level's solution. The planes A and B are used up.
+
+    Parameters
+    ----------
+    work, table : the levels and :func:`level_table`.
+    lam : weight of smoothness, alpha^2 / 3.
+    rank_one : smallest determinant of a cell's 2 x 2 system, relative to its diagonal (rounding can lose it).
+    sweeps : Gauss-Seidel sweeps before and after each correction.
+    cycles : V-cycles per level.
+    """
+    last = table.shape[0] - 2
+    rows2 = np.zeros((2, 2 * table[0, 1] + 4), work.dtype)
+    for i in range(last):
+        _sum_of_four(level(work, table, i), level(work, table, i + 1), rows2)
+    for i in range(last + 1):
+        _add_neighbours(level(work, table, i), lam)
+    coarsest = level(work, table, last)
+    coarsest[U], coarsest[V] = 0, 0
+    relax(coarsest, lam, rank_one, COARSEST_SWEEPS)
+    for top in range(last - 1, -1, -1):
+        f = level(work, table, top)
+        f[U], f[V] = 0, 0
+        prolong(level(work, table, top + 1), f, rows2)
+        for _ in range(cycles):
+            _v_cycle(work, table, top, lam, rank_one, sweeps, rows2)

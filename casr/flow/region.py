@@ -1,0 +1,140 @@
+"""The contact region: a polygon of skin, followed from the first contact as it grows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import SettingError
+
+Points = NDArray[np.float64]
+ROUND_VERTICES = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Outline of the contact in one frame.
+
+    Parameters
+    ----------
+    polygon_px : (K, 2) vertices (x, y) in order, either way round, px.
+
+    Raises
+    ------
+    SettingError : fewer than three vertices, one that is not finite, or no area.
+    """
+
+    polygon_px: Points
+
+    def __post_init__(self) -> None:
+        polygon = np.array(self.polygon_px, dtype=np.float64)
+        usable = polygon.ndim == 2 and polygon.shape[0] >= 3 and polygon.shape[1] == 2 and np.isfinite(polygon).all()
+        if not usable or abs(_signed_area(polygon)) < 1e-9:
+            raise SettingError(
+                "region",
+                wanted="at least three finite vertices (x, y) around an area",
+                found=f"{polygon.shape[0] if polygon.ndim else 0} vertices that enclose nothing",
+                do="Give a region inside the image, e.g. 150,150,60 for x, y, radius.",
+            )
+        object.__setattr__(self, "polygon_px", polygon)
+
+    @classmethod
+    def circle(cls, x_px: float, y_px: float, radius_px: float) -> Region:
+        """A circle; the polygon has exactly its area."""
+        return cls.ellipse(x_px, y_px, radius_px, radius_px)
+
+    @classmethod
+    def ellipse(cls, x_px: float, y_px: float, a_px: float, b_px: float, *, turn_deg: float = 0.0) -> Region:
+        """An ellipse with half axis ``a_px`` along the direction ``turn_deg`` from x towards y and ``b_px`` across."""
+        if not (a_px > 0 and b_px > 0):
+            raise SettingError(
+                "region", wanted="half axes above 0 px", found=f"{a_px:g} and {b_px:g}", do="Give a radius in pixels."
+            )
+        step = 2 * np.pi / ROUND_VERTICES
+        along = np.arange(ROUND_VERTICES) * step
+        equal_area = np.sqrt(step / np.sin(step))
+        turn = np.deg2rad(turn_deg)
+        axes = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+        unturned = equal_area * np.column_stack([a_px * np.cos(along), b_px * np.sin(along)])
+        return cls(unturned @ axes + (x_px, y_px))
+
+    @classmethod
+    def from_points(cls, points_px: Points) -> Region:
+        """Convex hull of (N, 2) points."""
+        points_px = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
+        if len(points_px) < 3:
+            return cls(points_px)
+        order = cv2.convexHull(points_px.astype(np.float32), returnPoints=False)[:, 0]
+        return cls(points_px[order])
+
+    @classmethod
+    def parse(cls, text: str) -> Region:
+        """A circle written ``x,y,radius`` in pixels, as the command line takes it."""
+        try:
+            x_px, y_px, radius_px = (float(part) for part in text.split(","))
+        except ValueError:
+            raise SettingError(
+                "region", wanted="three numbers x,y,radius in pixels", found=repr(text), do="Write e.g. 150,150,60."
+            ) from None
+        return cls.circle(x_px, y_px, radius_px)
+
+    @property
+    def area_px2(self) -> float:
+        """Enclosed area, px^2."""
+        return abs(_signed_area(self.polygon_px))
+
+    @property
+    def centre_px(self) -> Points:
+        """(2,) centroid of the enclosed area, px."""
+        corner = self.polygon_px[0]  # a near origin keeps the differences small
+        here = self.polygon_px - corner
+        there = np.roll(here, -1, axis=0)
+        doubled = here[:, 0] * there[:, 1] - there[:, 0] * here[:, 1]
+        return np.asarray(corner + ((here + there) * doubled[:, None]).sum(axis=0) / (3 * doubled.sum()))
+
+    def scaled(self, factor: float) -> Region:
+        """The region scaled about its centroid."""
+        centre = self.centre_px
+        return Region(centre + factor * (self.polygon_px - centre))
+
+    def moved(self, matrix: Points, offset_px: Points) -> Region:
+        """The region after x' = matrix @ x + offset, the matrix (2, 2) and the offset (2,) px."""
+        return Region(self.polygon_px @ np.asarray(matrix).T + offset_px)
+
+    def contains(self, points_px: Points) -> NDArray[np.bool_]:
+        """(N,) whether each (x, y) lies inside, by the crossing number, so for any simple polygon."""
+        x, y = np.asarray(points_px, dtype=np.float64).reshape(-1, 2).T[:, :, None]
+        (x0, y0), (x1, y1) = self.polygon_px.T, np.roll(self.polygon_px, -1, axis=0).T
+        between = (y0 > y) != (y1 > y)
+        rise = np.where(y1 == y0, 1.0, y1 - y0)
+        crossings = between & (x < x0 + (y - y0) * (x1 - x0) / rise)
+        return np.asarray(crossings.sum(axis=1) % 2 == 1)
+
+    def box(self, shape: tuple[int, int], *, margin_px: float = 0.0) -> tuple[slice, slice]:
+        """Rows and columns of the smallest box around the region and a margin, clipped to an image of this shape.
+
+        Raises
+        ------
+        SettingError : the region lies outside the image.
+        """
+        low = np.floor(self.polygon_px.min(axis=0) - margin_px).astype(int)
+        high = np.ceil(self.polygon_px.max(axis=0) + margin_px).astype(int) + 1
+        left, top = np.maximum(low, 0)
+        right, bottom = np.minimum(high, (shape[1], shape[0]))
+        if right <= left or bottom <= top:
+            raise SettingError(
+                "region",
+                wanted=f"a region that meets the image of {shape[1]} x {shape[0]} px",
+                found=f"one around ({self.centre_px[0]:.0f}, {self.centre_px[1]:.0f})",
+                do="Give the region in pixels of these frames.",
+            )
+        return slice(int(top), int(bottom)), slice(int(left), int(right))
+
+
+def _signed_area(polygon_px: Points) -> float:
+    """Shoelace area, px^2, positive clockwise on the screen (y down)."""
+    x, y = (polygon_px - polygon_px[0]).T
+    return 0.5 * float(x @ np.roll(y, -1) - np.roll(x, -1) @ y)

@@ -1,0 +1,127 @@
+"""Frames of one press, read one at a time, with the camera that saw them and the force of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.camera import Camera
+from casr.errors import CameraError, FramesError
+from casr.images import Grey, as_grey
+
+
+class FrameSource(Protocol):
+    """Where frames come from: a file, a folder, an array, a renderer.
+
+    ``shape`` is (height, width) of every frame, px; ``read`` gives one frame as grey levels and keeps no other.
+    """
+
+    name: str
+
+    @property
+    def shape(self) -> tuple[int, int]: ...
+
+    def __len__(self) -> int: ...
+
+    def read(self, index: int) -> Grey: ...
+
+
+class ArrayFrames:
+    """Frames held in memory: a (T, H, W) array, or (T, H, W, 3) in BGR order, of any type `as_grey` takes.
+
+    Raises
+    ------
+    FramesError : another number of dimensions.
+    """
+
+    def __init__(self, frames: NDArray[Any], *, name: str = "frames") -> None:
+        frames = np.asarray(frames)
+        if frames.ndim not in (3, 4):
+            raise FramesError(
+                name,
+                wanted="frames as a (T, H, W) or (T, H, W, 3) array",
+                found=f"shape {frames.shape}",
+                do="Stack the frames along the first axis.",
+            )
+        self.name = name
+        self._frames = frames
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return int(self._frames.shape[1]), int(self._frames.shape[2])
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def read(self, index: int) -> Grey:
+        return as_grey(self._frames[index], where=f"{self.name}, frame {index}")
+
+
+@dataclass(frozen=True)
+class FrameSequence:
+    """One press: frames in time order, and what else is known of it.
+
+    Parameters
+    ----------
+    source : gives the frames.
+    camera : needed for mm; None leaves everything in px.
+    force_n : (T,) force of each frame, N, NaN where it is not known; None without a force log.
+    notes : what a reader of results ought to know about these frames.
+
+    Raises
+    ------
+    CameraError : the camera's image size is not that of the frames.
+    FramesError : not one force for each frame.
+    """
+
+    source: FrameSource
+    camera: Camera | None = None
+    force_n: NDArray[np.float64] | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        height_px, width_px = self.shape
+        if self.camera is not None and (self.camera.width_px, self.camera.height_px) != (width_px, height_px):
+            raise CameraError(
+                self.name,
+                wanted=f"frames of the camera's size, {self.camera.width_px} x {self.camera.height_px} px",
+                found=f"frames of {width_px} x {height_px} px",
+                do="Give the camera file that belongs to these frames; cropping moves cx_px and cy_px too.",
+            )
+        if self.force_n is not None and self.force_n.shape != (len(self),):
+            raise FramesError(
+                self.name,
+                wanted=f"one force for each of the {len(self)} frames",
+                found=f"an array of shape {self.force_n.shape}",
+                do="Average the force rows of each frame first: force_per_frame.",
+            )
+
+    @property
+    def name(self) -> str:
+        return self.source.name
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(height, width) of every frame, px."""
+        return self.source.shape
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def __getitem__(self, index: int) -> Grey:
+        """Frame ``index`` from 0, or from the end when negative. Raises FramesError when there is none."""
+        if not -len(self) <= index < len(self):
+            raise FramesError(
+                self.name,
+                wanted=f"a frame from 0 to {len(self) - 1}",
+                found=f"frame {index}",
+                do="Frames are counted from 0 in the order of the file.",
+            )
+        return self.source.read(index % len(self))
+
+    def __iter__(self) -> Iterator[Grey]:
+        return (self.source.read(index) for index in range(len(self)))

@@ -1,0 +1,95 @@
+"""The initial contact area over the frames it comes from: pins and how they moved, hexagons and outline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from casr.overlays.canvas import ORANGE, RED, SKY, Picture, legend_below, photo, view_of
+from casr.pins import pin_pitch_px
+
+if TYPE_CHECKING:
+    from casr.contact_area import InitialArea
+
+_ARROW_PX = 12.0
+"Length at which the longest displacement is drawn when it is shorter."
+
+
+def pins_picture(
+    rest_image: NDArray[Any], rest_px: NDArray[np.float64], contact_px: NDArray[np.float64], initial: InitialArea
+) -> Picture:
+    """Every pin at rest, and arrows to where it is at first contact. rest_px, contact_px : (N, 2), NaN where lost."""
+    pitch_px = pin_pitch_px(rest_px)
+    figure, axes = photo(rest_image, view_of(rest_px, rest_image.shape, 1.5 * pitch_px))  # type: ignore[arg-type]
+    moved_px = contact_px - rest_px
+    longest_px = float(np.nanmax(np.hypot(*moved_px.T), initial=0.0))
+    times = max(1.0, round(_ARROW_PX / longest_px)) if longest_px > 0 else 1.0
+    chosen = np.zeros(len(rest_px), dtype=bool)
+    chosen[initial.selected] = True
+    known = np.isfinite(moved_px).all(axis=1)
+    for which, colour, words in ((chosen, ORANGE, "moved: counted"), (~chosen & known, SKY, "still: not counted")):
+        axes.scatter(*rest_px[which].T, s=16, facecolors="none", edgecolors=colour, label=f"{words} ({which.sum()})")
+        axes.quiver(
+            *rest_px[which].T, *(times * moved_px[which]).T, color=colour, angles="xy", scale_units="xy", scale=1,
+            width=0.005,
+        )  # fmt: skip
+    if not known.all():
+        axes.scatter(*rest_px[~known].T, s=30, marker="x", color=RED, label=f"lost ({np.sum(~known)})")
+    legend_below(axes, 3 if not known.all() else 2)
+    drawn = f"Arrows are drawn {times:.0f} times as long as they are." if times > 1 else "Arrows are to scale."
+    return Picture(
+        "pins",
+        "Which pins moved at first contact",
+        f"Pins at rest and their way to the first-contact frame, {longest_px:.1f} px at most. {drawn}",
+        figure,
+    )
+
+
+def area_picture(
+    contact_image: NDArray[Any],
+    rest_px: NDArray[np.float64],
+    contact_px: NDArray[np.float64],
+    initial: InitialArea,
+    area_words: str,
+) -> Picture:
+    """The initial area on the first-contact frame: a hexagon about each counted pin, and the outline that is tracked."""
+    pitch_px = pin_pitch_px(rest_px)
+    figure, axes = photo(contact_image, view_of(rest_px, contact_image.shape, 1.5 * pitch_px))  # type: ignore[arg-type]
+    if initial.rule != "circle":
+        cells = hexagons(rest_px[initial.selected], pitch_px)
+        axes.add_collection(
+            PolyCollection(
+                list(cells), facecolors=ORANGE, edgecolors=ORANGE, alpha=0.45, linewidths=1.0,
+                label=f"hexagon of each counted pin ({len(cells)})",
+            )  # fmt: skip
+        )
+    axes.scatter(*contact_px.T, s=5, color=SKY, label="pin at first contact")
+    axes.add_patch(
+        Polygon(initial.polygon_px, fill=False, edgecolor=RED, linewidth=2.2, label="contact region, outline")
+    )
+    legend_below(axes)
+    return Picture("area", "Initial contact area", f"Rule {initial.rule}: {area_words}.", figure)
+
+
+def hexagons(centres_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.float64]:
+    """(N, 6, 2) corners of hexagons whose flat sides are half a pitch from their centres, px; drawing only.
+
+    The sides face the nearest neighbours, as in the lattice: its direction is the one most pairs of neighbours share.
+    """
+    angle = _lattice_angle(centres_px, pitch_px) + np.deg2rad(30 + 60 * np.arange(6))
+    corners = pitch_px / np.sqrt(3) * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.asarray(centres_px[:, None, :] + corners)
+
+
+def _lattice_angle(centres_px: NDArray[np.float64], pitch_px: float) -> float:
+    """Direction of the lattice's rows modulo 60 degrees, rad."""
+    steps = (centres_px[:, None] - centres_px[None]).reshape(-1, 2)
+    length = np.hypot(*steps.T)
+    steps = steps[(length > 0) & (length < 1.3 * pitch_px)]
+    if steps.size == 0:
+        return 0.0
+    return float(np.angle(np.exp(6j * np.arctan2(steps[:, 1], steps[:, 0])).mean()) / 6)

@@ -1,0 +1,143 @@
+"""How the skin moved: the contact region as it grows, pins and their spreading, dense flow and its divergence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.colors import TwoSlopeNorm
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from casr.overlays.canvas import INK, ORANGE, RED, SKY, Picture, legend_below, photo, view_of
+from casr.pins import pin_pitch_px
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+
+_OUTLINES = 6
+_LONGEST_EDGE = 1.7
+"In pitches: longer edges of a triangulation bridge missing pins or the rim."
+_DIVERGING = "PuOr_r"
+"Both ends dark, the middle white, and told apart without red against green."
+
+
+def region_picture(
+    last_image: NDArray[Any],
+    pins_px: NDArray[np.float64],
+    regions: Sequence[NDArray[np.float64]],
+    frames: NDArray[np.int_],
+    force_n: NDArray[np.float64] | None,
+) -> Picture:
+    """Outlines of the tracked contact region over the last frame, early ones pale and thin."""
+    everything = np.concatenate([pins_px, *regions])
+    figure, axes = photo(last_image, view_of(everything, last_image.shape, pin_pitch_px(pins_px)))  # type: ignore[arg-type]
+    shown = np.unique(np.linspace(0, len(regions) - 1, min(_OUTLINES, len(regions))).round().astype(int))
+    for place, i in enumerate(shown):
+        closed = np.vstack([regions[i], regions[i][:1]])
+        share = place / max(len(shown) - 1, 1)
+        colour = SKY if i == 0 else ORANGE
+        words = f"frame {frames[i]}" + (f", {force_n[i]:.1f} N" if force_n is not None else "")
+        axes.plot(*closed.T, color=colour, linewidth=1 + 1.6 * share, alpha=0.45 + 0.55 * share, label=words)
+    legend_below(axes, 3)
+    return Picture(
+        "region",
+        "Contact region as it grows",
+        "Outlines of the region, from first contact (blue) to the last frame (thickest), over the last frame.",
+        figure,
+    )
+
+
+def spreading_picture(
+    first_image: NDArray[Any],
+    first_px: NDArray[np.float64],
+    last_px: NDArray[np.float64],
+    outline_px: NDArray[np.float64],
+    span: str,
+) -> Picture:
+    """Pins and their way over the press; between them how much each triangle of pins grew.
+
+    first_px, last_px : (N, 2) the same pins, NaN where lost. span : the frames in words.
+    """
+    known = np.isfinite(first_px).all(axis=1) & np.isfinite(last_px).all(axis=1)
+    first_px, last_px = first_px[known], last_px[known]
+    pitch_px = pin_pitch_px(first_px)
+    figure, axes = photo(first_image, view_of(first_px, first_image.shape, 1.5 * pitch_px))  # type: ignore[arg-type]
+    corners = _triangles(first_px, pitch_px)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        growth = np.log(_doubled_area(last_px[corners]) / _doubled_area(first_px[corners]))
+    corners, growth = corners[np.isfinite(growth)], growth[np.isfinite(growth)]
+    if growth.size:
+        half = max(float(np.abs(growth).max()), 1e-6)
+        drawn = axes.tripcolor(
+            *first_px.T, corners, facecolors=growth, cmap=_DIVERGING, norm=TwoSlopeNorm(0, -half, half), alpha=0.8
+        )
+        figure.colorbar(drawn, ax=axes, label="log growth of the area between pins", shrink=0.85)
+    _arrows(axes, first_px, last_px - first_px, "pin, first to last frame")
+    axes.plot(*np.vstack([outline_px, outline_px[:1]]).T, color=RED, linewidth=2, label="contact region at first")
+    legend_below(axes)
+    longest_px = float(np.hypot(*(last_px - first_px).T).max(initial=0.0))
+    return Picture(
+        "spreading",
+        "Where the skin spread",
+        f"Ways of the pins, {span}, {longest_px:.1f} px at most, to scale. Orange: spread; purple: drew together.",
+        figure,
+    )
+
+
+def flow_picture(
+    image: NDArray[Any],
+    flow: NDArray[np.float32],
+    divergence: NDArray[np.float32],
+    region_px: NDArray[np.float64],
+    inside: NDArray[np.bool_],
+    span: str,
+) -> Picture:
+    """Dense flow (H, W, 2), px, as arrows, and its divergence (H, W) inside the region (H, W)."""
+    low, high = region_px.min(axis=0), region_px.max(axis=0)
+    margin_px = 0.35 * float((high - low).max())
+    figure, axes = photo(image, view_of(region_px, image.shape, margin_px))  # type: ignore[arg-type]
+    shown = np.where(inside, divergence, np.nan)
+    half = max(float(np.nanpercentile(np.abs(shown), 99)), 1e-6) if inside.any() else 1.0
+    drawn = axes.imshow(shown, cmap=_DIVERGING, norm=TwoSlopeNorm(0, -half, half), alpha=0.75)
+    figure.colorbar(drawn, ax=axes, label="divergence (1 per frame pair)", shrink=0.85)
+    step = max(round(float((high - low + 2 * margin_px).max()) / 22), 1)
+    ys, xs = np.mgrid[0 : image.shape[0] : step, 0 : image.shape[1] : step]
+    at = np.column_stack([xs.ravel(), ys.ravel()]).astype(np.float64)
+    near = ((at >= low - margin_px) & (at <= high + margin_px)).all(axis=1)
+    vectors = flow[ys.ravel()[near], xs.ravel()[near]]
+    longest_px = float(np.hypot(*vectors.T).max(initial=0.0))
+    times = step / longest_px if longest_px > 0 else 1.0
+    _arrows(axes, at[near], times * vectors, "flow")
+    axes.plot(*np.vstack([region_px, region_px[:1]]).T, color=RED, linewidth=2, label="contact region")
+    legend_below(axes)
+    mean = float(shown[inside].mean()) if inside.any() else float("nan")
+    return Picture(
+        "flow",
+        f"Flow and divergence, {span}",
+        f"Mean divergence in the region {mean:+.4f}. The longest arrow is {longest_px:.2f} px.",
+        figure,
+    )
+
+
+def _arrows(axes: Axes, at_px: NDArray[np.float64], steps_px: NDArray[Any], words: str) -> None:
+    axes.quiver(
+        *at_px.T, *steps_px.T, color=INK, edgecolor="white", linewidth=0.4, angles="xy", scale_units="xy", scale=1,
+        width=0.006, label=words,
+    )  # fmt: skip
+
+
+def _triangles(points_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.int_]:
+    """(M, 3) corners of the triangles between neighbouring pins."""
+    if len(points_px) < 3:
+        return np.empty((0, 3), dtype=np.int_)
+    corners = np.asarray(Triangulation(*points_px.T).triangles, dtype=np.int_)
+    edges = points_px[corners] - points_px[np.roll(corners, 1, axis=1)]
+    return corners[np.hypot(edges[..., 0], edges[..., 1]).max(axis=1) < _LONGEST_EDGE * pitch_px]
+
+
+def _doubled_area(corners_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    (ax, ay), (bx, by) = (corners_px[:, k].T - corners_px[:, 0].T for k in (1, 2))
+    return np.asarray(ax * by - ay * bx)

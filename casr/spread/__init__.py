@@ -1,0 +1,6 @@
+"""From divergence to area, eq. (1), and from area and force to the contact area spread rate, eq. (2)."""
+
+from casr.spread.area_law import AREA_LAWS, contact_areas
+from casr.spread.rate import RATE_RULES, SpreadRate, spread_rate
+
+__all__ = ["AREA_LAWS", "RATE_RULES", "SpreadRate", "contact_areas", "spread_rate"]
