@@ -134,7 +134,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
     if arguments.page:
         from casr.cli.pages import write_index
 
-        write_index(arguments.page, arguments.path, scores, failures)
+        write_index(arguments.page, arguments.path.resolve().name, scores, failures)
     if arguments.json:
         print_json({"presses": {name: s.to_dict() for name, s in scores.items()}, "not_scored": failures})
     return int(bool(failures))
@@ -149,5 +149,5 @@ def _score(arguments: argparse.Namespace, path: Path, name: str, settings: Score
     if page or arguments.figures:
         from casr.cli.pages import write_press
 
-        write_press(sequence, scored, name, page, arguments.figures and arguments.figures / name)
+        write_press(sequence, scored, page, arguments.figures and arguments.figures / name)
     return scored

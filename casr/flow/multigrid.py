@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 U, V, A11, A12, A22, B1, B2 = range(7)
 PLANES = 7
 # contraction and reassociation cannot hide a NaN
-FAST = frozenset({"contract", "reassoc", "nsz", "arcp"})
+FAST = {"contract", "reassoc", "nsz", "arcp"}
 COARSEST_CELLS = 4
 COARSEST_SWEEPS = 16
 

@@ -1,4 +1,4 @@
-"""Video files (AVI, MP4, Matroska) through OpenCV, read forward and never by seeking."""
+"""Video files (AVI, MP4, Matroska) through OpenCV, decoded forward, never by seeking."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
 
 # codecs that give back the grey levels they were given
-_LOSSLESS = {"FFV1", "HFYU", "FFVH", "PNG ", "MPNG", "Y800", "GREY", "DIB ", "RGBA", "BGR0", "\0\0\0\0"}
+_LOSSLESS = {"FFV1", "HFYU", "FFVH", "PNG", "MPNG", "Y800", "GREY", "DIB", ""}
 
 
 def open_file(path: Path) -> VideoFrames:
@@ -23,42 +23,89 @@ def open_file(path: Path) -> VideoFrames:
 class VideoFrames:
     """Frames of a video, decoded one after the other.
 
-    The number of frames is that of the packets in the file, counted without decoding, because a container's own
-    count may be wrong. Seeking is exact only for some codecs, so an earlier frame is reached from the start and a
-    later one by decoding those between. A packet that does not decode is found by its missing time stamp: reading
-    that frame is an error, and the frames after it keep their numbers.
+    A container's own frame count may be wrong, so the packets are counted, without decoding them. Seeking is exact
+    for some codecs only, so a later frame is reached by decoding those between, an earlier one from the start. A
+    packet that does not decode shows by its missing time stamp: reading that frame is an error, and the frames
+    after it keep their numbers.
 
     Raises
     ------
-    FramesError : not a video; on reading, a frame that does not decode.
+    FramesError : not a video; on reading, a frame that does not decode or has another size.
     """
 
     def __init__(self, path: Path) -> None:
         self.name = path.stem
         self._path = path
+        self._rewind()
+        claimed, codec = self._capture.get(cv2.CAP_PROP_FRAME_COUNT), self._capture.get(cv2.CAP_PROP_FOURCC)
         self._times_ms = _packet_times(path)
-        self._open()
-        self.notes = self._warnings()
         self._stamped = bool(np.all(np.diff(self._times_ms) > 0))
-        self.shape: tuple[int, int] = self.read(0).shape
+        if len(self) == 0:
+            raise undecodable(path, 0, "a video without frames")
+        self.notes = _notes(len(self), int(claimed), int(codec))
+        self.shape: tuple[int, int] = self._decoded(0).shape
 
     def __len__(self) -> int:
         return len(self._times_ms)
 
     def read(self, index: int) -> Grey:
-        if index < self._at or (index == self._at and self._frame is None):
-            self._open()
-        while self._at < index:
-            if not self._capture.grab():
-                raise undecodable(self._path, index, f"{self._at + 1} frames that decode before it")
-            self._frame = None
-            self._at = self._number_of_grabbed()
-        if self._at > index:
-            raise undecodable(self._path, index, "data that do not decode")
-        if self._frame is None:
-            decoded, image = self._capture.retrieve()
-            if not decoded:
-                raise undecodable(self._path, index, "data that do not decode")
-            self._frame = as_grey(image, where=f"{self._path}, frame {index}")
-        return self._frame
+        frame = self._decoded(index)
+        if frame.shape != self.shape:
+            raise other_size(self._path, index, frame.shape, self.shape)
+        return frame
 
+    def _decoded(self, index: int) -> Grey:
+        if index < self._at:
+            self._rewind()
+        while self._at < index and self._capture.grab():
+            self._at = self._number_of_grabbed()
+        decoded, image = self._capture.retrieve() if self._at == index else (False, None)
+        if not decoded or image is None:
+            raise undecodable(self._path, index, "data that do not decode")
+        return as_grey(image, where=f"{self._path}, frame {index}")
+
+    def _rewind(self) -> None:
+        self._capture = _opened(self._path)
+        self._at = -1
+
+    def _number_of_grabbed(self) -> int:
+        if not self._stamped:
+            return self._at + 1
+        nearest = np.argmin(np.abs(self._times_ms - self._capture.get(cv2.CAP_PROP_POS_MSEC)))
+        return max(self._at + 1, int(nearest))
+
+
+def _opened(path: Path) -> cv2.VideoCapture:
+    try:
+        path.open("rb").close()
+    except OSError as error:
+        raise unreadable(path, error) from error
+    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    if not capture.isOpened():
+        raise FramesError(
+            path,
+            wanted="a video",
+            found="a file that OpenCV cannot open as one",
+            do="Check the file, or save the frames as TIFF or PNG.",
+        )
+    return capture
+
+
+def _packet_times(path: Path) -> NDArray[np.float64]:
+    """Time stamp of every packet in the file, ms, without decoding any."""
+    capture = _opened(path)
+    capture.set(cv2.CAP_PROP_FORMAT, -1)
+    times = []
+    while capture.grab():
+        times.append(capture.get(cv2.CAP_PROP_POS_MSEC))
+    return np.array(times, dtype=np.float64)
+
+
+def _notes(n_frames: int, claimed: int, codec: int) -> tuple[str, ...]:
+    name = codec.to_bytes(4, "little").decode("latin-1").strip("\0 ").upper()
+    notes = []
+    if name not in _LOSSLESS:
+        notes.append(f"video compressed with {name}: grey levels carry errors that a lossless file would not")
+    if claimed != n_frames:
+        notes.append(f"the video claims {claimed} frames and holds {n_frames}: frames may have been lost")
+    return tuple(notes)

@@ -16,23 +16,23 @@ if TYPE_CHECKING:
 def area_curve(
     force_n: NDArray[np.float64], area: NDArray[np.float64], unit: str, rate: SpreadRate | None
 ) -> Picture:
-    """Contact area against force; the slope rule's line and its interval through the middle of the points.
+    """Contact area against force; the slope rule's line and its interval about the middle of the force range.
 
     force_n, area : (T,).
     """
-    figure, axes = plot("force (N)", f"contact area ({unit})")
+    figure, axes = plot("force (N)", f"contact area ({readable(unit)})")
     axes.plot(force_n, area, ".", color=BLUE, markersize=7, label="frame")
     caption = "Contact area of each frame against its force."
-    known = np.isfinite(force_n) & np.isfinite(area)
-    if rate is not None and rate.rule == "slope" and known.any():
-        ends = np.array([force_n[known].min(), force_n[known].max()])
-        middle = (float(np.median(force_n[known])), float(np.median(area[known])))
-        line, low, high = (middle[1] + slope * (ends - middle[0]) for slope in (rate.value, rate.low, rate.high))
-        x = np.linspace(*ends, 50)
-        spread = [middle[1] + np.outer([rate.low, rate.high], x - middle[0])]
-        axes.fill_between(x, *(f(spread[0], axis=0) for f in (np.min, np.max)), color=ORANGE, alpha=0.3, linewidth=0)
-        axes.plot(ends, line, color=ORANGE, linewidth=2.2, label=f"slope {rate.value:.3g} {rate.unit}")
-        caption += f" The line's slope is the CASR; shaded: its interval, {rate.low:.3g} to {rate.high:.3g} {rate.unit}."
+    if rate is not None and rate.rule == "slope":
+        caption += " The slope of the line is the CASR."
+        ends, middle = _line_through(force_n, area)
+        away = ends - ends.mean()
+        if rate.low is not None and rate.high is not None:
+            sides = middle + np.outer([rate.low, rate.high], away)
+            axes.fill_between(ends, sides[0], sides[1], color=ORANGE, alpha=0.3, linewidth=0)
+            caption += f" Shaded: its 95 % interval, {rate.low:.3g} to {rate.high:.3g} {readable(rate.unit)}."
+        words = f"CASR, {rate.value:.3g} {readable(rate.unit)}"
+        axes.plot(ends, middle + rate.value * away, color=ORANGE, linewidth=2.2, label=words)
     axes.legend(loc="upper left")
     return Picture("area_over_force", "Contact area against force", caption, figure)
 
@@ -51,3 +51,17 @@ def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> P
         f"Sum at the end {total[-1]:.3f}: the area grew to {np.exp(total[-1]):.2f} times its initial size.",
         figure,
     )
+
+
+def readable(unit: str) -> str:
+    """``mm2/N`` with a raised 2."""
+    return unit.replace("2", "²")
+
+
+def _line_through(force_n: NDArray[np.float64], area: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """(2,) lowest and highest force, N, and the mean area over that range: the least-squares line goes through it."""
+    known = np.flatnonzero(np.isfinite(force_n) & np.isfinite(area))
+    order = known[np.argsort(force_n[known], kind="stable")]
+    force_n, area = force_n[order], area[order]
+    ends = force_n[[0, -1]]
+    return ends, float(np.trapezoid(area, force_n) / (ends[1] - ends[0]))

@@ -1,1 +1,8 @@
 """Pins of the tactile skin: sub-pixel detection, one-to-one matching, tracking from frame to frame."""
+
+from casr.pins.detect import Pins, detect_pins
+from casr.pins.lattice import pin_pitch_px
+from casr.pins.match import match_pins
+from casr.pins.settings import PinSettings
+
+__all__ = ["PinSettings", "Pins", "detect_pins", "match_pins", "pin_pitch_px"]

@@ -37,7 +37,7 @@ def above_surroundings(image: Grey, block_px: int, contrast: float) -> tuple[Gre
 
 def find_blobs(excess: Grey, mask: NDArray[np.uint8]) -> Blobs:
     """Connected pieces (8 neighbours) of ``mask`` that do not touch the border of the image."""
-    n, labels, stats, centres = cv2.connectedComponentsWithStatsWithAlgorithm(mask, 8, cv2.CV_32S, cv2.CCL_WU)
+    n, labels, stats, centres = cv2.connectedComponentsWithStatsWithAlgorithm(mask, 8, cv2.CV_32S, cv2.CCL_GRANA)
     pixels = np.flatnonzero(mask.ravel().view(np.bool_))
     total = np.bincount(labels.ravel()[pixels], excess.ravel()[pixels], minlength=n)
     box, area = stats[:, :4], stats[:, cv2.CC_STAT_AREA]
@@ -47,11 +47,11 @@ def find_blobs(excess: Grey, mask: NDArray[np.uint8]) -> Blobs:
     return Blobs(box, area, total / np.maximum(area, 1), centres).pick(inside)
 
 
-def halves(excess: Grey, mask: NDArray[np.uint8], box: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Centres (k, 2) of the round parts of one blob: k = 2 or more for pins that touch, 1 for a single one."""
+def round_parts(mask: NDArray[np.uint8], box: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Centres (k, 2) of the round parts of the blob in ``box``: 1 for a single pin, more for pins that touch."""
     x, y, width, height = (int(v) for v in box)
     piece = np.pad(mask[y : y + height, x : x + width], 1)
     depth = cv2.distanceTransform(piece, cv2.DIST_L2, 5)
     cores = cv2.compare(depth, 0.65 * float(depth.max()), cv2.CMP_GT)
     n, _, _, centres = cv2.connectedComponentsWithStats(cores, connectivity=8)
-    return np.asarray(centres[1:n]) + (x - 1, y - 1)
+    return np.asarray(centres[1:n]) + (x - 1.0, y - 1.0)

@@ -7,18 +7,21 @@ from numpy.typing import NDArray
 
 
 def nearest_pins(points_px: NDArray[np.float64], k: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Distance (N, k) px and row number (N, k) of the ``k`` nearest other pins, nearest first; k falls to N - 1."""
-    k = max(min(k, len(points_px) - 1), 0)
-    distance = pairwise_px(points_px, points_px)
-    np.fill_diagonal(distance, np.inf)
-    order = np.argsort(distance, axis=1, kind="stable")[:, :k]
-    return np.take_along_axis(distance, order, axis=1), order
+    """Distance (N, k) px and row number (N, k) of the ``k`` nearest other pins, nearest first, of two or
+    more; k falls to N - 1."""
+    k = min(k, len(points_px) - 1)
+    squared = squared_distance(points_px, points_px)
+    np.fill_diagonal(squared, np.inf)
+    near = np.argpartition(squared, k - 1, axis=1)[:, :k]
+    order = np.take_along_axis(near, np.argsort(np.take_along_axis(squared, near, axis=1), axis=1, kind="stable"), axis=1)
+    return np.sqrt(np.take_along_axis(squared, order, axis=1)), order
 
 
-def pairwise_px(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance (N, M) px of every point of ``a_px`` (N, 2) to every point of ``b_px`` (M, 2)."""
-    distance: NDArray[np.float64] = np.hypot(a_px[:, None, 0] - b_px[:, 0], a_px[:, None, 1] - b_px[:, 1])
-    return distance
+def squared_distance(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Squared distance (N, M) px² of every point of ``a_px`` (N, 2) to every point of ``b_px`` (M, 2)."""
+    dx, dy = a_px[:, None, 0] - b_px[:, 0], a_px[:, None, 1] - b_px[:, 1]
+    squared: NDArray[np.float64] = dx * dx + dy * dy
+    return squared
 
 
 def pin_pitch_px(centroids_px: NDArray[np.float64]) -> float:

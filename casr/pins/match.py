@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.pins.lattice import pairwise_px
+from casr.pins.lattice import squared_distance
 
 
 def match_pins(
@@ -26,9 +26,9 @@ def match_pins(
     columns = np.flatnonzero(np.isfinite(after_px).all(axis=1))
     if not rows.size or not columns.size:
         return np.empty(0, np.intp), np.empty(0, np.intp)
-    distance = pairwise_px(before_px[rows], after_px[columns])
-    nearest = distance.argmin(axis=1)
+    squared = squared_distance(before_px[rows], after_px[columns])
+    nearest = squared.argmin(axis=1)
     own = np.arange(rows.size)
     limit = np.broadcast_to(np.asarray(max_distance_px, float), (len(before_px),))[rows]
-    mutual = (distance.argmin(axis=0)[nearest] == own) & (distance[own, nearest] <= limit)
+    mutual = (squared.argmin(axis=0)[nearest] == own) & (squared[own, nearest] <= limit**2)
     return rows[mutual], columns[nearest[mutual]]

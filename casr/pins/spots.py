@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from casr.images import Grey
 
 LEVEL_FRACTION = 0.15  # of the contrast: above the noise, yet low enough that few pixels of the pin's edge are cut off
+BACKGROUND_RANK = 10  # the background is the 11th darkest pixel of the disc: ten may be dirt or lie outside the field of view
 MOST_ROUNDS = 4
 
 
@@ -72,9 +73,8 @@ def _weigh(
     step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
     grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
     outside = disc[:, 2] > reach_px[:, None].astype(np.float32)
-    grey[outside] = 0.0
-    top = grey.max(axis=1)
-    background = _background(grey, reach_px, disc)
+    top = np.where(outside, -np.inf, grey).max(axis=1)
+    background = np.partition(np.where(outside, np.inf, grey), BACKGROUND_RANK, axis=1)[:, BACKGROUND_RANK]
     level = background + np.float32(LEVEL_FRACTION) * (top - background)
     weight = np.maximum(grey - level[:, None], 0.0)
     weight[outside] = 0.0

@@ -86,9 +86,9 @@ def _windows(
 def _summed(
     pixel: NDArray[np.int64], grey: NDArray[np.float32], half: int, shape: tuple[int, ...]
 ) -> NDArray[np.float32]:
-    """(H, W) sum of the windows; parts outside the image are dropped."""
+    """(H, W) sum of the windows; spots that are not centred in the image are left out."""
     height, width = shape[0] + 2 * half, shape[1] + 2 * half
-    inside = ((pixel >= -half) & (pixel < (shape[1] + half, shape[0] + half))).all(axis=1)
+    inside = ((pixel >= 0) & (pixel < (shape[1], shape[0]))).all(axis=1)
     if not inside.all():
         pixel, grey = pixel[inside], grey[inside]
     steps = np.arange(2 * half + 1)

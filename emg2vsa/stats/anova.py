@@ -1,8 +1,4 @@
-"""One-way analysis of variance, many designs in one call.
-
-Every group is shifted by one of its own values and then centred: on float64 input that reaches what exact arithmetic
-on the same doubles gives for all of NIST's ANOVA sets (statistics notes 3a).
-"""
+"""One-way analysis of variance, many designs in one call."""
 
 from __future__ import annotations
 
@@ -12,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, exponent_of
-from emg2vsa.stats.exact_shift import shifted_doubles
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.stats.group_moments import GroupMoments, group_moments
 from emg2vsa.stats.outcome import Outcome
 
 
@@ -68,20 +64,17 @@ def one_way(values: ArrayLike) -> Anova:
     cannot do for numbers like 1000000000000.4. Values all equal give F = NaN; groups constant but different give
     F = inf and p = 0. DataError for another shape.
     """
-    doubles, origin = shifted_doubles(values)
-    valid = np.isfinite(doubles)
-    count = np.count_nonzero(valid, axis=2)
-    filled = np.where(valid, doubles, 0.0)
-    unit = exponent_of(np.max(np.abs(filled), axis=2))[:, 0] + 1
-    filled = np.ldexp(filled, -unit[:, None, None])
+    return anova_of(group_moments(values))
+
+
+def anova_of(groups: GroupMoments) -> Anova:
+    """The same from moments that are already there."""
+    count = groups.count
     with np.errstate(divide="ignore", invalid="ignore"):
-        start, inner, deviation = _centred_groups(filled, valid, count)
-        design_start = np.take_along_axis(start, np.argmax(count > 0, axis=1)[:, None], axis=1)
-        offset = np.where(count > 0, start - design_start + inner, 0.0)
         n = np.sum(count, axis=1)
-        grand = np.sum(count * offset, axis=1) / n
-        ss_between = np.sum(count * (offset - grand[:, None]) ** 2, axis=1)
-        ss_within = np.sum(deviation**2, axis=(1, 2))
+        grand = np.sum(count * groups.offset, axis=1) / n
+        ss_between = np.sum(count * (groups.offset - grand[:, None]) ** 2, axis=1)
+        ss_within = np.sum(groups.squares, axis=1)
         df1 = np.count_nonzero(count, axis=1) - 1
         df2 = n - df1 - 1
         ms_within = ss_within / np.where(df2 > 0, df2, np.nan)
@@ -93,15 +86,7 @@ def one_way(values: ArrayLike) -> Anova:
         df2=df2,
         p=special.fdtrc(df1, df2, f),
         eta2=eta2,
-        sd=np.ldexp(np.sqrt(ms_within), unit),
-        mean=origin[:, None] + np.ldexp(np.where(count > 0, design_start + offset, np.nan), unit[:, None]),
+        sd=groups.to_data(np.sqrt(ms_within)),
+        mean=groups.mean,
         count=count,
     )
-
-
-def _centred_groups(values: Floats, valid: np.ndarray, count: Ints) -> tuple[Floats, Floats, Floats]:
-    """First value (d, k) of each group, mean relative to it (d, k), and deviations from the mean (d, k, n)."""
-    start = np.take_along_axis(values, np.argmax(valid, axis=2)[..., None], axis=2)
-    shifted = np.where(valid, values - start, 0.0)
-    inner = np.sum(shifted, axis=2) / count
-    return start[..., 0], inner, np.where(valid, shifted - inner[..., None], 0.0)

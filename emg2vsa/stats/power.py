@@ -21,6 +21,7 @@ MEANING = (
 )
 """What the paper's sample size means (statistics notes 2)."""
 _MOST_PEOPLE = 1_000_000
+_NO_EFFECT = 1e-13
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,8 @@ def power_rm(
     df1 = (m - 1) * epsilon
     df2 = (n - 1) * df1
     noncentrality = f**2 * n * m * epsilon / (1 - rho) if convention == "gpower" else f**2 * df2
+    # below this the noncentral law is the central one to 12 digits, and ncfdtr may answer 1
+    noncentrality = np.where(noncentrality < _NO_EFFECT, 0.0, noncentrality)
     critical = special.fdtri(df1, df2, 1 - alpha)
     return np.asarray(1 - special.ncfdtr(df1, df2, noncentrality, critical))
 

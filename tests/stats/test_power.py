@@ -57,6 +57,10 @@ def test_is_the_poisson_mixture(n: int, m: int, f: float, rho: float, share: flo
     assert abs(power_rm(n, m, f, rho, epsilon, alpha) - mixture_power(n, m, f, rho, epsilon, alpha)) < 1e-11
 
 
+def test_next_to_no_effect_has_power_alpha() -> None:
+    np.testing.assert_allclose(power_rm(2, 2, [0.0, 1e-170, 1.8e-49, 1e-15, 1e-9, 1e-7], 0.0, 1.0, 0.25), 0.25, atol=1e-12)
+
+
 def test_no_effect_has_power_alpha() -> None:
     np.testing.assert_allclose(power_rm([2, 14, 100], 10, f=0.0, alpha=0.05), 0.05, rtol=1e-12)
 

@@ -1,0 +1,58 @@
+"""Pictures and pages of scored presses, written where they were asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from casr.atomic import write_bytes_atomic, write_text_atomic
+
+if TYPE_CHECKING:
+    from casr.frames import FrameSequence
+    from casr.overlays import Picture
+    from casr.page import Embedded
+    from casr.score import Score
+
+_DRAWN = ("area_over_force", "growth")
+"Curves: small as vector drawings; the others show a frame."
+
+
+def write_press(sequence: FrameSequence, score: Score, page: Path | None, figures: Path | None) -> None:
+    """The page and the folder of pictures of one press."""
+    from casr.overlays import press_pictures
+    from casr.page import press_page
+
+    pictures = press_pictures(sequence, score)
+    if figures:
+        write_pictures(figures, pictures)
+    if page:
+        text = press_page(
+            score, [_embedded(p) for p in pictures], camera=sequence.camera, n_frames=len(sequence),
+            shape=sequence.source.shape,
+        )  # fmt: skip
+        write_text_atomic(page, text)
+
+
+def write_index(path: Path, title: str, scores: Mapping[str, Score], failures: Mapping[str, str]) -> None:
+    """The index of many presses; their pages are in the folder of the same name."""
+    from casr.page import index_page
+
+    write_text_atomic(path, index_page(title, scores, failures, path.with_suffix("").name))
+
+
+def write_pictures(folder: Path, pictures: Sequence[Picture]) -> None:
+    """PNG and SVG of each."""
+    for picture in pictures:
+        write_bytes_atomic(folder / f"{picture.name}.png", picture.png())
+        write_bytes_atomic(folder / f"{picture.name}.svg", picture.svg())
+
+
+def _embedded(picture: Picture) -> Embedded:
+    from casr.page import Embedded
+
+    drawn = picture.name in _DRAWN
+    return Embedded(
+        picture.title, picture.caption, "image/svg+xml" if drawn else "image/png",
+        picture.svg() if drawn else picture.png(120),
+    )  # fmt: skip

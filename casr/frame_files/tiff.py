@@ -1,0 +1,108 @@
+"""Multi-page TIFF and BigTIFF: tifffile for what it decodes by itself, OpenCV for the other compressions."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
+
+from casr.errors import FramesError
+from casr.frame_files.tiff_opencv import OpenCvPages
+from casr.frame_files.trouble import other_size, undecodable, unreadable
+from casr.images import Grey, as_grey
+
+Decode = Callable[[int], NDArray[Any]]
+
+
+def open_file(path: Path) -> TiffFrames:
+    try:
+        file = tifffile.TiffFile(path)
+        n_pages = len(file.pages)
+    except OSError as error:
+        raise unreadable(path, error) from error
+    except (tifffile.TiffFileError, ValueError, KeyError) as error:
+        raise FramesError(path, wanted="a TIFF file", found=str(error), do="Check the file.") from error
+    return TiffFrames(path, file, n_pages)
+
+
+class TiffFrames:
+    """Pages of one TIFF file, counted without decoding, read where they lie, one at a time.
+
+    The file stays open as long as this object lives. A file that tifffile cannot decode without further packages
+    (LZW, JPEG, palettes, separate colour planes) is decoded by OpenCV.
+
+    Raises
+    ------
+    FramesError : the first page does not decode; on reading, a page that is damaged or has another size.
+    """
+
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, path: Path, file: tifffile.TiffFile, n_pages: int) -> None:
+        self.name = path.stem
+        self._path = path
+        weakref.finalize(self, file.close)
+        self._n, self._decode = _hidden_stack(path, file) or (n_pages, _decoder(path, file, n_pages))
+        self.shape: tuple[int, int] = self._grey(0).shape
+
+    def __len__(self) -> int:
+        return self._n
+
+    def read(self, index: int) -> Grey:
+        frame = self._grey(index)
+        if frame.shape != self.shape:
+            raise other_size(self._path, index, frame.shape, self.shape)
+        return frame
+
+    def _grey(self, index: int) -> Grey:
+        try:
+            pixels = self._decode(index)
+        except Exception as error:  # a damaged page fails anywhere in a decoder, in any way
+            raise undecodable(self._path, index, str(error) or type(error).__name__) from error
+        return as_grey(pixels, where=f"{self._path}, frame {index}")
+
+
+def _decoder(path: Path, file: tifffile.TiffFile, n_pages: int) -> Decode:
+    by_tifffile = _TifffilePages(file)
+    try:
+        by_tifffile(0)
+    except Exception:  # the error that counts is OpenCV's, on reading
+        return OpenCvPages(path, n_pages)
+    return by_tifffile
+
+
+class _TifffilePages:
+    """(H, W) or (H, W, 3) BGR pixels of a page."""
+
+    def __init__(self, file: tifffile.TiffFile) -> None:
+        self._pages = file.pages
+
+    def __call__(self, index: int) -> NDArray[Any]:
+        page = self._pages[index]
+        pixels = page.asarray()
+        if page.photometric == tifffile.PHOTOMETRIC.MINISBLACK and pixels.ndim == 2:
+            return pixels
+        if page.photometric == tifffile.PHOTOMETRIC.RGB and pixels.ndim == 3 and pixels.shape[2] in (3, 4):
+            return pixels[:, :, 2::-1]
+        raise ValueError(f"pages of {page.photometric!s} pixels with shape {pixels.shape}")
+
+
+def _hidden_stack(path: Path, file: tifffile.TiffFile) -> tuple[int, Decode] | None:
+    """Number and decoder of frames that lie behind a single page, as ImageJ writes stacks beyond 4 GiB."""
+    series = file.series[0] if len(file.pages) == 1 and (file.is_imagej or file.is_shaped) else None
+    if series is None or series.ndim != 3 or series.axes.endswith("S") or series.dataoffset is None:
+        return None
+    n_frames, height_px, width_px = series.shape
+    start, dtype = series.dataoffset, np.dtype(file.byteorder + series.dtype.char)
+
+    def decode(index: int) -> NDArray[Any]:
+        n_values = height_px * width_px
+        values = np.fromfile(path, dtype, n_values, offset=start + index * n_values * dtype.itemsize)
+        return values.reshape(height_px, width_px)
+
+    return n_frames, decode

@@ -1,0 +1,100 @@
+"""The page of one press: its numbers, what they mean, the pictures they come from, every frame."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING
+
+import casr
+from casr.page import html
+from casr.page.wording import headline, readable, verdict
+
+if TYPE_CHECKING:
+    from casr.camera import Camera
+    from casr.score import Score
+
+
+@dataclass(frozen=True)
+class Embedded:
+    """A picture that travels inside the page. media : ``image/png`` or ``image/svg+xml``."""
+
+    title: str
+    caption: str
+    media: str
+    data: bytes
+
+
+def press_page(
+    score: Score, pictures: Sequence[Embedded], *, camera: Camera | None, n_frames: int, shape: tuple[int, int]
+) -> str:
+    """The page as HTML.
+
+    n_frames, shape : number of frames in the sequence and their (height, width), px.
+    """
+    notes = html.statement("usable", "Notes.", "What to know before you use these numbers:") + html.bullets(score.notes)
+    body = (
+        html.statement(*verdict(score))
+        + html.tiles(headline(score))
+        + (notes if score.notes else "")
+        + html.section("Pictures", _pictures(pictures))
+        + html.section(
+            "Numbers and settings",
+            html.details("Every frame", _frames(score)),
+            html.details("Settings", html.pairs(_settings(score.settings))),
+            html.details("Where the numbers come from", html.pairs(_origin(score, camera, n_frames, shape))),
+        )
+    )
+    sub = "Contact area spread rate (CASR) of one press"
+    return html.document(score.name, sub, body, f"casr {casr.__version__}")
+
+
+def _pictures(pictures: Iterable[Embedded]) -> str:
+    drawn = "".join(
+        f"<figure><h3>{escape(p.title)}</h3>"
+        f'<img alt="{escape(p.caption)}" src="data:{p.media};base64,{base64.b64encode(p.data).decode()}">'
+        f"<figcaption>{escape(p.caption)}</figcaption></figure>\n"
+        for p in pictures
+    )
+    return f'<div class="pictures">{drawn}</div>\n'
+
+
+def _frames(score: Score) -> str:
+    """Divergence and growth are those of the step that leads to a frame."""
+    heads = ("Frame", "Force (N)", "Divergence", "Log growth", f"Area ({readable(score.area_unit)})")
+    rows = []
+    for i, frame in enumerate(score.frames.tolist()):
+        steps = (score.divergence[i - 1], score.log_growth[i - 1]) if i else (None, None)
+        force = score.force_n[i] if score.force_n is not None else None
+        rows.append((str(frame), html.number(force), *map(html.number, steps), html.number(score.area[i], 5)))
+    return html.table("Divergence and log growth are of the step that leads to the frame.", heads, rows)
+
+
+def _settings(settings: object, prefix: str = "") -> list[tuple[str, str]]:
+    """Names and values of a settings dataclass and those inside it."""
+    found: list[tuple[str, str]] = []
+    for field in dataclasses.fields(settings):  # type: ignore[arg-type]
+        value = getattr(settings, field.name)
+        name = f"{prefix}{field.name}"
+        if dataclasses.is_dataclass(value) and not hasattr(value, "polygon_px"):
+            found += _settings(value, f"{name}.")
+        elif value is None or isinstance(value, (str, int, float, tuple)):
+            found.append((name, "not set" if value is None else str(value)))
+        else:
+            found.append((name, f"polygon of {len(value.polygon_px)} corners"))
+    return found
+
+
+def _origin(score: Score, camera: Camera | None, n_frames: int, shape: tuple[int, int]) -> list[tuple[str, str]]:
+    facts = [("program", f"casr {casr.__version__}"), ("frames", f"{n_frames} of {shape[1]} x {shape[0]} px")]
+    if camera is None:
+        facts.append(("camera", "none given: areas are in px²"))
+    else:
+        facts.append(("pixel size at the pins", " x ".join(f"{size:.5g}" for size in camera.mm_per_px) + " mm"))
+        facts += [(f"camera {name}", str(value)) for name, value in dataclasses.asdict(camera).items()]
+    facts.append(("force", "mean of the force rows of each frame" if score.force_n is not None else "none"))
+    facts.append(("method", "Initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2) of the paper, as the settings say"))
+    return facts

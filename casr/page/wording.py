@@ -1,0 +1,60 @@
+"""What a score means, in words a lab person needs no manual for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from casr.page.html import number
+
+if TYPE_CHECKING:
+    from casr.score import Score
+
+
+def readable(unit: str) -> str:
+    """``mm2/N`` as mm²/N."""
+    return unit.replace("2", "²")
+
+
+def verdict(score: Score) -> tuple[str, str, str]:
+    """Kind (good, usable or bad), the word for it and what was seen."""
+    growth = float(score.area[-1] / score.area[0])
+    unit = readable(score.area_unit)
+    grew = f"from {number(float(score.area[0]))} to {number(float(score.area[-1]))} {unit} ({growth:.2f} times)"
+    if score.rate is None:
+        return "usable", "No spread rate.", f"The contact area went {grew}. Without a force log there is no CASR."
+    if growth <= 1 or score.rate.value <= 0:
+        why = "Is this a loading phase? Were the pins followed? Look at the pictures."
+        return "bad", "Check this press.", f"The contact area did not grow with the force: it went {grew}. {why}"
+    more = f"The contact area grew {grew}{_force_span(score)}: {_per_newton(score)}"
+    if score.notes:
+        return "usable", "Read the notes.", more
+    return "good", "Good.", more
+
+
+def headline(score: Score) -> list[tuple[str, str, str]]:
+    """Name, value and remark of the numbers that matter."""
+    rate, initial = score.rate, score.initial
+    facts = []
+    if rate is not None:
+        interval = f"95 %: {number(rate.low)} to {number(rate.high)}" if rate.low is not None else "no interval"
+        facts.append(("CASR", f"{number(rate.value)} {readable(rate.unit)}", interval))
+    pins = f"{len(initial.selected)} of {len(score.rest.centroids_px)} pins"
+    facts += [
+        ("Initial area", f"{number(float(score.area[0]))} {readable(score.area_unit)}", f"{pins}, rule {initial.rule}"),
+        ("Growth", f"{score.area[-1] / score.area[0]:.3f} times", f"log growth {score.log_growth.sum():.4f}"),
+        ("Frames", f"{len(score.frames)}", f"{score.frames[0]} to {score.frames[-1]}, rest {score.rest_frame}"),
+    ]
+    return facts
+
+
+def _force_span(score: Score) -> str:
+    if score.force_n is None:
+        return ""
+    return f" while the force rose from {score.force_n[0]:.2f} to {score.force_n[-1]:.2f} N"
+
+
+def _per_newton(score: Score) -> str:
+    rate = score.rate
+    if rate is None or rate.rule != "slope":
+        return "the CASR here is the paper's sum over frames, comparable only at one frame rate and force range."
+    return f"{number(rate.value)} {readable(score.area_unit)} more for each newton. Softer specimens give a larger number."

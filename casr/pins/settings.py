@@ -1,0 +1,56 @@
+"""What counts as a pin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from casr.errors import SettingError
+
+
+@dataclass(frozen=True, kw_only=True)
+class PinSettings:
+    """What counts as a pin. The defaults suit pins of 5 to 20 px diameter, 9 px and more apart.
+
+    Parameters
+    ----------
+    block_px : odd side of the square whose mean is the local background; about 1.5 pitches.
+    contrast : grey levels a pin must stand out from it; 6 times the camera's noise.
+    min_area_px : smaller blobs are noise.
+    area_ratio : smallest and largest area of one pin over the median pin's.
+    max_aspect : largest ratio of the sides of the bounding box.
+    min_fill : smallest share of the bounding box that is pin (a disc has 0.79).
+    max_brightness_ratio : a blob this many times brighter (above background) than the median pin around it is glare.
+    touching_ratio, most_touching : a blob larger than this many median pins, but not than so many largest ones, may be pins that
+        touch; it is cut where it has a waist.
+    dark_pins : pins are darker than the skin.
+    integer_centroids : cut centroids to whole pixels as the paper's Algorithm 1 does (0.7 px rms; for comparison).
+    """
+
+    block_px: int = 31
+    contrast: float = 12.0
+    min_area_px: int = 8
+    area_ratio: tuple[float, float] = (0.3, 2.2)
+    max_aspect: float = 2.5
+    min_fill: float = 0.45
+    max_brightness_ratio: float = 1.35
+    touching_ratio: float = 1.6
+    most_touching: int = 3
+    dark_pins: bool = False
+    integer_centroids: bool = False
+
+    def __post_init__(self) -> None:
+        checks = {
+            "block_px": (self.block_px >= 3 and self.block_px % 2 == 1, "an odd number of pixels from 3 up"),
+            "contrast": (0 < self.contrast < 255, "grey levels between 0 and 255"),
+            "min_area_px": (self.min_area_px >= 1, "at least one pixel"),
+            "area_ratio": (0 <= self.area_ratio[0] < 1 < self.area_ratio[1], "(below 1, above 1)"),
+            "max_aspect": (self.max_aspect >= 1, "1 or more"),
+            "min_fill": (0 <= self.min_fill < 1, "a share from 0 to below 1"),
+            "touching_ratio": (self.touching_ratio > 1, "above 1"),
+            "most_touching": (self.most_touching >= 1, "1 or more; 1 cuts nothing"),
+            "max_brightness_ratio": (self.max_brightness_ratio > 1, "above 1"),
+        }
+        for name, (good, wanted) in checks.items():
+            if not good:
+                found = repr(getattr(self, name))
+                raise SettingError(f"PinSettings.{name}", wanted=wanted, found=found, do="Choose a value in that range.")

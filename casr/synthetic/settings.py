@@ -1,0 +1,89 @@
+"""What a simulated press is made from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from casr.camera import Camera
+from casr.errors import SettingError
+from casr.synthetic.appearance import Appearance
+from casr.synthetic.contact import SPECIMENS, ContactWorld
+from casr.synthetic.skin import TACTIP_127, Skin
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimelineSettings:
+    """Force over time and how it is logged.
+
+    Parameters
+    ----------
+    start_n, peak_n : forces between which the press counts as loading (paper: 0.5 to 7 N).
+    loading_s : from ``start_n`` to ``peak_n`` at constant rate.
+    rounding_s : time in which the rate builds up before the press and fades before the peak, each.
+    unloading_s : from the peak back to 0.
+    rest_frames : frames before the force rises.
+    log_rate_hz : of the force log.
+    force_noise_n : standard deviation of the noise of each row.
+    speed_share : loading is up to this share faster or slower from repetition to repetition.
+    """
+
+    start_n: float = 0.5
+    peak_n: float = 7.0
+    loading_s: float = 3.0
+    rounding_s: float = 0.1
+    unloading_s: float = 0.35
+    rest_frames: int = 4
+    log_rate_hz: float = 200.0
+    force_noise_n: float = 0.01
+    speed_share: float = 0.05
+
+    def __post_init__(self) -> None:
+        times = (self.loading_s, self.rounding_s, self.unloading_s, self.log_rate_hz)
+        if not (
+            0 < self.start_n < self.peak_n < math.inf
+            and all(0 < time < math.inf for time in times)
+            and self.rounding_s <= self.loading_s / 2
+            and self.rest_frames >= 1
+            and 0 <= self.force_noise_n < math.inf
+            and 0 <= self.speed_share < 1
+        ):
+            raise SettingError(
+                "timeline",
+                wanted="0 < start_n < peak_n, times above 0, rounding_s up to half of loading_s, one rest frame or more",
+                found=repr(self),
+                do="Correct the timeline.",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressSettings:
+    """One press; equal settings give equal bytes.
+
+    Parameters
+    ----------
+    stiffness_n_per_mm : of the specimen by plate indentation; see ``SPECIMENS``.
+    angle_deg : between the sensor's axis and the normal of the specimen's surface; the contact moves along +x.
+    repetition, seed : which of the presses of the sensor ``seed``.
+    centre_sd_mm : standard deviation of where the contact lands, along x and y; never more than twice that far.
+    """
+
+    stiffness_n_per_mm: float = SPECIMENS["S3"]
+    angle_deg: float = 0.0
+    repetition: int = 0
+    seed: int = 0
+    centre_sd_mm: float = 0.5
+    world: ContactWorld = field(default_factory=ContactWorld)
+    skin: Skin = TACTIP_127
+    camera: Camera = field(default_factory=Camera)
+    appearance: Appearance = field(default_factory=Appearance)
+    timeline: TimelineSettings = field(default_factory=TimelineSettings)
+
+    def __post_init__(self) -> None:
+        if not (0 < self.stiffness_n_per_mm < math.inf and 0 <= self.angle_deg < 90 and 0 <= self.centre_sd_mm < 5):
+            raise SettingError(
+                "stiffness_n_per_mm, angle_deg, centre_sd_mm",
+                wanted="a stiffness above 0, an angle from 0 to below 90 degrees, a spread from 0 to below 5 mm",
+                found=f"{self.stiffness_n_per_mm!r}, {self.angle_deg!r}, {self.centre_sd_mm!r}",
+                do="Correct the press.",
+            )

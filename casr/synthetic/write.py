@@ -1,0 +1,71 @@
+"""A simulated press on disk, as the rig would have saved it, with the truth beside it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import tifffile
+
+from casr.camera import Camera
+from casr.errors import FramesError
+from casr.synthetic.press import SimulatedPress
+from casr.synthetic.timeline import Timeline
+
+
+def write_press(press: SimulatedPress, folder: Path, *, overwrite: bool = False) -> Path:
+    """Write ``frames.tif``, ``force.csv``, ``camera.toml`` and ``truth.json`` into ``folder``, whole or not at all.
+
+    Frames are written one by one, so memory does not grow with their number.
+
+    Returns
+    -------
+    The folder.
+
+    Raises
+    ------
+    FramesError : the folder is there already and ``overwrite`` was not asked for.
+    """
+    if folder.exists() and not overwrite:
+        raise FramesError(folder, wanted="a new folder", found="one that is there", do="Remove it or ask to overwrite.")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    partial = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
+    try:
+        partial.chmod(0o755)
+        _write_frames(press, partial / "frames.tif")
+        (partial / "force.csv").write_text(_force_csv(press.timeline), encoding="utf-8")
+        (partial / "camera.toml").write_text(_camera_toml(press.settings.camera), encoding="utf-8")
+        (partial / "truth.json").write_text(_truth_json(press), encoding="utf-8")
+        if folder.exists():
+            shutil.rmtree(folder)
+        partial.rename(folder)
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+    return folder
+
+
+def _write_frames(press: SimulatedPress, path: Path) -> None:
+    frames = press.frames
+    with tifffile.TiffWriter(path) as tiff:
+        for index in range(len(frames)):
+            tiff.write(frames.read(index), photometric="minisblack", contiguous=True, metadata=None)
+
+
+def _force_csv(timeline: Timeline) -> str:
+    rows = zip(timeline.log_time_s, timeline.log_force_n, timeline.log_frame_index, strict=True)
+    return "time_s,force_n,frame_index\n" + "".join(f"{time:.4f},{force:.6f},{frame}\n" for time, force, frame in rows)
+
+
+def _camera_toml(camera: Camera) -> str:
+    values = asdict(camera) | {"distortion": list(camera.distortion)}
+    return "[camera]\n" + "".join(f"{key} = {value}\n" for key, value in values.items())
+
+
+def _truth_json(press: SimulatedPress) -> str:
+    settings: dict[str, Any] = asdict(press.settings)
+    return json.dumps({"settings": settings, "truth": press.truth.to_dict()}, indent=1) + "\n"
