@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from math import isfinite, nan
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import CameraError
+
+_COUNTS = ("width_px", "height_px")
+_ABOVE_ZERO = (*_COUNTS, "fx_px", "fy_px", "depth_mm", "frame_rate_hz")
+# cv2 stops after 5 rounds by default, which leaves hundredths of a pixel near the rim
+_UNDISTORT_TO_THE_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
 
 
 @dataclass(frozen=True)
@@ -22,6 +28,10 @@ class Camera:
     depth_mm : distance from camera to pins, from the depth sensor, used in eq. (5).
     distortion : OpenCV's (k1, k2, p1, p2[, k3, ...]); empty when the frames are already undistorted.
     frame_rate_hz : frames per second.
+
+    Raises
+    ------
+    CameraError : a value of another type, not finite, or not above 0 where it must be.
     """
 
     width_px: int = 300
@@ -35,19 +45,10 @@ class Camera:
     frame_rate_hz: float = 20.0
 
     def __post_init__(self) -> None:
-        for key in ("width_px", "height_px", "fx_px", "fy_px", "depth_mm", "frame_rate_hz"):
-            value = getattr(self, key)
-            if not (np.isfinite(value) and value > 0):
-                raise CameraError(
-                    f"camera.{key}", wanted="a number above 0", found=repr(value), do="Correct the camera."
-                )
-        if len(self.distortion) not in (0, 4, 5, 8, 12, 14) or not np.isfinite(self.distortion).all():
-            raise CameraError(
-                "camera.distortion",
-                wanted="no or 4, 5, 8, 12 or 14 finite coefficients",
-                found=repr(self.distortion),
-                do="Give OpenCV's coefficients k1, k2, p1, p2, k3, ...",
-            )
+        for name in (field.name for field in fields(self) if field.name != "distortion"):
+            # plain Python numbers, so that cameras compare, print and are written alike
+            object.__setattr__(self, name, _number(name, getattr(self, name)))
+        object.__setattr__(self, "distortion", _coefficients(self.distortion))
 
     @property
     def matrix(self) -> NDArray[np.float64]:
@@ -65,15 +66,50 @@ class Camera:
         x_mm, y_mm = self.mm_per_px
         return x_mm * y_mm
 
-    def undistorted_px(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(N, 2) points as a distortion-free camera with the same matrix would see them, px."""
-        points_px = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
-        if not self.distortion or points_px.size == 0:
-            return points_px
-        matrix = self.matrix
-        undistorted = cv2.undistortPoints(points_px[:, None, :], matrix, np.array(self.distortion), P=matrix)
+    def undistorted_px(self, points_px: ArrayLike) -> NDArray[np.float64]:
+        """(N, 2) points as a distortion-free camera with the same matrix would see them, px; NaN stays NaN."""
+        points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
+        if not self.distortion or points.size == 0:
+            return points
+        matrix, coefficients = self.matrix, np.array(self.distortion)
+        undistorted = cv2.undistortPoints(
+            np.ascontiguousarray(points)[:, None, :], matrix, coefficients, P=matrix, criteria=_UNDISTORT_TO_THE_END
+        )
         return undistorted[:, 0, :].astype(np.float64)
 
-    def to_mm(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    def to_mm(self, points_px: ArrayLike) -> NDArray[np.float64]:
         """(N, 2) undistorted points from the principal point in the plane of the pins, mm, eq. (5)."""
         return (np.asarray(points_px, dtype=np.float64) - (self.cx_px, self.cy_px)) * self.mm_per_px
+
+
+def _number(name: str, value: object) -> int | float:
+    count, above_zero = name in _COUNTS, name in _ABOVE_ZERO
+    number = _float(value)
+    if not isfinite(number) or (above_zero and number <= 0) or (count and not isinstance(value, (int, np.integer))):
+        kind = "whole number" if count else "number"
+        raise CameraError(
+            f"camera.{name}",
+            wanted=f"a {kind} above 0" if above_zero else f"a finite {kind}",
+            found=repr(value),
+            do="Correct the camera.",
+        )
+    return int(number) if count else number
+
+
+def _coefficients(values: object) -> tuple[float, ...]:
+    numbers = tuple(map(_float, values)) if isinstance(values, (tuple, list, np.ndarray)) else (_float(values),)
+    if not all(map(isfinite, numbers)) or len(numbers) not in (0, 4, 5, 8, 12, 14):
+        raise CameraError(
+            "camera.distortion",
+            wanted="no or 4, 5, 8, 12 or 14 finite coefficients",
+            found=repr(values),
+            do="Give OpenCV's coefficients k1, k2, p1, p2, k3, ...",
+        )
+    return numbers
+
+
+def _float(value: object) -> float:
+    """NaN for what is no number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        return nan
+    return float(value)

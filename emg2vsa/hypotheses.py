@@ -71,7 +71,7 @@ class SpecimenPairs:
     lo_v: Floats
     hi_v: Floats
     t: Floats
-    df: Ints
+    df: Floats
     p: Floats
 
 
@@ -159,8 +159,8 @@ def _between_specimens(clusters: Clusters, confidence: float) -> tuple[BetweenSp
         difference_v=each.difference.ravel(),
         lo_v=each.low.ravel(),
         hi_v=each.high.ravel(),
-        t=each.t.ravel(),
-        df=np.repeat(each.df, n_pairs),
+        t=each.statistic.ravel(),
+        df=each.df.ravel(),
         p=each.p.ravel(),
     )
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any
 
 import cv2
@@ -48,3 +50,14 @@ def processor_time(run: Run, n_calls: int = 1) -> float:
     for _ in range(n_calls):
         run()
     return time.process_time() - start
+
+
+def peak_memory_mb() -> float | None:
+    """Most memory this process ever held, MB; None on systems that do not say."""
+    try:
+        resource = import_module("resource")
+    except ImportError:
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    # macOS counts bytes, Linux KiB
+    return float(peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6)

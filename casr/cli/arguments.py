@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from casr.frames import FrameSequence
 
+Group = argparse._ActionsContainer  # a parser or a group of its options
 Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
-AREA_RULES = ("hexagon", "circle", "paper")
+AREA_RULES = ("hexagon", "edge", "circle", "paper")
 "Written out once more, because the modules that own them load NumPy; a test compares them."
 
 
@@ -36,12 +37,12 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
     parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.toml; without one areas are in px²")
 
 
-def add_engine(parser: argparse.ArgumentParser) -> None:
+def add_engine(parser: Group) -> None:
     """How motion between frames is measured."""
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="motion estimate (default %(default)s)")
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
+def add_json(parser: Group) -> None:
     """Output for programs."""
     parser.add_argument("--json", action="store_true", help="print JSON for a program to read")
 

@@ -16,10 +16,11 @@ def block(score: Score) -> str:
     if force is not None:
         span += f", {force[0]:.2f} to {force[-1]:.2f} N"
     pins = f"{len(score.initial.selected)} of {len(score.rest.centroids_px)} pins, rule {score.initial.rule}"
+    saturated = ", saturated" if score.initial.saturated else ""
     lines = [
-        f"{score.name}",
+        score.name,
         f"  frames      {len(frames)} ({span}), rest frame {score.rest_frame}",
-        f"  A_c0        {_amount(score.area[0], score.area_unit)} ({pins}{', saturated' if score.initial.saturated else ''})",
+        f"  A_c0        {score.area[0]:.4g} {score.area_unit} ({pins}{saturated})",
         f"  growth      {score.log_growth.sum():+.4f} in log, {score.area[-1] / score.area[0]:.3f} times the area",
         f"  CASR        {_rate(score)}",
         f"  method      {settings.flow.engine}, area rule {settings.area_rule}, law {settings.area_law}, "
@@ -30,7 +31,8 @@ def block(score: Score) -> str:
 
 def head(width: int) -> str:
     """Names of the columns of ``row``."""
-    return f"{'press':<{width}} {'frames':>6} {'pins':>5} {'A_c0':>10} {'growth':>7} {'CASR':>9} {'95 % interval':>19}  unit"
+    names = f"{'frames':>6} {'pins':>5} {'A_c0':>10} {'growth':>7} {'CASR':>9} {'95 % interval':>19}  unit"
+    return f"{'press':<{width}} {names}"
 
 
 def row(name: str, score: Score, width: int) -> str:
@@ -50,7 +52,3 @@ def _rate(score: Score) -> str:
         return "none: no force belongs to these frames"
     interval = f" ({rate.low:.4g} to {rate.high:.4g}, 95 %)" if rate.low is not None else ""
     return f"{rate.value:.4g} {rate.unit}{interval}, from {rate.n_frames} frames"
-
-
-def _amount(value: float, unit: str) -> str:
-    return f"{value:.4g} {unit}"

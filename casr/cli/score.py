@@ -8,10 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.cli.arguments import (
-    AREA_RULES, Commands, add_command, add_engine, add_frames, add_json, open_sequence, positive, print_json,
+    AREA_RULES,
+    Commands,
+    add_command,
+    add_engine,
+    add_frames,
+    add_json,
+    open_sequence,
+    positive,
+    print_json,
     say_notes,
-)  # fmt: skip
-from casr.cli.presses import names, presses
+)
 from casr.errors import CasrError, SettingError
 
 if TYPE_CHECKING:
@@ -70,7 +77,9 @@ def run(arguments: argparse.Namespace) -> int:
             found=f"{arguments.stop_n:g} N",
             do="Correct one of the two.",
         )
-    found = presses(arguments.path)
+    from casr.frame_files import find_presses
+
+    found = find_presses(arguments.path)
     if len(found) > 1 and arguments.force:
         raise SettingError(
             "--force",
@@ -101,7 +110,7 @@ def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
 def _one(arguments: argparse.Namespace, path: Path) -> int:
     from casr.cli.results import block
 
-    scored = _score(arguments, path, names([path], arguments.path)[0], settings_of(arguments), arguments.page)
+    scored = _score(arguments, path, settings_of(arguments), arguments.page, arguments.figures)
     say_notes(scored.notes)
     if arguments.json:
         print_json(scored.to_dict())
@@ -114,16 +123,16 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
     from casr.cli.results import head, row
 
     settings = settings_of(arguments)
-    called = names(found, arguments.path)
+    called = [_name(path, arguments.path) for path in found]
     width = max(map(len, called))
     scores: dict[str, Score] = {}
     failures: dict[str, str] = {}
     if not arguments.json:
         print(head(width))
     for name, path in zip(called, found, strict=True):
-        page = arguments.page.with_suffix("") / f"{name}.html" if arguments.page else None
+        page = arguments.page and arguments.page.with_suffix("") / f"{name}.html"
         try:
-            scores[name] = _score(arguments, path, name, settings, page)
+            scores[name] = _score(arguments, path, settings, page, arguments.figures and arguments.figures / name)
         except CasrError as error:
             failures[name] = str(error)
             print(f"not scored: {name}: {error}", file=sys.stderr)
@@ -140,14 +149,21 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
     return int(bool(failures))
 
 
-def _score(arguments: argparse.Namespace, path: Path, name: str, settings: ScoreSettings, page: Path | None) -> Score:
+def _name(path: Path, root: Path) -> str:
+    """The path below ``root`` with dashes, without a file's suffix."""
+    return "-".join((path.with_suffix("") if path.is_file() else path).relative_to(root).parts)
+
+
+def _score(
+    arguments: argparse.Namespace, path: Path, settings: ScoreSettings, page: Path | None, figures: Path | None
+) -> Score:
     """Score one press and write what was asked for of it."""
     from casr.score import score
 
     sequence = open_sequence(arguments, path)
     scored = score(sequence, settings)
-    if page or arguments.figures:
+    if page or figures:
         from casr.cli.pages import write_press
 
-        write_press(sequence, scored, page, arguments.figures and arguments.figures / name)
+        write_press(sequence, scored, page, figures)
     return scored

@@ -4,37 +4,42 @@ from __future__ import annotations
 
 from numba import njit
 
-from casr.flow.multigrid import A11, FAST, PLANES, put_row
+from casr.flow.multigrid import A11, KERNEL, put_row
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _add_products(first, second, y, sums):  # type: ignore[no-untyped-def]
-    """Add Ix Ix, Ix Iy, Iy Iy, Ix It, Iy It of pixel row y to the five rows of sums."""
-    kind = first.dtype.type
-    near, far = kind(8 / 24), kind(-1 / 24)
-    xx, xy, yy, xt, yt = sums[0], sums[1], sums[2], sums[3], sums[4]
-    for x in range(2, first.shape[1] - 2):
-        ix = near * ((first[y, x + 1] - first[y, x - 1]) + (second[y, x + 1] - second[y, x - 1])) + far * (
-            (first[y, x + 2] - first[y, x - 2]) + (second[y, x + 2] - second[y, x - 2])
+@njit(**KERNEL)
+def _add_products(p, q, xx, xy, yy, xt, yt):  # type: ignore[no-untyped-def]
+    """Add Ix Ix, Ix Iy, Iy Iy, Ix It, Iy It of the middle one of five rows p and q of the two frames."""
+    p0, p1, p2, p3, p4 = p
+    q0, q1, q2, q3, q4 = q
+    near, far = p0.dtype.type(8 / 24), p0.dtype.type(-1 / 24)
+    for x in range(p0.size - 4):
+        ix = near * ((p2[x + 3] - p2[x + 1]) + (q2[x + 3] - q2[x + 1])) + far * (
+            (p2[x + 4] - p2[x]) + (q2[x + 4] - q2[x])
         )
-        iy = near * ((first[y + 1, x] - first[y - 1, x]) + (second[y + 1, x] - second[y - 1, x])) + far * (
-            (first[y + 2, x] - first[y - 2, x]) + (second[y + 2, x] - second[y - 2, x])
+        iy = near * ((p3[x + 2] - p1[x + 2]) + (q3[x + 2] - q1[x + 2])) + far * (
+            (p4[x + 2] - p0[x + 2]) + (q4[x + 2] - q0[x + 2])
         )
-        it = second[y, x] - first[y, x]
-        xx[x] += ix * ix
-        xy[x] += ix * iy
-        yy[x] += iy * iy
-        xt[x] += ix * it
-        yt[x] += iy * it
+        it = q2[x + 2] - p2[x + 2]
+        xx[x + 2] += ix * ix
+        xy[x + 2] += ix * iy
+        yy[x + 2] += iy * iy
+        xt[x + 2] += ix * it
+        yt[x + 2] += iy * it
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
+def _five_rows(image, y):  # type: ignore[no-untyped-def]
+    return image[y - 2], image[y - 1], image[y], image[y + 1], image[y + 2]
+
+
+@njit(**KERNEL)
 def _add_pairs(row, out):  # type: ignore[no-untyped-def]
     for x in range(out.size // 2):
         out[x] = row[2 * x] + row[2 * x + 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def data_term(first, second, cell_px, f, sums):  # type: ignore[no-untyped-def]
     rows = f.shape[2] - 2
     last = first.shape[0] - 3
@@ -42,7 +47,8 @@ def data_term(first, second, cell_px, f, sums):  # type: ignore[no-untyped-def]
         sums[:] = 0
         top = (y - 1) * cell_px
         for image_y in range(max(top, 2), min(top + cell_px - 1, last) + 1):
-            _add_products(first, second, image_y, sums[0])
+            p, q = _five_rows(first, image_y), _five_rows(second, image_y)
+            _add_products(p, q, sums[0, 0], sums[0, 1], sums[0, 2], sums[0, 3], sums[0, 4])
         for p in range(5):
             if cell_px == 1:
                 put_row(f[A11 + p], y, sums[0, p])

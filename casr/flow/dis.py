@@ -50,6 +50,28 @@ def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np
     return np.ascontiguousarray(flow[:height, :width])
 
 
+class Dis:
+    """DIS from frame to frame.
+
+    Parameters
+    ----------
+    preset : as for ``dis_flow``.
+    """
+
+    def __init__(self, preset: str = "medium") -> None:
+        self._preset = preset
+
+    def start(self, image: Grey) -> None:
+        """Take the first frame."""
+        self._before = image
+
+    def step(self, image: Grey, roi: tuple[slice, slice]) -> NDArray[np.float32]:
+        """(h, w, 2) flow from the frame before to this one in these rows and columns, px."""
+        flow = dis_flow(self._before[roi], image[roi], preset=self._preset)
+        self._before = image
+        return flow
+
+
 def _bytes(image: Grey) -> NDArray[np.uint8]:
     """DIS takes bytes only; rounding costs at most half a grey level."""
     return image if image.dtype == np.uint8 else np.clip(np.rint(image), 0, 255).astype(np.uint8)

@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 
 U, V, A11, A12, A22, B1, B2 = range(7)
 PLANES = 7
+# inner loops start at 0 and index one-dimensional rows, and division raises nothing: else LLVM does not vectorise them;
 # contraction and reassociation cannot hide a NaN
-FAST = {"contract", "reassoc", "nsz", "arcp"}
+KERNEL = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
 COARSEST_CELLS = 4
 COARSEST_SWEEPS = 16
 
@@ -42,69 +43,78 @@ def level_table(rows: int, columns: int) -> NDArray[np.int64]:
         rows, columns = (rows + 1) // 2, half
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def level(work, table, index):  # type: ignore[no-untyped-def]
     rows, half, offset = table[index]
     shape = (PLANES, 2, rows + 2, half + 2)
     return work[offset : offset + PLANES * 2 * (rows + 2) * (half + 2)].reshape(shape)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _relax_row(f, c, y, lam, rank_one):  # type: ignore[no-untyped-def]
+@njit(**KERNEL)
+def _rows(f, c, y):  # type: ignore[no-untyped-def]
+    """Flow of the other colour above, below and on either side of row y (side[k] and side[k + 1]), u then v."""
+    u, v, shift = f[U, 1 - c], f[V, 1 - c], (y - 1 + c) % 2
+    return (u[y - 1], u[y + 1], u[y, shift:]), (v[y - 1], v[y + 1], v[y, shift:])
+
+
+@njit(**KERNEL)
+def _cells(f, c, y):  # type: ignore[no-untyped-def]
+    return f[A11, c, y], f[A12, c, y], f[A22, c, y], f[B1, c, y], f[B2, c, y]
+
+
+@njit(**KERNEL)
+def _relax_row(half, u, v, around_u, around_v, cells, lam, rank_one):  # type: ignore[no-untyped-def]
+    up_u, down_u, side_u = around_u
+    up_v, down_v, side_v = around_v
+    a11, a12, a22, b1, b2 = cells
+    for k in range(half):
+        su = lam * ((up_u[k + 1] + down_u[k + 1]) + (side_u[k] + side_u[k + 1])) - b1[k + 1]
+        sv = lam * ((up_v[k + 1] + down_v[k + 1]) + (side_v[k] + side_v[k + 1])) - b2[k + 1]
+        product = a11[k + 1] * a22[k + 1]
+        det = max(product - a12[k + 1] * a12[k + 1], rank_one * product)
+        u[k + 1] = (a22[k + 1] * su - a12[k + 1] * sv) / det
+        v[k + 1] = (a11[k + 1] * sv - a12[k + 1] * su) / det
+
+
+@njit(**KERNEL)
+def _relax_colour(f, c, y, lam, rank_one):  # type: ignore[no-untyped-def]
     """Solve the two equations of every cell of colour c in row y for its (u, v), its neighbours held."""
-    u, v, ou, ov = f[U, c], f[V, c], f[U, 1 - c], f[V, 1 - c]
-    a11, a12, a22, b1, b2 = f[A11, c], f[A12, c], f[A22, c], f[B1, c], f[B2, c]
-    # row y of the array is row y - 1 of the grid
-    if (y - 1 + c) % 2 == 0:
-        for k in range(1, u.shape[1] - 1):
-            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k - 1]) - b1[y, k]
-            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k - 1]) - b2[y, k]
-            product = a11[y, k] * a22[y, k]
-            det = max(product - a12[y, k] * a12[y, k], rank_one * product)
-            u[y, k] = (a22[y, k] * su - a12[y, k] * sv) / det
-            v[y, k] = (a11[y, k] * sv - a12[y, k] * su) / det
-    else:
-        for k in range(1, u.shape[1] - 1):
-            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k + 1]) - b1[y, k]
-            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k + 1]) - b2[y, k]
-            product = a11[y, k] * a22[y, k]
-            det = max(product - a12[y, k] * a12[y, k], rank_one * product)
-            u[y, k] = (a22[y, k] * su - a12[y, k] * sv) / det
-            v[y, k] = (a11[y, k] * sv - a12[y, k] * su) / det
+    around_u, around_v = _rows(f, c, y)
+    _relax_row(f.shape[3] - 2, f[U, c, y], f[V, c, y], around_u, around_v, _cells(f, c, y), lam, rank_one)
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def relax(f, lam, rank_one, sweeps):  # type: ignore[no-untyped-def]
     """Red-black Gauss-Seidel; the second colour follows one row behind, while its rows are still in the cache."""
     rows = f.shape[2] - 2
     for _ in range(sweeps):
         for y in range(1, rows + 2):
             if y <= rows:
-                _relax_row(f, 0, y, lam, rank_one)
+                _relax_colour(f, 0, y, lam, rank_one)
             if y >= 2:
-                _relax_row(f, 1, y - 1, lam, rank_one)
+                _relax_colour(f, 1, y - 1, lam, rank_one)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
-def _residual_row(f, y, lam, ru, rv):  # type: ignore[no-untyped-def]
+@njit(**KERNEL)
+def _residual_row(half, u, v, around_u, around_v, cells, lam, ru, rv):  # type: ignore[no-untyped-def]
+    up_u, down_u, side_u = around_u
+    up_v, down_v, side_v = around_v
+    a11, a12, a22, b1, b2 = cells
+    for k in range(half):
+        su = lam * ((up_u[k + 1] + down_u[k + 1]) + (side_u[k] + side_u[k + 1])) - b1[k + 1]
+        sv = lam * ((up_v[k + 1] + down_v[k + 1]) + (side_v[k] + side_v[k + 1])) - b2[k + 1]
+        ru[k] += a11[k + 1] * u[k + 1] + a12[k + 1] * v[k + 1] - su
+        rv[k] += a12[k + 1] * u[k + 1] + a22[k + 1] * v[k + 1] - sv
+
+
+@njit(**KERNEL)
+def _add_residual(f, y, lam, ru, rv):  # type: ignore[no-untyped-def]
     """Add the residual of colour 0 in row y, negative, to ru and rv; colour 1, relaxed last, has none."""
-    u, v, ou, ov = f[U, 0], f[V, 0], f[U, 1], f[V, 1]
-    a11, a12, a22, b1, b2 = f[A11, 0], f[A12, 0], f[A22, 0], f[B1, 0], f[B2, 0]
-    if (y - 1) % 2 == 0:
-        for k in range(1, u.shape[1] - 1):
-            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k - 1]) - b1[y, k]
-            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k - 1]) - b2[y, k]
-            ru[k - 1] += a11[y, k] * u[y, k] + a12[y, k] * v[y, k] - su
-            rv[k - 1] += a12[y, k] * u[y, k] + a22[y, k] * v[y, k] - sv
-    else:
-        for k in range(1, u.shape[1] - 1):
-            su = lam * (ou[y - 1, k] + ou[y + 1, k] + ou[y, k] + ou[y, k + 1]) - b1[y, k]
-            sv = lam * (ov[y - 1, k] + ov[y + 1, k] + ov[y, k] + ov[y, k + 1]) - b2[y, k]
-            ru[k - 1] += a11[y, k] * u[y, k] + a12[y, k] * v[y, k] - su
-            rv[k - 1] += a12[y, k] * u[y, k] + a22[y, k] * v[y, k] - sv
+    around_u, around_v = _rows(f, 0, y)
+    _residual_row(f.shape[3] - 2, f[U, 0, y], f[V, 0, y], around_u, around_v, _cells(f, 0, y), lam, ru, rv)
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def put_row(plane, y, row):  # type: ignore[no-untyped-def]
     """Store a row in column order into row y of a plane (2, rows + 2, half + 2), by colour."""
     even, odd = plane[(y - 1) % 2, y], plane[y % 2, y]
@@ -113,19 +123,19 @@ def put_row(plane, y, row):  # type: ignore[no-untyped-def]
         odd[k + 1] = row[2 * k + 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def restrict_residual(f, coarse, lam, rows2):  # type: ignore[no-untyped-def]
     """Residuals of four cells summed are the right-hand side of one coarser cell, whose flow starts at zero."""
     coarse[U], coarse[V] = 0, 0
     for y in range(1, coarse.shape[2] - 1):
         rows2[:] = 0
         for fine_y in range(2 * y - 1, min(2 * y + 1, f.shape[2] - 1)):
-            _residual_row(f, fine_y, lam, rows2[0], rows2[1])
+            _add_residual(f, fine_y, lam, rows2[0], rows2[1])
         put_row(coarse[B1], y, rows2[0])
         put_row(coarse[B2], y, rows2[1])
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def take_row(plane, y, near, row):  # type: ignore[no-untyped-def]
     """Three quarters of row y of a plane and a quarter of its row near, in column order, ends repeated.
 
@@ -141,7 +151,7 @@ def take_row(plane, y, near, row):  # type: ignore[no-untyped-def]
     row[0], row[2 * half + 1] = row[1], row[2 * half]
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def near_row(y, coarse_rows):  # type: ignore[no-untyped-def]
     """Coarse row over fine row y and the next nearest one that exists (array rows, from 1)."""
     over = (y + 1) // 2
@@ -149,18 +159,15 @@ def near_row(y, coarse_rows):  # type: ignore[no-untyped-def]
     return over, min(max(near, 1), coarse_rows)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**KERNEL)
 def _add_row(out, row, side):  # type: ignore[no-untyped-def]
     quarter = row.dtype.type(0.25)
-    if side == 0:
-        for k in range(1, out.size - 1):
-            out[k] += row[k] + quarter * (row[k - 1] - row[k])
-    else:
-        for k in range(1, out.size - 1):
-            out[k] += row[k] + quarter * (row[k + 1] - row[k])
+    next_over = row[2 * side :]
+    for k in range(out.size - 2):
+        out[k + 1] += row[k + 1] + quarter * (next_over[k] - row[k + 1])
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def prolong(coarse, f, rows2):  # type: ignore[no-untyped-def]
     """Add the bilinear flow of the coarser level to the flow of colour 1.
 
@@ -173,7 +180,7 @@ def prolong(coarse, f, rows2):  # type: ignore[no-untyped-def]
             _add_row(f[p, 1, y], rows2[p], y % 2)
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def _v_cycle(work, table, top, lam, rank_one, sweeps, rows2):  # type: ignore[no-untyped-def]
     last = table.shape[0] - 2
     for i in range(top, last):
@@ -187,7 +194,7 @@ def _v_cycle(work, table, top, lam, rank_one, sweeps, rows2):  # type: ignore[no
         relax(f, lam, rank_one, sweeps)
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def _sum_of_four(f, coarse, rows2):  # type: ignore[no-untyped-def]
     for p in range(A11, PLANES):
         for y in range(1, coarse.shape[2] - 1):
@@ -200,7 +207,7 @@ def _sum_of_four(f, coarse, rows2):  # type: ignore[no-untyped-def]
             put_row(coarse[p], y, total)
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def _add_neighbours(f, lam):  # type: ignore[no-untyped-def]
     """lam times the number of neighbours joins the diagonal."""
     rows, half = f.shape[2] - 2, f.shape[3] - 2
@@ -209,8 +216,9 @@ def _add_neighbours(f, lam):  # type: ignore[no-untyped-def]
             plane = f[p, c]
             for y in range(1, rows + 1):
                 count = 2 + (y > 1) + (y < rows)
-                for k in range(1, half + 1):
-                    plane[y, k] += lam * count
+                diagonal = plane[y]
+                for k in range(half):
+                    diagonal[k + 1] += lam * count
                 # a row's first cell is of the colour of its number, its last (the width is even) of the other
                 if (y - 1 + c) % 2 == 0:
                     plane[y, 1] -= lam
@@ -218,7 +226,7 @@ def _add_neighbours(f, lam):  # type: ignore[no-untyped-def]
                     plane[y, half] -= lam
 
 
-@njit(cache=True, nogil=True)
+@njit(**KERNEL)
 def solve(work, table, lam, rank_one, sweeps, cycles):  # type: ignore[no-untyped-def]
     """Fill U and V of the finest level from the data sums J11, J12, J22, b1, b2 in its planes A11 ... B2.
 

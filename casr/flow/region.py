@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.errors import SettingError
+from casr.flow.pin_affine import Affine
 
 Points = NDArray[np.float64]
 ROUND_VERTICES = 64
@@ -100,9 +101,23 @@ class Region:
         centre = self.centre_px
         return Region(centre + factor * (self.polygon_px - centre))
 
-    def moved(self, matrix: Points, offset_px: Points) -> Region:
-        """The region after x' = matrix @ x + offset, the matrix (2, 2) and the offset (2,) px."""
-        return Region(self.polygon_px @ np.asarray(matrix).T + offset_px)
+    def advanced(self, motion: Affine) -> Region:
+        """The region after an affine motion: a material region, whose area grows by the motion's determinant."""
+        return Region(self.polygon_px + motion.displacement_px(self.polygon_px))
+
+    def depth(self, points_px: Points) -> NDArray[np.float64]:
+        """(N,) factor by which the region, scaled about its centroid, just holds each point: 0 there, 1 on the border.
+
+        For a polygon that is not convex, that of a larger one may be given.
+        """
+        centre = self.centre_px
+        corner = self.polygon_px - centre
+        edge = np.roll(corner, -1, axis=0) - corner
+        outward = np.column_stack([edge[:, 1], -edge[:, 0]]) * np.sign(_signed_area(self.polygon_px))
+        height = (outward * corner).sum(axis=1)
+        long = height > 1e-12 * self.area_px2
+        reach = (np.asarray(points_px) - centre) @ outward[long].T / height[long]
+        return np.asarray(reach.max(axis=1))
 
     def contains(self, points_px: Points) -> NDArray[np.bool_]:
         """(N,) whether each (x, y) lies inside, by the crossing number, so for any simple polygon."""

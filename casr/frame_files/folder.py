@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from errno import ENOENT
 from pathlib import Path
 
 import cv2
@@ -16,29 +17,25 @@ from casr.frame_files.trouble import unreadable
 
 FORCE_FILE = "force.csv"
 CAMERA_FILE = "camera.toml"
-FRAMES_FOLDER = "frames"
+FRAMES = "frames"
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What a folder holds, hidden entries left out.
+    """What a folder holds, each in natural order.
 
     Parameters
     ----------
     pages : files of one frame each.
     stacks : files of many frames each.
     folders : folders below.
-    others : everything else.
+    others : everything else, and whatever is hidden.
     """
 
     pages: list[Path]
     stacks: list[Path]
     folders: list[Path]
     others: list[Path]
-
-    @property
-    def frames_folder(self) -> list[Path]:
-        return [folder for folder in self.folders if folder.name == FRAMES_FOLDER]
 
 
 def find_presses(path: Path | str) -> list[Path]:
@@ -47,57 +44,89 @@ def find_presses(path: Path | str) -> list[Path]:
     Links to folders are not followed. Raises FramesError when there is nothing or it cannot be read.
     """
     path = Path(path)
-    presses = _presses_in(path) if path.is_dir() else [path]
     if not path.exists():
-        raise unreadable(path, FileNotFoundError(2, "No such file or directory"))
+        raise unreadable(path, FileNotFoundError(ENOENT, os.strerror(ENOENT)))
+    presses = _presses_in(path) if path.is_dir() else [path]
     if not presses:
         raise _no_frames(path)
     return presses
 
 
 def open_folder(path: Path) -> FileFrames:
-    """Frames of a folder that holds one press: image files, one file of frames, or images in a folder ``frames``.
+    """Frames of a folder that holds one press.
+
+    They are the file ``frames`` (.tif, .avi, .npy ...) or the images in a folder ``frames``; without these, the
+    images or the one file of frames the folder holds.
 
     Raises
     ------
     FramesError : no frames, or more than one candidate.
     """
     contents = folder_contents(path)
-    found = [*contents.stacks, *contents.frames_folder, *([path / "images"] if contents.pages else [])]
-    if not found:
+    sequences = _sequences(contents)
+    if not sequences:
         raise _no_frames(path)
-    if len(found) > 1:
+    if len(sequences) > 1:
+        names = ", ".join(files[0].name for files in sequences[:3])
         raise FramesError(
             path,
             wanted="the frames of one press",
-            found=f"{len(found)} sequences ({', '.join(item.name for item in found[:3])}{', ...' * (len(found) > 3)})",
-            do="Give one of them.",
+            found=f"{len(sequences)} sequences ({names}{', ...' * (len(sequences) > 3)})",
+            do="Give one of them, or name the right one frames.",
         )
-    if contents.stacks:
-        frames = open_file(contents.stacks[0])
-        frames.name = path.name
-        return frames
-    if contents.pages:
-        return PageFrames(contents.pages, name=path.name)
-    return PageFrames(folder_contents(contents.frames_folder[0]).pages, name=path.name)
+    files = sequences[0]
+    frames = open_file(files[0]) if files[0] in contents.stacks else PageFrames(files)
+    frames.name = path.resolve().name
+    return frames
 
 
 def folder_contents(path: Path) -> Contents:
-    """Sorts the entries of a folder. Raises FramesError when it cannot be read."""
+    """The entries of a folder, sorted out. Raises FramesError when it cannot be read."""
     try:
         with os.scandir(path) as entries:
-            seen = [(Path(entry.path), entry.is_dir()) for entry in entries if not entry.name.startswith(".")]
+            seen = {Path(entry.path): entry.is_dir() for entry in entries}
     except OSError as error:
         raise unreadable(path, error) from error
-    files = [item for item, is_folder in seen if not is_folder]
-    images = [file for file in files if file.suffix.lower() in PAGE_KINDS]
-    many = _are_stacks(images)
-    pages = [] if many else images
-    stacks = [file for file in files if file.suffix.lower() in SOURCES and file not in set(pages)]
-    taken = {*pages, *stacks}
+    shown = sorted((item for item in seen if item.name[0] != "."), key=natural_order)
+    files = [item for item in shown if not seen[item]]
+    pages = [file for file in files if file.suffix.lower() in PAGE_KINDS]
+    tiffs = [file for file in pages if file.suffix.lower() in SOURCES]
+    # one format for both: a folder of single pages, or of files with many
+    if tiffs and (len(pages) == 1 or cv2.imcount(str(tiffs[0])) > 1):
+        pages = [file for file in pages if file not in tiffs]
+    taken = set(pages)
+    stacks = [file for file in files if file.suffix.lower() in SOURCES and file not in taken]
+    taken.update(stacks)
     return Contents(
         pages,
-        sorted(stacks, key=natural_order),
-        sorted((item for item, is_folder in seen if is_folder), key=natural_order),
-        [file for file in files if file not in taken],
+        stacks,
+        folders=[item for item in shown if seen[item]],
+        others=[item for item in seen if item not in taken and not (seen[item] and item.name[0] != ".")],
+    )
+
+
+def _sequences(contents: Contents) -> list[list[Path]]:
+    """Candidates for the frames of a press: the files of each."""
+    named = [[stack] for stack in contents.stacks if stack.stem == FRAMES]
+    named += [
+        pages for folder in contents.folders if folder.name == FRAMES and (pages := folder_contents(folder).pages)
+    ]
+    return named or [*([stack] for stack in contents.stacks), *([contents.pages] if contents.pages else [])]
+
+
+def _presses_in(path: Path) -> list[Path]:
+    contents = folder_contents(path)
+    if contents.pages or len(_sequences(contents)) == 1:
+        return [path]
+    below = [press for folder in contents.folders if not folder.is_symlink() for press in _presses_in(folder)]
+    return contents.stacks + below
+
+
+def _no_frames(path: Path) -> FramesError:
+    contents = folder_contents(path)
+    return FramesError(
+        path,
+        wanted=f"images ({', '.join(PAGE_KINDS)}) or a file of frames ({', '.join(SOURCES)})",
+        found=f"{len(contents.others)} other files and {len(contents.folders)} folders",
+        do="Give the folder that holds the frames of a press.",
     )

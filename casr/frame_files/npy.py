@@ -59,7 +59,9 @@ def _header(path: Path) -> tuple[tuple[int, ...], np.dtype[np.generic], int]:
     except OSError as error:
         raise unreadable(path, error) from error
     except ValueError as error:
-        raise FramesError(path, wanted="an .npy file", found=str(error), do="Save the frames with numpy.save.") from error
+        raise FramesError(
+            path, wanted="an .npy file", found=str(error), do="Save the frames with numpy.save."
+        ) from error
     a_colour_image = len(shape) == 3 and shape[2] <= 4
     if len(shape) not in (3, 4) or a_colour_image or by_columns or dtype.hasobject or 0 in shape:
         raise FramesError(

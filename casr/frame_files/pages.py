@@ -8,7 +8,6 @@ import cv2
 import numpy as np
 
 from casr.errors import FramesError
-from casr.frame_files.natural_order import natural_order
 from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
 
@@ -24,14 +23,14 @@ PAGE_KINDS = {
 
 
 class PageFrames:
-    """The image files of one folder in natural order of their names (1, 2, ... 10), decoded when asked for.
+    """Image files of one folder, in the order given, decoded when asked for.
 
     Raises
     ------
     FramesError : files of different kinds; on reading, a file that is no image or has another size.
     """
 
-    def __init__(self, files: list[Path], *, name: str) -> None:
+    def __init__(self, files: list[Path]) -> None:
         kinds = sorted({PAGE_KINDS[file.suffix.lower()] for file in files})
         if len(kinds) > 1:
             raise FramesError(
@@ -40,10 +39,12 @@ class PageFrames:
                 found=" and ".join(kinds),
                 do="Move the images that are not frames to another folder.",
             )
-        self.name = name
-        self.notes = ("JPEG frames carry compression errors of some grey levels",) if kinds == ["JPEG"] else ()
+        self.name = files[0].parent.name
+        self.notes: tuple[str, ...] = (
+            ("JPEG frames carry compression errors of some grey levels",) if kinds == ["JPEG"] else ()
+        )
         self._folder = files[0].parent
-        self._names = [file.name for file in sorted(files, key=natural_order)]
+        self._names = [file.name for file in files]
         self.shape: tuple[int, int] = _decode(self._folder / self._names[0], 0).shape
 
     def __len__(self) -> int:

@@ -83,7 +83,7 @@ class _TifffilePages:
         self._pages = file.pages
 
     def __call__(self, index: int) -> NDArray[Any]:
-        page = self._pages[index]
+        page = self._pages[index].aspage()
         pixels = page.asarray()
         if page.photometric == tifffile.PHOTOMETRIC.MINISBLACK and pixels.ndim == 2:
             return pixels

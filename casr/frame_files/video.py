@@ -36,7 +36,8 @@ class VideoFrames:
     def __init__(self, path: Path) -> None:
         self.name = path.stem
         self._path = path
-        self._rewind()
+        self._at = -1
+        self._capture = _opened(path)
         claimed, codec = self._capture.get(cv2.CAP_PROP_FRAME_COUNT), self._capture.get(cv2.CAP_PROP_FOURCC)
         self._times_ms = _packet_times(path)
         self._stamped = bool(np.all(np.diff(self._times_ms) > 0))

@@ -48,7 +48,9 @@ def force_per_frame(
     counted = (index >= 0) & np.isfinite(force)
     rows = np.bincount(index[counted], minlength=n_frames)
     total = np.bincount(index[counted], weights=force[counted], minlength=n_frames)
-    return np.divide(total, rows, out=np.full(n_frames, np.nan), where=rows > 0)
+    with np.errstate(invalid="ignore"):
+        mean: NDArray[np.float64] = total / rows
+    return mean
 
 
 def _integers(frame_index: ArrayLike, where: object) -> NDArray[np.int64]:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, NoContactError, SettingError
 
-# a frame rests when its force is within this part of start_n of the resting level
+# forces within this part of start_n are one resting level
 REST_BAND = 0.1
 
 
@@ -38,9 +38,10 @@ def loading_phase(
     force when there is none; shorter touches are chatter. Loading starts at its first frame and ends at the first
     frame that reaches ``stop_n``, or at its largest force. Frames without a force are skipped.
 
-    The rest frame is the last frame before it, and after the press before, at the resting level: the band of
-    0.1 ``start_n`` that holds most frames (the lowest such band). So the ramp up to ``start_n``, where the skin is
-    already touched, is not taken for the static frame as long as an earlier frame rests.
+    The rest frame comes before it and after the press before. The resting band, 0.1 ``start_n`` wide, is the one
+    that holds most of these frames (the lowest on a tie); the last frame at or below the median of the band is
+    taken. So neither the ramp up to ``start_n``, where the skin is touched already (at a tenth of the force a
+    contact has half of its radius), nor a pull of the leaving skin counts as static while a frame at rest exists.
 
     Parameters
     ----------
@@ -132,8 +133,11 @@ def _rest_frame(before: NDArray[np.intp], load: NDArray[np.float64], start_n: fl
     levels = np.sort(load)
     band = REST_BAND * start_n
     inside = np.searchsorted(levels, levels + band, side="right") - np.arange(len(levels))
-    level = levels[np.argmax(inside)]
-    return int(before[(load >= level) & (load <= level + band)][-1])
+    lowest = int(np.argmax(inside))
+    resting = levels[lowest : lowest + inside[lowest]]
+    # the lower middle one, so that at least one frame is at or below it
+    middle = resting[(len(resting) - 1) // 2]
+    return int(before[(load >= resting[0]) & (load <= middle)][-1])
 
 
 def _notes(force: NDArray[np.float64], rest: int, frames: NDArray[np.intp], start_n: float) -> list[str]:
@@ -147,5 +151,7 @@ def _notes(force: NDArray[np.float64], rest: int, frames: NDArray[np.intp], star
     falling = int((steps < 0).sum())
     if falling:
         share = falling / len(steps)
-        notes.append(f"the force falls in {falling} of {len(steps)} steps ({share:.0%}), at most by {-steps.min():.2g} N")
+        notes.append(
+            f"the force falls in {falling} of {len(steps)} steps ({share:.0%}), at most by {-steps.min():.2g} N"
+        )
     return notes

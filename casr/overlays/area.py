@@ -15,6 +15,7 @@ from casr.pins import pin_pitch_px
 if TYPE_CHECKING:
     from casr.contact_area import InitialArea
 
+_HEXAGON_RULES = ("hexagon", "paper")
 _ARROW_PX = 12.0
 "Length at which the longest displacement is drawn when it is shorter."
 
@@ -24,7 +25,7 @@ def pins_picture(
 ) -> Picture:
     """Every pin at rest, and arrows to where it is at first contact. rest_px, contact_px : (N, 2), NaN where lost."""
     pitch_px = pin_pitch_px(rest_px)
-    figure, axes = photo(rest_image, view_of(rest_px, rest_image.shape, 1.5 * pitch_px))  # type: ignore[arg-type]
+    figure, axes = photo(rest_image, view_of(rest_px, rest_image, 1.5 * pitch_px))
     moved_px = contact_px - rest_px
     longest_px = float(np.nanmax(np.hypot(*moved_px.T), initial=0.0))
     times = max(1.0, round(_ARROW_PX / longest_px)) if longest_px > 0 else 1.0
@@ -32,13 +33,22 @@ def pins_picture(
     chosen[initial.selected] = True
     known = np.isfinite(moved_px).all(axis=1)
     for which, colour, words in ((chosen, ORANGE, "moved: counted"), (~chosen & known, SKY, "still: not counted")):
-        axes.scatter(*rest_px[which].T, s=16, facecolors="none", edgecolors=colour, label=f"{words} ({which.sum()})")
+        axes.scatter(
+            rest_px[which, 0],
+            rest_px[which, 1],
+            s=16,
+            facecolors="none",
+            edgecolors=colour,
+            label=f"{words} ({which.sum()})",
+        )
         axes.quiver(
             *rest_px[which].T, *(times * moved_px[which]).T, color=colour, angles="xy", scale_units="xy", scale=1,
             width=0.005,
         )  # fmt: skip
     if not known.all():
-        axes.scatter(*rest_px[~known].T, s=30, marker="x", color=RED, label=f"lost ({np.sum(~known)})")
+        axes.scatter(
+            rest_px[~known, 0], rest_px[~known, 1], s=30, marker="x", color=RED, label=f"lost ({np.sum(~known)})"
+        )
     legend_below(axes, 3 if not known.all() else 2)
     drawn = f"Arrows are drawn {times:.0f} times as long as they are." if times > 1 else "Arrows are to scale."
     return Picture(
@@ -54,25 +64,34 @@ def area_picture(
     rest_px: NDArray[np.float64],
     contact_px: NDArray[np.float64],
     initial: InitialArea,
-    area_words: str,
 ) -> Picture:
-    """The initial area on the first-contact frame: a hexagon about each counted pin, and the outline that is tracked."""
+    """The initial area on the first-contact frame: a hexagon about each counted pin, and the outline to follow."""
     pitch_px = pin_pitch_px(rest_px)
-    figure, axes = photo(contact_image, view_of(rest_px, contact_image.shape, 1.5 * pitch_px))  # type: ignore[arg-type]
-    if initial.rule != "circle":
+    figure, axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pitch_px))
+    if initial.rule in _HEXAGON_RULES:
         cells = hexagons(rest_px[initial.selected], pitch_px)
         axes.add_collection(
             PolyCollection(
-                list(cells), facecolors=ORANGE, edgecolors=ORANGE, alpha=0.45, linewidths=1.0,
+                list(cells),
+                facecolors=ORANGE,
+                edgecolors=ORANGE,
+                alpha=0.45,
+                linewidths=1.0,
                 label=f"hexagon of each counted pin ({len(cells)})",
-            )  # fmt: skip
+            )
         )
-    axes.scatter(*contact_px.T, s=5, color=SKY, label="pin at first contact")
+    axes.scatter(contact_px[:, 0], contact_px[:, 1], s=5, color=SKY, label="pin at first contact")
     axes.add_patch(
         Polygon(initial.polygon_px, fill=False, edgecolor=RED, linewidth=2.2, label="contact region, outline")
     )
     legend_below(axes)
-    return Picture("area", "Initial contact area", f"Rule {initial.rule}: {area_words}.", figure)
+    mm2 = f", {initial.area_mm2:.4g} mm²" if initial.area_mm2 is not None else ""
+    caption = f"First-contact frame. Rule {initial.rule}: {initial.area_px2:.5g} px²{mm2}. {_about(initial.rule)}"
+    return Picture("area", "Initial contact area", caption, figure)
+
+
+def _about(rule: str) -> str:
+    return "Hexagons are drawn where the pins are at rest." if rule in _HEXAGON_RULES else "The area is the outline's."
 
 
 def hexagons(centres_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.float64]:

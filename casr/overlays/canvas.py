@@ -1,4 +1,4 @@
-"""The look of every picture: frames dimmed under bright marks, words outside the frame, colours told apart by anyone."""
+"""The look of every picture: frames dimmed under bright marks, words outside, colours anyone can tell apart."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ INK, MUTED, GRID = "#1a1a1a", "#555555", "#d9d9d9"
 BLUE, GREEN, SKY, ORANGE, RED = "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#D55E00"
 "Okabe and Ito (2008)."
 
-_SIZE_INCH = (4.8, 4.8)
+View = tuple[float, float, float, float]
+"Left, top, right and bottom of the part of a frame that is shown, px."
+
+_WIDTH_INCH = 4.8
 _DIMMED = 420.0
 "Grey level shown as white: a bright pin is mid-grey, and marks on it stay visible."
 
@@ -75,7 +78,7 @@ def style() -> Any:
 
 def plot(x_label: str, y_label: str) -> tuple[Figure, Axes]:
     """Axes for a curve."""
-    figure = Figure(figsize=(_SIZE_INCH[0], 3.6), layout="constrained")
+    figure = Figure(figsize=(_WIDTH_INCH, 3.6), layout="constrained")
     axes = figure.add_subplot()
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
@@ -83,9 +86,9 @@ def plot(x_label: str, y_label: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def photo(image: NDArray[Any], view: tuple[float, float, float, float]) -> tuple[Figure, Axes]:
-    """Axes over a dimmed frame; pixel centres at whole numbers, y down. view : left, top, right, bottom, px."""
-    figure = Figure(figsize=_SIZE_INCH, layout="constrained")
+def photo(image: NDArray[Any], view: View, height_inch: float = 4.8) -> tuple[Figure, Axes]:
+    """Axes over a dimmed frame; pixel centres at whole numbers, y down. A bar beside them takes a lower figure."""
+    figure = Figure(figsize=(_WIDTH_INCH, height_inch), layout="constrained")
     axes = figure.add_subplot()
     axes.imshow(image, cmap="gray", vmin=0, vmax=_DIMMED, interpolation="nearest")
     left, top, right, bottom = view
@@ -96,10 +99,10 @@ def photo(image: NDArray[Any], view: tuple[float, float, float, float]) -> tuple
     return figure, axes
 
 
-def view_of(points_px: NDArray[np.float64], shape: tuple[int, int], margin_px: float) -> tuple[float, ...]:
+def view_of(points_px: NDArray[np.float64], image: NDArray[Any], margin_px: float) -> View:
     """Left, top, right, bottom of the part of a frame that holds the points and a margin, px."""
     low = np.maximum(np.nanmin(points_px, axis=0) - margin_px, -0.5)
-    high = np.minimum(np.nanmax(points_px, axis=0) + margin_px, (shape[1] - 0.5, shape[0] - 0.5))
+    high = np.minimum(np.nanmax(points_px, axis=0) + margin_px, (image.shape[1] - 0.5, image.shape[0] - 0.5))
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 

@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from casr.spread import SpreadRate
 
 
-def area_curve(
-    force_n: NDArray[np.float64], area: NDArray[np.float64], unit: str, rate: SpreadRate | None
-) -> Picture:
+def area_curve(force_n: NDArray[np.float64], area: NDArray[np.float64], unit: str, rate: SpreadRate | None) -> Picture:
     """Contact area against force; the slope rule's line and its interval about the middle of the force range.
 
     force_n, area : (T,).

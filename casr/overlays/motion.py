@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from casr.overlays.canvas import INK, ORANGE, RED, SKY, Picture, legend_below, photo, view_of
+from casr.flow.divergence import divergence, mean_divergence, region_mask
+from casr.overlays.canvas import INK, RED, Picture, legend_below, photo, view_of
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+_WITH_BAR_INCH = 4.2
 _OUTLINES = 6
 _LONGEST_EDGE = 1.7
 "In pitches: longer edges of a triangulation bridge missing pins or the rim."
@@ -31,21 +34,21 @@ def region_picture(
     frames: NDArray[np.int_],
     force_n: NDArray[np.float64] | None,
 ) -> Picture:
-    """Outlines of the tracked contact region over the last frame, early ones pale and thin."""
+    """Outlines of the tracked contact region over the last frame, early ones dark and thin."""
     everything = np.concatenate([pins_px, *regions])
-    figure, axes = photo(last_image, view_of(everything, last_image.shape, pin_pitch_px(pins_px)))  # type: ignore[arg-type]
+    figure, axes = photo(last_image, view_of(everything, last_image, pin_pitch_px(pins_px)))
     shown = np.unique(np.linspace(0, len(regions) - 1, min(_OUTLINES, len(regions))).round().astype(int))
     for place, i in enumerate(shown):
         closed = np.vstack([regions[i], regions[i][:1]])
         share = place / max(len(shown) - 1, 1)
-        colour = SKY if i == 0 else ORANGE
+        colour = colormaps["plasma"](0.25 + 0.7 * share)
         words = f"frame {frames[i]}" + (f", {force_n[i]:.1f} N" if force_n is not None else "")
-        axes.plot(*closed.T, color=colour, linewidth=1 + 1.6 * share, alpha=0.45 + 0.55 * share, label=words)
+        axes.plot(*closed.T, color=colour, linewidth=1.2 + 1.4 * share, label=words)
     legend_below(axes, 3)
     return Picture(
         "region",
         "Contact region as it grows",
-        "Outlines of the region, from first contact (blue) to the last frame (thickest), over the last frame.",
+        "Outlines from first contact (dark, thin) to the last frame (yellow, thick), over the last frame.",
         figure,
     )
 
@@ -64,7 +67,7 @@ def spreading_picture(
     known = np.isfinite(first_px).all(axis=1) & np.isfinite(last_px).all(axis=1)
     first_px, last_px = first_px[known], last_px[known]
     pitch_px = pin_pitch_px(first_px)
-    figure, axes = photo(first_image, view_of(first_px, first_image.shape, 1.5 * pitch_px))  # type: ignore[arg-type]
+    figure, axes = photo(first_image, view_of(first_px, first_image, 1.5 * pitch_px), _WITH_BAR_INCH)
     corners = _triangles(first_px, pitch_px)
     with np.errstate(divide="ignore", invalid="ignore"):
         growth = np.log(_doubled_area(last_px[corners]) / _doubled_area(first_px[corners]))
@@ -72,9 +75,13 @@ def spreading_picture(
     if growth.size:
         half = max(float(np.abs(growth).max()), 1e-6)
         drawn = axes.tripcolor(
-            *first_px.T, corners, facecolors=growth, cmap=_DIVERGING, norm=TwoSlopeNorm(0, -half, half), alpha=0.8
+            Triangulation(first_px[:, 0], first_px[:, 1], corners),
+            facecolors=growth,
+            cmap=_DIVERGING,
+            norm=TwoSlopeNorm(0, -half, half),
+            alpha=0.8,
         )
-        figure.colorbar(drawn, ax=axes, label="log growth of the area between pins", shrink=0.85)
+        figure.colorbar(drawn, ax=axes, label="log growth of the area between pins")
     _arrows(axes, first_px, last_px - first_px, "pin, first to last frame")
     axes.plot(*np.vstack([outline_px, outline_px[:1]]).T, color=RED, linewidth=2, label="contact region at first")
     legend_below(axes)
@@ -90,19 +97,18 @@ def spreading_picture(
 def flow_picture(
     image: NDArray[Any],
     flow: NDArray[np.float32],
-    divergence: NDArray[np.float32],
     region_px: NDArray[np.float64],
-    inside: NDArray[np.bool_],
     span: str,
 ) -> Picture:
-    """Dense flow (H, W, 2), px, as arrows, and its divergence (H, W) inside the region (H, W)."""
+    """Dense flow (H, W, 2), px, as arrows, and its divergence inside the region, a (K, 2) polygon."""
+    inside = region_mask(region_px, (image.shape[0], image.shape[1])) > 0.5
     low, high = region_px.min(axis=0), region_px.max(axis=0)
     margin_px = 0.35 * float((high - low).max())
-    figure, axes = photo(image, view_of(region_px, image.shape, margin_px))  # type: ignore[arg-type]
-    shown = np.where(inside, divergence, np.nan)
+    figure, axes = photo(image, view_of(region_px, image, margin_px), _WITH_BAR_INCH)
+    shown = np.where(inside, divergence(flow), np.nan)
     half = max(float(np.nanpercentile(np.abs(shown), 99)), 1e-6) if inside.any() else 1.0
     drawn = axes.imshow(shown, cmap=_DIVERGING, norm=TwoSlopeNorm(0, -half, half), alpha=0.75)
-    figure.colorbar(drawn, ax=axes, label="divergence (1 per frame pair)", shrink=0.85)
+    figure.colorbar(drawn, ax=axes, label="divergence (1 per frame pair)")
     step = max(round(float((high - low + 2 * margin_px).max()) / 22), 1)
     ys, xs = np.mgrid[0 : image.shape[0] : step, 0 : image.shape[1] : step]
     at = np.column_stack([xs.ravel(), ys.ravel()]).astype(np.float64)
@@ -113,7 +119,7 @@ def flow_picture(
     _arrows(axes, at[near], times * vectors, "flow")
     axes.plot(*np.vstack([region_px, region_px[:1]]).T, color=RED, linewidth=2, label="contact region")
     legend_below(axes)
-    mean = float(shown[inside].mean()) if inside.any() else float("nan")
+    mean = mean_divergence(flow, region_px)
     return Picture(
         "flow",
         f"Flow and divergence, {span}",
@@ -135,7 +141,8 @@ def _triangles(points_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.in
         return np.empty((0, 3), dtype=np.int_)
     corners = np.asarray(Triangulation(*points_px.T).triangles, dtype=np.int_)
     edges = points_px[corners] - points_px[np.roll(corners, 1, axis=1)]
-    return corners[np.hypot(edges[..., 0], edges[..., 1]).max(axis=1) < _LONGEST_EDGE * pitch_px]
+    short = np.hypot(edges[..., 0], edges[..., 1]).max(axis=1) < _LONGEST_EDGE * pitch_px
+    return np.asarray(corners[short])
 
 
 def _doubled_area(corners_px: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 from casr.overlays.area import area_picture, pins_picture
 from casr.overlays.canvas import Picture, style
-from casr.overlays.curves import area_curve, growth_curve, readable
+from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.motion import region_picture, spreading_picture
 from casr.pins import PinTracker
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -23,26 +25,24 @@ def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]
     first, last = int(score.frames[0]), int(score.frames[-1])
     rest_px = score.rest.centroids_px
     initial = score.initial
-    area = f"{score.area[0]:.4g} {readable(score.area_unit)}"
+    ways = pin_ways(sequence, score.frames.tolist())
     with style():
-        made = [
-            pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
-            area_picture(sequence[first], rest_px, score.contact_px, initial, area),
-            region_picture(sequence[last], rest_px, score.regions, score.frames, score.force_n),
-            spreading_picture(
-                sequence[first], *_ends(sequence, score.frames), score.regions[0], f"frames {first} to {last}"
-            ),
-            growth_curve(score.frames, score.log_growth),
-        ]
+        curves = [growth_curve(score.frames, score.log_growth)]
         if score.force_n is not None:
-            made.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
-    return tuple(made)
+            curves.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
+        photos = [
+            pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
+            area_picture(sequence[first], rest_px, score.contact_px, initial),
+            region_picture(sequence[last], rest_px, score.regions, score.frames, score.force_n),
+            spreading_picture(sequence[first], *ways, score.regions[0], f"frames {first} to {last}"),
+        ]
+    return (*curves, *photos)
 
 
-def _ends(sequence: FrameSequence, frames: NDArray[np.int_]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(N, 2) the pins of the first frame there and in the last one, px, NaN where lost."""
+def pin_ways(sequence: FrameSequence, frames: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(N, 2) the pins of the first of ``frames``, there and in the last, px, followed frame by frame; NaN: lost."""
     tracker = PinTracker()
-    first_px = last_px = tracker.start(sequence[int(frames[0])]).centroids_px
-    for index in frames[1:].tolist():
+    first_px = last_px = tracker.start(sequence[frames[0]]).centroids_px
+    for index in frames[1:]:
         last_px = tracker.step(sequence[index])
     return first_px, last_px

@@ -77,8 +77,9 @@ def _curve(score: Score, high_n: float, high: float) -> str:
         f'{high_n:.2g} N</text><text x="{_LEFT - 4}" y="{_TOP + 10}" text-anchor="end">{html.number(high, 3)}</text>'
         f'<text x="{_LEFT - 4}" y="{_TOP + 24}" text-anchor="end">{unit}</text>'
     )
+    label = f"contact area against force, {escape(score.name)}"
     return (
-        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="contact area against force, {escape(score.name)}" '
+        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{label}" '
         f'fill="#1a1a1a" font-size="12"><path d="M{_LEFT} {_TOP}V{floor}H{right}" fill="none" stroke="#555"/>'
         f'<path d="{dots}" stroke="#0072B2" stroke-width="4" stroke-linecap="round"/>{words}</svg>'
     )

@@ -35,11 +35,11 @@ def press_page(
 
     n_frames, shape : number of frames in the sequence and their (height, width), px.
     """
-    notes = html.statement("usable", "Notes.", "What to know before you use these numbers:") + html.bullets(score.notes)
+    notes = html.section("Notes", html.bullets(score.notes)) if score.notes else ""
     body = (
         html.statement(*verdict(score))
         + html.tiles(headline(score))
-        + (notes if score.notes else "")
+        + notes
         + html.section("Pictures", _pictures(pictures))
         + html.section(
             "Numbers and settings",
@@ -96,5 +96,7 @@ def _origin(score: Score, camera: Camera | None, n_frames: int, shape: tuple[int
         facts.append(("pixel size at the pins", " x ".join(f"{size:.5g}" for size in camera.mm_per_px) + " mm"))
         facts += [(f"camera {name}", str(value)) for name, value in dataclasses.asdict(camera).items()]
     facts.append(("force", "mean of the force rows of each frame" if score.force_n is not None else "none"))
-    facts.append(("method", "Initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2) of the paper, as the settings say"))
+    facts.append(
+        ("method", "Initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2) of the paper, as the settings say")
+    )
     return facts

@@ -23,7 +23,7 @@ a{color:var(--link)}
 .small-ones{grid-template-columns:repeat(auto-fill,minmax(min(100%,13rem),1fr))}
 figure{margin:0}
 figure h3{font-size:1.05rem;margin:0 0 .3rem}
-figure img,figure svg{display:block;width:100%;height:auto;background:#fff;border:1px solid var(--line);border-radius:3px}
+figure img,figure svg{display:block;width:100%;height:auto;background:#fff;border:1px solid var(--line)}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;font-size:.86rem;margin:.5rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;padding:.2rem 0}
@@ -36,5 +36,6 @@ summary{cursor:pointer;color:var(--link)}
 dl{display:grid;grid-template-columns:minmax(5rem,auto) minmax(0,1fr);gap:.2rem 1rem;max-width:52rem;margin:.5rem 0}
 dt{font-weight:600}dd{margin:0;overflow-wrap:anywhere}
 footer{margin:2rem auto}
-@media print{body{font-size:10pt}.wide{overflow:visible}figure,tr{break-inside:avoid}details:not([open])>*{display:none}}
+@media print{body{font-size:10pt}.wide{overflow:visible}figure,tr{break-inside:avoid}
+details:not([open])>*{display:none}}
 """

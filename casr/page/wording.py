@@ -26,9 +26,14 @@ def verdict(score: Score) -> tuple[str, str, str]:
         why = "Is this a loading phase? Were the pins followed? Look at the pictures."
         return "bad", "Check this press.", f"The contact area did not grow with the force: it went {grew}. {why}"
     more = f"The contact area grew {grew}{_force_span(score)}: {_per_newton(score)}"
+    if score.initial.saturated:
+        why = (
+            "Nearly every pin had moved at first contact, so the initial area is that of the skin, not of the contact."
+        )
+        return "bad", "Check this press.", f"{why} {more}"
     if score.notes:
-        return "usable", "Read the notes.", more
-    return "good", "Good.", more
+        return "usable", "Scored, with notes.", more
+    return "good", "Scored.", more
 
 
 def headline(score: Score) -> list[tuple[str, str, str]]:
@@ -57,4 +62,6 @@ def _per_newton(score: Score) -> str:
     rate = score.rate
     if rate is None or rate.rule != "slope":
         return "the CASR here is the paper's sum over frames, comparable only at one frame rate and force range."
-    return f"{number(rate.value)} {readable(score.area_unit)} more for each newton. Softer specimens give a larger number."
+    return (
+        f"{number(rate.value)} {readable(score.area_unit)} more for each newton. Softer specimens give a larger number."
+    )

@@ -4,5 +4,6 @@ from casr.pins.detect import Pins, detect_pins
 from casr.pins.lattice import pin_pitch_px
 from casr.pins.match import match_pins
 from casr.pins.settings import PinSettings
+from casr.pins.track import PinTracker
 
-__all__ = ["PinSettings", "Pins", "detect_pins", "match_pins", "pin_pitch_px"]
+__all__ = ["PinSettings", "PinTracker", "Pins", "detect_pins", "match_pins", "pin_pitch_px"]

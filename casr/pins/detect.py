@@ -1,8 +1,8 @@
-"""Find the pins of one frame (Algorithm 1, steps 1 and 2: shape mask, colour mask, centroids), to sub-pixel accuracy."""
+"""Find the pins of one frame to sub-pixel accuracy (Algorithm 1, steps 1 and 2: shape and colour masks, centroids)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ FEWEST_PINS, MOST_BLOBS = 3, 3000
 
 @dataclass(frozen=True)
 class Pins:
-    """Pins of one frame: centroids (N, 2) x, y px, top to bottom and left to right; areas (N,) px; what was left out."""
+    """Pins of one frame, top to bottom: centroids (N, 2) x, y px; areas (N,) px; notes on what was left out, split."""
 
     centroids_px: NDArray[np.float64]
     area_px: NDArray[np.float64]
@@ -39,7 +39,8 @@ def detect_pins(image: NDArray[Any], settings: PinSettings | None = None) -> Pin
     PinsError : fewer than three pins. ImageError : not an image.
     """
     settings = settings or PinSettings()
-    return find_pins(pins_bright(image, settings), settings)
+    pins = find_pins(pins_bright(image, settings), settings)
+    return replace(pins, centroids_px=reported_px(pins.centroids_px, settings))
 
 
 def pins_bright(image: NDArray[Any], settings: PinSettings) -> Grey:
@@ -49,22 +50,26 @@ def pins_bright(image: NDArray[Any], settings: PinSettings) -> Grey:
 
 
 def find_pins(grey: Grey, settings: PinSettings) -> Pins:
-    """``detect_pins`` on a frame that went through ``pins_bright``."""
+    """Sub-pixel pins of a frame that went through ``pins_bright``."""
     excess, mask = above_surroundings(grey, settings.block_px, settings.contrast)
-    blobs = find_blobs(excess, mask)
+    blobs = find_blobs(grey, excess, mask)
     blobs = blobs.pick(blobs.area_px >= settings.min_area_px)
     _check_count(grey, len(blobs), settings)
     seeds, notes = select_pins(blobs, mask, settings)
     _check_count(grey, len(seeds), settings)
     spots = measure_spots(grey, seeds, reach_px(nearest_pins(seeds, 1)[0][:, 0], float(np.median(blobs.area_px))))
     order = np.lexsort((spots.centroids_px[:, 0], spots.centroids_px[:, 1]))
-    centroids = spots.centroids_px[order]
-    return Pins(np.trunc(centroids) if settings.integer_centroids else centroids, spots.area_px[order], notes)
+    return Pins(spots.centroids_px[order], spots.area_px[order], notes)
+
+
+def reported_px(centroids_px: NDArray[np.float64], settings: PinSettings) -> NDArray[np.float64]:
+    """Centroids as they leave this package: sub-pixel, or cut as the paper's ``int()`` does."""
+    return np.trunc(centroids_px) if settings.integer_centroids else centroids_px
 
 
 def reach_px(neighbour_px: NDArray[np.float64], pin_area_px: float) -> NDArray[np.float64]:
-    """Radius around a pin that holds all of it and nothing of the next one: half way to that one, but no more than needed."""
-    reach: NDArray[np.float64] = np.minimum(0.5 * neighbour_px, np.sqrt(pin_area_px / np.pi) + 4.0)
+    """Radius around each pin that holds all of it and nothing of the next: half way there, but no more than needed."""
+    reach: NDArray[np.float64] = np.minimum(0.5 * neighbour_px, np.sqrt(pin_area_px / np.pi) + 3.0)
     return reach
 
 
@@ -73,11 +78,11 @@ def _check_count(grey: Grey, n: int, settings: PinSettings) -> None:
         return
     low, high = float(grey.min()), float(grey.max())
     if high - low <= settings.contrast:
-        do = "The frame is nearly uniform: check light, lens cap and exposure; grey levels run from 0 to 255, not 0 to 1."
+        do = "The frame is nearly uniform: check light, lens cap, exposure, and that grey levels run to 255, not to 1."
     elif n > MOST_BLOBS:
         do = "Raise PinSettings.contrast or min_area_px: the frame is too noisy for these settings."
     else:
-        do = "Lower PinSettings.contrast or min_area_px, set block_px to about 1.5 pin pitches, or dark_pins for dark pins."
+        do = "Lower PinSettings.contrast or min_area_px, set block_px to 1.5 pin pitches, or dark_pins for dark pins."
     raise PinsError(
         "frame",
         wanted=f"{FEWEST_PINS} to {MOST_BLOBS} pins on grey levels",

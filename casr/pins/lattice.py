@@ -13,8 +13,9 @@ def nearest_pins(points_px: NDArray[np.float64], k: int) -> tuple[NDArray[np.flo
     squared = squared_distance(points_px, points_px)
     np.fill_diagonal(squared, np.inf)
     near = np.argpartition(squared, k - 1, axis=1)[:, :k]
-    order = np.take_along_axis(near, np.argsort(np.take_along_axis(squared, near, axis=1), axis=1, kind="stable"), axis=1)
-    return np.sqrt(np.take_along_axis(squared, order, axis=1)), order
+    near_squared = np.take_along_axis(squared, near, axis=1)
+    order = np.argsort(near_squared, axis=1, kind="stable")
+    return np.sqrt(np.take_along_axis(near_squared, order, axis=1)), np.take_along_axis(near, order, axis=1)
 
 
 def squared_distance(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ def match_pins(
     """Pairs of rows (i_before, i_after) that are each other's nearest pin and at most ``max_distance_px`` apart.
 
     Where two pins claim the same one, the nearer gets it and the other stays unmatched: a second choice would be
-    a guess. Half the pitch is the largest sensible distance. Among equal distances the lower row wins. NaN rows match nothing.
+    a guess. Half the pitch is the largest sensible distance. Among equals the lower row wins. NaN rows match nothing.
     The paper's Algorithm 1 compares all pairs instead, which selects nearly every pin.
 
     Parameters

@@ -23,7 +23,7 @@ def select_pins(
         sides.max(axis=1) <= settings.max_aspect * sides.min(axis=1)
     )
     pin_sized = (ratio >= low) & (ratio <= high)
-    glare = _brighter_than_neighbours(blobs, pin_sized & pin_shaped, settings.max_brightness_ratio)
+    glare = _glare(blobs, pin_sized & pin_shaped, settings.max_brightness_ratio)
     single = pin_sized & pin_shaped & ~glare
     seeds = [blobs.centres_px[single]]
     n_split = 0
@@ -36,17 +36,19 @@ def select_pins(
     return np.concatenate(seeds), _notes(n_split, int(glare.sum()), len(blobs) - int(single.sum()) - n_split)
 
 
-def _brighter_than_neighbours(blobs: Blobs, plausible: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
-    """Blobs more than ``most`` times as bright as the median of the plausible blobs around: lamps and their reflections."""
+def _glare(blobs: Blobs, plausible: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
+    """Lamps and reflections: over ``most`` times as bright as the pins around, in itself or above its surroundings."""
     glare = np.zeros(len(blobs), bool)
     pins = np.flatnonzero(plausible)
     if pins.size <= NEIGHBOURS:
         return glare
-    bright = np.flatnonzero(blobs.contrast > most * blobs.contrast[pins].min())
-    squared = squared_distance(blobs.centres_px[bright], blobs.centres_px[pins])
-    squared[bright[:, None] == pins] = np.inf
-    around = pins[np.argpartition(squared, NEIGHBOURS - 1, axis=1)[:, :NEIGHBOURS]]
-    glare[bright] = blobs.contrast[bright] > most * np.median(blobs.contrast[around], axis=1)
+    for light in (blobs.brightness, blobs.excess):
+        bright = np.flatnonzero(light > most * light[pins].min())
+        if bright.size:
+            squared = squared_distance(blobs.centres_px[bright], blobs.centres_px[pins])
+            squared[bright[:, None] == pins] = np.inf
+            around = pins[np.argpartition(squared, NEIGHBOURS - 1, axis=1)[:, :NEIGHBOURS]]
+            glare[bright] |= light[bright] > most * np.median(light[around], axis=1)
     return glare
 
 

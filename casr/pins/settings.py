@@ -20,8 +20,8 @@ class PinSettings:
     max_aspect : largest ratio of the sides of the bounding box.
     min_fill : smallest share of the bounding box that is pin (a disc has 0.79).
     max_brightness_ratio : a blob this many times brighter (above background) than the median pin around it is glare.
-    touching_ratio, most_touching : a blob larger than this many median pins, but not than so many largest ones, may be pins that
-        touch; it is cut where it has a waist.
+    touching_ratio, most_touching : a blob larger than this many median pins, but not than so many of the largest,
+        may be pins that touch; it is cut where it has a waist.
     dark_pins : pins are darker than the skin.
     integer_centroids : cut centroids to whole pixels as the paper's Algorithm 1 does (0.7 px rms; for comparison).
     """
@@ -53,4 +53,4 @@ class PinSettings:
         for name, (good, wanted) in checks.items():
             if not good:
                 found = repr(getattr(self, name))
-                raise SettingError(f"PinSettings.{name}", wanted=wanted, found=found, do="Choose a value in that range.")
+                raise SettingError(f"PinSettings.{name}", wanted=wanted, found=found, do="Choose such a value.")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import cast
 
 import cv2
 import numpy as np
@@ -11,13 +13,16 @@ from numpy.typing import NDArray
 from casr.images import Grey
 
 LEVEL_FRACTION = 0.15  # of the contrast: above the noise, yet low enough that few pixels of the pin's edge are cut off
-BACKGROUND_RANK = 10  # the background is the 11th darkest pixel of the disc: ten may be dirt or lie outside the field of view
+BACKGROUND_RANK = (
+    10  # the background is the 11th darkest pixel of the disc: ten may be dirt or lie outside the field of view
+)
+SMALLEST_REACH = 2
 MOST_ROUNDS = 4
 
 
 @dataclass(frozen=True)
 class Spots:
-    """Weighted centroid (N, 2) px, area (N,) px and contrast (N,) grey levels of each spot; NaN centroid where none is."""
+    """Weighted centroid (N, 2) px, area (N,) px, contrast (N,) grey levels; NaN centroid where there is nothing."""
 
     centroids_px: NDArray[np.float64]
     area_px: NDArray[np.float64]
@@ -37,9 +42,9 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     near_px : (N, 2) starting points, finite.
     reach_px : (N,) disc radii; at most half way to the next pin.
     """
-    disc = _disc(float(reach_px.max(initial=1.0)))
-    margin = int(disc[:, :2].max()) + 1
-    padded = cv2.copyMakeBorder(image, margin, margin, margin, margin, cv2.BORDER_REPLICATE)
+    margin = max(int(np.ceil(reach_px.max(initial=0.0))), SMALLEST_REACH)
+    disc = _disc(margin)
+    padded = cast(Grey, cv2.copyMakeBorder(image, margin, margin, margin, margin, cv2.BORDER_REPLICATE))
     limit = np.array([image.shape[1], image.shape[0]]) - 1.0
     centres = np.clip(np.rint(near_px), 0, limit)
     found = _weigh(padded, centres + margin, reach_px, disc)
@@ -55,13 +60,14 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     return Spots(found[:, :2], found[:, 2], found[:, 3])
 
 
-def _disc(radius: float) -> NDArray[np.float32]:
-    """(K, 3) offsets x, y and distance of the pixels of a disc, outermost last."""
-    k = int(np.ceil(radius))
-    y, x = np.mgrid[-k : k + 1, -k : k + 1]
+@lru_cache(maxsize=32)
+def _disc(radius: int) -> NDArray[np.float32]:
+    """(K, 3) offsets x, y and distance of the pixels of a disc."""
+    y, x = np.mgrid[-radius : radius + 1, -radius : radius + 1]
     distance = np.hypot(x, y)
-    offsets = np.stack([x, y, distance], axis=-1)[distance <= radius]
-    return offsets[np.argsort(offsets[:, 2], kind="stable")].astype(np.float32)
+    disc: NDArray[np.float32] = np.stack([x, y, distance], axis=-1)[distance <= radius].astype(np.float32)
+    disc.flags.writeable = False
+    return disc
 
 
 def _weigh(
@@ -72,15 +78,17 @@ def _weigh(
     start = centres[:, 1].astype(np.intp) * width + centres[:, 0].astype(np.intp)
     step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
     grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
-    outside = disc[:, 2] > reach_px[:, None].astype(np.float32)
-    top = np.where(outside, -np.inf, grey).max(axis=1)
-    background = np.partition(np.where(outside, np.inf, grey), BACKGROUND_RANK, axis=1)[:, BACKGROUND_RANK]
+    beyond = np.where(disc[:, 2] > reach_px[:, None].astype(np.float32), np.float32(np.inf), np.float32(0))
+    background = np.partition(grey + beyond, BACKGROUND_RANK, axis=1)[:, BACKGROUND_RANK]
+    grey -= beyond
+    top = grey.max(axis=1)
     level = background + np.float32(LEVEL_FRACTION) * (top - background)
     weight = np.maximum(grey - level[:, None], 0.0)
-    weight[outside] = 0.0
-    mass = weight.sum(axis=1, dtype=np.float64)
-    moments = weight @ disc[:, :2]
+    moments = weight @ disc
+    mass = weight.sum(axis=1)
+    found = np.empty((len(centres), 4))
     with np.errstate(divide="ignore", invalid="ignore"):
-        centroid = moments / mass[:, None]
-        area = mass / (top - level)
-    return np.column_stack([centroid, area, top - background])
+        found[:, :2] = moments[:, :2].astype(np.float64) / mass[:, None]
+        found[:, 2] = mass / (top - level)
+    found[:, 3] = top - background
+    return found

@@ -62,7 +62,7 @@ def _paper_exponent(growth: NDArray[np.float64], force_n: ArrayLike | None) -> N
             do="Give the force of every frame, or use law 'ode'.",
         )
     force[0] = 0.0
-    return growth.sum() * force
+    return np.asarray(growth.sum() * force)
 
 
 def _exp(exponent: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -12,9 +12,9 @@ from casr.camera import Camera
 from casr.errors import SettingError
 from casr.synthetic.skin import Skin
 
-SPECKLE_PX = 1.8
+SPECKLE_PX = 2.2
 "Standard deviation of a speckle of the texture, px."
-SPECKLE_SPACING_PX = 5.0
+SPECKLE_SPACING_PX = 7.0
 "Side of the square each speckle has to itself, px."
 DIRT_PX = 2.0
 "Correlation length of the dirt on the lens, px."
@@ -75,7 +75,7 @@ class Surface:
 def draw_surface(
     appearance: Appearance, skin: Skin, camera: Camera, sensor: np.random.Generator, press: np.random.Generator
 ) -> Surface:
-    """What stays the same through a press: dirt, texture and missing pins from ``sensor``, brightness from ``press``."""
+    """What stays the same through a press: brightness from ``press``; dirt, texture, missing pins from ``sensor``."""
     shape = (camera.height_px, camera.width_px)
     visible = _disc(shape, (camera.cx_px, camera.cy_px), skin.mask_radius_px)
     static = np.full(shape, appearance.background_grey, np.float32)
@@ -107,7 +107,7 @@ def _smooth_noise(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[n
 def _texture(
     rms_grey: float, skin: Skin, camera: Camera, rng: np.random.Generator
 ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
-    """Speckles of random sign at random places of the mask; their brightness makes the rms of their sum ``rms_grey``."""
+    """Speckles of random sign at random places of the mask; their sum has an rms of ``rms_grey``."""
     if rms_grey == 0:
         return np.empty((0, 2)), np.empty(0, np.float32)
     n_speckles = round(np.pi * skin.mask_radius_px**2 / SPECKLE_SPACING_PX**2)

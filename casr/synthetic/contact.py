@@ -27,8 +27,8 @@ class ContactWorld:
     punch_radius_mm : radius of the flat plate that measured the specimen's stiffness (guess), for E* = kappa/(2 a)
         (source: Sneddon 1965).
     lever_ratio : length of a pin over the radius of the dome (guess).
-    stick_force_n : from this force on the skin inside the contact sticks to it and stretches as it grows (guess).
-        Below the paper's first contact of 0.5 N, so that a frame taken for it a sample early shows the same law.
+    stick_force_n : up to this force the contact grows over the resting skin and pins only tilt; from it on the contact
+        is a piece of skin that stretches (guess: the paper's first contact).
     """
 
     tip_radius_mm: float = 20.0
@@ -36,7 +36,7 @@ class ContactWorld:
     sensor_modulus_mpa: float = 0.4
     punch_radius_mm: float = 5.0
     lever_ratio: float = 0.1
-    stick_force_n: float = 0.4
+    stick_force_n: float = 0.5
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -46,7 +46,7 @@ def contact_pair(
     skin: Skin = TACTIP_127,
     camera: Camera | None = None,
 ) -> FlowPair:
-    """A contact growing by ``rim_motion_px`` at its edge b = 80 px: u = k r inside, k b^2 / r outside, free of divergence.
+    """A contact of radius b = 80 px growing by ``rim_motion_px``: u = k r inside, k b^2 / r (no divergence) outside.
 
     Pins move rigidly; texture moves with the skin; noise of the two frames is independent. ``seed`` draws brightness,
     texture, dirt and noise, and shifts the field by up to half a pixel along x and y.

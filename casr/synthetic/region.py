@@ -53,8 +53,8 @@ class ContactEllipse:
         return float(rim.radius_px - outward.max())
 
 
-def rim_distance_sq(from_centre_px: Points, contact: ContactEllipse, rim: Rim) -> NDArray[np.float64]:
-    """(N,) squared distance from the contact's centre to the rim through each point, px^2.
+def rim_distance(from_centre_px: Points, contact: ContactEllipse, rim: Rim) -> NDArray[np.float64]:
+    """(...) distance from the contact's centre to the rim through each point, px.
 
     ``from_centre_px`` is relative to the contact's centre; at the centre itself the direction is taken along x.
     """
@@ -65,5 +65,4 @@ def rim_distance_sq(from_centre_px: Points, contact: ContactEllipse, rim: Rim) -
     ex, ey = np.where(away, x * scale, 1.0), y * scale
     cx, cy = contact.centre_px[0] - rim.centre_px[0], contact.centre_px[1] - rim.centre_px[1]
     along = cx * ex + cy * ey
-    distance = -along + np.sqrt(np.maximum(along**2 + rim.radius_px**2 - cx**2 - cy**2, 0.0))
-    return np.asarray(distance**2)
+    return np.asarray(np.sqrt(along**2 + rim.radius_px**2 - cx**2 - cy**2) - along)

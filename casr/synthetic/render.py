@@ -14,7 +14,7 @@ EDGE_REACH = 5.5
 "A pin is drawn this many edge widths beyond its radius; what is left there is below 0.03 grey levels."
 EDGE_SLOPE = math.sqrt(2 / math.pi)
 "Makes the steepest point of tanh that of a step blurred by a Gaussian."
-SPECKLE_REACH = 3.5
+SPECKLE_REACH = 3.0
 "A speckle is drawn this many standard deviations far."
 
 

@@ -12,7 +12,7 @@ from casr.errors import SettingError
 from casr.synthetic.appearance import Surface, draw_surface
 from casr.synthetic.draws import Draws
 from casr.synthetic.motion import lever, spread, true_divergence, true_flow
-from casr.synthetic.region import ContactEllipse, Points, Rim, rim_distance_sq
+from casr.synthetic.region import ContactEllipse, Points, Rim, rim_distance
 from casr.synthetic.render import render
 from casr.synthetic.settings import PressSettings
 
@@ -117,7 +117,7 @@ class Scene:
         s = self.settings
         offset_mm = np.clip(self.draws.of("centre").standard_normal(2), -2, 2) * s.centre_sd_mm
         tips_mm = s.world.tip_radius_mm * (1 - s.world.lever_ratio)
-        x_mm, y_mm = offset_mm + (tips_mm * math.sin(math.radians(s.angle_deg)), 0.0)
+        x_mm, y_mm = offset_mm[0] + tips_mm * math.sin(math.radians(s.angle_deg)), offset_mm[1]
         mm_per_px = s.camera.mm_per_px
         return float(s.camera.cx_px + x_mm / mm_per_px[0]), float(s.camera.cy_px + y_mm / mm_per_px[1])
 
@@ -127,6 +127,6 @@ class Scene:
         s = self.settings
         peak = self._ellipse(s.timeline.peak_n)
         to_edge = peak.polygon_px() - self.centre_px
-        to_rim = np.sqrt(rim_distance_sq(to_edge, peak, self.rim)) - RIM_GAP_PX
+        to_rim = rim_distance(to_edge, peak, self.rim) - RIM_GAP_PX
         growth = float((to_rim / np.hypot(*to_edge.T)).min())
         return float(s.timeline.peak_n * growth ** (1 / s.world.exponent))

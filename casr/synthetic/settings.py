@@ -50,7 +50,7 @@ class TimelineSettings:
         ):
             raise SettingError(
                 "timeline",
-                wanted="0 < start_n < peak_n, times above 0, rounding_s up to half of loading_s, one rest frame or more",
+                wanted="0 < start_n < peak_n, times above 0, rounding_s within half of loading_s, a rest frame or more",
                 found=repr(self),
                 do="Correct the timeline.",
             )

@@ -32,9 +32,7 @@ class Skin:
     def __post_init__(self) -> None:
         sizes = (self.pitch_px, self.pin_radius_px, self.edge_px, self.mask_radius_px)
         if self.rings < 1 or not all(math.isfinite(size) and size > 0 for size in sizes):
-            raise SettingError(
-                "skin", wanted="sizes above 0 and a ring or more", found=repr(self), do="Correct the skin."
-            )
+            raise SettingError("skin", wanted="sizes above 0, a ring or more", found=repr(self), do="Correct the skin.")
         if self.rings * self.pitch_px + self.pin_radius_px > self.mask_radius_px:
             raise SettingError(
                 "skin.pitch_px",

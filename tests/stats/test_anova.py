@@ -109,7 +109,7 @@ def test_extreme_scales(scale: float) -> None:
 def test_f_is_t_squared_with_two_groups(seed: int) -> None:
     anova = one_way(unbalanced(seed, k=2))
     pair = lsd(anova)
-    np.testing.assert_allclose(anova.f[0], pair.t[0, 0] ** 2, rtol=1e-10)
+    np.testing.assert_allclose(anova.f[0], pair.statistic[0, 0] ** 2, rtol=1e-10)
     np.testing.assert_allclose(anova.p[0], pair.p[0, 0], rtol=1e-9)
 
 
@@ -124,7 +124,7 @@ def test_lsd_pools_the_sd_of_all_groups() -> None:
     for q, (i, j) in enumerate(zip(pairs.first, pairs.second, strict=True)):
         se = sd * np.sqrt(1 / groups[i].size + 1 / groups[j].size)
         difference = groups[i].mean() - groups[j].mean()
-        np.testing.assert_allclose(pairs.t[0, q], difference / se, rtol=1e-11)
+        np.testing.assert_allclose(pairs.statistic[0, q], difference / se, rtol=1e-11)
         np.testing.assert_allclose(pairs.p[0, q], 2 * stats.t.sf(abs(difference / se), df), rtol=1e-11)
         np.testing.assert_allclose(pairs.high[0, q], difference + stats.t.ppf(0.995, df) * se, rtol=1e-11)
     outcome = pairs.outcome(0, 9)

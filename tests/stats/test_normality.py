@@ -83,13 +83,13 @@ def test_positive_samples_of_ten_are_never_raw_normal() -> None:
     assert (tests.p <= 0.0079).all()
 
 
-@given(st.integers(0, 2**32 - 1), st.floats(-1e6, 1e6), st.floats(1e-3, 1e3))
+@given(st.integers(0, 2**32 - 1), st.floats(-1e5, 1e5), st.floats(1e-3, 1e3))
 @settings(max_examples=40, deadline=None)
 def test_standardised_does_not_know_unit_sign_or_order(seed: int, shift: float, scale: float) -> None:
     rng = np.random.default_rng(seed)
     x = rng.standard_normal(10)
     d = ks_normal(x, standardise=True).d
-    for other in (x * scale + shift, -x, rng.permutation(x), x * 1e-300, x * 1e300):
+    for other in ((x + shift) * scale, -x, rng.permutation(x), x * 1e-300, x * 1e300):
         np.testing.assert_allclose(ks_normal(other, standardise=True).d, d, atol=1e-8)
 
 

@@ -58,7 +58,9 @@ def test_is_the_poisson_mixture(n: int, m: int, f: float, rho: float, share: flo
 
 
 def test_next_to_no_effect_has_power_alpha() -> None:
-    np.testing.assert_allclose(power_rm(2, 2, [0.0, 1e-170, 1.8e-49, 1e-15, 1e-9, 1e-7], 0.0, 1.0, 0.25), 0.25, atol=1e-12)
+    np.testing.assert_allclose(
+        power_rm(2, 2, [0.0, 1e-170, 1.8e-49, 1e-15, 1e-9, 1e-7], 0.0, 1.0, 0.25), 0.25, atol=1e-12
+    )
 
 
 def test_no_effect_has_power_alpha() -> None:

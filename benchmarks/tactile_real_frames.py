@@ -1,0 +1,109 @@
+"""Real frames of TacTip sensors: pins found per frame, and growth of a real press by every engine.
+
+    python -m benchmarks.tactile_real_frames
+
+Data as in ``EMG2VSA_TEST_DATA``. In the flat press the area inside a circle of skin must grow by the same factor
+whether pins are counted at its ends or divergence is summed over its ninety steps.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.optical_flow_data import DATA
+from casr.bench.table import Cell, Table
+from casr.bench.timing import best_times, one_thread, processor_time
+from casr.errors import CasrError
+from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
+from casr.flow.region import Region
+from casr.frame_files import open_frames
+from casr.images import as_grey
+from casr.pins import PinTracker, detect_pins
+
+FLAT_PRESS = "tactip127_flat_press_640x480"
+CENTRE_PX, RADIUS_PX = (324.0, 240.0), 60.0
+SETS = {
+    FLAT_PRESS: 127,
+    "tactip127_shapes_300x300": 127,
+    "tactip127_surface2d_bw_256x256": 127,
+    "tactip331_raw_640x480": 331,
+}
+TIMED_FRAMES = 10
+
+
+def main() -> None:
+    """Print the two tables."""
+    with one_thread():
+        for table in (pins_table(), growth_table()):
+            print(table.text(), end="\n\n")
+
+
+def pins_table() -> Table:
+    """Pins found in every frame of every set."""
+    rows: list[list[Cell]] = []
+    for name, n_pins in SETS.items():
+        images = [as_grey(cv2.imread(str(path), cv2.IMREAD_UNCHANGED)) for path in image_paths(DATA / "tactile" / name)]
+        counts = np.array([count_pins(image) for image in images])
+        sample = images[:: max(1, len(images) // TIMED_FRAMES)]
+        time_s = best_times({name: lambda sample=sample: [count_pins(image) for image in sample]}, n_repeats=5)[name]  # type: ignore[misc]
+        exact = 100 * float(np.mean(counts == n_pins))
+        rows.append([name, len(images), n_pins, *map(int, np.percentile(counts, [0, 50, 100])), exact, 1e3 * time_s / len(sample)])
+    columns = (("set", ""), ("frames", "d"), ("pins", "d"), ("fewest", "d"), ("median", "d"), ("most", "d"))
+    return Table("pins", "Pins found with default settings", (*columns, ("exact %", ".0f"), ("ms", ".2f")), rows)
+
+
+def count_pins(image: NDArray[np.uint8]) -> int:
+    """Pins of one frame, 0 where it is refused."""
+    try:
+        return len(detect_pins(image))
+    except CasrError:
+        return 0
+
+
+def image_paths(folder: Path) -> list[Path]:
+    """All images below a folder."""
+    return sorted(folder.rglob("*.png"))
+
+
+def growth_table() -> Table:
+    """Logarithm of the factor by which a circle of skin grows over the flat press."""
+    frames = list(open_frames(DATA / "tactile" / FLAT_PRESS))
+    hull = hull_growth(frames)
+    rows: list[list[Cell]] = [["hull of the pins, first to last frame", None, hull, 0.0]]
+    for engine in ENGINES:
+        found: list[float] = []
+        seconds = processor_time(lambda engine=engine, found=found: found.append(summed_growth(frames, engine)))  # type: ignore[misc]
+        rows.append([f"{engine}, summed", 1e3 * seconds / (len(frames) - 1), found[0], 100 * (found[0] / hull - 1)])
+    columns = (("", ""), ("ms per step", ".2f"), ("log growth", ".3f"), ("% of hull", "+.1f"))
+    note = f"Circle of {RADIUS_PX:g} px around ({CENTRE_PX[0]:g}, {CENTRE_PX[1]:g}); two of the steps move 4 to 5 px."
+    return Table("flat_press", f"Real flat press, {len(frames)} frames", columns, rows, (note,))
+
+
+def summed_growth(frames: list[NDArray[np.uint8]], engine: str) -> float:
+    """Sum of the logarithmic growth of the region over all steps."""
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    tracker.start(frames[0], Region.circle(*CENTRE_PX, RADIUS_PX))
+    return sum(tracker.step(frame).log_growth for frame in frames[1:])
+
+
+def hull_growth(frames: list[NDArray[np.uint8]]) -> float:
+    """The same from the ends alone: the convex hull of the pins that start inside the circle."""
+    tracker = PinTracker()
+    first = tracker.start(frames[0]).centroids_px
+    for frame in frames[1:]:
+        last = tracker.step(frame)
+    inside = np.hypot(*(first - CENTRE_PX).T) < RADIUS_PX
+    return float(np.log(Region.from_points(last[inside]).area_px2 / Region.from_points(first[inside]).area_px2))
+
+
+if __name__ == "__main__":
+    main()

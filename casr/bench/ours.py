@@ -1,0 +1,86 @@
+"""This package's own ways from two frames to a motion, in the form of the comparison."""
+
+from __future__ import annotations
+
+from itertools import cycle
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.bench.method import Image, Method
+from casr.bench.timing import Run
+from casr.flow.dense_engine import SUPPORT_PX
+from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings
+from casr.flow.pin_affine import Affine, fit_affine
+from casr.flow.region import Region
+from casr.pins import PinTracker, detect_pins, match_pins, pin_pitch_px
+
+CONTACT_OVER_CORE = 1.25
+"The core is 0.8 of the contact, which the engine solves with a margin around it."
+HALF_A_PITCH = 0.5
+
+
+def ours() -> list[Method]:
+    """Every engine that was written here."""
+    return [*dense(), *on_pins()]
+
+
+def dense() -> list[Method]:
+    """Flow of whole frames."""
+    return [
+        Method("Horn-Schunck, whole frame", _whole_frame, ours=True),
+        Method("Horn-Schunck, contact only", _contact_only, ours=True),
+    ]
+
+
+def on_pins() -> list[Method]:
+    """Affine motion of the pins in the core."""
+    return [
+        Method("pin-affine, pins found in both frames", _detected, ours=True),
+        Method("pin-affine, pins followed", _followed, ours=True),
+    ]
+
+
+def _whole_frame(first: Image, second: Image, core: Region) -> Run:
+    solver = HornSchunck(HornSchunckSettings())
+    solver.start(first)
+    # there and back again: every timed step sees a frame that moved, with the frame before already prepared
+    frames = cycle((second, first))
+    return lambda: solver.step(next(frames))
+
+
+def _contact_only(first: Image, second: Image, core: Region) -> Run:
+    solver = HornSchunck(HornSchunckSettings())
+    solver.start(first)
+    frames, roi = cycle((second, first)), core.scaled(CONTACT_OVER_CORE).box(first.shape, margin_px=SUPPORT_PX)
+    flow = np.zeros((*first.shape, 2), dtype=np.float32)
+
+    def step() -> NDArray[np.float32]:
+        flow[roi] = solver.step(next(frames), roi)
+        return flow
+
+    return step
+
+
+def _followed(first: Image, second: Image, core: Region) -> Run:
+    tracker = PinTracker()
+    start_px = tracker.start(first).centroids_px
+    inside = core.contains(start_px)
+    frames, before = cycle((second, first)), [start_px]
+
+    def step() -> Affine:
+        after = tracker.step(next(frames))
+        last, before[0] = before[0], after
+        return fit_affine(last[inside], after[inside])
+
+    return step
+
+
+def _detected(first: Image, second: Image, core: Region) -> Run:
+    def pair() -> Affine:
+        before, after = detect_pins(first).centroids_px, detect_pins(second).centroids_px
+        i, j = match_pins(before, after, max_distance_px=HALF_A_PITCH * pin_pitch_px(before))
+        inside = core.contains(before[i])
+        return fit_affine(before[i[inside]], after[j[inside]])
+
+    return pair

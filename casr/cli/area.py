@@ -1,0 +1,126 @@
+"""``casr area``: the initial contact area by every rule, from two frames."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from casr.cli.arguments import (
+    AREA_RULES,
+    Commands,
+    add_command,
+    add_frames,
+    add_json,
+    frame_pair,
+    open_sequence,
+    positive,
+    print_json,
+    say_notes,
+)
+
+if TYPE_CHECKING:
+    from casr.contact_area import InitialArea
+    from casr.frames import FrameSequence
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "area",
+        run,
+        "Initial contact area by every rule, from the rest frame and the first-contact frame.",
+        "Only these two frames are decoded. Exit status 1: no rule finds a contact. "
+        "Example: casr area press --frames 0,20",
+    )
+    add_frames(parser)
+    parser.add_argument(
+        "--frames", type=frame_pair, metavar="I,J",
+        help="rest and first-contact frame (default: from the force log; without one 0,1 as in the paper)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
+    )
+    parser.add_argument(
+        "--threshold-px", type=positive, default=2.0, metavar="PX",
+        help="a pin that moved farther is in contact (default %(default)s)",
+    )  # fmt: skip
+    add_json(parser)
+    parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from casr.contact_area import initial_area
+    from casr.errors import NoContactError
+    from casr.pins import PinTracker
+
+    sequence = open_sequence(arguments)
+    rest_frame, contact_frame, notes = _frames(sequence, arguments)
+    tracker = PinTracker()
+    rest = tracker.start(sequence[rest_frame])
+    contact_px = tracker.step(sequence[contact_frame])
+    say_notes((*notes, *rest.notes))
+    found: dict[str, InitialArea | None] = {}
+    for rule in AREA_RULES:
+        try:
+            found[rule] = initial_area(
+                rest, contact_px, camera=sequence.camera, rule=rule, threshold_px=arguments.threshold_px
+            )
+        except NoContactError as error:
+            found[rule] = None
+            say_notes([str(error)], rule)
+    report = {
+        "name": sequence.name, "rest_frame": rest_frame, "contact_frame": contact_frame, "pins": len(rest),
+        "areas": {rule: _facts(area) for rule, area in found.items()},
+    }  # fmt: skip
+    if arguments.json:
+        print_json(report)
+    else:
+        _print(report)
+    chosen = next(filter(None, found.values()), None)
+    if chosen and arguments.figures:
+        from casr.cli.pages import write_pictures
+        from casr.overlays import area_picture, pins_picture
+
+        pins_px, image = rest.centroids_px, sequence[contact_frame]
+        pictures = [
+            pins_picture(sequence[rest_frame], pins_px, contact_px, chosen),
+            area_picture(image, pins_px, contact_px, chosen),
+        ]
+        write_pictures(arguments.figures, pictures)
+    return 0 if chosen else 1
+
+
+def _frames(sequence: FrameSequence, arguments: argparse.Namespace) -> tuple[int, int, tuple[str, ...]]:
+    from casr.frames import loading_phase
+
+    if arguments.frames:
+        return (*arguments.frames, ())
+    if sequence.force_n is None:
+        return 0, 1, ("No force log: frames 0 and 1 are taken for rest and first contact; others with --frames.",)
+    phase = loading_phase(sequence.force_n, start_n=arguments.start_n)
+    return phase.rest, int(phase.frames[0]), phase.notes
+
+
+def _facts(area: InitialArea | None) -> dict[str, Any] | None:
+    if area is None:
+        return None
+    return {
+        "area_mm2": area.area_mm2, "area_px2": area.area_px2, "selected": len(area.selected),
+        "saturated": bool(area.saturated), "notes": list(area.notes),
+    }  # fmt: skip
+
+
+def _print(report: dict[str, Any]) -> None:
+    print(f"{report['name']}: rest frame {report['rest_frame']}, first contact {report['contact_frame']}", end="")
+    print(f", {report['pins']} pins")
+    print(f"  {'rule':<8} {'mm2':>10} {'px2':>10} {'pins':>5}")
+    for rule, area in report["areas"].items():
+        if area is None:
+            print(f"  {rule:<8} {'-':>10} {'-':>10} {0:>5}  no contact")
+            continue
+        mm2 = f"{area['area_mm2']:.4g}" if area["area_mm2"] is not None else "-"
+        saturated = "  saturated" if area["saturated"] else ""
+        print(f"  {rule:<8} {mm2:>10} {area['area_px2']:>10.5g} {area['selected']:>5}{saturated}")
+        for note in area["notes"]:
+            print(f"           {note}")

@@ -1,0 +1,132 @@
+"""``casr flow``: divergence of the contact region, between two frames or step by step."""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from casr.cli.arguments import (
+    Commands,
+    add_command,
+    add_engine,
+    add_frames,
+    add_json,
+    frame_pair,
+    open_sequence,
+    print_json,
+    say_notes,
+)
+
+if TYPE_CHECKING:
+    from casr.flow.region import Region
+    from casr.frames import FrameSequence
+    from casr.overlays import Picture
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "flow",
+        run,
+        "Divergence and growth of a region of skin, from frame to frame; no force needed.",
+        "The region moves with the skin. Divergence is its mean over the region; log growth is the logarithm of the "
+        "factor by which the region's area grows. Example: casr flow frames --frames 19,20 --figures pictures",
+    )
+    add_frames(parser)
+    parser.add_argument("--frames", type=frame_pair, metavar="I,J", help="only from frame I to J (default: every step)")
+    add_engine(parser)
+    parser.add_argument(
+        "--region", metavar="X,Y,R", help="circle in the first frame, px (default: half as wide as the field of pins)"
+    )
+    add_json(parser)
+    parser.add_argument("--figures", type=Path, metavar="DIR", help="write the flow over the whole span as PNG and SVG")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from casr.flow.region import Region
+
+    sequence = open_sequence(arguments)
+    frames = list(arguments.frames) if arguments.frames else list(range(len(sequence)))
+    _check_two(sequence, frames)
+    region = Region.parse(arguments.region) if arguments.region else _middle(sequence[frames[0]])
+    steps = _steps(sequence, frames, region, arguments.engine)
+    if arguments.json:
+        centre = [float(x) for x in region.centre_px]
+        print_json({"name": sequence.name, "engine": arguments.engine, "region_centre_px": centre, "steps": steps})
+    else:
+        _print(sequence.name, arguments.engine, region, steps)
+    if arguments.figures:
+        from casr.cli.pages import write_pictures
+
+        write_pictures(arguments.figures, _pictures(sequence, frames, region, arguments.engine))
+    return 0
+
+
+def _check_two(sequence: FrameSequence, frames: list[int]) -> None:
+    from casr.errors import FramesError
+
+    if len(frames) < 2:
+        raise FramesError(
+            sequence.name, wanted="two frames or more", found=f"{len(frames)}", do="Flow needs a before and an after."
+        )
+
+
+def _middle(image: Any) -> Region:
+    """A circle about the middle of the pins, half as wide as they reach."""
+    import numpy as np
+
+    from casr.flow.region import Region
+    from casr.pins import detect_pins
+
+    pins_px = detect_pins(image).centroids_px
+    centre = (pins_px.min(axis=0) + pins_px.max(axis=0)) / 2
+    return Region.circle(float(centre[0]), float(centre[1]), float(np.hypot(*(pins_px - centre).T).max()) / 2)
+
+
+def _steps(sequence: FrameSequence, frames: list[int], region: Region, engine: str) -> list[dict[str, Any]]:
+    from casr.flow.estimate import FlowSettings, FlowTracker
+
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    tracker.start(sequence[frames[0]], region)
+    total, steps = 0.0, []
+    for before, after in itertools.pairwise(frames):
+        step = tracker.step(sequence[after])
+        say_notes(step.notes, f"frame {after}")
+        total += step.log_growth
+        steps.append({
+            "from": before, "to": after, "divergence": float(step.divergence), "log_growth": float(step.log_growth),
+            "sum": float(total), "used": int(step.n),
+        })  # fmt: skip
+    return steps
+
+
+def _print(name: str, engine: str, region: Region, steps: list[dict[str, Any]]) -> None:
+    import math
+
+    x_px, y_px = region.centre_px
+    radius_px = math.sqrt(region.area_px2 / math.pi)
+    used = "pins" if engine == "pin-affine" else "pixels"
+    print(f"{name}: {engine}, region of radius {radius_px:.1f} px about ({x_px:.1f}, {y_px:.1f})")
+    print(f"{'from':>6} {'to':>6} {'divergence':>11} {'log growth':>11} {'sum':>9} {used:>7}")
+    for step in steps:
+        print(
+            f"{step['from']:>6} {step['to']:>6} {step['divergence']:>11.5f} {step['log_growth']:>11.5f} "
+            f"{step['sum']:>9.4f} {step['used']:>7}"
+        )
+    print(f"area of the region at the end: {math.exp(steps[-1]['sum']):.4f} times that at first")
+
+
+def _pictures(sequence: FrameSequence, frames: list[int], region: Region, engine: str) -> list[Picture]:
+    from casr.overlays import flow_picture, pin_ways, spreading_picture
+
+    first, last = frames[0], frames[-1]
+    span = f"frames {first} to {last}"
+    if engine == "pin-affine":
+        return [spreading_picture(sequence[first], *pin_ways(sequence, frames), region.polygon_px, span)]
+    from casr.flow.dis import dis_flow
+    from casr.flow.horn_schunck import horn_schunck
+
+    flow_of = horn_schunck if engine == "horn-schunck" else dis_flow
+    return [flow_picture(sequence[first], flow_of(sequence[first], sequence[last]), region.polygon_px, span)]

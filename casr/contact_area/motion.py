@@ -1,0 +1,116 @@
+"""How the pins moved from the rest frame to the first contact, and which of them the contact moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from casr.errors import PinsError
+from casr.flow.region import Region
+from casr.pins import pin_pitch_px
+
+Array = NDArray[np.float64]
+
+NEIGHBOUR_PITCHES = 1.5  # between the first ring of a hexagonal grid at 1 and the second at 1.73
+GROUP_PITCHES = 2.5  # across the pin in the middle of the contact, which stays
+BORDER_NEIGHBOURS = 4  # at most; a pin inside the array keeps five where one neighbour is missing
+SHIFT_PX = 0.5
+_NONE = np.zeros(0, dtype=bool)
+
+
+@dataclass(frozen=True, eq=False)
+class PinMotion:
+    """Pins seen in both frames.
+
+    Parameters
+    ----------
+    ids : (n,) rows in the rest frame's pins.
+    rest_px, contact_px : (n, 2) positions before and at contact.
+    displacement_px : (n, 2) from one to the other, without the common shift.
+    pitch_px : of the rest frame.
+    apart_px : (n, n) distances between pins at rest.
+    notes : what was left out or taken off.
+    """
+
+    ids: NDArray[np.intp]
+    rest_px: Array
+    contact_px: Array
+    displacement_px: Array
+    pitch_px: float
+    apart_px: Array
+    notes: tuple[str, ...]
+
+    @property
+    def distance_px(self) -> Array:
+        """(n,) how far each pin moved."""
+        return np.asarray(np.hypot(*self.displacement_px.T))
+
+
+def pin_motion(rest_px: ArrayLike, contact_px: ArrayLike) -> PinMotion:
+    """Motion of the pins; those that are NaN in either frame are left out.
+
+    A camera that shakes moves all pins alike, and pins at the border of the array are the last that a contact moves:
+    the median of their displacement is taken off where it exceeds half a pixel.
+
+    Raises
+    ------
+    PinsError : arrays that do not fit, or fewer than seven pins in both frames.
+    """
+    rest, contact = (np.asarray(points, dtype=np.float64).reshape(-1, 2) for points in (rest_px, contact_px))
+    seen = np.isfinite(rest).all(axis=1) & np.isfinite(contact).all(axis=1) if rest.shape == contact.shape else _NONE
+    ids = np.flatnonzero(seen)
+    if ids.size < 7:
+        raise PinsError(
+            "first contact",
+            wanted="the same pins in the rest frame and in the first-contact frame, at least seven",
+            found=f"{len(rest)} and {len(contact)} pins, {ids.size} in both",
+            do="Check that the pins are found and tracked in these two frames.",
+        )
+    lost = len(rest) - ids.size
+    notes: tuple[str, ...] = (f"{lost} of {len(rest)} pins are lost at first contact.",) if lost else ()
+    rest, contact = rest[ids], contact[ids]
+    pitch = pin_pitch_px(rest)
+    apart = np.hypot(*(rest[:, None] - rest[None]).transpose(2, 0, 1))
+    displacement = contact - rest
+    neighbours = (apart < NEIGHBOUR_PITCHES * pitch).sum(axis=1) - 1
+    border = neighbours <= BORDER_NEIGHBOURS
+    shift = np.median(displacement[border], axis=0) if border.any() else np.zeros(2)
+    if np.hypot(*shift) > SHIFT_PX:
+        displacement = displacement - shift
+        notes += (f"A common shift of all pins by ({shift[0]:.2f}, {shift[1]:.2f}) px is taken off.",)
+    return PinMotion(ids, rest, contact, displacement, pitch, apart, notes)
+
+
+def contact_cluster(motion: PinMotion, threshold_px: float) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
+    """(n,) whether each pin is in contact: the largest group of moved pins close together, and the pins they enclose.
+
+    The pin in the middle of the contact cannot move, so pins within the convex hull of the group count: contacts of
+    convex bodies are convex.
+    """
+    moved = motion.distance_px > threshold_px
+    cluster = _largest_group(moved, motion.apart_px < GROUP_PITCHES * motion.pitch_px)
+    notes: tuple[str, ...] = ()
+    if (dropped := int(moved.sum() - cluster.sum())) > 0:
+        notes += (f"{dropped} moved pins apart from the contact are left out.",)
+    if cluster.sum() >= 3:
+        hull = Region.from_points(motion.rest_px[cluster])
+        enclosed = hull.contains(motion.rest_px) & ~cluster
+        if enclosed.any():
+            notes += (f"{int(enclosed.sum())} pins that did not move are enclosed by ones that did.",)
+        cluster = cluster | enclosed
+    return cluster, notes
+
+
+def _largest_group(members: NDArray[np.bool_], near: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    left, best = members.copy(), np.zeros_like(members)
+    while left.any():
+        group = np.zeros_like(members)
+        group[np.argmax(left)] = True
+        while (grown := group | (near[group].any(axis=0) & members)).sum() > group.sum():
+            group = grown
+        left &= ~group
+        if group.sum() > best.sum():
+            best = group
+    return best

@@ -1,0 +1,69 @@
+"""The front door of flow: follow a contact region through frames and say how fast it grows, by the engine chosen."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from numpy.typing import NDArray
+
+from casr.errors import ImageError
+from casr.flow.dense_engine import DenseEngine
+from casr.flow.dis import Dis
+from casr.flow.pin_engine import PinEngine
+from casr.flow.region import Region
+from casr.flow.step import ENGINES, Engine, FlowSettings, FlowStep
+from casr.images import as_grey
+
+__all__ = ["ENGINES", "FlowSettings", "FlowStep", "FlowTracker"]
+
+class FlowTracker:
+    """Follows one contact region; holds one frame.
+
+    Parameters
+    ----------
+    settings : engine and its settings.
+    """
+
+    def __init__(self, settings: FlowSettings | None = None) -> None:
+        self.settings = settings or FlowSettings()
+        self._engine = _engine(self.settings)
+        self._shape: tuple[int, ...] | None = None
+
+    def start(self, image: NDArray[Any], region: Region) -> None:
+        """Take the frame of first contact and the contact region in it.
+
+        Raises
+        ------
+        PinsError : too few pins in reach of the region (``pin-affine``).
+        SettingError : the region lies outside the image.
+        ImageError : not an image.
+        """
+        grey = as_grey(image)
+        self._shape = grey.shape
+        self._engine.start(grey, region)
+
+    def step(self, image: NDArray[Any]) -> FlowStep:
+        """Growth of the region from the frame before to this one. Identical frames give exactly 0.
+
+        Raises
+        ------
+        PinsError : too few of the region's pins are left (``pin-affine``).
+        ImageError : not an image, another size than the first, or nothing was started.
+        """
+        grey = as_grey(image)
+        if grey.shape != self._shape:
+            wanted = "a first frame: call start" if self._shape is None else f"frames of one shape, {self._shape}"
+            raise ImageError("frame", wanted=wanted, found=f"shape {grey.shape}", do="Give frames of one recording.")
+        return self._engine.step(grey)
+
+
+def _engine(settings: FlowSettings) -> Engine:
+    if settings.engine == "pin-affine":
+        return PinEngine(settings)
+    if settings.engine == "dis":
+        return DenseEngine(Dis(settings.dis_preset), settings.core_fraction)
+    # loaded when used: it compiles its kernels with numba, which the other engines never need
+    horn_schunck = import_module("casr.flow.horn_schunck")
+    method = horn_schunck.HornSchunck(settings.horn_schunck or horn_schunck.HornSchunckSettings())
+    return DenseEngine(method, settings.core_fraction)

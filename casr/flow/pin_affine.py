@@ -1,0 +1,118 @@
+"""The affine motion of a set of pins by least squares: the flow engine that needs no dense field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import PinsError
+from casr.pins.lattice import pin_pitch_px
+
+FEWEST_PINS = 3
+ROUND_ENOUGH = 1e-3  # smallest spread of the pins across a line over the spread along it
+OUTLIER_SIGMA = 6.0  # of the residuals' robust scatter
+OUTLIER_PITCHES = 1 / 3  # a mistaken pin is off by about one pitch, a bulging skin departs from affine by far less
+LEAST_OUTLIER_PX = 0.5
+MEDIAN_OF_RAYLEIGH = 1.1774  # median length of a 2-D residual of unit scatter per axis
+
+
+@dataclass(frozen=True)
+class Affine:
+    """x' - x = offset_px + matrix (x - centre_px).
+
+    matrix : (2, 2) displacement gradient per frame pair, [[du/dx, du/dy], [dv/dx, dv/dy]].
+    offset_px : (2,) motion of the centre. centre_px : (2,) mean of the pins used.
+    rms_px : scatter about the fit, per axis. n : pins used. notes : pins left out.
+    """
+
+    matrix: NDArray[np.float64]
+    offset_px: NDArray[np.float64]
+    centre_px: NDArray[np.float64]
+    rms_px: float
+    n: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def divergence(self) -> float:
+        """du/dx + dv/dy, per frame pair."""
+        return float(np.trace(self.matrix))
+
+    @property
+    def log_growth(self) -> float:
+        """ln of the factor by which every area grows, ln det(I + matrix); -inf where the map folds the plane."""
+        growth = float(np.linalg.det(np.eye(2) + self.matrix))
+        return float(np.log(growth)) if growth > 0 else float("-inf")
+
+    def displacement_px(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Motion (N, 2) of points (N, 2)."""
+        return self.offset_px + (points_px - self.centre_px) @ self.matrix.T
+
+
+def fit_affine(
+    before_px: NDArray[np.float64], after_px: NDArray[np.float64], weights: NDArray[np.float64] | None = None
+) -> Affine:
+    """Least-squares affine motion of pins (N, 2) -> (N, 2), row by row; NaN rows are left out.
+
+    A pin off by more than a third of the pitch and by six times the scatter of the others was mistaken for another one:
+    the worst is left out and the fit repeated until none stands out; a note says how many.
+
+    Parameters
+    ----------
+    weights : (N,) weight of each pin, 0 or more; all one by default.
+
+    Raises
+    ------
+    PinsError : fewer than three pins, or all close to one line.
+    """
+    before, after = np.asarray(before_px, float), np.asarray(after_px, float)
+    weight = np.ones(len(before)) if weights is None else np.asarray(weights, float)
+    rows = np.flatnonzero(np.isfinite(before + after).all(axis=1) & (weight > 0))
+    n = len(rows)
+    fit, residual = _fit(before[rows], after[rows], weight[rows])
+    while (worst := _mistaken(before[rows], residual)) is not None:
+        rows = np.delete(rows, worst)
+        fit, residual = _fit(before[rows], after[rows], weight[rows])
+    out = n - len(rows)
+    return replace(fit, notes=(f"{out} of {n} pins left out: mistaken for another",)) if out else fit
+
+
+def _fit(
+    before: NDArray[np.float64], after: NDArray[np.float64], weight: NDArray[np.float64]
+) -> tuple[Affine, NDArray[np.float64]]:
+    """The fit and the length (N,) of each pin's residual."""
+    if len(before) < FEWEST_PINS:
+        raise _too_few(f"{len(before)} pins")
+    share = weight / weight.sum()
+    move = after - before
+    centre, offset = share @ before, share @ move
+    arm, rest = before - centre, move - offset
+    spread = (share * arm.T) @ arm
+    narrow, wide = np.linalg.eigvalsh(spread)
+    if narrow <= ROUND_ENOUGH**2 * wide:
+        raise _too_few(f"{len(before)} pins on one line")
+    matrix = np.linalg.solve(spread, (share * arm.T) @ rest).T
+    error = rest - arm @ matrix.T
+    squared = (error**2).sum(axis=1)
+    rms = float(np.sqrt(share @ squared / 2))
+    return Affine(matrix, offset, centre, rms, len(before)), np.sqrt(squared)
+
+
+def _mistaken(before: NDArray[np.float64], residual: NDArray[np.float64]) -> int | None:
+    """The pin that was taken for another one, if there is any."""
+    worst = int(residual.argmax())
+    scatter = float(np.median(residual)) / MEDIAN_OF_RAYLEIGH
+    # the pitch costs more than the fit, so it comes last
+    if residual[worst] <= max(OUTLIER_SIGMA * scatter, LEAST_OUTLIER_PX) or len(residual) <= FEWEST_PINS + 1:
+        return None
+    return worst if residual[worst] > OUTLIER_PITCHES * pin_pitch_px(before) else None
+
+
+def _too_few(found: str) -> PinsError:
+    return PinsError(
+        "affine fit",
+        wanted=f"{FEWEST_PINS} or more pins that are not on one line",
+        found=found,
+        do="Widen the region or look at why pins are lost.",
+    )

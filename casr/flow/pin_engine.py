@@ -1,0 +1,79 @@
+"""Flow engine ``pin-affine``: the pins of the contact region, tracked, and the affine map that fits them best."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from casr.errors import PinsError
+from casr.flow.pin_affine import FEWEST_PINS, Affine, fit_affine
+from casr.flow.region import Points, Region
+from casr.flow.step import FlowSettings, FlowStep
+from casr.images import Grey
+from casr.pins import PinTracker
+
+ROUND_ENOUGH = 0.1  # spread of the pins across a line over the spread along it
+
+
+class PinEngine:
+    """Follows the pins that lie in the core of the region at first contact, and no others.
+
+    The region is a piece of skin, so its pins stay the same. The map is fitted from the first frame to the present one
+    and steps are differences: errors of single centroids do not add up over frames, and a pin that is lost for a while
+    leaves no trace.
+    """
+
+    def __init__(self, settings: FlowSettings) -> None:
+        self._settings = settings
+        self._tracker = PinTracker(settings.pins)
+
+    def start(self, image: Grey, region: Region) -> None:
+        pins_px = self._tracker.start(image).centroids_px
+        self._ids, self._start_notes = _pins_of(region, pins_px, self._settings.core_fraction)
+        self._tracker.restrict(self._ids)
+        self._region = region
+        self._first_px = self._last_px = pins_px[self._ids]
+        self._last = fit_affine(self._first_px, self._first_px)
+
+    def step(self, image: Grey) -> FlowStep:
+        now_px = self._tracker.step(image)[self._ids]
+        fit = fit_affine(self._first_px, now_px)
+        divergence, log_growth = _between(self._last, fit)
+        notes = (*self._start_notes, *fit.notes, *self._jump(now_px))
+        self._start_notes, self._last, self._last_px = (), fit, now_px
+        return FlowStep(divergence, log_growth, self._region.advanced(fit), fit.n, notes)
+
+    def _jump(self, now_px: Points) -> tuple[str, ...]:
+        """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike."""
+        moved_px = np.hypot(*(now_px - self._last_px).T)
+        typical_px = float(np.nanmedian(moved_px)) if np.isfinite(moved_px).any() else 0.0
+        if typical_px <= self._tracker.pitch_px / 2:
+            return ()
+        return (f"pins jump by {typical_px:.0f} px, beyond half their pitch: are these frames one press, in order?",)
+
+
+def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Rows of the pins in the core; when they do not fix a map, the next ones outwards too until they do."""
+    depth = region.depth(pins_px)
+    outwards = np.argsort(depth, kind="stable")
+    n_core = int(np.sum(depth <= core_fraction))
+    n = max(n_core, FEWEST_PINS)
+    while n < len(outwards) and not _span_a_plane(pins_px[outwards[:n]]):
+        n += 1
+    n_outside = int(np.sum(depth[outwards[:n]] > 1))
+    if n - n_outside < 1:
+        raise PinsError("region", wanted="pins inside it", found="none", do="Check the region, or use a dense engine.")
+    note = f"{n_outside} of {n} pins lie outside the region, which holds too few: its growth is underestimated"
+    return np.sort(outwards[:n]), (note,) if n_outside else ()
+
+
+def _span_a_plane(points_px: Points) -> bool:
+    spread = np.linalg.svd(points_px - points_px.mean(axis=0), compute_uv=False)
+    return bool(spread[1] > ROUND_ENOUGH * spread[0])
+
+
+def _between(before: Affine, after: Affine) -> tuple[float, float]:
+    """Divergence and log growth of the motion that leads from one map of the first frame to another."""
+    if np.array_equal(before.matrix, after.matrix):
+        return 0.0, 0.0
+    step = (np.eye(2) + after.matrix) @ np.linalg.inv(np.eye(2) + before.matrix)
+    return float(np.trace(step)) - 2.0, after.log_growth - before.log_growth

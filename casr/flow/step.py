@@ -1,0 +1,73 @@
+"""What goes into and comes out of every flow engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from casr.errors import SettingError
+from casr.flow.region import Region
+from casr.images import Grey
+from casr.pins import PinSettings
+
+if TYPE_CHECKING:
+    from casr.flow.horn_schunck import HornSchunckSettings  # loads numba
+
+ENGINES = ("pin-affine", "horn-schunck", "dis")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlowSettings:
+    """How the growth of the contact region is measured.
+
+    Parameters
+    ----------
+    engine : one of ``ENGINES``: the pins of the region; dense flow by Horn and Schunck; dense flow by OpenCV's DIS.
+    core_fraction : the fit looks at the region scaled by this about its centroid, 0 to 1. At the border the flow has
+        a kink, which pins 20 px apart under-sample and every dense method rounds off.
+    pins : for ``pin-affine``. horn_schunck : for that engine, None for its defaults. dis_preset : for ``dis``.
+    """
+
+    engine: str = "pin-affine"
+    core_fraction: float = 0.8
+    pins: PinSettings = field(default_factory=PinSettings)
+    horn_schunck: HornSchunckSettings | None = None
+    dis_preset: str = "medium"
+
+    def __post_init__(self) -> None:
+        if self.engine not in ENGINES:
+            raise SettingError("engine", wanted=f"one of {', '.join(ENGINES)}", found=repr(self.engine), do="Choose one.")
+        if not 0 < self.core_fraction <= 1:
+            raise SettingError(
+                "core_fraction", wanted="above 0, at most 1", found=repr(self.core_fraction), do="0.8 suits most presses."
+            )
+
+
+@dataclass(frozen=True)
+class FlowStep:
+    """How the contact region grew from one frame to the next.
+
+    Parameters
+    ----------
+    divergence : trace of the affine flow, 1/frame: D of the paper's eq. (1).
+    log_growth : ln of the factor its area grows by; equal to the divergence in the limit of small steps.
+    region : in the new frame.
+    n : pins or pixels of the fit.
+    notes : what a reader of the result should know of this step.
+    """
+
+    divergence: float
+    log_growth: float
+    region: Region
+    n: int
+    notes: tuple[str, ...] = ()
+
+
+class Engine(Protocol):
+    """One way to measure it; what a tracker drives."""
+
+    def start(self, image: Grey, region: Region) -> None:
+        """Take the first frame and the region in it."""
+
+    def step(self, image: Grey) -> FlowStep:
+        """Take the next frame."""

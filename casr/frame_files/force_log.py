@@ -1,0 +1,91 @@
+"""The force log of a press: one row for each reading of the force sensor, with the last frame saved by then."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import FramesError
+from casr.frame_files.delimited import Table, read_table
+
+
+@dataclass(frozen=True)
+class ForceLog:
+    """Rows of a force log in the order of the file.
+
+    Parameters
+    ----------
+    time_s : (rows,) time, s; None when the log has no such column.
+    force_n : (rows,) force, N; NaN where it is missing.
+    frame_index : (rows,) index from 0 of the last frame saved, -1 before the first.
+    notes : what was left out.
+    """
+
+    time_s: NDArray[np.float64] | None
+    force_n: NDArray[np.float64]
+    frame_index: NDArray[np.int64]
+    notes: tuple[str, ...] = ()
+
+
+def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
+    """A force log from delimited text with a header line.
+
+    Columns ``force_n`` and ``frame_index`` are needed, ``time_s`` is optional, others are not read; their order is
+    free. Comma, semicolon (then a decimal comma is understood) or tab between cells; lines starting with # and empty
+    lines are skipped. A row for each frame is a force log too. An empty cell or ``nan`` is a missing force; a row
+    without frame index is left out.
+
+    Parameters
+    ----------
+    column : the force column, for logs that hold more than one, such as ``force_filtered_n``.
+
+    Raises
+    ------
+    FramesError : not readable, no such columns, a row of another length, a cell that is no number, time or frame
+        index running backwards; the message names the line.
+    """
+    table = read_table(Path(path))
+    force_n, frame_index = table.numbers(column.lower()), table.numbers("frame_index")
+    time_s = table.numbers("time_s") if "time_s" in table.header else None
+    _check_frame_index(table, frame_index)
+    _check_order(table, "frame_index", frame_index)
+    if time_s is not None:
+        _check_order(table, "time_s", time_s)
+    placed = np.isfinite(frame_index)
+    if not (placed & np.isfinite(force_n)).any():
+        raise FramesError(
+            path, wanted="rows with a force and a frame index", found="none", do="Give the force log of the press."
+        )
+    return ForceLog(
+        None if time_s is None else time_s[placed],
+        force_n[placed],
+        frame_index[placed].astype(np.int64),
+        _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n)),
+    )
+
+
+def _check_frame_index(table: Table, frame_index: NDArray[np.float64]) -> None:
+    wrong = (frame_index < -1) | (frame_index != np.floor(frame_index)) & np.isfinite(frame_index)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise table.error(row, "a frame index: a whole number, -1 before the first frame", f"{frame_index[row]:g}")
+
+
+def _check_order(table: Table, name: str, values: NDArray[np.float64]) -> None:
+    rows = np.flatnonzero(np.isfinite(values))
+    back = np.flatnonzero(np.diff(values[rows]) < 0)
+    if back.size:
+        before, row = rows[back[0]], int(rows[back[0] + 1])
+        raise table.error(row, f"{name} not below {values[before]:.12g} of the row before", f"{values[row]:.12g}")
+
+
+def _notes(no_force: int, no_frame: int, n_rows: int) -> tuple[str, ...]:
+    notes = []
+    if no_force:
+        notes.append(f"{no_force} of {n_rows} rows of the force log have no force")
+    if no_frame:
+        notes.append(f"{no_frame} of {n_rows} rows of the force log have no frame index and are left out")
+    return tuple(notes)

@@ -1,0 +1,86 @@
+"""One press from disk: frames, and the force log and camera that belong to them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import FramesError
+from casr.frame_files.camera_file import read_camera
+from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents, open_folder
+from casr.frame_files.force_log import read_force_log
+from casr.frame_files.sources import FileFrames, open_file
+from casr.frames import FrameSequence, force_per_frame
+
+
+def open_frames(
+    path: Path | str, *, force: Path | None = None, camera: Path | None = None, column: str = "force_n"
+) -> FrameSequence:
+    """The frames of one press; opening decodes no more than the first.
+
+    Parameters
+    ----------
+    path : a file of frames (.tif, .tiff, .avi, .mp4, .mkv, .npy); a folder of images (.png, .tif, .bmp, .jpg) in
+        natural order of their names; or a press folder: ``frames.tif`` (or another format, or a folder ``frames`` of
+        images) with ``force.csv`` and ``camera.toml`` beside.
+    force : force log, see `read_force_log`; without it ``force.csv`` in the folder, if there is one.
+    camera : camera file, see `read_camera`; without it ``camera.toml`` in the folder, if there is one.
+    column : the force column to take from the log.
+
+    Raises
+    ------
+    FramesError : no frames or fewer than two, not readable, grey levels from 0 to 1; a force log that does not fit.
+    CameraError : a camera file that makes no sense or belongs to frames of another size.
+    """
+    path = Path(path)
+    in_folder = path.is_dir()
+    frames = open_folder(path) if in_folder else open_file(path)
+    _check_frames(path, frames)
+    notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
+    if in_folder:
+        force, camera = force or _beside(path, FORCE_FILE), camera or _beside(path, CAMERA_FILE)
+    forces = None
+    if force is not None:
+        forces, force_notes = _forces(Path(force), len(frames), column)
+        notes += force_notes
+    return FrameSequence(frames, read_camera(camera) if camera is not None else None, forces, tuple(notes))
+
+
+def _check_frames(path: Path, frames: FileFrames) -> None:
+    if len(frames) < 2:
+        raise FramesError(
+            path,
+            wanted="a sequence of two frames or more",
+            found="one frame",
+            do="Give all frames of the press: the static frame before contact and those of the loading.",
+        )
+    first = frames.read(0)
+    brightest = float(first.max())
+    if first.dtype != np.uint8 and 0 < brightest <= 1:
+        raise FramesError(
+            path,
+            wanted="grey levels from 0 to 255",
+            found=f"a brightest pixel of {brightest:.3g} in frame 0",
+            do="Multiply frames from 0 to 1 by 255.",
+        )
+
+
+def _ignored(path: Path) -> list[str]:
+    contents = folder_contents(path)
+    names = sorted(item.name for item in contents.others if item.name not in (FORCE_FILE, CAMERA_FILE))
+    if not contents.pages or not names:
+        return []
+    return [f"{len(names)} files beside the frames are not read: {', '.join(names[:3])}{', ...' * (len(names) > 3)}"]
+
+
+def _beside(path: Path, name: str) -> Path | None:
+    return path / name if (path / name).exists() else None
+
+
+def _forces(path: Path, n_frames: int, column: str) -> tuple[NDArray[np.float64], list[str]]:
+    log = read_force_log(path, column=column)
+    forces = force_per_frame(log.force_n, log.frame_index, n_frames, where=path)
+    without = int(np.isnan(forces).sum())
+    return forces, [*log.notes, *([f"{without} of {n_frames} frames have no force"] if without else [])]

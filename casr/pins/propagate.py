@@ -1,0 +1,80 @@
+"""Match pins over motions beyond half a pitch: what the neighbours did tells which of two pins is the right one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.pins.match import match_pins
+
+SEED_REACH, GROWTH_REACH = 0.2, 0.35  # of the spacing: how close a pin must be to its guess, to its neighbours' motion
+ENOUGH_NEIGHBOURS = 3
+BINS_PER_PITCH = 8
+
+Points = NDArray[np.float64]
+
+
+def follow_neighbours(
+    before_px: Points, guess_px: Points, after_px: Points, beside: NDArray[np.intp], spacing_px: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
+
+    Pins close to their guess are matched first; then the motion is handed on to those beside them, ring by ring, so
+    that a motion that grows slowly over the skin may end up far above half a pitch.
+
+    Parameters
+    ----------
+    before_px, guess_px : (N, 2) where pins were and are expected.
+    after_px : (M, 2) pins of the next frame.
+    beside : (N, k) neighbours of each pin. spacing_px : (N,) distance to the nearest.
+    """
+    rows = np.full(len(before_px), -1, np.intp)
+    pins, hits = match_pins(guess_px, after_px, max_distance_px=SEED_REACH * spacing_px)
+    while pins.size:
+        rows[pins] = hits
+        known = rows >= 0
+        support = np.where(known, 0, known[beside].sum(axis=1))
+        if not support.any():
+            break
+        ready = np.flatnonzero(support >= min(ENOUGH_NEIGHBOURS, support.max()))
+        move = np.where(known[:, None], after_px[rows] - before_px, 0.0)
+        expected = before_px[ready] + neighbour_mean(move, known, beside)[ready]
+        free = np.setdiff1d(np.arange(len(after_px)), rows[known])
+        pins, hits = match_pins(expected, after_px[free], max_distance_px=GROWTH_REACH * spacing_px[ready])
+        pins, hits = ready[pins], free[hits]
+    return rows
+
+
+def best_follow(
+    before_px: Points, expected_px: Points, after_px: Points, beside: NDArray[np.intp], spacing_px: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """``follow_neighbours`` from the guess that explains most pins: going on as before, standing still, common jump."""
+    best = np.full(len(before_px), -1, np.intp)
+    jump = before_px + common_shift_px(before_px, after_px, float(np.median(spacing_px)))
+    for guess in (expected_px, before_px, jump):
+        rows = follow_neighbours(before_px, guess, after_px, beside, spacing_px)
+        if (rows >= 0).sum() > (best >= 0).sum():
+            best = rows
+    return best
+
+
+def neighbour_mean(move_px: Points, known: NDArray[np.bool_], beside: NDArray[np.intp]) -> Points:
+    """Mean motion (N, 2) of the known neighbours of each pin; its own where none is known."""
+    weight = known[beside].astype(np.float64)
+    total = weight.sum(axis=1)
+    mean = np.einsum("nk,nkc->nc", weight, move_px[beside]) / np.maximum(total, 1.0)[:, None]
+    return np.where(total[:, None] > 0, mean, move_px)
+
+
+def common_shift_px(before_px: Points, after_px: Points, pitch_px: float) -> NDArray[np.float64]:
+    """The shift (2,) within one pitch that most pairs of pins agree on: a vote over all pairs."""
+    shift = (after_px[None, :] - before_px[:, None]).reshape(-1, 2)
+    n = 2 * BINS_PER_PITCH + 1
+    cell = np.rint(shift / pitch_px * BINS_PER_PITCH).astype(np.intp) + BINS_PER_PITCH
+    inside = ((cell >= 0) & (cell < n)).all(axis=1)
+    votes = np.bincount(cell[inside] @ (n, 1), minlength=n * n).reshape(n, n)
+    padded = np.pad(votes, 1)
+    around = np.stack([padded[i : i + n, j : j + n] for i in range(3) for j in range(3)]).sum(axis=0)
+    best = np.array(np.unravel_index(around.argmax(), (n, n)))
+    near = inside & (np.abs(cell - best) <= 1).all(axis=1)
+    return np.asarray(np.median(shift[near], axis=0)) if near.any() else np.zeros(2)

@@ -1,0 +1,154 @@
+"""Follow pins from frame to frame: each keeps its row for ever, is NaN while lost and comes back to its row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import PinsError
+from casr.images import Grey
+from casr.pins.detect import Pins, find_pins, pins_bright, reach_px, reported_px
+from casr.pins.lattice import nearest_pins
+from casr.pins.propagate import best_follow, neighbour_mean
+from casr.pins.settings import PinSettings
+from casr.pins.spots import measure_spots
+
+NEIGHBOURS = 6  # in a hexagonal lattice
+LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
+AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
+
+Points = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class PinTracker:
+    """Pins followed through a sequence; ids are the row numbers of the pins that ``start`` returns.
+
+    A step looks for each pin around the place its last motion leads to and reads only those pixels. Where a pin
+    vanishes, parts from its neighbours, or all jump by more than a quarter of the pitch, the whole frame is searched
+    and the motion handed on from pin to pin (``follow_neighbours``).
+
+    Attributes
+    ----------
+    pitch_px : pin spacing in the first frame; NaN before ``start``.
+    """
+
+    def __init__(self, settings: PinSettings | None = None) -> None:
+        self.pitch_px = float("nan")
+        self._settings = settings or PinSettings()
+        self._n = 0
+
+    def start(self, image: NDArray[Any]) -> Pins:
+        """Detect the pins of the first frame. Raises PinsError, ImageError as ``detect_pins``."""
+        self._frame = pins_bright(image, self._settings).copy()
+        pins = find_pins(self._frame, self._settings)
+        self._n = len(pins)
+        self._ids = self._wanted = np.arange(self._n)
+        self._place_px = pins.centroids_px.copy()  # where each pin is or, while it is lost, should be
+        self._move_px = np.zeros_like(self._place_px)
+        self._area_px = pins.area_px.copy()
+        self._lost = np.zeros(self._n, bool)
+        spacing, self._beside = nearest_pins(self._place_px, NEIGHBOURS)
+        self.pitch_px = float(np.median(spacing[:, 0]))
+        return replace(pins, centroids_px=reported_px(pins.centroids_px, self._settings))
+
+    def restrict(self, ids: Sequence[int] | NDArray[np.integer[Any]]) -> None:
+        """From now on follow these pins (and those next to them, to know where each ends); all others stay NaN.
+
+        Raises PinsError for ids that are not followed, or before ``start``.
+        """
+        self._need_start()
+        wanted = np.unique(np.asarray(ids, np.intp))
+        if wanted.size < 2 or not np.isin(wanted, self._ids).all():
+            raise PinsError(
+                "PinTracker.restrict",
+                wanted="ids of two or more pins that are being followed",
+                found=f"{wanted.tolist()}",
+                do=f"Use row numbers below {self._n} of the pins that start() returned.",
+            )
+        rows = np.flatnonzero(np.isin(self._ids, wanted))
+        rows = np.union1d(rows, self._beside[rows])
+        self._ids, self._wanted = self._ids[rows], wanted
+        self._place_px, self._move_px = self._place_px[rows], self._move_px[rows]
+        self._area_px, self._lost = self._area_px[rows], self._lost[rows]
+        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
+
+    def step(self, image: NDArray[Any]) -> Points:
+        """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost or not followed.
+
+        Raises PinsError before ``start`` or for a frame of another size, ImageError as ``as_grey``.
+        """
+        self._need_start()
+        grey = pins_bright(image, self._settings)
+        if grey.shape != self._frame.shape or grey.dtype != self._frame.dtype:
+            raise PinsError(
+                "frame",
+                wanted=f"size and type of the first frame, {self._frame.shape} {self._frame.dtype}",
+                found=f"{grey.shape} {grey.dtype}",
+                do="Start a new tracker when the camera's format changes.",
+            )
+        if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
+            self._frame = grey.copy()
+            self._advance(grey)
+        positions = np.full((self._n, 2), np.nan)
+        positions[self._ids[~self._lost]] = self._place_px[~self._lost]
+        reported = np.full_like(positions, np.nan)
+        reported[self._wanted] = reported_px(positions[self._wanted], self._settings)
+        return reported
+
+    def _advance(self, grey: Grey) -> None:
+        expected = self._place_px + self._move_px
+        spacing = _spacing_px(expected, self._beside)
+        spots = measure_spots(grey, expected, reach_px(spacing, float(np.median(self._area_px))))
+        place, area = spots.centroids_px, spots.area_px
+        seen = np.isfinite(place).all(axis=1) & (spots.contrast >= self._settings.contrast)
+        seen &= (area < AREA_CHANGE * self._area_px) & (area * AREA_CHANGE > self._area_px)
+        place = np.where(seen[:, None], place, expected)
+        seen &= self._moves_along(place, seen, spacing) & ~self._taken_twice(place, expected)
+        surprise = np.hypot(*(place - expected).T)
+        if (~seen & ~self._lost).any() or np.median(surprise) > LONGEST_LOOK * self.pitch_px:
+            place, area, seen = self._search(grey, expected, spacing)
+        move = neighbour_mean(place - self._place_px, seen, self._beside)
+        self._move_px = np.where(seen[:, None], place - self._place_px, np.where(seen.any(), move, 0.0))
+        self._place_px = self._place_px + self._move_px
+        self._place_px[seen] = place[seen]
+        self._area_px = np.where(seen, area, self._area_px)
+        self._lost = ~seen
+
+    def _moves_along(self, place: Points, seen: Mask, spacing: NDArray[np.float64]) -> Mask:
+        """Pins whose motion is their neighbours' to within a quarter of the spacing."""
+        move = place - self._place_px
+        apart = move - neighbour_mean(move, seen, self._beside)
+        return np.hypot(apart[:, 0], apart[:, 1]) <= LONGEST_LOOK * spacing
+
+    def _taken_twice(self, place: Points, expected: Points) -> Mask:
+        """Pins that sit on a neighbour with the better claim: not lost before, then nearer to where it was expected."""
+        gap = place[:, None] - place[self._beside]
+        same = (gap**2).sum(axis=2) * np.pi < self._area_px[:, None]
+        rank = np.lexsort((np.hypot(*(place - expected).T), self._lost)).argsort()
+        return np.asarray((same & (rank[:, None] > rank[self._beside])).any(axis=1))
+
+    def _search(self, grey: Grey, expected: Points, spacing: NDArray[np.float64]) -> tuple[Points, Points, Mask]:
+        """Place, area and whether seen, of each pin, from all pins of the frame."""
+        try:
+            pins = find_pins(grey, self._settings)
+        except PinsError:
+            return expected, self._area_px, np.zeros(len(expected), bool)
+        rows = best_follow(self._place_px, expected, pins.centroids_px, self._beside, spacing)
+        seen = rows >= 0
+        place = np.where(seen[:, None], pins.centroids_px[rows], expected)
+        return place, np.where(seen, pins.area_px[rows], self._area_px), seen
+
+    def _need_start(self) -> None:
+        if not self._n:
+            raise PinsError("PinTracker", wanted="start(image) first", found="no first frame", do="Call start once.")
+
+
+def _spacing_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
+    gap = place[:, None] - place[beside]
+    spacing: NDArray[np.float64] = np.sqrt((gap**2).sum(axis=2).min(axis=1))
+    return spacing

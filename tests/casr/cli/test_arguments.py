@@ -1,0 +1,55 @@
+"""Options: what they accept is what the modules accept, and wrong ones are refused in words."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from casr.cli import arguments, bench, main, score
+
+HEAVY = ("numpy", "cv2", "numba", "tifffile", "matplotlib")
+
+
+def test_choices_are_those_of_the_modules() -> None:
+    from casr.contact_area import RULES
+    from casr.flow.step import ENGINES
+    from casr.spread import AREA_LAWS, RATE_RULES
+
+    assert arguments.ENGINES == ENGINES
+    assert arguments.AREA_RULES == RULES
+    assert score.AREA_LAWS == AREA_LAWS
+    assert score.RATE_RULES == RATE_RULES
+    assert bench.KINDS
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = f"import sys; from casr.cli import parser; parser(); print([m for m in {HEAVY} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["area", "x", "--frames", "3"], "two different frame numbers"),
+        (["area", "x", "--frames", "3,3"], "two different frame numbers"),
+        (["area", "x", "--frames", "-1,3"], "--frames"),
+        (["area", "x", "--threshold-px", "0"], "above 0"),
+        (["score", "x", "--start-n", "nan"], "wanted 1 number"),
+        (["simulate", "x", "--repetitions", "0"], "whole number from 1"),
+        (["simulate", "x", "--angles", "0;30"], "commas"),
+        (["score", "x", "--engine", "lucas-kanade"], "pin-affine"),
+    ],
+)
+def test_wrong_options_are_refused(words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(words)
+    assert stopped.value.code == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_json_knows_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments.print_json({"a": [float("nan"), 1.5], "b": float("inf")})
+    assert capsys.readouterr().out.split() == ["{", '"a":', "[", "null,", "1.5", "],", '"b":', "null", "}"]

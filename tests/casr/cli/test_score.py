@@ -1,0 +1,92 @@
+"""``casr score``: one press, many presses, what comes out and with which exit status."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from casr.cli import main
+
+Captured = pytest.CaptureFixture[str]
+
+
+def test_one_press_for_people(presses: Path, capsys: Captured) -> None:
+    assert main(["score", str(presses / "S5_00deg_01")]) == 0
+    out = capsys.readouterr().out
+    for word in ("S5_00deg_01", "A_c0", "growth", "CASR", "mm2/N", "pin-affine"):
+        assert word in out
+
+
+def test_json_is_all_there_is_on_the_standard_output(presses: Path, capsys: Captured) -> None:
+    assert main(["score", str(presses / "S5_00deg_01"), "--json"]) == 0
+    captured = capsys.readouterr()
+    found = json.loads(captured.out)
+    assert found["area_unit"] == "mm2"
+    assert len(found["area"]) == len(found["frames"])
+    assert found["rate"]["value"] > 0
+
+
+def test_growth_is_the_truth(presses: Path, capsys: Captured) -> None:
+    folder = presses / "S1_00deg_02"
+    assert main(["score", str(folder), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    truth = json.loads((folder / "truth.json").read_text())["truth"]
+    area = truth["area_mm2"]
+    true_growth = area[found["frames"][-1]] / area[found["frames"][0]]
+    assert found["area"][-1] / found["area"][0] == pytest.approx(true_growth, rel=0.05)
+
+
+def test_a_bad_press_does_not_stop_the_others(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    folder = tmp_path / "some"
+    shutil.copytree(presses, folder)
+    (folder / "S1_00deg_02" / "frames.tif").write_bytes(b"II*\0 cut off")
+    page = tmp_path / "index.html"
+    assert main(["score", str(folder), "--page", str(page)]) == 1
+    captured = capsys.readouterr()
+    assert captured.out.count("mm2/N") == 3
+    assert "not scored: S1_00deg_02" in captured.err
+    text = page.read_text(encoding="utf-8")
+    assert "Not scored: S1_00deg_02" in text
+    assert sorted(path.name for path in (tmp_path / "index").iterdir()) == [
+        "S1_00deg_01.html", "S5_00deg_01.html", "S5_00deg_02.html",
+    ]  # fmt: skip
+
+
+def test_without_force_there_is_area_but_no_rate(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    shutil.copy(presses / "S5_00deg_01" / "frames.tif", tmp_path / "alone.tif")
+    assert main(["score", str(tmp_path / "alone.tif"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["rate"] is None
+    assert found["area_unit"] == "px2"
+
+
+def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
+    words = ["--page", str(tmp_path / "a" / "one.html"), "--figures", str(tmp_path / "pictures")]
+    assert main(["score", str(presses / "S5_00deg_02"), *words]) == 0
+    page = (tmp_path / "a" / "one.html").read_text(encoding="utf-8")
+    assert page.count("<img") == 6
+    assert "http" not in page.replace("http://www.w3.org", "")
+    names = {path.stem for path in (tmp_path / "pictures").iterdir()}
+    assert names == {"area_over_force", "growth", "pins", "area", "region", "spreading"}
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["{presses}/absent"], "absent"),
+        (["{presses}/S1_00deg_01", "--start-n", "3", "--stop-n", "2"], "--stop-n"),
+        (["{presses}/S1_00deg_01", "--start-n", "20"], "20"),
+        (["{presses}/S1_00deg_01", "--region", "1,2"], "region"),
+        (["{presses}/S1_00deg_01", "--force", "{presses}/none.csv"], "none.csv"),
+        (["{presses}", "--force", "{presses}/S1_00deg_01/force.csv"], "one press"),
+    ],
+)
+def test_unusable_input_is_said_in_one_line(words: list[str], complaint: str, presses: Path, capsys: Captured) -> None:
+    assert main(["score", *(word.format(presses=presses) for word in words)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("casr: ")
+    assert complaint in error
+    assert len(error.splitlines()) == 1

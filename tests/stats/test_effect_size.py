@@ -1,0 +1,65 @@
+"""Effect sizes: definitions, and intervals that give back the tail they were asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from emg2vsa.stats.anova import one_way
+from emg2vsa.stats.effect_size import cohens_f, epsilon2, eta2, eta2_interval, hedges_g, omega2
+
+
+def test_shares_of_variance_from_the_sums_of_squares() -> None:
+    anova = one_way(np.random.default_rng(1).standard_normal((4, 9)) + np.arange(4)[:, None] * 0.7)
+    f, df1, df2 = anova.f[0], 3, 32
+    within = anova.sd[0] ** 2 * df2
+    between = f * df1 * anova.sd[0] ** 2
+    total, ms = between + within, anova.sd[0] ** 2
+    assert eta2(f, df1, df2) == pytest.approx(between / total, rel=1e-13)
+    assert omega2(f, df1, df2) == pytest.approx((between - df1 * ms) / (total + ms), rel=1e-12)
+    assert epsilon2(f, df1, df2) == pytest.approx((between - df1 * ms) / total, rel=1e-12)
+    assert cohens_f(0.2) == pytest.approx(0.5)
+
+
+@given(st.floats(0.01, 200), st.integers(1, 20), st.integers(2, 200), st.floats(0.5, 0.99))
+@settings(max_examples=60, deadline=None)
+def test_ends_of_the_eta2_interval_leave_the_tails(f: float, df1: int, df2: int, confidence: float) -> None:
+    low, high = eta2_interval(f, df1, df2, confidence)
+    tail, total = (1 - confidence) / 2, df1 + df2 + 1
+    for share, probability in ((low, 1 - tail), (high, tail)):
+        if share > 1e-9:
+            found = stats.ncf.cdf(f, df1, df2, share * total / (1 - share))
+            assert found == pytest.approx(probability, abs=1e-8)
+        else:
+            assert stats.f.cdf(f, df1, df2) <= probability + 1e-8
+
+
+def test_the_notes_example() -> None:
+    low, high = eta2_interval(5.23, 4, 45)
+    assert eta2(5.23, 4, 45) == pytest.approx(0.32, abs=0.005)
+    assert (round(float(low), 2), round(float(high), 2)) == (0.06, 0.46)
+
+
+@given(st.floats(-20, 20), st.integers(2, 40), st.integers(2, 40))
+@settings(max_examples=60, deadline=None)
+def test_ends_of_the_g_interval_leave_the_tails(t: float, n1: int, n2: int) -> None:
+    g, low, high = hedges_g(t, n1, n2)
+    df, unit = n1 + n2 - 2, float(hedges_g(1.0, n1, n2)[0])
+    assert g == pytest.approx(t * unit, abs=1e-12)
+    assert low <= g <= high
+    assert stats.nct.cdf(t, df, low / unit) == pytest.approx(0.975, abs=1e-7)
+    assert stats.nct.cdf(t, df, high / unit) == pytest.approx(0.025, abs=1e-7)
+
+
+def test_g_corrects_d() -> None:
+    g, _, _ = hedges_g(2.0, 10, 10)
+    assert float(g) == pytest.approx(2.0 * np.sqrt(0.2) * (1 - 3 / (4 * 18 - 1)), rel=1e-3)
+
+
+def test_undefined_and_infinite() -> None:
+    np.testing.assert_array_equal(eta2_interval([np.nan, np.inf], 3, 20)[1], [np.nan, 1.0])
+    np.testing.assert_array_equal(eta2([np.nan, np.inf], 3, 20), [np.nan, 1.0])
+    assert np.isnan(hedges_g(np.nan, 5, 5)[1])
