@@ -13,6 +13,7 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import time
 from pathlib import Path
 
 import cv2
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 
 from benchmarks.optical_flow_data import DATA
 from casr.bench.table import Cell, Table
-from casr.bench.timing import best_times, one_thread, processor_time
+from casr.bench.timing import best_times, one_thread
 from casr.errors import CasrError
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
 from casr.flow.region import Region
@@ -30,7 +31,7 @@ from casr.images import as_grey
 from casr.pins import PinTracker, detect_pins
 
 FLAT_PRESS = "tactip127_flat_press_640x480"
-CENTRE_PX, RADIUS_PX = (324.0, 240.0), 60.0
+CENTRE_PX, CORES_PX = (324.0, 240.0), (48.0, 60.0)
 SETS = {
     FLAT_PRESS: 127,
     "tactip127_shapes_300x300": 127,
@@ -56,7 +57,16 @@ def pins_table() -> Table:
         sample = images[:: max(1, len(images) // TIMED_FRAMES)]
         time_s = best_times({name: lambda sample=sample: [count_pins(image) for image in sample]}, n_repeats=5)[name]  # type: ignore[misc]
         exact = 100 * float(np.mean(counts == n_pins))
-        rows.append([name, len(images), n_pins, *map(int, np.percentile(counts, [0, 50, 100])), exact, 1e3 * time_s / len(sample)])
+        rows.append(
+            [
+                name,
+                len(images),
+                n_pins,
+                *map(int, np.percentile(counts, [0, 50, 100])),
+                exact,
+                1e3 * time_s / len(sample),
+            ]
+        )
     columns = (("set", ""), ("frames", "d"), ("pins", "d"), ("fewest", "d"), ("median", "d"), ("most", "d"))
     return Table("pins", "Pins found with default settings", (*columns, ("exact %", ".0f"), ("ms", ".2f")), rows)
 
@@ -75,34 +85,43 @@ def image_paths(folder: Path) -> list[Path]:
 
 
 def growth_table() -> Table:
-    """Logarithm of the factor by which a circle of skin grows over the flat press."""
+    """Logarithm of the factor by which circles of skin grow over the flat press."""
     frames = list(open_frames(DATA / "tactile" / FLAT_PRESS))
-    hull = hull_growth(frames)
-    rows: list[list[Cell]] = [["hull of the pins, first to last frame", None, hull, 0.0]]
+    hulls = hull_growths(frames)
+    rows: list[list[Cell]] = [
+        ["hull of the pins, first to last", None, *[cell for hull in hulls for cell in (hull, 0.0)]]
+    ]
     for engine in ENGINES:
-        found: list[float] = []
-        seconds = processor_time(lambda engine=engine, found=found: found.append(summed_growth(frames, engine)))  # type: ignore[misc]
-        rows.append([f"{engine}, summed", 1e3 * seconds / (len(frames) - 1), found[0], 100 * (found[0] / hull - 1)])
-    columns = (("", ""), ("ms per step", ".2f"), ("log growth", ".3f"), ("% of hull", "+.1f"))
-    note = f"Circle of {RADIUS_PX:g} px around ({CENTRE_PX[0]:g}, {CENTRE_PX[1]:g}); two of the steps move 4 to 5 px."
-    return Table("flat_press", f"Real flat press, {len(frames)} frames", columns, rows, (note,))
+        start_s = time.process_time()
+        growths = [summed_growth(frames, engine, core_px) for core_px in CORES_PX]
+        step_ms = 1e3 * (time.process_time() - start_s) / (len(CORES_PX) * (len(frames) - 1))
+        cells = [
+            cell for growth, hull in zip(growths, hulls, strict=True) for cell in (growth, 100 * (growth / hull - 1))
+        ]
+        rows.append([f"{engine}, summed over the steps", step_ms, *cells])
+    columns = [column for core in CORES_PX for column in ((f"r < {core:g} px", ".3f"), ("% of hull", "+.1f"))]
+    note = f"Circles around ({CENTRE_PX[0]:g}, {CENTRE_PX[1]:g}); two of the steps move 4 to 5 px."
+    title = f"Growth of a real flat press, {len(frames)} frames: ln of the area ratio"
+    return Table("flat_press", title, (("", ""), ("ms per step", ".2f"), *columns), rows, (note,))
 
 
-def summed_growth(frames: list[NDArray[np.uint8]], engine: str) -> float:
-    """Sum of the logarithmic growth of the region over all steps."""
-    tracker = FlowTracker(FlowSettings(engine=engine))
-    tracker.start(frames[0], Region.circle(*CENTRE_PX, RADIUS_PX))
+def summed_growth(frames: list[NDArray[np.uint8]], engine: str, core_px: float) -> float:
+    """Sum over all steps of the logarithmic growth of a circle that is the core of its region."""
+    settings = FlowSettings(engine=engine)
+    tracker = FlowTracker(settings)
+    tracker.start(frames[0], Region.circle(*CENTRE_PX, core_px / settings.core_fraction))
     return sum(tracker.step(frame).log_growth for frame in frames[1:])
 
 
-def hull_growth(frames: list[NDArray[np.uint8]]) -> float:
-    """The same from the ends alone: the convex hull of the pins that start inside the circle."""
+def hull_growths(frames: list[NDArray[np.uint8]]) -> list[float]:
+    """The same from the ends alone: the convex hull of the pins that start inside each circle."""
     tracker = PinTracker()
     first = tracker.start(frames[0]).centroids_px
     for frame in frames[1:]:
         last = tracker.step(frame)
-    inside = np.hypot(*(first - CENTRE_PX).T) < RADIUS_PX
-    return float(np.log(Region.from_points(last[inside]).area_px2 / Region.from_points(first[inside]).area_px2))
+    distance_px = np.hypot(*(first - CENTRE_PX).T)
+    hulls = [(Region.from_points(p[distance_px < core_px]) for p in (first, last)) for core_px in CORES_PX]
+    return [float(np.log(after.area_px2 / before.area_px2)) for before, after in hulls]
 
 
 if __name__ == "__main__":

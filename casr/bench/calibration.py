@@ -29,8 +29,8 @@ class Calibration:
 def calibrated(casr: NDArray[Any], kappa_n_mm: NDArray[Any]) -> Calibration:
     """Least squares in kappa, by Gauss-Newton from the straight line through ln kappa.
 
-    Scores are centred and scaled for the arithmetic, so that their unit does not matter. CASR that is the same for every
-    press says nothing about stiffness: both numbers are NaN.
+    Scores are centred and scaled for the arithmetic, so that their unit does not matter. CASR that is the same for
+    every press, or unknown for one, says nothing about stiffness: both numbers are NaN.
     """
     casr = np.asarray(casr, dtype=np.float64)
     centre, spread = casr.mean(), casr.std()

@@ -43,7 +43,8 @@ def cube_derivatives(first: Field, second: Field) -> tuple[Field, Field, Field]:
     both = low + high
     across, down, after = both[:, 1:] - both[:, :-1], both[1:] - both[:-1], high - low
     four = after[:-1, :-1] + after[:-1, 1:] + after[1:, :-1] + after[1:, 1:]
-    return (across[:-1] + across[1:]) / 4, (down[:, :-1] + down[:, 1:]) / 4, four / 4
+    quarter = np.float32(0.25)
+    return quarter * (across[:-1] + across[1:]), quarter * (down[:, :-1] + down[:, 1:]), quarter * four
 
 
 def relaxed(ix: Field, iy: Field, it: Field, *, alpha: float, n_iterations: int) -> Field:
@@ -58,7 +59,7 @@ def relaxed(ix: Field, iy: Field, it: Field, *, alpha: float, n_iterations: int)
 
 
 def neighbour_mean(field: Field) -> Field:
-    """Weights 1/6 for the four nearest and 1/12 for the diagonal neighbours (section 8), inner means copied outwards."""
+    """Weights 1/6 for the nearest and 1/12 for the diagonal neighbours (section 8); inner means are copied outwards."""
     near = field[:-2, 1:-1] + field[2:, 1:-1] + field[1:-1, :-2] + field[1:-1, 2:]
     diagonal = field[:-2, :-2] + field[:-2, 2:] + field[2:, :-2] + field[2:, 2:]
     return np.pad(near / np.float32(6) + diagonal / np.float32(12), 1, mode="edge")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from itertools import cycle, islice
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from casr.bench.metrics import percent_error, sample_sd
 from casr.bench.scoring_time import scoring_time_table
 from casr.bench.table import Cell, Table
-from casr.bench.timing import one_thread, peak_memory_mb, processor_time
+from casr.bench.timing import one_thread, peak_memory_mb
 from casr.errors import CasrError
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
 from casr.flow.horn_schunck import HornSchunckSettings, horn_schunck
@@ -93,7 +94,9 @@ def scene_table(n_seeds: int) -> Table:
     rows: list[list[Cell]] = []
     for name, appearance in SCENES.items():
         pairs = [contact_pair(RIM_MOTION_PX, seed, appearance=appearance) for seed in range(n_seeds)]
-        rows.append([name, *[cell for engine in ENGINES for cell in mean_sd(errors(FlowSettings(engine=engine), pairs))]])
+        rows.append(
+            [name, *[cell for engine in ENGINES for cell in mean_sd(errors(FlowSettings(engine=engine), pairs))]]
+        )
     columns = [column for engine in ENGINES for column in ((engine, "+.2f"), ("sd", ".2f"))]
     note = "Mean and standard deviation over seeds; '-': the engine found too little to go by, and said so."
     title = "Error of the divergence in % by scene, rim motion 1 px; grey levels"
@@ -110,21 +113,23 @@ def streaming_table() -> Table:
         tracker.start(pair.first, region)
         frames = cycle((pair.second, pair.first))
         _stream(tracker, islice(frames, 10))
-        before, shortest = peak_memory_mb(), float("inf")
+        before_mb, times_s = peak_memory_mb(), []
         memory: list[Cell] = []
         for n_frames in STREAMED_FRAMES:
-            seconds = processor_time(lambda n=n_frames: _stream(tracker, islice(frames, n)))  # type: ignore[misc]
-            shortest = min(shortest, seconds / n_frames)
-            memory.append(None if before is None else peak_memory_mb() - before)  # type: ignore[operator]
-        rows.append([engine, 1e3 * shortest, *memory])
+            times_s.append(_stream(tracker, islice(frames, n_frames)) / n_frames)
+            memory.append(peak_memory_mb() - before_mb)
+        rows.append([engine, 1e3 * min(times_s), *memory])
     grown = tuple((f"MB after {n}", ".1f") for n in STREAMED_FRAMES)
     title = "Streaming: processor time per frame, and how far peak memory grew while frames came in"
     return Table("streaming", title, (("engine", ""), ("ms", ".2f"), *grown), rows)
 
 
-def _stream(tracker: FlowTracker, frames: islice[NDArray[np.uint8]]) -> None:
+def _stream(tracker: FlowTracker, frames: Iterator[NDArray[np.uint8]]) -> float:
+    """Processor time of these steps, s."""
+    start = time.process_time()
     for frame in frames:
         tracker.step(frame)
+    return time.process_time() - start
 
 
 def errors(settings: FlowSettings, pairs: Sequence[FlowPair]) -> list[float]:

@@ -4,62 +4,46 @@ from __future__ import annotations
 
 from itertools import cycle
 
-import numpy as np
-from numpy.typing import NDArray
-
 from casr.bench.method import Image, Method
 from casr.bench.timing import Run
-from casr.flow.dense_engine import SUPPORT_PX
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings
 from casr.flow.pin_affine import Affine, fit_affine
 from casr.flow.region import Region
 from casr.pins import PinTracker, detect_pins, match_pins, pin_pitch_px
 
 CONTACT_OVER_CORE = 1.25
-"The core is 0.8 of the contact, which the engine solves with a margin around it."
+"The core is 0.8 of the contact."
 HALF_A_PITCH = 0.5
 
 
 def ours() -> list[Method]:
     """Every engine that was written here."""
-    return [*dense(), *on_pins()]
-
-
-def dense() -> list[Method]:
-    """Flow of whole frames."""
     return [
-        Method("Horn-Schunck, whole frame", _whole_frame, ours=True),
+        horn_schunck_method("Horn-Schunck, whole frame", HornSchunckSettings()),
         Method("Horn-Schunck, contact only", _contact_only, ours=True),
-    ]
-
-
-def on_pins() -> list[Method]:
-    """Affine motion of the pins in the core."""
-    return [
         Method("pin-affine, pins found in both frames", _detected, ours=True),
         Method("pin-affine, pins followed", _followed, ours=True),
     ]
 
 
-def _whole_frame(first: Image, second: Image, core: Region) -> Run:
-    solver = HornSchunck(HornSchunckSettings())
-    solver.start(first)
-    # there and back again: every timed step sees a frame that moved, with the frame before already prepared
-    frames = cycle((second, first))
-    return lambda: solver.step(next(frames))
+def horn_schunck_method(name: str, settings: HornSchunckSettings) -> Method:
+    """The dense solver on whole frames, the frame before already prepared."""
+
+    def prepare(first: Image, second: Image, core: Region) -> Run:
+        solver = HornSchunck(settings)
+        solver.start(first)
+        # there and back again, so that every timed step sees a frame that moved
+        frames = cycle((second, first))
+        return lambda: solver.step(next(frames))
+
+    return Method(name, prepare, ours=True)
 
 
 def _contact_only(first: Image, second: Image, core: Region) -> Run:
-    solver = HornSchunck(HornSchunckSettings())
+    solver = HornSchunck()
     solver.start(first)
-    frames, roi = cycle((second, first)), core.scaled(CONTACT_OVER_CORE).box(first.shape, margin_px=SUPPORT_PX)
-    flow = np.zeros((*first.shape, 2), dtype=np.float32)
-
-    def step() -> NDArray[np.float32]:
-        flow[roi] = solver.step(next(frames), roi)
-        return flow
-
-    return step
+    frames, roi = cycle((second, first)), core.scaled(CONTACT_OVER_CORE).box(first.shape, margin_px=1)
+    return lambda: solver.step(next(frames), roi)
 
 
 def _followed(first: Image, second: Image, core: Region) -> Run:

@@ -1,4 +1,4 @@
-"""Other people's dense optical flow, called the way their documentation says; those that are absent are named as such."""
+"""Other people's dense optical flow, called the way their documentation says."""
 
 from __future__ import annotations
 

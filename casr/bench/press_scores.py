@@ -1,4 +1,4 @@
-"""One simulated press, rendered once, through every engine; areas and rates of all rules from the pieces of each score."""
+"""One simulated press, rendered once, through every engine; the rules' areas and rates from the pieces of its score."""
 
 from __future__ import annotations
 
@@ -95,10 +95,12 @@ def _judge(result: PressScores, engine: str, found: Score, press: SimulatedPress
 
 
 def _initial_areas(result: PressScores, found: Score, press: SimulatedPress) -> dict[str, float]:
+    camera = press.settings.camera
     areas = {TRUE_AREA: float(press.truth.area_mm2[found.frames[0]])}
     for rule in RULES:
         try:
-            areas[rule] = initial_area(found.rest, found.contact_px, camera=press.settings.camera, rule=rule).area_mm2
+            initial = initial_area(found.rest, found.contact_px, camera=camera, rule=rule)
+            areas[rule] = initial.area_px2 * camera.mm2_per_px2
         except CasrError as error:
             result.failures.append(f"{rule}: {error}")
     return areas

@@ -1,4 +1,4 @@
-"""``casr bench presses``: from frames to stiffness on simulated presses whose contact area, growth and CASR are known."""
+"""``casr bench presses``: from frames to stiffness on simulated presses whose areas, growth and CASR are known."""
 
 from __future__ import annotations
 
@@ -54,7 +54,9 @@ def area_table(results: Sequence[PressScores]) -> Table:
     for rule in RULES:
         errors = [[r.area_error_percent[rule] for r in results if r.angle_deg == angle] for angle in ANGLES_DEG]
         rows.append([rule, *[number for at in errors for number in median_sd(at)]])
-    return Table("press_initial_area", "Initial area A_c0: median error and standard deviation, %", _by_angle("rule"), rows)
+    return Table(
+        "press_initial_area", "Initial area A_c0: median error and standard deviation, %", _by_angle("rule"), rows
+    )
 
 
 def growth_table(results: Sequence[PressScores]) -> Table:
@@ -74,20 +76,22 @@ def chain_table(results: Sequence[PressScores], failures: Sequence[str] = ()) ->
     rows: list[list[Cell]] = [_chain_row(results, chain, *errors[chain]) for chain in CHAINS]
     truth = stiffness_errors(results, None)
     rows.append(["(true CASR)", "", "", "slope", 0.0, 0.0, *truth[0], worst(truth[0]), worst(truth[1])])
-    columns = (("engine", ""), ("area", ""), ("law", ""), ("rate", ""), ("CASR %", "+.1f"), ("sd", ".1f"))
-    columns += tuple((f"kappa {angle:g}° %", "+.1f") for angle in ANGLES_DEG) + (("worst", ".1f"), ("left out", ".1f"))
+    columns = [("engine", ""), ("area", ""), ("law", ""), ("rate", ""), ("CASR %", "+.1f"), ("sd", ".1f")]
+    columns += [*((f"kappa {angle:g}° %", "+.1f") for angle in ANGLES_DEG), ("worst", ".1f"), ("left out", ".1f")]
     notes = (
         "CASR: median error against the truth of the same rate rule over all presses, and its standard deviation.",
-        f"kappa: error on {UNKNOWN} (5.32 N/mm) after calibration on {', '.join(CALIBRATION)}, the mean of its presses.",
+        f"kappa: error on {UNKNOWN} (5.32 N/mm) from the mean of its presses, calibrated on {', '.join(CALIBRATION)}.",
         "left out: largest error at any angle when each specimen in turn is the unknown one (S1 and S5 extrapolate).",
         "(true CASR): what an exponential through three specimens costs when CASR is exact.",
         recommendation(results, errors),
         *failures,
     )
-    return Table("press_chains", "From frames to stiffness", columns, rows, notes)
+    return Table("press_chains", "From frames to stiffness", tuple(columns), rows, notes)
 
 
-def _chain_row(results: Sequence[PressScores], chain: Chain, at_angle: list[float], left_out: list[float]) -> list[Cell]:
+def _chain_row(
+    results: Sequence[PressScores], chain: Chain, at_angle: list[float], left_out: list[float]
+) -> list[Cell]:
     return [*chain, *median_sd(casr_errors(results, chain)), *at_angle, worst(at_angle), worst(left_out)]
 
 
@@ -97,7 +101,7 @@ def casr_errors(results: Sequence[PressScores], chain: Chain) -> list[float]:
 
 
 def stiffness_errors(results: Sequence[PressScores], chain: Chain | None) -> tuple[list[float], list[float]]:
-    """Error on the unknown specimen at each angle, and on each specimen in turn at each angle, percent; None is the truth."""
+    """Error on the unknown specimen at each angle, and on each in turn, percent. Chain None is true CASR."""
     unknown, left_out = [], []
     for angle in ANGLES_DEG:
         casr = _casr(results, chain, angle)

@@ -1,4 +1,4 @@
-"""What a user waits for: a press on disk to its score, in a warm process, as a command, and as the very first command."""
+"""What a user waits for: a press on disk to its score, in a warm process, as a command, and the first time ever."""
 
 from __future__ import annotations
 
@@ -34,12 +34,20 @@ def scoring_time_table(n_commands: int = 3) -> Table:
             first = _command_s(press, engine, fresh)
             later = min(_command_s(press, engine, fresh) for _ in range(n_commands))
             rows.append([engine, times[engine], 1e3 * times[engine] / n_frames, later, first])
-    columns = (("engine", ""), ("score s", ".3f"), ("ms per frame", ".2f"), ("command s", ".2f"), ("first ever s", ".2f"))
+    columns = (
+        ("engine", ""),
+        ("score s", ".3f"),
+        ("ms per frame", ".2f"),
+        ("command s", ".2f"),
+        ("first ever s", ".2f"),
+    )
     notes = (
         "score: in a process that has scored before. command: 'casr score', imports and loading of kernels included.",
         "first ever: the same command when no kernel was compiled before.",
     )
-    return Table("scoring_time", f"A press of {n_frames} frames on disk to its score, processor time", columns, rows, notes)
+    return Table(
+        "scoring_time", f"A press of {n_frames} frames on disk to its score, processor time", columns, rows, notes
+    )
 
 
 def _warm(press: Path, engine: str) -> Run:

@@ -18,7 +18,7 @@ class Table:
     ----------
     name : file name without suffix.
     title : one line above.
-    columns : heading and format of each, e.g. ``("ms", ".2f")``; text is left aligned in the first, right in the others.
+    columns : heading and format of each, e.g. ``("ms", ".2f")``; the first is left aligned, the others right.
     rows : one cell per column; None where a method does not give the number.
     notes : lines below.
     """

@@ -52,12 +52,12 @@ def processor_time(run: Run, n_calls: int = 1) -> float:
     return time.process_time() - start
 
 
-def peak_memory_mb() -> float | None:
-    """Most memory this process ever held, MB; None on systems that do not say."""
+def peak_memory_mb() -> float:
+    """Most memory this process ever held, MB; NaN on systems that do not say."""
     try:
         resource = import_module("resource")
     except ImportError:
-        return None
+        return float("nan")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     # macOS counts bytes, Linux KiB
     return float(peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6)

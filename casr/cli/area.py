@@ -12,6 +12,7 @@ from casr.cli.arguments import (
     add_command,
     add_frames,
     add_json,
+    add_threshold,
     frame_pair,
     open_sequence,
     positive,
@@ -41,10 +42,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
     )
-    parser.add_argument(
-        "--threshold-px", type=positive, default=2.0, metavar="PX",
-        help="a pin that moved farther is in contact (default %(default)s)",
-    )  # fmt: skip
+    add_threshold(parser)
     add_json(parser)
     parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
 

@@ -34,12 +34,23 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
     kinds = "a folder of PNGs, a TIFF, AVI or .npy file, or a press folder (frames, force.csv, camera.toml)"
     parser.add_argument("path", type=Path, metavar=metavar, help=help or kinds)
     parser.add_argument("--force", type=Path, metavar="FILE", help="force log, CSV: time_s,force_n,frame_index")
+    parser.add_argument(
+        "--force-column", default="force_n", metavar="NAME", help="column of the log to take (default %(default)s)"
+    )
     parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.toml; without one areas are in px²")
 
 
 def add_engine(parser: Group) -> None:
     """How motion between frames is measured."""
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="motion estimate (default %(default)s)")
+
+
+def add_threshold(parser: Group) -> None:
+    """Which pins count as moved."""
+    parser.add_argument(
+        "--threshold-px", type=positive, default=2.0, metavar="PX",
+        help="a pin that moved farther from rest is in contact (default %(default)s)",
+    )  # fmt: skip
 
 
 def add_json(parser: Group) -> None:
@@ -51,7 +62,9 @@ def open_sequence(arguments: argparse.Namespace, path: Path | None = None) -> Fr
     """The frames that were asked for."""
     from casr.frame_files import open_frames
 
-    return open_frames(path or arguments.path, force=arguments.force, camera=arguments.camera)
+    return open_frames(
+        path or arguments.path, force=arguments.force, camera=arguments.camera, column=arguments.force_column
+    )
 
 
 def say_notes(notes: Iterable[str], name: str = "") -> None:
@@ -71,6 +84,13 @@ def frame_pair(text: str) -> tuple[int, int]:
     if first == second or min(first, second) < 0 or not (first.is_integer() and second.is_integer()):
         raise argparse.ArgumentTypeError(f"wanted two different frame numbers from 0, such as 0,12; found {text!r}")
     return int(first), int(second)
+
+
+def html_file(text: str) -> Path:
+    """A file name that ends in .html; pages of several presses go into a folder named without it."""
+    if not text.lower().endswith(".html"):
+        raise argparse.ArgumentTypeError(f"wanted a file name that ends in .html; found {text!r}")
+    return Path(text)
 
 
 def numbers(text: str, count: int | None = None) -> tuple[float, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from casr.cli.arguments import Commands, add_command
+from casr.cli.arguments import Commands, add_command, whole_number
 
 KINDS = ("flow", "presses", "numerics")
 
@@ -21,11 +21,23 @@ def add_to(commands: Commands) -> None:
         "Other libraries take part where they are installed.",
     )
     parser.add_argument("what", choices=KINDS, nargs="?", default="flow", help="default %(default)s")
+    parser.add_argument("--seeds", type=whole_number, default=6, metavar="N", help="flow, numerics: pairs (default 6)")
+    parser.add_argument(
+        "--repetitions", type=whole_number, default=10, metavar="N",
+        help="presses: of each specimen and angle (default 10)",
+    )  # fmt: skip
+    parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help="presses: processes (default 1)")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write the tables and plots there too")
 
 
 def run(arguments: argparse.Namespace) -> int:
     from casr.bench import run as measure
 
-    measure(arguments.what, arguments.out)
+    measure(
+        arguments.what,
+        arguments.out,
+        n_seeds=arguments.seeds,
+        n_repetitions=arguments.repetitions,
+        n_jobs=arguments.jobs,
+    )
     return 0

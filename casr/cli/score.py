@@ -14,6 +14,8 @@ from casr.cli.arguments import (
     add_engine,
     add_frames,
     add_json,
+    add_threshold,
+    html_file,
     open_sequence,
     positive,
     print_json,
@@ -54,6 +56,7 @@ def add_to(commands: Commands) -> None:
         "--rate", choices=RATE_RULES, default=RATE_RULES[0],
         help="CASR: slope of area on force, or paper, eq. (2) as printed (default %(default)s)",
     )  # fmt: skip
+    add_threshold(method)
     method.add_argument(
         "--region", metavar="X,Y,R", help="contact circle, px (default: found from the pins that moved)"
     )
@@ -64,7 +67,10 @@ def add_to(commands: Commands) -> None:
     output = parser.add_argument_group("output")
     add_json(output)
     output.add_argument(
-        "--page", type=Path, metavar="FILE", help="write an HTML page; of several presses, an index and a page for each"
+        "--page",
+        type=html_file,
+        metavar="FILE.html",
+        help="write a page; of several presses, an index and a page for each",
     )
     output.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
 
@@ -101,6 +107,7 @@ def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
         area_rule=arguments.area,
         area_law=arguments.law,
         rate_rule=arguments.rate,
+        threshold_px=arguments.threshold_px,
         force_start_n=arguments.start_n,
         force_stop_n=arguments.stop_n,
         region=Region.parse(arguments.region) if arguments.region else None,

@@ -87,7 +87,7 @@ def _planned(arguments: argparse.Namespace) -> dict[str, PressSettings]:
     """Name to settings of every press."""
     from casr.synthetic import SPECIMENS, Appearance, PressSettings, TimelineSettings
 
-    _check_specimens(arguments.specimens, SPECIMENS)
+    _check(arguments, SPECIMENS, start_n=TimelineSettings.start_n)
     appearance = Appearance(
         noise_grey=arguments.noise_grey, texture_grey=arguments.texture_grey, dirt_grey=arguments.dirt_grey,
         n_glare=arguments.glare, n_missing=arguments.missing_pins,
@@ -103,14 +103,24 @@ def _planned(arguments: argparse.Namespace) -> dict[str, PressSettings]:
     }  # fmt: skip
 
 
-def _check_specimens(asked: tuple[str, ...], known: dict[str, float]) -> None:
+def _check(arguments: argparse.Namespace, known: dict[str, float], start_n: float) -> None:
     from casr.errors import SettingError
 
-    unknown = [name for name in asked if name not in known]
+    unknown = [name for name in arguments.specimens if name not in known]
     if unknown:
         raise SettingError(
             "--specimens", wanted=f"specimens of the paper, {', '.join(known)}", found=", ".join(unknown),
             do="Check the spelling.",
+        )  # fmt: skip
+    if not all(0 <= angle < 90 for angle in arguments.angles):
+        raise SettingError(
+            "--angles", wanted="degrees from 0 to below 90", found=", ".join(f"{a:g}" for a in arguments.angles),
+            do="The paper presses at 0, 30 and 45.",
+        )  # fmt: skip
+    if arguments.force_max_n <= start_n:
+        raise SettingError(
+            "--force-max-n", wanted=f"more than the force of first contact, {start_n:g} N",
+            found=f"{arguments.force_max_n:g} N", do="The paper presses up to 7 N.",
         )  # fmt: skip
 
 

@@ -20,27 +20,28 @@ def edge_rule(motion: PinMotion, camera: Camera | None) -> InitialArea | str:
     if not motion.displacement_px.any():
         return "no pin moved"
     edge = fit_edge(motion.rest_px, motion.displacement_px, motion.pitch_px)
+    if (doubt := _doubt(edge)) is not None:
+        return doubt
     shift = np.median(motion.contact_px - motion.rest_px - motion.displacement_px, axis=0)
     # inside the edge the rest frame is stretched about the centre, so this is the same piece of skin
     grow = 1 + edge.stretch
     x_px, y_px = (edge.centre_px + shift).tolist()
     region = Region.ellipse(x_px, y_px, edge.a_px * grow, edge.b_px * grow, turn_deg=edge.turn_deg)
     inside = region.contains(motion.contact_px)
-    if (doubt := _doubt(edge, int(inside.sum()), motion.ids.size)) is not None:
-        return doubt
-    notes = (f"Contact edge fitted to {motion.ids.size} pins: area good to {100 * edge.area_error:.0f} % (1 sd).",)
+    if not 3 <= inside.sum() <= motion.ids.size / 2:
+        return f"{int(inside.sum())} of {motion.ids.size} pins would lie inside"
+    spread = f"noise moves its area by {100 * edge.area_error:.1f} % (1 sd)"
+    notes = (f"Contact edge fitted to {motion.ids.size} pins: {spread}.",)
     return _within(region, motion, camera, "edge", inside, notes)
 
 
-def _doubt(edge: ContactEdge, inside: int, n_pins: int) -> str | None:
+def _doubt(edge: ContactEdge) -> str | None:
     if edge.explained < MIN_EXPLAINED:
         return f"only {100 * max(edge.explained, 0):.0f} % of the motion has the form of a contact"
     if not edge.area_error <= MAX_AREA_ERROR:
         return f"its area would be good to {100 * edge.area_error:.0f} % only"
     if edge.stretch <= 0:
         return "pins move towards a centre, not away from it"
-    if inside < 3 or inside > n_pins / 2:
-        return f"{inside} of {n_pins} pins would lie inside"
     return None
 
 

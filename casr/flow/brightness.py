@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from casr.flow.multigrid import A11, KERNEL, put_row
+from casr.flow.multigrid import A11, B1, KERNEL, put_row
 
 
 @njit(**KERNEL)
@@ -59,3 +59,25 @@ def data_term(first, second, cell_px, f, sums):  # type: ignore[no-untyped-def]
                 _add_pairs(sums[0, p], sums[1, p])
                 _add_pairs(sums[1, p], sums[0, p])
                 put_row(f[A11 + p], y, sums[0, p])
+
+
+@njit(**KERNEL)
+def flow_of_cells(f, out):  # type: ignore[no-untyped-def]
+    """Copy the flow of a level into out, (rows, 2 half, 2)."""
+    for y in range(out.shape[0]):
+        for p in range(2):
+            even, odd, row = f[p, y % 2, y + 1], f[p, 1 - y % 2, y + 1], out[y, :, p]
+            for k in range(even.size - 2):
+                row[2 * k] = even[k + 1]
+                row[2 * k + 1] = odd[k + 1]
+
+
+@njit(**KERNEL)
+def subtract_from_right(f, cells):  # type: ignore[no-untyped-def]
+    """Subtract cells, (rows, 2 half, 2), from the right-hand sides of a level."""
+    for y in range(cells.shape[0]):
+        for p in range(2):
+            even, odd, row = f[B1 + p, y % 2, y + 1], f[B1 + p, 1 - y % 2, y + 1], cells[y, :, p]
+            for k in range(even.size - 2):
+                even[k + 1] -= row[2 * k]
+                odd[k + 1] -= row[2 * k + 1]

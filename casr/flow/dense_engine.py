@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +12,17 @@ from casr.flow.region import Region
 from casr.flow.step import FlowStep
 from casr.images import Grey
 
-SUPPORT_PX = 24.0
+Box = tuple[int, int, int, int]
 
 
 class DenseFlow(Protocol):
     """A dense method that keeps the frame before."""
 
-    def start(self, image: Grey) -> object:
+    def start(self, image: Grey) -> None:
         """Take the first frame."""
 
-    def step(self, image: Grey, roi: tuple[slice, slice]) -> NDArray[np.float32]:
-        """(h, w, 2) flow from the frame before to this one, px, in these rows and columns."""
+    def step(self, image: Grey, roi: Box) -> NDArray[np.floating[Any]]:
+        """(H, W, 2) flow from the frame before to this one, px, good in the box (x0, y0, x1, y1)."""
 
 
 class DenseEngine:
@@ -44,9 +43,7 @@ class DenseEngine:
         self._region = region
 
     def step(self, image: Grey) -> FlowStep:
-        roi = self._region.box(image.shape, margin_px=SUPPORT_PX)
-        corner = np.array([roi[1].start, roi[0].start])
         core = self._region.scaled(self._core_fraction)
-        fit = fit_field(self._method.step(image, roi), Region(core.polygon_px - corner))
-        self._region = self._region.advanced(replace(fit, centre_px=fit.centre_px + corner))
+        fit = fit_field(self._method.step(image, core.box(image.shape)), core)
+        self._region = self._region.advanced(fit)
         return FlowStep(fit.divergence, fit.log_growth, self._region, fit.n)

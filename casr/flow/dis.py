@@ -16,6 +16,7 @@ PRESETS = {
 }
 # below this side OpenCV's pyramid has no level left: an exception, NaN or a crash, depending on the other side
 SHORTEST_SIDE_PX = 40
+SUPPORT_PX = 24
 
 
 def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np.float32]:
@@ -65,9 +66,12 @@ class Dis:
         """Take the first frame."""
         self._before = image
 
-    def step(self, image: Grey, roi: tuple[slice, slice]) -> NDArray[np.float32]:
-        """(h, w, 2) flow from the frame before to this one in these rows and columns, px."""
-        flow = dis_flow(self._before[roi], image[roi], preset=self._preset)
+    def step(self, image: Grey, roi: tuple[int, int, int, int]) -> NDArray[np.float32]:
+        """(H, W, 2) flow from the frame before, px, in the box (x0, y0, x1, y1) and some support; NaN elsewhere."""
+        x0, y0 = (max(edge - SUPPORT_PX, 0) for edge in roi[:2])
+        x1, y1 = (edge + SUPPORT_PX for edge in roi[2:])
+        flow = np.full((*image.shape, 2), np.nan, np.float32)
+        flow[y0:y1, x0:x1] = dis_flow(self._before[y0:y1, x0:x1], image[y0:y1, x0:x1], preset=self._preset)
         self._before = image
         return flow
 

@@ -51,9 +51,9 @@ def region_growth(flow: NDArray[np.float32], region: Region) -> tuple[float, flo
     ------
     SettingError : the region lies outside the image.
     """
-    rows, columns = region.box(flow.shape[:2], margin_px=1)
-    inside = flow[rows, columns]
-    weights = region_mask(region.polygon_px - (columns.start, rows.start), inside.shape[:2])
+    x0, y0, x1, y1 = region.box(flow.shape, margin_px=1)
+    inside = flow[y0:y1, x0:x1]
+    weights = region_mask(region.polygon_px - (x0, y0), inside.shape[:2])
     share = weights / weights.sum(dtype=np.float64)
     return float((share * divergence(inside)).sum()), float(np.log((share * growth(inside)).sum()))
 

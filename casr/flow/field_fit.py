@@ -19,12 +19,16 @@ def fit_field(flow: NDArray[np.float32], region: Region) -> Affine:
 
     Parameters
     ----------
-    flow : (H, W, 2) float32, px.
+    flow : (H, W, 2) px; only the region's box is read.
     region : in pixels of the flow.
+
+    Raises
+    ------
+    SettingError : the region lies outside the flow.
     """
-    rows, columns = region.box(flow.shape[:2])
-    inside = flow[rows, columns].astype(np.float64)
-    left_top = np.array([columns.start, rows.start])
+    x0, y0, x1, y1 = region.box(flow.shape)
+    inside = flow[y0:y1, x0:x1].astype(np.float64)
+    left_top = np.array([x0, y0])
     weight = region_mask(region.polygon_px - left_top, inside.shape[:2]).astype(np.float64)
     middle = region.centre_px - left_top
     x, y = np.arange(inside.shape[1]) - middle[0], np.arange(inside.shape[0]) - middle[1]

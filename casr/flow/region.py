@@ -128,25 +128,23 @@ class Region:
         crossings = between & (x < x0 + (y - y0) * (x1 - x0) / rise)
         return np.asarray(crossings.sum(axis=1) % 2 == 1)
 
-    def box(self, shape: tuple[int, int], *, margin_px: float = 0.0) -> tuple[slice, slice]:
-        """Rows and columns of the smallest box around the region and a margin, clipped to an image of this shape.
+    def box(self, shape: tuple[int, ...], *, margin_px: float = 0.0) -> tuple[int, int, int, int]:
+        """Smallest box (x0, y0, x1, y1), half open, around the region and a margin, clipped to an image of this shape.
 
         Raises
         ------
         SettingError : the region lies outside the image.
         """
-        low = np.floor(self.polygon_px.min(axis=0) - margin_px).astype(int)
-        high = np.ceil(self.polygon_px.max(axis=0) + margin_px).astype(int) + 1
-        left, top = np.maximum(low, 0)
-        right, bottom = np.minimum(high, (shape[1], shape[0]))
-        if right <= left or bottom <= top:
+        x0, y0 = np.maximum(np.floor(self.polygon_px.min(axis=0) - margin_px).astype(int), 0).tolist()
+        x1, y1 = np.minimum(np.ceil(self.polygon_px.max(axis=0) + margin_px).astype(int) + 1, shape[1::-1]).tolist()
+        if x1 <= x0 or y1 <= y0:
             raise SettingError(
                 "region",
                 wanted=f"a region that meets the image of {shape[1]} x {shape[0]} px",
                 found=f"one around ({self.centre_px[0]:.0f}, {self.centre_px[1]:.0f})",
                 do="Give the region in pixels of these frames.",
             )
-        return slice(int(top), int(bottom)), slice(int(left), int(right))
+        return x0, y0, x1, y1
 
 
 def _signed_area(polygon_px: Points) -> float:

@@ -68,10 +68,7 @@ def spreading_picture(
     first_px, last_px = first_px[known], last_px[known]
     pitch_px = pin_pitch_px(first_px)
     figure, axes = photo(first_image, view_of(first_px, first_image, 1.5 * pitch_px), _WITH_BAR_INCH)
-    corners = _triangles(first_px, pitch_px)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        growth = np.log(_doubled_area(last_px[corners]) / _doubled_area(first_px[corners]))
-    corners, growth = corners[np.isfinite(growth)], growth[np.isfinite(growth)]
+    corners, growth = growth_between(first_px, last_px, pitch_px)
     if growth.size:
         half = max(float(np.abs(growth).max()), 1e-6)
         drawn = axes.tripcolor(
@@ -126,6 +123,18 @@ def flow_picture(
         f"Mean divergence in the region {mean:+.4f}. The longest arrow is {longest_px:.2f} px.",
         figure,
     )
+
+
+def growth_between(
+    first_px: NDArray[np.float64], last_px: NDArray[np.float64], pitch_px: float
+) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
+    """Corners (M, 3) of triangles of neighbouring pins, rows of ``first_px`` (N, 2), and the log growth (M,) of each.
+
+    Triangles that turned over, where pins were mistaken for each other, are left out.
+    """
+    corners = _triangles(first_px, pitch_px)
+    ratio = _doubled_area(last_px[corners]) / _doubled_area(first_px[corners])
+    return corners[ratio > 0], np.log(ratio[ratio > 0])
 
 
 def _arrows(axes: Axes, at_px: NDArray[np.float64], steps_px: NDArray[Any], words: str) -> None:

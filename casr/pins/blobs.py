@@ -58,7 +58,8 @@ def round_parts(mask: NDArray[np.uint8], box: NDArray[np.int32]) -> NDArray[np.f
     depth = cv2.distanceTransform(piece, cv2.DIST_L2, 5)
     cores = _over(depth, WAIST * float(depth.max()))
     n, _, _, centres = cv2.connectedComponentsWithStats(cores, connectivity=8)
-    return cast(NDArray[np.float64], centres)[1:n] + np.array([x - 1.0, y - 1.0])
+    parts: NDArray[np.float64] = np.asarray(centres, np.float64)[1:n] + np.array([x - 1.0, y - 1.0])
+    return parts
 
 
 def _over(values: NDArray[Any], level: float) -> NDArray[np.uint8]:

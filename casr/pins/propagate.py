@@ -15,7 +15,7 @@ Points = NDArray[np.float64]
 
 
 def follow_neighbours(
-    before_px: Points, guess_px: Points, after_px: Points, beside: NDArray[np.intp], spacing_px: NDArray[np.float64]
+    before_px: Points, guess_px: Points, after_px: Points, links: NDArray[np.float64], spacing_px: NDArray[np.float64]
 ) -> NDArray[np.intp]:
     """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
 
@@ -26,19 +26,19 @@ def follow_neighbours(
     ----------
     before_px, guess_px : (N, 2) where pins were and are expected.
     after_px : (M, 2) pins of the next frame.
-    beside : (N, k) neighbours of each pin. spacing_px : (N,) distance to the nearest.
+    links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest.
     """
     rows = np.full(len(before_px), -1, np.intp)
     pins, hits = match_pins(guess_px, after_px, max_distance_px=SEED_REACH * spacing_px)
     while pins.size:
         rows[pins] = hits
         known = rows >= 0
-        support = np.where(known, 0, known[beside].sum(axis=1))
+        support = np.where(known, 0, links @ known)
         if not support.any():
             break
         ready = np.flatnonzero(support >= min(ENOUGH_NEIGHBOURS, support.max()))
         move = np.where(known[:, None], after_px[rows] - before_px, 0.0)
-        expected = before_px[ready] + neighbour_mean(move, known, beside)[ready]
+        expected = before_px[ready] + neighbour_mean(move, known, links)[ready]
         free = np.setdiff1d(np.arange(len(after_px)), rows[known])
         pins, hits = match_pins(expected, after_px[free], max_distance_px=GROWTH_REACH * spacing_px[ready])
         pins, hits = ready[pins], free[hits]
@@ -46,24 +46,35 @@ def follow_neighbours(
 
 
 def best_follow(
-    before_px: Points, expected_px: Points, after_px: Points, beside: NDArray[np.intp], spacing_px: NDArray[np.float64]
+    before_px: Points,
+    expected_px: Points,
+    after_px: Points,
+    links: NDArray[np.float64],
+    spacing_px: NDArray[np.float64],
 ) -> NDArray[np.intp]:
     """``follow_neighbours`` from the guess that explains most pins: going on as before, standing still, common jump."""
     best = np.full(len(before_px), -1, np.intp)
     jump = before_px + common_shift_px(before_px, after_px, float(np.median(spacing_px)))
     for guess in (expected_px, before_px, jump):
-        rows = follow_neighbours(before_px, guess, after_px, beside, spacing_px)
+        rows = follow_neighbours(before_px, guess, after_px, links, spacing_px)
         if (rows >= 0).sum() > (best >= 0).sum():
             best = rows
     return best
 
 
-def neighbour_mean(move_px: Points, known: NDArray[np.bool_], beside: NDArray[np.intp]) -> Points:
+def links_of(beside: NDArray[np.intp]) -> NDArray[np.float64]:
+    """(N, N) matrix with a 1 for every pin beside another, from the rows (N, k) of each pin's neighbours."""
+    links = np.zeros((len(beside), len(beside)))
+    np.put_along_axis(links, beside, 1.0, axis=1)
+    return links
+
+
+def neighbour_mean(move_px: Points, known: NDArray[np.bool_], links: NDArray[np.float64]) -> Points:
     """Mean motion (N, 2) of the known neighbours of each pin; its own where none is known."""
-    weight = known[beside].astype(np.float64)
-    total = weight.sum(axis=1)
-    mean = np.einsum("nk,nkc->nc", weight, move_px[beside]) / np.maximum(total, 1.0)[:, None]
-    return np.where(total[:, None] > 0, mean, move_px)
+    count = links @ known
+    total = links @ (move_px * known[:, None])
+    mean: Points = np.where(count[:, None] > 0, total / np.maximum(count, 1.0)[:, None], move_px)
+    return mean
 
 
 def common_shift_px(before_px: Points, after_px: Points, pitch_px: float) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.pins.blobs import Blobs, round_parts
-from casr.pins.lattice import squared_distance
+from casr.pins.lattice import nearest_pins
 from casr.pins.settings import PinSettings
 
 NEIGHBOURS = 6  # in a hexagonal lattice
@@ -22,33 +22,26 @@ def select_pins(
     pin_shaped = (blobs.area_px >= settings.min_fill * sides.prod(axis=1)) & (
         sides.max(axis=1) <= settings.max_aspect * sides.min(axis=1)
     )
-    pin_sized = (ratio >= low) & (ratio <= high)
-    glare = _glare(blobs, pin_sized & pin_shaped, settings.max_brightness_ratio)
-    single = pin_sized & pin_shaped & ~glare
-    seeds = [blobs.centres_px[single]]
-    n_split = 0
-    for row in np.flatnonzero((ratio > settings.touching_ratio) & (ratio <= settings.most_touching * high) & ~glare):
-        parts = round_parts(mask, blobs.box[row])
-        if len(parts) >= 2 and low <= ratio[row] / len(parts) <= high:
-            seeds.append(parts)
-            single[row], n_split = False, n_split + 1
-    seeds[0] = blobs.centres_px[single]
-    return np.concatenate(seeds), _notes(n_split, int(glare.sum()), len(blobs) - int(single.sum()) - n_split)
+    single = (ratio >= low) & (ratio <= high) & pin_shaped
+    touching = (ratio > settings.touching_ratio) & (ratio <= settings.most_touching * high)
+    glare = _glare(blobs, np.flatnonzero(single | touching), settings.max_brightness_ratio)
+    single &= ~glare
+    parts_of = {row: round_parts(mask, blobs.box[row]) for row in np.flatnonzero(touching & ~glare)}
+    split = {row: parts for row, parts in parts_of.items() if len(parts) > 1 and ratio[row] >= low * len(parts)}
+    single[list(split)] = False
+    n_out = len(blobs) - int(single.sum()) - len(split)
+    seeds = np.concatenate([blobs.centres_px[single], *split.values()])
+    return seeds, _notes(len(split), int(glare.sum()), n_out)
 
 
-def _glare(blobs: Blobs, plausible: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
-    """Lamps and reflections: over ``most`` times as bright as the pins around, in itself or above its surroundings."""
+def _glare(blobs: Blobs, rows: NDArray[np.intp], most: float) -> NDArray[np.bool_]:
+    """Lamps and reflections: over ``most`` times as bright as the blobs around, in itself or above its surroundings."""
     glare = np.zeros(len(blobs), bool)
-    pins = np.flatnonzero(plausible)
-    if pins.size <= NEIGHBOURS:
+    if rows.size <= NEIGHBOURS:
         return glare
+    around = rows[nearest_pins(blobs.centres_px[rows], NEIGHBOURS)[1]]
     for light in (blobs.brightness, blobs.excess):
-        bright = np.flatnonzero(light > most * light[pins].min())
-        if bright.size:
-            squared = squared_distance(blobs.centres_px[bright], blobs.centres_px[pins])
-            squared[bright[:, None] == pins] = np.inf
-            around = pins[np.argpartition(squared, NEIGHBOURS - 1, axis=1)[:, :NEIGHBOURS]]
-            glare[bright] |= light[bright] > most * np.median(light[around], axis=1)
+        glare[rows] |= light[rows] > most * np.median(light[around], axis=1)
     return glare
 
 

@@ -29,7 +29,7 @@ class PinSettings:
     block_px: int = 31
     contrast: float = 12.0
     min_area_px: int = 8
-    area_ratio: tuple[float, float] = (0.3, 2.2)
+    area_ratio: tuple[float, float] = (0.3, 2.7)
     max_aspect: float = 2.5
     min_fill: float = 0.45
     max_brightness_ratio: float = 1.35

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from casr.images import Grey
 
-LEVEL_FRACTION = 0.15  # of the contrast: above the noise, yet low enough that few pixels of the pin's edge are cut off
-BACKGROUND_RANK = (
-    10  # the background is the 11th darkest pixel of the disc: ten may be dirt or lie outside the field of view
-)
+LEVEL_FRACTION = 0.15  # of the contrast: above the noise, yet low enough that little of the pin's edge is cut off
+EVERY, RANK = 4, 2  # background: third darkest of every fourth pixel; a few may be dirt or outside the field of view
+SOFT_EDGE_PX = 2.0  # blur around a pin of a given area
 SMALLEST_REACH = 2
 MOST_ROUNDS = 4
 
@@ -47,16 +46,15 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     padded = cast(Grey, cv2.copyMakeBorder(image, margin, margin, margin, margin, cv2.BORDER_REPLICATE))
     limit = np.array([image.shape[1], image.shape[0]]) - 1.0
     centres = np.clip(np.rint(near_px), 0, limit)
-    found = _weigh(padded, centres + margin, reach_px, disc)
-    found[:, :2] += centres
+    found = _weigh(padded, centres, reach_px, disc)
     for _ in range(MOST_ROUNDS):
-        target = np.clip(np.rint(np.where(np.isfinite(found[:, :2]), found[:, :2], centres)), 0, limit)
-        moved = np.flatnonzero((target != centres).any(axis=1))
-        if not moved.size:
+        # a disc off its pin is good enough while the whole pin is still in it
+        slack = np.maximum(reach_px - SOFT_EDGE_PX - np.sqrt(found[:, 2] / np.pi), 0.5)
+        off = np.flatnonzero(np.abs(found[:, :2] - centres).max(axis=1) > slack)
+        if not off.size:
             break
-        centres[moved] = target[moved]
-        found[moved] = _weigh(padded, centres[moved] + margin, reach_px[moved], disc)
-        found[moved, :2] += centres[moved]
+        centres[off] = np.clip(np.rint(found[off, :2]), 0, limit)
+        found[off] = _weigh(padded, centres[off], reach_px[off], disc)
     return Spots(found[:, :2], found[:, 2], found[:, 3])
 
 
@@ -73,13 +71,13 @@ def _disc(radius: int) -> NDArray[np.float32]:
 def _weigh(
     padded: Grey, centres: NDArray[np.float64], reach_px: NDArray[np.float64], disc: NDArray[np.float32]
 ) -> NDArray[np.float64]:
-    """(N, 4): centroid relative to the disc's centre, area, contrast."""
+    """(N, 4): centroid, area, contrast; the padding of the image is the radius of the disc."""
     width = padded.shape[1]
-    start = centres[:, 1].astype(np.intp) * width + centres[:, 0].astype(np.intp)
+    start = (centres @ (1, width)).astype(np.intp) - int(disc[:, :2].min()) * (width + 1)
     step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
     grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
     beyond = np.where(disc[:, 2] > reach_px[:, None].astype(np.float32), np.float32(np.inf), np.float32(0))
-    background = np.partition(grey + beyond, BACKGROUND_RANK, axis=1)[:, BACKGROUND_RANK]
+    background = np.partition((grey + beyond)[:, ::EVERY], RANK, axis=1)[:, RANK]
     grey -= beyond
     top = grey.max(axis=1)
     level = background + np.float32(LEVEL_FRACTION) * (top - background)
@@ -88,7 +86,7 @@ def _weigh(
     mass = weight.sum(axis=1)
     found = np.empty((len(centres), 4))
     with np.errstate(divide="ignore", invalid="ignore"):
-        found[:, :2] = moments[:, :2].astype(np.float64) / mass[:, None]
+        found[:, :2] = centres + moments[:, :2].astype(np.float64) / mass[:, None]
         found[:, 2] = mass / (top - level)
     found[:, 3] = top - background
     return found

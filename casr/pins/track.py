@@ -13,7 +13,7 @@ from casr.errors import PinsError
 from casr.images import Grey
 from casr.pins.detect import Pins, find_pins, pins_bright, reach_px, reported_px
 from casr.pins.lattice import nearest_pins
-from casr.pins.propagate import best_follow, neighbour_mean
+from casr.pins.propagate import best_follow, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
 from casr.pins.spots import measure_spots
 
@@ -52,8 +52,8 @@ class PinTracker:
         self._move_px = np.zeros_like(self._place_px)
         self._area_px = pins.area_px.copy()
         self._lost = np.zeros(self._n, bool)
-        spacing, self._beside = nearest_pins(self._place_px, NEIGHBOURS)
-        self.pitch_px = float(np.median(spacing[:, 0]))
+        self._link()
+        self.pitch_px = float(np.median(self._spacing_px))
         return replace(pins, centroids_px=reported_px(pins.centroids_px, self._settings))
 
     def restrict(self, ids: Sequence[int] | NDArray[np.integer[Any]]) -> None:
@@ -75,7 +75,7 @@ class PinTracker:
         self._ids, self._wanted = self._ids[rows], wanted
         self._place_px, self._move_px = self._place_px[rows], self._move_px[rows]
         self._area_px, self._lost = self._area_px[rows], self._lost[rows]
-        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
+        self._link()
 
     def step(self, image: NDArray[Any]) -> Points:
         """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost or not followed.
@@ -100,45 +100,51 @@ class PinTracker:
         reported[self._wanted] = reported_px(positions[self._wanted], self._settings)
         return reported
 
+    def _link(self) -> None:
+        """Who is beside whom."""
+        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
+        self._links = links_of(self._beside)
+        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
+
     def _advance(self, grey: Grey) -> None:
-        expected = self._place_px + self._move_px
-        spacing = _spacing_px(expected, self._beside)
-        spots = measure_spots(grey, expected, reach_px(spacing, float(np.median(self._area_px))))
-        place, area = spots.centroids_px, spots.area_px
-        seen = np.isfinite(place).all(axis=1) & (spots.contrast >= self._settings.contrast)
-        seen &= (area < AREA_CHANGE * self._area_px) & (area * AREA_CHANGE > self._area_px)
-        place = np.where(seen[:, None], place, expected)
-        seen &= self._moves_along(place, seen, spacing) & ~self._taken_twice(place, expected)
-        surprise = np.hypot(*(place - expected).T)
-        if (~seen & ~self._lost).any() or np.median(surprise) > LONGEST_LOOK * self.pitch_px:
-            place, area, seen = self._search(grey, expected, spacing)
-        move = neighbour_mean(place - self._place_px, seen, self._beside)
-        self._move_px = np.where(seen[:, None], place - self._place_px, np.where(seen.any(), move, 0.0))
-        self._place_px = self._place_px + self._move_px
-        self._place_px[seen] = place[seen]
+        """Find all pins in the next frame and keep places, motions and areas for the one after."""
+        before, expected = self._place_px, self._place_px + self._move_px
+        place, area, seen = self._look(grey, expected)
+        if (~seen & ~self._lost).any() or _median_length(place - expected) > LONGEST_LOOK * self.pitch_px:
+            place, area, seen = self._search(grey, expected)
+        self._place_px = np.where(seen[:, None], place, before + neighbour_mean(place - before, seen, self._links))
+        self._move_px = self._place_px - before
         self._area_px = np.where(seen, area, self._area_px)
         self._lost = ~seen
+        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
 
-    def _moves_along(self, place: Points, seen: Mask, spacing: NDArray[np.float64]) -> Mask:
-        """Pins whose motion is their neighbours' to within a quarter of the spacing."""
+    def _look(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
+        """Place, area and whether seen, of each pin, from the pixels around where it is expected."""
+        spots = measure_spots(grey, expected, reach_px(self._spacing_px, float(np.median(self._area_px))))
+        area = spots.area_px
+        seen = (spots.contrast >= self._settings.contrast) & np.isfinite(area)
+        seen &= (area < AREA_CHANGE * self._area_px) & (area * AREA_CHANGE > self._area_px)
+        place = np.where(seen[:, None], spots.centroids_px, expected)
         move = place - self._place_px
-        apart = move - neighbour_mean(move, seen, self._beside)
-        return np.hypot(apart[:, 0], apart[:, 1]) <= LONGEST_LOOK * spacing
+        apart = move - neighbour_mean(move, seen, self._links)
+        seen &= np.hypot(apart[:, 0], apart[:, 1]) <= LONGEST_LOOK * self._spacing_px
+        return place, area, seen & ~self._taken_twice(place, expected)
 
     def _taken_twice(self, place: Points, expected: Points) -> Mask:
         """Pins that sit on a neighbour with the better claim: not lost before, then nearer to where it was expected."""
-        gap = place[:, None] - place[self._beside]
-        same = (gap**2).sum(axis=2) * np.pi < self._area_px[:, None]
+        same = _gaps_px(place, self._beside) < np.sqrt(self._area_px / np.pi)[:, None]
+        if not same.any():
+            return np.zeros(len(place), bool)
         rank = np.lexsort((np.hypot(*(place - expected).T), self._lost)).argsort()
         return np.asarray((same & (rank[:, None] > rank[self._beside])).any(axis=1))
 
-    def _search(self, grey: Grey, expected: Points, spacing: NDArray[np.float64]) -> tuple[Points, Points, Mask]:
+    def _search(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
         """Place, area and whether seen, of each pin, from all pins of the frame."""
         try:
             pins = find_pins(grey, self._settings)
         except PinsError:
             return expected, self._area_px, np.zeros(len(expected), bool)
-        rows = best_follow(self._place_px, expected, pins.centroids_px, self._beside, spacing)
+        rows = best_follow(self._place_px, expected, pins.centroids_px, self._links, self._spacing_px)
         seen = rows >= 0
         place = np.where(seen[:, None], pins.centroids_px[rows], expected)
         return place, np.where(seen, pins.area_px[rows], self._area_px), seen
@@ -148,7 +154,13 @@ class PinTracker:
             raise PinsError("PinTracker", wanted="start(image) first", found="no first frame", do="Call start once.")
 
 
-def _spacing_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
-    gap = place[:, None] - place[beside]
-    spacing: NDArray[np.float64] = np.sqrt((gap**2).sum(axis=2).min(axis=1))
-    return spacing
+def _gaps_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Distance (n, k) of each pin to the pins beside it."""
+    x, y = place[:, 0], place[:, 1]
+    dx, dy = x[:, None] - x[beside], y[:, None] - y[beside]
+    gaps: NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
+    return gaps
+
+
+def _median_length(vectors: Points) -> float:
+    return float(np.median(np.hypot(vectors[:, 0], vectors[:, 1])))

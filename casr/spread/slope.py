@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 HUBER_LIMIT = 3.0  # scaled median residuals; on noise-free A ~ F^(1/2) or F^(2/3) nothing reaches it
-TREND_DEGREE = 3  # of the curve A(F) bends around, taken out before its errors are judged
 INTERVAL_POINTS = 10
 
 
@@ -62,13 +61,13 @@ def _standard_error(area: Vector, force_n: Vector, weights: Vector) -> float:
     """
     n = area.size
     unit = (force_n - force_n[0]) / (force_n[-1] - force_n[0])
-    # a cubic in the logarithm follows power laws of force to a few 1e-5
-    trend = np.linalg.qr(np.vander(np.log(unit + 0.1), TREND_DEGREE + 1))[0]
+    bend = np.log(unit + 0.1)
+    trend = np.linalg.qr(np.column_stack([np.ones(n), unit, bend, bend**2]))[0]
     error = area - trend @ (trend.T @ area)
     power = float(error @ error)
     if power <= (1e-12 * float(np.abs(area).max())) ** 2 * n:
         return 0.0
-    lost = TREND_DEGREE + 1
+    lost = trend.shape[1]
     correlation = (n * float(error[1:] @ error[:-1]) / power + lost) / (n - lost - 1)
     correlation = min(max(correlation, 0.0), 0.95)
     left = n - sum(float(column @ _correlated(column, correlation)) for column in trend.T)

@@ -67,7 +67,7 @@ def linear_pair(
     skin: Skin = TACTIP_127,
     camera: Camera | None = None,
 ) -> FlowPair:
-    """The whole image dilated about its centre, pins and all: u = k r everywhere, ``rim_motion_px`` at 80 px."""
+    """The whole image dilated, pins too, single speckles of a texture not: u = k r with ``rim_motion_px`` at 80 px."""
     stretch = rim_motion_px / CONTACT_RADIUS_PX
     dilated = replace(skin, pin_radius_px=skin.pin_radius_px * (1 + stretch), edge_px=skin.edge_px * (1 + stretch))
     return _pair(lambda from_centre: from_centre * stretch, stretch, seed, appearance, skin, dilated, camera)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.frames import FrameSequence, force_per_frame
 from casr.synthetic.scene import Scene
 from casr.synthetic.settings import PressSettings
 from casr.synthetic.timeline import Timeline, make_timeline
@@ -50,6 +51,12 @@ class SimulatedPress:
     timeline: Timeline
     truth: PressTruth
     frames: SimulatedFrames
+
+    def sequence(self) -> FrameSequence:
+        """The press as a scorer gets it: frames, camera, and the logged force of each frame."""
+        log = self.timeline
+        force_n = force_per_frame(log.log_force_n, log.log_frame_index, len(self.frames))
+        return FrameSequence(self.frames, self.settings.camera, force_n)
 
 
 def simulate_press(settings: PressSettings | None = None) -> SimulatedPress:

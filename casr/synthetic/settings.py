@@ -39,20 +39,28 @@ class TimelineSettings:
     speed_share: float = 0.05
 
     def __post_init__(self) -> None:
+        if not 0 < self.start_n < self.peak_n < math.inf:
+            raise SettingError(
+                "start_n, peak_n",
+                wanted=f"a peak force above the {self.start_n:g} N at which loading starts, both above 0",
+                found=f"{self.peak_n:g} N",
+                do="Press harder.",
+            )
         times = (self.loading_s, self.rounding_s, self.unloading_s, self.log_rate_hz)
-        if not (
-            0 < self.start_n < self.peak_n < math.inf
-            and all(0 < time < math.inf for time in times)
-            and self.rounding_s <= self.loading_s / 2
-            and self.rest_frames >= 1
-            and 0 <= self.force_noise_n < math.inf
-            and 0 <= self.speed_share < 1
-        ):
+        shares_fit = 0 <= self.force_noise_n < math.inf and 0 <= self.speed_share < 1
+        if not (all(0 < time < math.inf for time in times) and self.rest_frames >= 1 and shares_fit):
             raise SettingError(
                 "timeline",
-                wanted="0 < start_n < peak_n, times above 0, rounding_s within half of loading_s, a rest frame or more",
+                wanted="times and rates above 0, a rest frame or more, noise of 0 or more, speed_share below 1",
                 found=repr(self),
                 do="Correct the timeline.",
+            )
+        if self.rounding_s > self.loading_s / 2:
+            raise SettingError(
+                "rounding_s",
+                wanted=f"at most half of loading_s, {self.loading_s / 2:g} s",
+                found=f"{self.rounding_s:g} s",
+                do="Round the ends less.",
             )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
@@ -28,25 +27,35 @@ def write_press(press: SimulatedPress, folder: Path, *, overwrite: bool = False)
 
     Raises
     ------
-    FramesError : the folder is there already and ``overwrite`` was not asked for.
+    FramesError : the folder is there and ``overwrite`` was not asked for, or it is no simulated press.
     """
-    if folder.exists() and not overwrite:
-        raise FramesError(folder, wanted="a new folder", found="one that is there", do="Remove it or ask to overwrite.")
+    _check_free(folder, overwrite)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    partial = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
-    try:
-        partial.chmod(0o755)
-        _write_frames(press, partial / "frames.tif")
-        (partial / "force.csv").write_text(_force_csv(press.timeline), encoding="utf-8")
-        (partial / "camera.toml").write_text(_camera_toml(press.settings.camera), encoding="utf-8")
-        (partial / "truth.json").write_text(_truth_json(press), encoding="utf-8")
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}.") as temporary:
+        new, old = Path(temporary, "new"), Path(temporary, "old")
+        new.mkdir()
+        _write_frames(press, new / "frames.tif")
+        (new / "force.csv").write_text(_force_csv(press.timeline), encoding="utf-8")
+        (new / "camera.toml").write_text(_camera_toml(press.settings.camera), encoding="utf-8")
+        (new / "truth.json").write_text(_truth_json(press), encoding="utf-8")
         if folder.exists():
-            shutil.rmtree(folder)
-        partial.rename(folder)
-    except BaseException:
-        shutil.rmtree(partial, ignore_errors=True)
-        raise
+            folder.rename(old)
+        new.rename(folder)
     return folder
+
+
+def _check_free(folder: Path, overwrite: bool) -> None:
+    if not folder.exists():
+        return
+    if not overwrite:
+        raise FramesError(folder, wanted="a new folder", found="one that is there", do="Remove it or ask to overwrite.")
+    if not (folder / "truth.json").is_file():
+        raise FramesError(
+            folder,
+            wanted="a simulated press to replace",
+            found="something else, without truth.json",
+            do="Choose another folder.",
+        )
 
 
 def _write_frames(press: SimulatedPress, path: Path) -> None:

@@ -42,7 +42,7 @@ def quantile(probability: float, k: ArrayLike, df: ArrayLike) -> Floats:
     groups, degrees = designs
 
     def excess(q: Floats) -> Floats:
-        return np.log(survival(q, groups, degrees)) - np.log1p(-probability)
+        return np.asarray(np.log(survival(q, groups, degrees)) - np.log1p(-probability))
 
     # Bonferroni's t is an upper bound and close; log P is smooth in q, so that the secant needs few steps
     pairs = groups * (groups - 1) / 2

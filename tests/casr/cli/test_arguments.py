@@ -13,6 +13,7 @@ HEAVY = ("numpy", "cv2", "numba", "tifffile", "matplotlib")
 
 
 def test_choices_are_those_of_the_modules() -> None:
+    from casr.bench import KINDS
     from casr.contact_area import RULES
     from casr.flow.step import ENGINES
     from casr.spread import AREA_LAWS, RATE_RULES
@@ -21,7 +22,7 @@ def test_choices_are_those_of_the_modules() -> None:
     assert arguments.AREA_RULES == RULES
     assert score.AREA_LAWS == AREA_LAWS
     assert score.RATE_RULES == RATE_RULES
-    assert bench.KINDS
+    assert bench.KINDS == KINDS
 
 
 def test_help_loads_nothing_heavy() -> None:
@@ -33,7 +34,7 @@ def test_help_loads_nothing_heavy() -> None:
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["area", "x", "--frames", "3"], "two different frame numbers"),
+        (["area", "x", "--frames", "3"], "2 numbers with commas"),
         (["area", "x", "--frames", "3,3"], "two different frame numbers"),
         (["area", "x", "--frames", "-1,3"], "--frames"),
         (["area", "x", "--threshold-px", "0"], "above 0"),

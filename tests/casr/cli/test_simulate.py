@@ -48,7 +48,7 @@ def test_json_names_every_press(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize(
     ("words", "complaint"),
-    [(["--specimens", "S9"], "S9"), (["--angles", "95"], "angle"), (["--force-max-n", "0.1"], "N")],
+    [(["--specimens", "S9"], "S9"), (["--angles", "95"], "--angles"), (["--force-max-n", "0.1"], "0.5 N")],
 )
 def test_what_cannot_be_simulated_is_said(
     words: list[str], complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

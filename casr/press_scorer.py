@@ -1,0 +1,151 @@
+"""The one way a press is scored, frame by frame; recordings and a running rig both feed it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.camera import Camera
+from casr.contact_area import InitialArea, initial_area
+from casr.flow.estimate import FlowStep, FlowTracker
+from casr.flow.region import Region
+from casr.frames import LoadingPhase
+from casr.pins import PinTracker
+from casr.scored import Score, ScoreSettings
+from casr.spread import SpreadRate, contact_areas, spread_rate
+
+Array = NDArray[np.float64]
+
+
+class PressScorer:
+    """Scores one press from its rest frame, its first contact and the frames after; holds one image.
+
+    Parameters
+    ----------
+    camera : None leaves areas in px^2.
+    settings : how.
+    """
+
+    def __init__(self, camera: Camera | None, settings: ScoreSettings) -> None:
+        self._camera, self._settings = camera, settings
+        self._flow = FlowTracker(settings.flow)
+        self._steps: list[FlowStep] = []
+
+    def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> None:
+        """Initial area and contact region from the static frame and the frame of first contact.
+
+        Raises
+        ------
+        NoContactError : no pin moved, and no region is given.
+        PinsError : too few pins. ImageError : not an image.
+        """
+        tracker = PinTracker(self._settings.flow.pins)
+        self._rest = tracker.start(rest_image)
+        self._contact_px = tracker.step(contact_image)
+        self._initial, self._region, self._notes = self._contact()
+        self._flow.start(contact_image, self._region)
+
+    def load(self, image: NDArray[Any]) -> FlowStep:
+        """Growth up to the next frame. Raises PinsError when too few of the region's pins are left."""
+        before = self._steps[-1].region if self._steps else self._region
+        step = self._flow.step(image)
+        if self._camera is not None and self._camera.distortion:
+            growth = self._flat(step.region).area_px2 / self._flat(before).area_px2
+            step = replace(step, log_growth=float(np.log(growth)))
+        self._steps.append(step)
+        return step
+
+    def areas(self, force_n: Array | None) -> Array:
+        """(T,) contact area in ``area_unit`` of the first T frames: all so far, or as many as there are forces."""
+        steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
+        law = self._settings.area_law
+        growth = [step.log_growth if law == "ode" else step.divergence for step in steps]
+        first = self._initial.area_px2 if self._initial.area_mm2 is None else self._initial.area_mm2
+        return contact_areas(first, growth, force_n, law=law)
+
+    def rate(self, force_n: Array) -> SpreadRate:
+        """Spread rate over the first T frames, whose forces these are."""
+        return spread_rate(
+            self.areas(force_n), force_n, rule=self._settings.rate_rule, area_unit=self.area_unit
+        )
+
+    @property
+    def area_unit(self) -> str:
+        """``mm2``, or ``px2`` without a camera."""
+        return "px2" if self._camera is None else "mm2"
+
+    def result(self, name: str, phase: LoadingPhase, force_n: Array | None) -> Score:
+        """The score of the frames of ``phase``, whose forces are ``force_n`` (T,), or None without a force log."""
+        steps = self._steps[: len(phase.frames) - 1]
+        rate = None if force_n is None else self.rate(force_n)
+        return Score(
+            name=name,
+            settings=self._settings,
+            rest_frame=phase.rest,
+            frames=phase.frames,
+            force_n=force_n,
+            divergence=np.array([step.divergence for step in steps]),
+            log_growth=np.array([step.log_growth for step in steps]),
+            initial=self._initial,
+            rest=self._rest,
+            contact_px=self._contact_px,
+            area=self.areas(force_n),
+            area_unit=self.area_unit,
+            rate=rate,
+            regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
+            notes=_once(*phase.notes, *self._notes, *_by_frame(phase, steps), *(rate.notes if rate else ())),
+        )
+
+    def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
+        """A_c0, the region that growth is measured in, and notes.
+
+        The region is the edge of the contact whatever the rule of A_c0: pins that moved but lie outside the contact come
+        closer together as it grows, and a region that holds them grows too little.
+        """
+        settings = self._settings
+        if settings.region is not None:
+            return self._given(settings.region), settings.region, ()
+        asked = self._area_by(settings.area_rule)
+        outline = asked if settings.area_rule == "edge" else self._area_by("edge")
+        notes = asked.notes if outline.rule == "edge" else (*asked.notes, *outline.notes)
+        return asked, Region(outline.polygon_px), notes
+
+    def _area_by(self, rule: str) -> InitialArea:
+        return initial_area(
+            self._rest, self._contact_px, camera=self._camera, rule=rule, threshold_px=self._settings.threshold_px
+        )
+
+    def _given(self, region: Region) -> InitialArea:
+        area_px2 = self._flat(region).area_px2
+        return InitialArea(
+            area_mm2=None if self._camera is None else area_px2 * self._camera.mm2_per_px2,
+            area_px2=area_px2,
+            rule="given",
+            selected=np.flatnonzero(region.contains(self._contact_px)),
+            polygon_px=region.polygon_px,
+            notes=(),
+        )
+
+    def _flat(self, region: Region) -> Region:
+        """The region as a camera without distortion would see it."""
+        return region if self._camera is None else Region(self._camera.undistorted_px(region.polygon_px))
+
+
+def _by_frame(phase: LoadingPhase, steps: list[FlowStep]) -> list[str]:
+    """Each note of the steps once, with the frames it belongs to."""
+    found: dict[str, list[int]] = {}
+    for frame, step in zip(phase.frames[1:].tolist(), steps, strict=True):
+        for note in step.notes:
+            found.setdefault(note, []).append(frame)
+    return [f"{_frames(where)}: {note}" for note, where in found.items()]
+
+
+def _frames(where: list[int]) -> str:
+    return f"frame {where[0]}" if len(where) == 1 else f"{len(where)} frames from {where[0]} to {where[-1]}"
+
+
+def _once(*notes: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(notes))

@@ -1,0 +1,85 @@
+"""NumPy files."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from casr.errors import FramesError, ImageError
+from casr.frame_files import open_frames
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, ">u2", np.float32, np.float64])
+def test_grey_stacks(tmp_path, frames, dtype):
+    np.save(tmp_path / "press.npy", frames.astype(dtype) * np.array(257 if dtype == ">u2" else 1, dtype))
+    sequence = open_frames(tmp_path / "press.npy")
+    assert (sequence.name, len(sequence), sequence.shape) == ("press", 12, (24, 32))
+    np.testing.assert_array_equal(list(sequence), frames)
+    np.testing.assert_array_equal(sequence[2], frames[2])
+
+
+def test_colour_stacks_are_blue_green_red(tmp_path, frames):
+    np.save(tmp_path / "press.npy", np.stack([frames] * 3, axis=-1))
+    sequence = open_frames(tmp_path / "press.npy")
+    np.testing.assert_array_equal(sequence[5], frames[5])
+    assert sequence.notes == ("colour frames are taken as blue, green, red",)
+
+
+def test_a_frame_that_is_not_finite_is_named_and_the_others_are_read(tmp_path, frames):
+    stack = frames.astype(np.float32)
+    stack[4, 0, 0] = np.nan
+    np.save(tmp_path / "press.npy", stack)
+    sequence = open_frames(tmp_path / "press.npy")
+    with pytest.raises(ImageError, match=r"press.npy, frame 4: wanted finite grey levels"):
+        sequence[4]
+    np.testing.assert_array_equal(sequence[5], frames[5])
+
+
+def test_a_file_cut_short_gives_the_frames_that_are_whole(tmp_path, frames):
+    path = tmp_path / "press.npy"
+    np.save(path, frames)
+    path.write_bytes(path.read_bytes()[:-100])
+    sequence = open_frames(path)
+    np.testing.assert_array_equal(sequence[10], frames[10])
+    with pytest.raises(FramesError, match=r"press.npy, frame 11: wanted an image; found 668 of 768 values"):
+        sequence[11]
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.zeros((24, 32, 3), np.uint8),
+        np.zeros((24, 32), np.uint8),
+        np.zeros((0, 24, 32), np.uint8),
+        np.asfortranarray(np.zeros((4, 24, 32), np.uint8)),
+        np.full((4, 24, 32), None),
+        np.zeros((4, 24, 32, 2), np.uint8),
+    ],
+)
+def test_arrays_that_are_no_stack_of_frames(tmp_path, array):
+    np.save(tmp_path / "press.npy", array)
+    with pytest.raises((FramesError, ImageError), match=r"press.npy.*wanted"):
+        open_frames(tmp_path / "press.npy")
+
+
+@pytest.mark.parametrize("data", [b"", b"hello", b"\x93NUMPY\x01\x00"])
+def test_what_is_no_npy(tmp_path, data):
+    (tmp_path / "press.npy").write_bytes(data)
+    with pytest.raises(FramesError, match=r"press.npy: wanted an .npy file"):
+        open_frames(tmp_path / "press.npy")
+
+
+@pytest.mark.slow
+def test_100_000_frames_stream_in_less_than_500_mb(tmp_path):
+    path = tmp_path / "long.npy"
+    # sparse: 9 GB of zeros that take no room on the disk
+    np.lib.format.open_memmap(path, mode="w+", dtype=np.uint8, shape=(100_000, 300, 300))
+    count = "import sys; from casr.frame_files import open_frames; print(sum(1 for f in open_frames(sys.argv[1])))"
+    watched = f"{count}; import resource; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    done = subprocess.run([sys.executable, "-c", watched, str(path)], capture_output=True, text=True, check=True)
+    n_frames, peak_kb = map(int, done.stdout.split())
+    assert n_frames == 100_000
+    assert peak_kb / 1e3 < 500

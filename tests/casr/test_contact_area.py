@@ -1,0 +1,251 @@
+"""Initial area: rules against the known contact of a simulated skin and a real press."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from casr.camera import Camera
+from casr.contact_area import RULES, initial_area
+from casr.contact_area.edge import fit_edge
+from casr.errors import NoContactError, PinsError, SettingError
+from casr.flow.region import Region
+from casr.pins import Pins, detect_pins, match_pins
+from casr.synthetic.contact import SPECIMENS, ContactWorld
+from casr.synthetic.motion import lever
+from casr.synthetic.region import ContactEllipse, Rim
+from casr.synthetic.skin import TACTIP_127
+
+CENTRE = (149.5, 149.5)
+RIM = Rim(CENTRE, 140.0)
+REST = TACTIP_127.pins_px(CENTRE)
+HEXAGON_PX2 = np.sqrt(3) / 2 * 20**2
+
+
+def as_pins(points):
+    return Pins(centroids_px=points, area_px=np.full(len(points), 64.0), notes=())
+
+
+def first_contact(rng, specimen="S3", angle_deg=0.0, noise_px=0.02):
+    """Pins at rest and at 0.5 N, and the true ellipse; the contact is off its place by half a millimetre."""
+    tilt = np.deg2rad(angle_deg)
+    radius_px = 6 * float(ContactWorld().radius_mm(0.5, SPECIMENS[specimen]))
+    centre = np.array([CENTRE[0] + 120 * np.sin(tilt), CENTRE[1]]) + 3 * rng.normal(size=2)
+    ellipse = ContactEllipse((float(centre[0]), float(centre[1])), (radius_px * float(np.cos(tilt)), radius_px))
+    contact = lever(REST, ellipse, RIM, 0.1)
+    noise = noise_px * rng.normal(size=(2, *REST.shape))
+    return as_pins(REST + noise[0]), contact + noise[1], ellipse
+
+
+def moved_by_3_px(*rows):
+    contact = REST.copy()
+    contact[list(rows)] += (3.0, 0.0)
+    return contact
+
+
+def ring_around(row):
+    return np.flatnonzero(np.abs(np.hypot(*(REST - REST[row]).T) - 20) < 1)
+
+
+MIDDLE = 63
+
+
+@pytest.mark.parametrize("angle_deg", [0, 30, 45])
+@pytest.mark.parametrize("specimen", ["S1", "S3", "S5"])
+def test_edge_finds_the_true_area_and_outline_whatever_the_specimen_and_the_angle(specimen, angle_deg):
+    rng = np.random.default_rng(11)
+    errors, overlaps = [], []
+    for _ in range(5):
+        rest, contact, truth = first_contact(rng, specimen, angle_deg)
+        found = initial_area(rest, contact, rule="edge", camera=Camera())
+        assert found.rule == "edge"
+        errors.append(found.area_px2 / truth.area_px2 - 1)
+        grid = np.stack(np.meshgrid(np.arange(300.0), np.arange(300.0)), axis=-1).reshape(-1, 2)
+        ours, true = Region(found.polygon_px).contains(grid), truth.depth(grid) < 1
+        overlaps.append((ours & true).sum() / (ours | true).sum())
+    assert abs(np.mean(errors)) < 0.09
+    assert np.std(errors) < 0.06
+    assert min(overlaps) > 0.8
+
+
+def test_edge_follows_rotation_translation_and_scale_of_the_pins():
+    rest, contact, _ = first_contact(np.random.default_rng(2), "S5", noise_px=0.0)
+    area = initial_area(rest, contact, rule="edge").area_px2
+    turn, scale = np.deg2rad(17), 1.3
+    matrix = scale * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    moved = initial_area(as_pins(rest.centroids_px @ matrix.T + 40), contact @ matrix.T + 40, rule="edge").area_px2
+    assert moved == pytest.approx(scale**2 * area, rel=0.01)
+
+
+def test_edge_survives_lost_and_misplaced_pins():
+    rest, contact, truth = first_contact(np.random.default_rng(3), "S5")
+    contact[[5, 40, 66]] = np.nan
+    contact[[20, 100]] += 15.0
+    found = initial_area(rest, contact, rule="edge")
+    assert found.rule == "edge"
+    assert found.area_px2 == pytest.approx(truth.area_px2, rel=0.1)
+    assert not np.isin([5, 40, 66], found.selected).any()
+    assert "3 of 127 pins are lost" in " ".join(found.notes)
+
+
+def test_edge_of_noise_is_no_edge():
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        contact = REST + 0.1 * rng.normal(size=REST.shape)
+        with pytest.raises(NoContactError):
+            initial_area(as_pins(REST), contact, rule="edge")
+
+
+def test_edge_falls_back_to_hexagons_and_says_so():
+    found = initial_area(as_pins(REST), moved_by_3_px(*ring_around(MIDDLE)), rule="edge")
+    assert found.rule == "hexagon"
+    assert "No contact edge" in found.notes[0]
+
+
+def test_hexagons_count_moved_pins_and_the_still_one_they_enclose():
+    found = initial_area(as_pins(REST), moved_by_3_px(*ring_around(MIDDLE)))
+    assert sorted(found.selected) == sorted([MIDDLE, *ring_around(MIDDLE)])
+    assert found.area_px2 == pytest.approx(7 * HEXAGON_PX2)
+    assert found.area_mm2 is None
+    assert "enclosed" in " ".join(found.notes)
+    assert not found.saturated
+
+
+def test_hexagons_leave_out_a_stray_pin_and_say_so():
+    found = initial_area(as_pins(REST), moved_by_3_px(0, *ring_around(MIDDLE)))
+    assert 0 not in found.selected
+    assert "1 moved pins apart" in " ".join(found.notes)
+
+
+def test_hexagon_area_in_mm2_takes_height_from_fy_and_width_from_fx():
+    camera = Camera(fx_px=300, fy_px=250, depth_mm=50)
+    found = initial_area(as_pins(REST), moved_by_3_px(*ring_around(MIDDLE)), camera=camera)
+    radius = 20 / np.sqrt(3)
+    apothem_mm, side_mm = radius * np.cos(np.pi / 6) * 50 / 250, 2 * radius * np.sin(np.pi / 6) * 50 / 300
+    assert found.area_mm2 == pytest.approx(7 * 6 * side_mm * apothem_mm / 2)
+
+
+def test_lens_distortion_is_taken_out_before_measuring():
+    bent = Camera(distortion=(-0.2, 0.0, 0.0, 0.0))
+    moved = moved_by_3_px(*ring_around(MIDDLE))
+    pitch = np.sort(np.hypot(*(bent.undistorted_px(REST)[:, None] - bent.undistorted_px(REST)).transpose(2, 0, 1)))[
+        :, 1
+    ]
+    expected = 7 * np.sqrt(3) / 2 * np.median(pitch) ** 2
+    assert initial_area(as_pins(REST), moved, camera=bent).area_px2 == pytest.approx(expected)
+    assert expected > 1.02 * initial_area(as_pins(REST), moved, camera=Camera()).area_px2
+
+
+@pytest.mark.parametrize("rule", ["hexagon", "edge"])
+def test_a_shift_of_the_whole_image_changes_nothing_but_the_place(rule):
+    rest, contact, _ = first_contact(np.random.default_rng(5), "S5")
+    still = initial_area(rest, contact, rule=rule)
+    shaken = initial_area(rest, contact + np.array([4.0, -3.0]), rule=rule)
+    assert shaken.area_px2 == pytest.approx(still.area_px2, rel=0.02)
+    assert shaken.polygon_px.mean(axis=0) - still.polygon_px.mean(axis=0) == pytest.approx([4, -3], abs=0.5)
+    assert "common shift" in " ".join(shaken.notes)
+
+
+def test_a_shift_alone_is_no_contact():
+    with pytest.raises(NoContactError):
+        initial_area(as_pins(REST), REST + np.array([5.0, 2.0]))
+
+
+def test_no_contact_names_the_largest_motion_and_a_way_out():
+    contact = REST.copy()
+    contact[MIDDLE] += (0.0, 1.5)
+    with pytest.raises(NoContactError, match=r"at most 1\.50 px, by pin 63.*threshold_px"):
+        initial_area(as_pins(REST), contact)
+    smallest = initial_area(as_pins(REST), contact, on_no_contact="one-pin")
+    assert list(smallest.selected) == [MIDDLE]
+    assert smallest.area_px2 == pytest.approx(HEXAGON_PX2)
+
+
+def test_saturation_is_flagged():
+    found = initial_area(as_pins(REST), CENTRE + 1.3 * (REST - CENTRE))
+    assert found.saturated
+    assert "area of the array" in found.notes[-1]
+
+
+def test_circle_goes_through_the_farthest_pin_of_all_and_knows_no_contact():
+    still, pressed = (initial_area(as_pins(REST), c, rule="circle") for c in (REST, moved_by_3_px(3, 4, 5)))
+    assert still.area_px2 == pytest.approx(np.pi * 120**2)
+    assert pressed.area_px2 == still.area_px2
+    assert still.selected.size == 127
+
+
+def test_paper_counts_every_pair_of_a_motionless_array():
+    found = initial_area(as_pins(REST), REST, rule="paper")
+    assert found.area_px2 == pytest.approx(127 * 126 * HEXAGON_PX2)
+    assert "16002 pairs" in found.notes[0]
+    assert "0 pins are that far" in found.notes[0]
+
+
+def test_paper_cuts_centroids_to_whole_pixels():
+    rest = np.floor(REST)
+    moved = rest + np.array([2.0, 0.0])
+    assert "0 pins are that far" in initial_area(as_pins(rest), moved + 0.9, rule="paper").notes[-1]
+    assert "127 pins are that far" in initial_area(as_pins(rest), moved + 1.0, rule="paper").notes[-1]
+
+
+def test_bad_settings_and_pins_are_refused():
+    with pytest.raises(SettingError, match="rule"):
+        initial_area(as_pins(REST), REST, rule="hexagons")
+    with pytest.raises(SettingError, match="threshold_px"):
+        initial_area(as_pins(REST), REST, threshold_px=0.0)
+    with pytest.raises(SettingError, match="on_no_contact"):
+        initial_area(as_pins(REST), REST, on_no_contact="zero")
+    for rule in RULES:
+        with pytest.raises(PinsError, match="127 and 126"):
+            initial_area(as_pins(REST), REST[1:], rule=rule)
+        with pytest.raises(PinsError, match="0 in both"):
+            initial_area(as_pins(REST), np.full_like(REST, np.nan), rule=rule)
+
+
+def test_fit_is_exact_for_the_profile_it_assumes():
+    centre, size, stretch = np.array([160.0, 140.0]), 45.0, 0.12
+    q = np.hypot(*(REST - centre).T) / size
+    inverse = 1 / np.maximum(q, 1)
+    fall = ((2 / np.pi) * (np.arcsin(inverse) - inverse * np.sqrt(1 - inverse**2))) ** 0.6
+    edge = fit_edge(REST, stretch * (REST - centre) * fall[:, None], 20.0)
+    assert edge.centre_px == pytest.approx(centre, abs=0.05)
+    assert (edge.a_px, edge.b_px, edge.stretch) == pytest.approx((size, size, stretch), rel=0.005)
+
+
+def test_a_real_flat_press(shared_data):
+    import cv2
+
+    folder = shared_data("tactile/tactip127_flat_press_640x480")
+    paths = sorted(folder.glob("*.png"), key=lambda path: int(re.match(r"\d+", path.name)[0]))
+    rest = detect_pins(cv2.imread(str(paths[0]), cv2.IMREAD_GRAYSCALE))
+
+    def contact(frame):
+        found = detect_pins(cv2.imread(str(paths[frame]), cv2.IMREAD_GRAYSCALE))
+        tracked = np.full_like(rest.centroids_px, np.nan)
+        before, after = match_pins(rest.centroids_px, found.centroids_px, max_distance_px=11.0)
+        tracked[before] = found.centroids_px[after]
+        return tracked
+
+    with pytest.raises(NoContactError):
+        initial_area(rest, contact(10))
+    early, late = initial_area(rest, contact(19)), initial_area(rest, contact(60))
+    assert early.area_px2 == pytest.approx(24_873, rel=0.06)
+    assert not early.saturated
+    assert late.area_px2 == pytest.approx(42_931, rel=0.03)
+    assert late.saturated
+
+    # plate h mm into a dome of about 140 px: between the Hertz radius sqrt(R h) and the overlap sqrt(2 R h)
+    edges = [initial_area(rest, contact(frame), rule="edge") for frame in (24, 40, 90)]
+    assert [edge.rule for edge in edges] == ["edge"] * 3
+    radii = [np.sqrt(edge.area_px2 / np.pi) for edge in edges]
+    assert radii == sorted(radii)
+    for radius, depth_mm in zip(radii, (1, 2, 4), strict=True):
+        hertz_px = 140 * np.sqrt(depth_mm / 20)
+        assert 0.9 * hertz_px < radius < 1.9 * hertz_px
+
+
+def test_edge_of_pins_drawn_together_is_no_edge():
+    found = initial_area(as_pins(REST), CENTRE + 0.2 * (REST - CENTRE), rule="edge")
+    assert found.rule == "hexagon"

@@ -1,0 +1,207 @@
+"""Areas from growth, and the spread rate from areas and forces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from casr.errors import CasrError, FramesError, NoContactError, SettingError
+from casr.spread import contact_areas, spread_rate
+from casr.spread.loading_points import pooled
+
+
+def press(frames=61, shape=1.0):
+    """Force from 0.5 to 7 N and area ~ F^(1/2), as the simulated world has it."""
+    force = 0.5 + 6.5 * np.linspace(0, 1, frames) ** shape
+    return 80 * np.sqrt(force / 0.5), force
+
+
+def exact_slope(low=0.5, high=7.0):
+    """Least-squares slope of 80 sqrt(F / 0.5) over [low, high], by fine quadrature."""
+    force = np.linspace(low, high, 200_001)
+    return np.polyfit(force, 80 * np.sqrt(force / 0.5), 1)[0]
+
+
+def autoregressive(rng, n, correlation):
+    errors = rng.normal(size=n)
+    for i in range(1, n):
+        errors[i] = correlation * errors[i - 1] + np.sqrt(1 - correlation**2) * errors[i]
+    return errors
+
+
+def test_ode_areas_undo_the_logarithm_of_growth():
+    area, force = press()
+    assert contact_areas(80.0, np.diff(np.log(area)), force) == pytest.approx(area, rel=1e-13)
+    assert contact_areas(80.0, np.diff(np.log(area))) == pytest.approx(area, rel=1e-13)
+
+
+def test_paper_areas_are_equation_1_as_printed():
+    areas = contact_areas(10.0, [0.01, 0.02, 0.03], [0.5, 1.0, 2.0, 3.0], law="paper")
+    assert areas == pytest.approx(10 * np.exp(0.06 * np.array([0.0, 1.0, 2.0, 3.0])))
+
+
+@given(st.lists(st.floats(-0.5, 0.5), min_size=1, max_size=30), st.integers(0, 30))
+def test_ode_areas_can_be_continued_from_any_frame(growth, cut):
+    cut = min(cut, len(growth))
+    first = contact_areas(5.0, growth[:cut])
+    assert np.append(first, contact_areas(first[-1], growth[cut:])[1:]) == pytest.approx(contact_areas(5.0, growth))
+
+
+@pytest.mark.parametrize("law", ["ode", "paper"])
+def test_no_initial_area_gives_no_area_and_no_rate(law):
+    area = contact_areas(0.0, np.full(9, 0.1), np.arange(1.0, 11.0), law=law)
+    assert not area.any()
+    assert spread_rate(area, np.arange(1.0, 11.0)).value == 0.0
+    assert spread_rate(area, np.arange(1.0, 11.0), rule="paper").value == 0.0
+
+
+def test_areas_refuse_what_they_cannot_use():
+    with pytest.raises(FramesError, match=r"frame 2.*709"):
+        contact_areas(1.0, [400.0, 400.0])
+    with pytest.raises(FramesError, match="step 1"):
+        contact_areas(1.0, [0.1, np.nan])
+    with pytest.raises(FramesError, match="3 frames"):
+        contact_areas(1.0, [0.1, 0.1], law="paper")
+    with pytest.raises(NoContactError):
+        contact_areas(-1.0, [0.1])
+    with pytest.raises(SettingError, match="ode or paper"):
+        contact_areas(1.0, [0.1], law="euler")
+
+
+def test_slope_of_a_line_is_exact_with_an_interval_of_nothing():
+    force = np.linspace(0.5, 7, 40)
+    rate = spread_rate(3 + 2 * force, force, area_unit="px2")
+    assert (rate.value, rate.low, rate.high) == pytest.approx((2, 2, 2), rel=1e-9)
+    assert rate.unit == "px2/N"
+
+
+@pytest.mark.parametrize("shape", [0.7, 1.0, 1.5, 2.0])
+@pytest.mark.parametrize("frames", [31, 61, 121])
+def test_slope_is_that_of_the_curve_whatever_frame_rate_and_loading(frames, shape):
+    area, force = press(frames, shape)
+    assert spread_rate(area, force).value == pytest.approx(exact_slope(), rel=0.004)
+
+
+def test_paper_rate_is_equation_2_and_doubles_with_the_frame_rate():
+    area, force = press()
+    expected = (np.diff(area) / np.diff(np.append(0.0, force[1:]))).sum()
+    rate = spread_rate(area, force, rule="paper")
+    assert rate.value == pytest.approx(expected)
+    assert rate.unit == "mm2/N summed over frames"
+    assert rate.low is None
+    assert spread_rate(area[::2], force[::2], rule="paper").value == pytest.approx(expected / 2, rel=0.05)
+
+
+def test_paper_merges_small_steps_and_loses_no_area():
+    area, force = [10.0, 11.0, 11.5, 12.0, 13.0, 13.5], [0.5, 1.0, 1.001, 1.002, 1.5, 1.501]
+    rate = spread_rate(area, force, rule="paper")
+    assert rate.value == pytest.approx(1.0 / 1.0 + (13.5 - 11.0) / (1.501 - 1.0))
+    assert "3 of 5 steps" in rate.notes[0]
+
+
+@pytest.mark.parametrize("dip_n", [0.3, 0.6, 1.0])
+def test_dips_of_force_hardly_change_the_slope(dip_n):
+    _, force = press()
+    force = np.maximum(force + dip_n * np.sin(np.linspace(0, 6 * np.pi, 61)), 0.5)
+    elastic = 80 * np.sqrt(force / 0.5)
+    truth = exact_slope(force[0], force.max())
+    rate = spread_rate(elastic, force)
+    assert rate.value == pytest.approx(truth, rel=0.03)
+    assert dip_n < 0.6 or "pooled" in rate.notes[0]
+
+
+@given(st.lists(st.floats(0, 10), min_size=1, max_size=40))
+def test_pooled_force_rises_and_keeps_all_force_and_area(force):
+    force = np.array(force)
+    area, rising, _ = pooled(np.arange(force.size, dtype=float), force)
+    assert (np.diff(rising) > 0).all()
+    assert rising.min() >= force.min() - 1e-9
+    assert rising.max() <= force.max() + 1e-9
+    assert (np.diff(area) > 0).all()
+
+
+def test_pooled_agrees_with_scipy():
+    optimize = pytest.importorskip("scipy.optimize")
+    force = np.random.default_rng(0).normal(size=50).cumsum() + np.arange(50) * 0.3
+    expected = np.unique(optimize.isotonic_regression(force).x)
+    assert pooled(force, force)[1] == pytest.approx(expected)
+
+
+def test_a_few_wild_areas_do_not_move_the_slope():
+    rng = np.random.default_rng(1)
+    area, force = press()
+    area = area + rng.normal(size=61)
+    wild = area.copy()
+    wild[[3, 57]] += (200.0, -200.0)
+    clean = spread_rate(area, force).value
+    assert spread_rate(wild, force).value == pytest.approx(clean, rel=0.05)
+    assert abs(np.polyfit(force, wild, 1)[0] / clean - 1) > 0.15
+
+
+@pytest.mark.parametrize(("frames", "correlation", "least"), [(30, 0.0, 0.91), (60, 0.3, 0.89), (60, 0.6, 0.86)])
+def test_interval_covers_the_noise_free_slope(frames, correlation, least):
+    rng = np.random.default_rng(2)
+    area, force = press(frames, 1.3)
+    truth = spread_rate(area, force).value
+    rates = [spread_rate(area + 3 * autoregressive(rng, frames, correlation), force) for _ in range(300)]
+    covered = np.mean([rate.low <= truth <= rate.high for rate in rates])
+    assert least < covered < 0.99
+    assert np.mean([rate.value for rate in rates]) == pytest.approx(truth, rel=0.01)
+
+
+def test_noise_free_bend_is_not_taken_for_noise():
+    rate = spread_rate(*press())
+    assert rate.high - rate.low < 0.005 * rate.value
+
+
+def test_frames_without_force_are_left_out_and_counted():
+    area, force = press()
+    force[[0, 10, 60]] = np.nan
+    rate = spread_rate(area, force)
+    assert rate.n_frames == 58
+    assert "3 of 61 frames carry no force" in rate.notes[0]
+    assert rate.value == pytest.approx(spread_rate(area[~np.isnan(force)], force[~np.isnan(force)]).value, rel=1e-12)
+
+
+@given(st.floats(0.1, 100), st.floats(-50, 50))
+def test_slope_scales_with_area_and_ignores_an_offset(scale, offset):
+    area, force = press(20)
+    assert spread_rate(scale * area + offset, force).value == pytest.approx(scale * spread_rate(area, force).value)
+
+
+def test_few_points_give_a_slope_without_interval():
+    rate = spread_rate([10.0, 14.0], [1.0, 3.0])
+    assert rate.value == pytest.approx(2.0)
+    assert rate.low is None
+    assert "too few" in rate.notes[0]
+
+
+@pytest.mark.parametrize("rule", ["slope", "paper"])
+@pytest.mark.parametrize(
+    ("area", "force"),
+    [
+        ([], []),
+        ([1.0], [1.0]),
+        ([1.0, 2.0, 3.0], [np.nan] * 3),
+        ([1.0, 2.0], [1.0]),
+        ([1.0, np.nan, 3.0], [1.0, 2.0, 3.0]),
+        ([1.0, 2.0, 3.0], [1.0, np.inf, 3.0]),
+    ],
+)
+def test_what_has_no_rate_is_one_clear_error(rule, area, force):
+    with pytest.raises(CasrError):
+        spread_rate(area, force, rule=rule)
+
+
+def test_constant_and_falling_force_have_no_slope():
+    for force in (np.full(5, 3.0), np.linspace(7, 1, 5)):
+        with pytest.raises(FramesError, match="rising force"):
+            spread_rate(np.arange(5.0), force)
+
+
+def test_bad_settings_are_refused():
+    for setting in ({"rule": "median"}, {"confidence": 1.0}, {"min_step_n": 0.0}):
+        with pytest.raises(SettingError):
+            spread_rate([1.0, 2.0], [1.0, 2.0], **setting)

@@ -1,0 +1,145 @@
+"""Tests on ranks beside scipy, the numbers of the statistics notes, and what must not change the answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from emg2vsa.stats.dunn import dunn, smallest_worst_p
+from emg2vsa.stats.friedman import friedman
+from emg2vsa.stats.kruskal import kruskal
+from emg2vsa.stats.mann_whitney import mann_whitney
+from emg2vsa.stats.ranks import midranks
+
+SEPARATED = np.arange(30.0).reshape(3, 10)
+
+
+def tied(seed: int, k: int = 4, n: int = 9) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    values = np.floor(rng.uniform(0, 8, (k, n)) + 0.7 * np.arange(k)[:, None])
+    values[np.arange(n) >= rng.integers(3, n + 1, (k, 1))] = np.nan
+    return values
+
+
+DESIGNS = np.array([tied(seed) for seed in range(15)])
+
+
+def groups_of(design: np.ndarray) -> list[np.ndarray]:
+    return [group[np.isfinite(group)] for group in design]
+
+
+def test_midranks_are_scipys_and_skip_nan() -> None:
+    rows = DESIGNS.reshape(15, -1)
+    np.testing.assert_array_equal(midranks(rows), stats.rankdata(rows, axis=1, nan_policy="omit"))
+
+
+def test_kruskal_is_scipys() -> None:
+    found = kruskal(DESIGNS)
+    for i, design in enumerate(DESIGNS):
+        np.testing.assert_allclose([found.h[i], found.p[i]], stats.kruskal(*groups_of(design)), rtol=1e-13)
+        assert found.epsilon2[i] == pytest.approx(found.h[i] / (found.count[i].sum() - 1), rel=1e-14)
+
+
+def test_separated_groups_give_the_p_of_the_notes() -> None:
+    found = kruskal(SEPARATED)
+    assert found.p[0] == pytest.approx(2.49e-6, rel=1e-3)
+    assert dunn(found).p[0, 0] == pytest.approx(0.03326, abs=5e-6)
+    assert dunn(found, "none").p[0, 0] == pytest.approx(0.01109, abs=5e-6)
+    assert 3 * mann_whitney(SEPARATED, "normal, continuity").p[0, 0] == pytest.approx(5.48e-4, rel=1e-3)
+    assert 3 * mann_whitney(SEPARATED, "normal").p[0, 0] == pytest.approx(4.71e-4, rel=1e-3)
+    assert 3 * mann_whitney(SEPARATED).p[0, 0] == pytest.approx(6 / 184756, rel=1e-13)
+
+
+def test_floor_of_the_worst_p() -> None:
+    assert smallest_worst_p([10] * 3) == pytest.approx(dunn(kruskal(SEPARATED)).p.max(), rel=1e-13)
+    assert smallest_worst_p([10] * 4, "none") == pytest.approx(0.0558, abs=5e-5)
+    assert smallest_worst_p([10] * 4) == pytest.approx(0.335, abs=5e-4)
+    assert np.isnan(smallest_worst_p([10]))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 8), st.integers(2, 8), st.integers(2, 8))
+@settings(max_examples=30, deadline=None)
+def test_no_untied_design_beats_the_floor(seed: int, n1: int, n2: int, n3: int) -> None:
+    rng = np.random.default_rng(seed)
+    sizes = [n1, n2, n3]
+    values = np.full((3, 8), np.nan)
+    for i, (n, centre) in enumerate(zip(sizes, rng.permutation(3) * 5.0, strict=True)):
+        values[i, :n] = rng.normal(centre, 1.0, n)
+    assert dunn(kruskal(values)).p.max() >= smallest_worst_p(sizes) * (1 - 1e-12)
+
+
+def test_two_groups_of_dunn_are_kruskal() -> None:
+    found = kruskal(DESIGNS[:, :2])
+    np.testing.assert_allclose(dunn(found).p[:, 0], found.p, rtol=1e-12)
+    np.testing.assert_allclose(mann_whitney(DESIGNS[:, :2], "normal").p[:, 0], found.p, rtol=1e-12)
+
+
+def test_exact_p_counts_every_permutation_with_ties() -> None:
+    for seed in range(6):
+        x, y = np.random.default_rng(seed).integers(0, 5, (2, 6)).astype(float)
+        peer = stats.mannwhitneyu(x, y, method=stats.PermutationMethod(n_resamples=10**6))
+        found = mann_whitney(np.array([x, y]))
+        assert found.u[0, 0] == peer.statistic
+        assert found.p[0, 0] == pytest.approx(peer.pvalue, rel=1e-13)
+        assert found.rank_biserial[0, 0] == pytest.approx(2 * peer.statistic / 36 - 1)
+
+
+@pytest.mark.parametrize(("n1", "n2"), [(5, 5), (10, 10), (4, 12), (30, 40)])
+def test_exact_p_without_ties_is_scipys(n1: int, n2: int) -> None:
+    rng = np.random.default_rng(n1)
+    values = np.full((2, max(n1, n2)), np.nan)
+    values[0, :n1], values[1, :n2] = rng.standard_normal(n1), rng.standard_normal(n2) + 0.8
+    peer = stats.mannwhitneyu(*groups_of(values), method="exact")
+    np.testing.assert_allclose(mann_whitney(values).p[0, 0], peer.pvalue, rtol=1e-11)
+
+
+def test_interval_holds_the_shifts_that_are_not_rejected() -> None:
+    x, y = np.random.default_rng(3).standard_normal((2, 9))
+    found = mann_whitney(np.array([x + 1.3, y]))
+    low, high = found.low[0, 0], found.high[0, 0]
+    assert low < found.shift[0, 0] < high
+    for shift, kept in ((low - 1e-9, False), (low + 1e-9, True), (high - 1e-9, True), (high + 1e-9, False)):
+        assert bool(mann_whitney(np.array([x + 1.3 - shift, y])).p[0, 0] > 0.05) == kept
+
+
+def test_friedman_is_scipys_and_leaves_gaps_out() -> None:
+    values = np.random.default_rng(2).integers(0, 6, (5, 9, 4)).astype(float)
+    values[0, 3, 1] = np.nan
+    found = friedman(values)
+    for i, design in enumerate(values):
+        complete = design[np.isfinite(design).all(axis=1)]
+        np.testing.assert_allclose([found.chi2[i], found.p[i]], stats.friedmanchisquare(*complete.T), rtol=1e-12)
+    assert found.n[0] == 8
+    assert "left out" in found.outcome(0).notes[0]
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None)
+def test_monotone_maps_and_order_do_not_matter(seed: int) -> None:
+    values, rng = tied(seed), np.random.default_rng(seed)
+    h, w, f = kruskal(values).h, mann_whitney(values).p, friedman(values).chi2
+    for other in (np.exp(values), values**3 + values, values * 1e300, values * 1e-300):
+        np.testing.assert_allclose(kruskal(other).h, h, rtol=1e-13)
+        np.testing.assert_allclose(mann_whitney(other).p, w, rtol=1e-13)
+        np.testing.assert_allclose(friedman(other).chi2, f, rtol=1e-13)
+    np.testing.assert_allclose(kruskal(rng.permuted(values, axis=1)).h, h, rtol=1e-12)
+    np.testing.assert_allclose(kruskal(values[rng.permutation(4)]).h, h, rtol=1e-12)
+
+
+def test_hostile_designs_are_undefined_and_say_so() -> None:
+    nan = np.nan
+    hostile = np.array([[[1.0, 2.0], [nan, nan]], [[3.0, 3.0], [3.0, 3.0]], [[nan, nan], [nan, nan]]])
+    found = kruskal(hostile)
+    assert np.isnan(found.h).all()
+    assert all("undefined" in found.outcome(i).notes[0] for i in range(3))
+    assert np.isnan(dunn(found).p).all()
+    exact = mann_whitney(hostile)
+    np.testing.assert_array_equal(np.isnan(exact.p[:, 0]), [True, False, True])
+    assert exact.p[1, 0] == 1.0
+    assert "undefined" in friedman(hostile).outcome(1).notes[-1]
+    assert mann_whitney(np.array([[1.0], [2.0]])).p[0, 0] == 1.0
+    assert np.isinf(mann_whitney(np.array([[1.0], [2.0]])).low[0, 0])
+    assert "normal" in mann_whitney(np.random.default_rng(1).standard_normal((2, 60))).outcome().method
