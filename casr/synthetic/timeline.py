@@ -48,7 +48,7 @@ def make_timeline(settings: TimelineSettings, frame_rate_hz: float, draws: Draws
     peak_s = touch_s + settings.peak_n / rate + settings.rounding_s
     n_frames = math.floor((peak_s + settings.unloading_s - first_frame_s) * frame_rate_hz) + 2
     frame_s = first_frame_s + np.arange(n_frames) / frame_rate_hz
-    log_s = np.arange(math.floor((frame_s[-1] + 1 / frame_rate_hz) * settings.log_rate_hz)) / settings.log_rate_hz
+    log_s = np.arange(math.ceil((frame_s[-1] + 1 / frame_rate_hz) * settings.log_rate_hz)) / settings.log_rate_hz
     noise_n = settings.force_noise_n * draws.of("force").standard_normal(log_s.size)
     return Timeline(
         frame_time_s=frame_s,

@@ -49,8 +49,9 @@ def test_rendered_centroids_are_the_positions() -> None:
 
 
 def test_half_brightness_at_the_pin_radius_and_full_inside() -> None:
-    pins = np.array([[150.0, 150.0]])
     skin = Skin(rings=1, pin_radius_px=6.0)
+    pins = skin.pins_px((150.0, 150.0))
+    pins[np.arange(7) != 3] = -100.0
     surface = draw_surface(Appearance(pin_grey=(120.0, 120.0)), skin, Camera(), *np.random.default_rng(1).spawn(2))
     image = render(pins, surface, skin)
     assert image[150, 150] == 140
