@@ -120,8 +120,11 @@ def hull_growths(frames: list[NDArray[np.uint8]]) -> list[float]:
     for frame in frames[1:]:
         last = tracker.step(frame)
     distance_px = np.hypot(*(first - CENTRE_PX).T)
-    hulls = [(Region.from_points(p[distance_px < core_px]) for p in (first, last)) for core_px in CORES_PX]
-    return [float(np.log(after.area_px2 / before.area_px2)) for before, after in hulls]
+    growths = []
+    for core_px in CORES_PX:
+        before, after = (Region.from_points(pins_px[distance_px < core_px]).area_px2 for pins_px in (first, last))
+        growths.append(float(np.log(after / before)))
+    return growths
 
 
 if __name__ == "__main__":

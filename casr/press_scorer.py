@@ -23,6 +23,10 @@ Array = NDArray[np.float64]
 class PressScorer:
     """Scores one press from its rest frame, its first contact and the frames after; holds one image.
 
+    Attributes
+    ----------
+    log_growth : of the region since first contact.
+
     Parameters
     ----------
     camera : None leaves areas in px^2.
@@ -33,6 +37,7 @@ class PressScorer:
         self._camera, self._settings = camera, settings
         self._flow = FlowTracker(settings.flow)
         self._steps: list[FlowStep] = []
+        self.log_growth = self._divergence = 0.0
 
     def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> None:
         """Initial area and contact region from the static frame and the frame of first contact.
@@ -56,6 +61,8 @@ class PressScorer:
             growth = self._flat(step.region).area_px2 / self._flat(before).area_px2
             step = replace(step, log_growth=float(np.log(growth)))
         self._steps.append(step)
+        self.log_growth += step.log_growth
+        self._divergence += step.divergence
         return step
 
     def areas(self, force_n: Array | None) -> Array:
@@ -63,14 +70,23 @@ class PressScorer:
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
         law = self._settings.area_law
         growth = [step.log_growth if law == "ode" else step.divergence for step in steps]
-        first = self._initial.area_px2 if self._initial.area_mm2 is None else self._initial.area_mm2
-        return contact_areas(first, growth, force_n, law=law)
+        return contact_areas(self._first_area, growth, force_n, law=law)
+
+    def area_now(self, force_n: float) -> float:
+        """Contact area in ``area_unit`` of the last frame, whose force this is."""
+        law = self._settings.area_law
+        growth = self.log_growth if law == "ode" else self._divergence
+        return float(contact_areas(self._first_area, [growth], [0.0, force_n], law=law)[-1])
 
     def rate(self, force_n: Array) -> SpreadRate:
         """Spread rate over the first T frames, whose forces these are."""
         return spread_rate(
             self.areas(force_n), force_n, rule=self._settings.rate_rule, area_unit=self.area_unit
         )
+
+    @property
+    def _first_area(self) -> float:
+        return self._initial.area_px2 if self._initial.area_mm2 is None else self._initial.area_mm2
 
     @property
     def area_unit(self) -> str:

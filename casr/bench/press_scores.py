@@ -9,7 +9,6 @@ from itertools import product
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from casr.bench.metrics import percent_error
 from casr.contact_area import RULES, initial_area
@@ -107,10 +106,11 @@ def _initial_areas(result: PressScores, found: Score, press: SimulatedPress) -> 
 
 
 def _rates(result: PressScores, found: Score, area_mm2: float) -> Iterator[tuple[str, str, float]]:
-    steps: dict[str, NDArray[np.float64]] = {"ode": found.log_growth, "paper": found.divergence}
+    force_n = np.array(found.force_n, dtype=np.float64)
+    steps = {"ode": found.log_growth, "paper": found.divergence}
     for law, rate in product(AREA_LAWS, RATE_RULES):
         try:
-            areas = contact_areas(area_mm2, steps[law], found.force_n, law=law)
-            yield law, rate, spread_rate(areas, found.force_n, rule=rate).value
+            areas = contact_areas(area_mm2, steps[law], force_n, law=law)
+            yield law, rate, spread_rate(areas, force_n, rule=rate).value
         except CasrError as error:
             result.failures.append(f"{law}, {rate}: {error}")

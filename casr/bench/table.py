@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 Cell = str | float | None
+TOO_LONG = 1e5
+"Printed with an exponent from here on."
 
 
 @dataclass(frozen=True)
@@ -49,4 +51,6 @@ class Table:
 def _shown(cell: Cell, form: str) -> str:
     if cell is None:
         return "-"
-    return cell if isinstance(cell, str) else format(cell, form)
+    if isinstance(cell, str):
+        return cell
+    return format(cell, ".1e" if abs(cell) >= TOO_LONG else form)

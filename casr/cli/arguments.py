@@ -31,7 +31,7 @@ def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: s
 
 def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str = "") -> None:
     """The frames, and the files that go with them."""
-    kinds = "a folder of PNGs, a TIFF, AVI or .npy file, or a press folder (frames, force.csv, camera.toml)"
+    kinds = "a folder of images, a TIFF, AVI, MP4 or .npy file, or a press folder (frames, force.csv, camera.toml)"
     parser.add_argument("path", type=Path, metavar=metavar, help=help or kinds)
     parser.add_argument("--force", type=Path, metavar="FILE", help="force log, CSV: time_s,force_n,frame_index")
     parser.add_argument(

@@ -31,27 +31,34 @@ def add_to(commands: Commands) -> None:
         "flow",
         run,
         "Divergence and growth of a region of skin, from frame to frame; no force needed.",
-        "The region moves with the skin. Divergence is its mean over the region; log growth is the logarithm of the "
-        "factor by which the region's area grows. Example: casr flow frames --frames 19,20 --figures pictures",
+        "The region is a circle in the first frame and moves with the skin. Divergence is its mean over the region; "
+        "log growth is the logarithm of the factor by which the region's area grows. "
+        "Example: casr flow frames --frames 19,20 --figures pictures",
     )
     add_frames(parser)
-    parser.add_argument("--frames", type=frame_pair, metavar="I,J", help="only from frame I to J (default: every step)")
+    parser.add_argument(
+        "--frames", type=frame_pair, metavar="I,J", help="the steps from frame I to frame J (default: all)"
+    )
     add_engine(parser)
     parser.add_argument(
         "--region", metavar="X,Y,R", help="circle in the first frame, px (default: half as wide as the field of pins)"
     )
     add_json(parser)
-    parser.add_argument("--figures", type=Path, metavar="DIR", help="write the flow over the whole span as PNG and SVG")
+    parser.add_argument(
+        "--figures",
+        type=Path,
+        metavar="DIR",
+        help="write a picture as PNG and SVG: ways of the pins, or the dense flow of the step that grows most",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     from casr.flow.region import Region
 
     sequence = open_sequence(arguments)
-    frames = list(arguments.frames) if arguments.frames else list(range(len(sequence)))
-    _check_two(sequence, frames)
+    frames = _frames(sequence, arguments.frames)
     region = Region.parse(arguments.region) if arguments.region else _middle(sequence[frames[0]])
-    steps = _steps(sequence, frames, region, arguments.engine)
+    steps, regions = _steps(sequence, frames, region, arguments.engine)
     if arguments.json:
         centre = [float(x) for x in region.centre_px]
         print_json({"name": sequence.name, "engine": arguments.engine, "region_centre_px": centre, "steps": steps})
@@ -60,17 +67,22 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.figures:
         from casr.cli.pages import write_pictures
 
-        write_pictures(arguments.figures, _pictures(sequence, frames, region, arguments.engine))
+        write_pictures(arguments.figures, [_picture(sequence, steps, regions, arguments.engine)])
     return 0
 
 
-def _check_two(sequence: FrameSequence, frames: list[int]) -> None:
+def _frames(sequence: FrameSequence, asked: tuple[int, int] | None) -> list[int]:
+    """Every frame between the two, which may run backwards."""
     from casr.errors import FramesError
 
-    if len(frames) < 2:
+    first, last = asked or (0, len(sequence) - 1)
+    if max(first, last) >= len(sequence):
         raise FramesError(
-            sequence.name, wanted="two frames or more", found=f"{len(frames)}", do="Flow needs a before and an after."
-        )
+            sequence.name, wanted=f"frames from 0 to {len(sequence) - 1}", found=f"{first},{last}",
+            do="Frames are counted from 0.",
+        )  # fmt: skip
+    forward = 1 if last > first else -1
+    return list(range(first, last + forward, forward))
 
 
 def _middle(image: Any) -> Region:
@@ -85,21 +97,25 @@ def _middle(image: Any) -> Region:
     return Region.circle(float(centre[0]), float(centre[1]), float(np.hypot(*(pins_px - centre).T).max()) / 2)
 
 
-def _steps(sequence: FrameSequence, frames: list[int], region: Region, engine: str) -> list[dict[str, Any]]:
+def _steps(
+    sequence: FrameSequence, frames: list[int], region: Region, engine: str
+) -> tuple[list[dict[str, Any]], list[Region]]:
+    """Facts of each step, and the region before it."""
     from casr.flow.estimate import FlowSettings, FlowTracker
 
     tracker = FlowTracker(FlowSettings(engine=engine))
     tracker.start(sequence[frames[0]], region)
-    total, steps = 0.0, []
+    total, steps, regions = 0.0, [], [region]
     for before, after in itertools.pairwise(frames):
         step = tracker.step(sequence[after])
         say_notes(step.notes, f"frame {after}")
         total += step.log_growth
+        regions.append(step.region)
         steps.append({
             "from": before, "to": after, "divergence": float(step.divergence), "log_growth": float(step.log_growth),
             "sum": float(total), "used": int(step.n),
         })  # fmt: skip
-    return steps
+    return steps, regions
 
 
 def _print(name: str, engine: str, region: Region, steps: list[dict[str, Any]]) -> None:
@@ -118,15 +134,19 @@ def _print(name: str, engine: str, region: Region, steps: list[dict[str, Any]]) 
     print(f"area of the region at the end: {math.exp(steps[-1]['sum']):.4f} times that at first")
 
 
-def _pictures(sequence: FrameSequence, frames: list[int], region: Region, engine: str) -> list[Picture]:
+def _picture(sequence: FrameSequence, steps: list[dict[str, Any]], regions: list[Region], engine: str) -> Picture:
+    """Of all steps for pins; of the step that grows most for dense flow."""
     from casr.overlays import flow_picture, pin_ways, spreading_picture
 
-    first, last = frames[0], frames[-1]
-    span = f"frames {first} to {last}"
     if engine == "pin-affine":
-        return [spreading_picture(sequence[first], *pin_ways(sequence, frames), region.polygon_px, span)]
+        frames = [steps[0]["from"], *(step["to"] for step in steps)]
+        ways, span = pin_ways(sequence, frames), f"frames {frames[0]} to {frames[-1]}"
+        return spreading_picture(sequence[frames[0]], *ways, regions[0].polygon_px, span)
     from casr.flow.dis import dis_flow
     from casr.flow.horn_schunck import horn_schunck
 
+    place = max(range(len(steps)), key=lambda i: abs(steps[i]["log_growth"]))
+    before, after = steps[place]["from"], steps[place]["to"]
     flow_of = horn_schunck if engine == "horn-schunck" else dis_flow
-    return [flow_picture(sequence[first], flow_of(sequence[first], sequence[last]), region.polygon_px, span)]
+    flow = flow_of(sequence[before], sequence[after])
+    return flow_picture(sequence[before], flow, regions[place].polygon_px, f"frames {before} to {after}")

@@ -31,7 +31,7 @@ def block(score: Score) -> str:
 
 def head(width: int) -> str:
     """Names of the columns of ``row``."""
-    names = f"{'frames':>6} {'pins':>5} {'A_c0':>10} {'growth':>7} {'CASR':>9} {'95 % interval':>19}  unit"
+    names = f"{'frames':>6} {'pins':>5} {'A_c0':>10} {'growth':>7} {'CASR':>9} {'95 % interval':>19} {'notes':>5}  unit"
     return f"{'press':<{width}} {names}"
 
 
@@ -41,8 +41,8 @@ def row(name: str, score: Score, width: int) -> str:
     interval = f"{rate.low:.4g} to {rate.high:.4g}" if rate and rate.low is not None else "-"
     return (
         f"{name:<{width}} {len(score.frames):>6} {len(score.initial.selected):>5} {score.area[0]:>10.4g} "
-        f"{score.log_growth.sum():>7.3f} {f'{rate.value:.4g}' if rate else '-':>9} {interval:>19}  "
-        f"{rate.unit if rate else score.area_unit}"
+        f"{score.log_growth.sum():>7.3f} {f'{rate.value:.4g}' if rate else '-':>9} {interval:>19} "
+        f"{len(score.notes):>5}  {rate.unit if rate else score.area_unit}"
     )
 
 

@@ -42,8 +42,8 @@ def add_to(commands: Commands) -> None:
     )
     add_frames(
         parser,
-        help="a press: folder of PNGs, TIFF, AVI, .npy, or a press folder (frames, force.csv, camera.toml); "
-        "or a folder of presses",
+        help="a press: a folder of images, a TIFF, AVI, MP4 or .npy file, or a press folder (frames, force.csv, "
+        "camera.toml); or a folder of presses",
     )
     method = parser.add_argument_group("method")
     add_engine(method)
@@ -144,9 +144,10 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
             failures[name] = str(error)
             print(f"not scored: {name}: {error}", file=sys.stderr)
             continue
-        say_notes(scores[name].notes, name)
         if not arguments.json:
             print(row(name, scores[name], width), flush=True)
+    for name, scored in scores.items():
+        say_notes(scored.notes, name)
     if arguments.page:
         from casr.cli.pages import write_index
 

@@ -12,8 +12,8 @@ def _add_products(p, q, xx, xy, yy, xt, yt):  # type: ignore[no-untyped-def]
     """Add Ix Ix, Ix Iy, Iy Iy, Ix It, Iy It of the middle one of five rows p and q of the two frames."""
     p0, p1, p2, p3, p4 = p
     q0, q1, q2, q3, q4 = q
-    near, far = p0.dtype.type(8 / 24), p0.dtype.type(-1 / 24)
-    for x in range(p0.size - 4):
+    near, far, zero = p0.dtype.type(8 / 24), p0.dtype.type(-1 / 24), p0.dtype.type(0)
+    for x in range(xx.size):
         ix = near * ((p2[x + 3] - p2[x + 1]) + (q2[x + 3] - q2[x + 1])) + far * (
             (p2[x + 4] - p2[x]) + (q2[x + 4] - q2[x])
         )
@@ -21,16 +21,20 @@ def _add_products(p, q, xx, xy, yy, xt, yt):  # type: ignore[no-untyped-def]
             (p4[x + 2] - p0[x + 2]) + (q4[x + 2] - q0[x + 2])
         )
         it = q2[x + 2] - p2[x + 2]
-        xx[x + 2] += ix * ix
-        xy[x + 2] += ix * iy
-        yy[x + 2] += iy * iy
-        xt[x + 2] += ix * it
-        yt[x + 2] += iy * it
+        # NaN, out of the frame after warping, in any of the seventeen pixels: no data
+        if not ix + iy + it == ix + iy + it:
+            ix = iy = it = zero
+        xx[x] += ix * ix
+        xy[x] += ix * iy
+        yy[x] += iy * iy
+        xt[x] += ix * it
+        yt[x] += iy * it
 
 
 @njit(**KERNEL)
-def _five_rows(image, y):  # type: ignore[no-untyped-def]
-    return image[y - 2], image[y - 1], image[y], image[y + 1], image[y + 2]
+def _five_rows(image, y, margin):  # type: ignore[no-untyped-def]
+    inner = slice(margin - 2, image.shape[1] - margin + 2)
+    return image[y - 2, inner], image[y - 1, inner], image[y, inner], image[y + 1, inner], image[y + 2, inner]
 
 
 @njit(**KERNEL)
@@ -40,15 +44,16 @@ def _add_pairs(row, out):  # type: ignore[no-untyped-def]
 
 
 @njit(**KERNEL)
-def data_term(first, second, cell_px, f, sums):  # type: ignore[no-untyped-def]
+def data_term(first, second, margin, cell_px, f, sums):  # type: ignore[no-untyped-def]
+    """Fill the planes A11 ... B2 of the finest level with the sums over its cells, margin px at the edges left out."""
     rows = f.shape[2] - 2
-    last = first.shape[0] - 3
+    inner = slice(margin, max(first.shape[1] - margin, margin))
     for y in range(1, rows + 1):
         sums[:] = 0
         top = (y - 1) * cell_px
-        for image_y in range(max(top, 2), min(top + cell_px - 1, last) + 1):
-            p, q = _five_rows(first, image_y), _five_rows(second, image_y)
-            _add_products(p, q, sums[0, 0], sums[0, 1], sums[0, 2], sums[0, 3], sums[0, 4])
+        for image_y in range(max(top, margin), min(top + cell_px, first.shape[0] - margin)):
+            p, q, out = _five_rows(first, image_y, margin), _five_rows(second, image_y, margin), sums[0]
+            _add_products(p, q, out[0, inner], out[1, inner], out[2, inner], out[3, inner], out[4, inner])
         for p in range(5):
             if cell_px == 1:
                 put_row(f[A11 + p], y, sums[0, p])

@@ -18,7 +18,7 @@ from casr.images import as_grey
 __all__ = ["ENGINES", "FlowSettings", "FlowStep", "FlowTracker"]
 
 class FlowTracker:
-    """Follows one contact region; holds one frame.
+    """Follows one contact region; holds a copy of the frame before.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class FlowTracker:
         SettingError : the region lies outside the image.
         ImageError : not an image.
         """
-        grey = as_grey(image)
+        grey = as_grey(image).copy()  # a camera may write its next frame into the same memory
         self._shape = grey.shape
         self._engine.start(grey, region)
 
@@ -51,7 +51,7 @@ class FlowTracker:
         PinsError : too few of the region's pins are left (``pin-affine``).
         ImageError : not an image, another size than the first, or nothing was started.
         """
-        grey = as_grey(image)
+        grey = as_grey(image).copy()
         if grey.shape != self._shape:
             wanted = "a first frame: call start" if self._shape is None else f"frames of one shape, {self._shape}"
             raise ImageError("frame", wanted=wanted, found=f"shape {grey.shape}", do="Give frames of one recording.")

@@ -91,6 +91,8 @@ class HornSchunck:
         self.settings = settings
         self._dtype = np.dtype(np.float32 if settings.precision == "single" else np.float64)
         self._solver = Solver(settings.cell_px, settings.alpha**2 / 3, settings.sweeps, settings.cycles)
+        # smoothing has mixed the pixels nearest the edge with what is not there
+        self._margin = max(2, int(np.ceil(2 * settings.presmoothing_px)))
         self._grids: dict[tuple[int, int], Grid] = {}
         self._image: NDArray[Any] | None = None
         self._smooth: tuple[Box, Image] | None = None
@@ -170,19 +172,20 @@ class HornSchunck:
     def _flow(self, first: Image, second: Image) -> Image:
         limit = self.settings.warp_above_px
         if limit > 0:
-            flow = self._grid(first.shape).flow(first, second)
+            flow = self._grid(first.shape).flow(first, second, self._margin)
             if np.abs(flow).max() <= limit:
                 return flow
-        return self._warped_flow(first, second, self.settings.pyramid_levels)
+        return self._warped_flow(first, second, self._margin, self.settings.pyramid_levels)
 
-    def _warped_flow(self, first: Image, second: Image, levels: int) -> Image:
+    def _warped_flow(self, first: Image, second: Image, margin: int, levels: int) -> Image:
         """Coarse to fine: start from the flow of the halved frames, warp, solve for what is left, again."""
         if levels > 1 and min(first.shape) >= 32:
-            start = doubled(self._warped_flow(halved(first), halved(second), levels - 1), first.shape)
+            coarse = self._warped_flow(halved(first), halved(second), (margin + 1) // 2 + 1, levels - 1)
+            start = doubled(coarse, first.shape)
         else:
             start = np.zeros((*first.shape, 2), self._dtype)
         for _ in range(self.settings.warps):
-            start = self._grid(first.shape).flow(first, warp(first, second, start), start)
+            start = self._grid(first.shape).flow(first, warp(second, start, margin), margin, start)
             start = _median(start, self.settings.median_px)
         return start
 

@@ -40,10 +40,10 @@ class Grid:
         self._cells = np.zeros((rows, 2 * int(self._table[0, 1]), 2), dtype)
         self._sums = np.zeros((2, 5, self._cells.shape[1] * solver.cell_px), dtype)
 
-    def flow(self, first: Image, second: Image, start: Image | None = None) -> Image:
+    def flow(self, first: Image, second: Image, margin: int, start: Image | None = None) -> Image:
         """Flow (H, W, 2) from first to second; with a start, second is already warped along it and the sum is returned."""
         solver, kind = self._solver, self.dtype.type
-        data_term(first, second, solver.cell_px, self._finest, self._sums)
+        data_term(first, second, margin, solver.cell_px, self._finest, self._sums)
         if start is not None:
             subtract_from_right(self._finest, kind(solver.smoothness) * self._roughness(start))
         lam = kind(solver.smoothness)

@@ -26,14 +26,14 @@ def _cubic(p0, p1, p2, p3, t, half):  # type: ignore[no-untyped-def]
 
 
 @njit(**KERNEL)
-def _warp(first, second, flow, out):  # type: ignore[no-untyped-def]
+def _warp(second, flow, margin, out):  # type: ignore[no-untyped-def]
     height, width = second.shape
     half = second.dtype.type(0.5)
     for y in range(height):
         for x in range(width):
             at_x, at_y = x + flow[y, x, 0], y + flow[y, x, 1]
-            if not (0 <= at_x <= width - 1 and 0 <= at_y <= height - 1):
-                out[y, x] = first[y, x]
+            if not (margin <= at_x <= width - 1 - margin and margin <= at_y <= height - 1 - margin):
+                out[y, x] = np.nan
                 continue
             i, j = int(at_x), int(at_y)
             tx, ty = second.dtype.type(at_x - i), second.dtype.type(at_y - j)
@@ -49,12 +49,12 @@ def _warp(first, second, flow, out):  # type: ignore[no-untyped-def]
             out[y, x] = _cubic(a, b, c, d, ty, half)
 
 
-def warp(first: Image, second: Image, flow: Image) -> Image:
-    """Second frame read at every pixel plus its flow; the first frame where that lies outside.
+def warp(image: Image, flow: Image, margin: int) -> Image:
+    """Image read at every pixel plus its flow; NaN where that lies outside or within margin px of the edge.
 
     Parameters
     ----------
-    first, second : (H, W) arrays of one floating type.
+    image : (H, W) floats.
     flow : (H, W, 2) px, finite.
 
     Notes
@@ -62,8 +62,8 @@ def warp(first: Image, second: Image, flow: Image) -> Image:
     Cubic convolution of Keys (IEEE Trans. ASSP 29, 1981) with a = -1/2, which reproduces ramps and parabolas;
     OpenCV's a = -3/4 reads a ramp 0.25 px off as 0.297.
     """
-    out = np.empty_like(second)
-    _warp(first, second, flow, out)
+    out = np.empty_like(image)
+    _warp(image, flow, margin, out)
     return out
 
 

@@ -79,7 +79,7 @@ def read_table(path: Path) -> Table:
             path, wanted="a header line and rows", found=f"{len(lines)} lines", do="Give the force log of the press."
         )
     delimiter = next((mark for mark in "\t;" if mark in lines[0][1]), ",")
-    header, *rows = csv.reader((line for _, line in lines), delimiter=delimiter)
+    header, *rows = csv.reader((line for _, line in lines), delimiter=delimiter, skipinitialspace=True)
     table = Table(path, [name.strip().lower() for name in header], rows, [n for n, _ in lines[1:]], delimiter != ",")
     for row, cells in enumerate(rows):
         if len(cells) != len(header):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from errno import ENOENT
 from pathlib import Path
 
 import cv2
@@ -13,7 +12,7 @@ from casr.errors import FramesError
 from casr.frame_files.natural_order import natural_order
 from casr.frame_files.pages import PAGE_KINDS, PageFrames
 from casr.frame_files.sources import SOURCES, FileFrames, open_file
-from casr.frame_files.trouble import unreadable
+from casr.frame_files.trouble import check_exists, unreadable
 
 FORCE_FILE = "force.csv"
 CAMERA_FILE = "camera.toml"
@@ -44,8 +43,7 @@ def find_presses(path: Path | str) -> list[Path]:
     Links to folders are not followed. Raises FramesError when there is nothing or it cannot be read.
     """
     path = Path(path)
-    if not path.exists():
-        raise unreadable(path, FileNotFoundError(ENOENT, os.strerror(ENOENT)))
+    check_exists(path)
     presses = _presses_in(path) if path.is_dir() else [path]
     if not presses:
         raise _no_frames(path)

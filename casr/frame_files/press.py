@@ -31,7 +31,8 @@ def open_frames(
 
     Raises
     ------
-    FramesError : no frames or fewer than two, not readable, grey levels from 0 to 1; a force log that does not fit.
+    FramesError : no frames or fewer than two, not readable, floats from 0 to 1 or 12 bits kept in 16; a force log
+        that makes no sense or belongs to other frames.
     CameraError : a camera file that makes no sense or belongs to frames of another size.
     """
     path = Path(path)
@@ -58,12 +59,13 @@ def _check_frames(path: Path, frames: FileFrames) -> None:
         )
     first = frames.read(0)
     brightest = float(first.max())
-    if first.dtype != np.uint8 and 0 < brightest <= 1:
+    # 12 bits kept in 16 reach a grey level of 16 at most; floats from 0 to 1 and 8 bits kept in 16 reach 1
+    if first.dtype != np.uint8 and 0 < brightest < 16:
         raise FramesError(
             path,
-            wanted="grey levels from 0 to 255",
-            found=f"a brightest pixel of {brightest:.3g} in frame 0",
-            do="Multiply frames from 0 to 1 by 255.",
+            wanted="grey levels that use the range, 0 to 255 as floats or 0 to 65535 in 16 bits",
+            found=f"a brightest pixel of {brightest:.3g} of 255 in frame 0",
+            do="Multiply floats from 0 to 1 by 255; shift 12 bits kept in 16 to the top, or save 8 bits.",
         )
 
 

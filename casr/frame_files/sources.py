@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from casr.errors import FramesError
+from casr.frame_files.trouble import check_exists
 from casr.frames import FrameSource
 
 # suffix -> module with open_file(path) -> FileFrames
@@ -27,7 +28,8 @@ class FileFrames(FrameSource, Protocol):
 
 
 def open_file(path: Path) -> FileFrames:
-    """The frames of one file. Raises FramesError for a suffix that is not in the table."""
+    """The frames of one file. Raises FramesError when there is none or its suffix is not in the table."""
+    check_exists(path)
     module = SOURCES.get(path.suffix.lower())
     if module is None:
         raise FramesError(

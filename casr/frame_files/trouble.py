@@ -21,6 +21,14 @@ def unreadable(path: Path, error: OSError) -> FramesError:
     )
 
 
+def check_exists(path: Path) -> None:
+    """Raises FramesError when there is nothing at the path, or no way to it."""
+    try:
+        path.stat()
+    except OSError as error:
+        raise unreadable(path, error) from error
+
+
 def undecodable(path: Path, index: int, found: str) -> FramesError:
     """One frame is damaged; the others stay readable."""
     return FramesError(

@@ -36,18 +36,21 @@ class VideoFrames:
     def __init__(self, path: Path) -> None:
         self.name = path.stem
         self._path = path
-        self._at = -1
+        # number of the frame the decoder stands at, and whether it holds it
+        self._at, self._grabbed = -1, False
         self._capture = _opened(path)
         claimed, codec = self._capture.get(cv2.CAP_PROP_FRAME_COUNT), self._capture.get(cv2.CAP_PROP_FOURCC)
-        self._times_ms = _packet_times(path)
-        self._stamped = bool(np.all(np.diff(self._times_ms) > 0))
+        times_ms = _packet_times(path)
+        self._n = len(times_ms)
+        self._stamped = bool(np.all(np.diff(times_ms) > 0))
+        self._halfway_ms = (times_ms[1:] + times_ms[:-1]) / 2
         if len(self) == 0:
             raise undecodable(path, 0, "a video without frames")
         self.notes = _notes(len(self), int(claimed), int(codec))
         self.shape: tuple[int, int] = self._decoded(0).shape
 
     def __len__(self) -> int:
-        return len(self._times_ms)
+        return self._n
 
     def read(self, index: int) -> Grey:
         frame = self._decoded(index)
@@ -56,24 +59,28 @@ class VideoFrames:
         return frame
 
     def _decoded(self, index: int) -> Grey:
-        if index < self._at:
+        if index < self._at or (index == self._at and not self._grabbed):
             self._rewind()
-        while self._at < index and self._capture.grab():
-            self._at = self._number_of_grabbed()
-        decoded, image = self._capture.retrieve() if self._at == index else (False, None)
+        for _ in range(index - self._at):
+            if self._at < index:
+                self._advance()
+        decoded, image = self._capture.retrieve() if self._grabbed and self._at == index else (False, None)
         if not decoded or image is None:
             raise undecodable(self._path, index, "data that do not decode")
         return as_grey(image, where=f"{self._path}, frame {index}")
 
     def _rewind(self) -> None:
         self._capture = _opened(self._path)
-        self._at = -1
+        self._at, self._grabbed = -1, False
 
-    def _number_of_grabbed(self) -> int:
+    def _advance(self) -> None:
+        """Next packet; one that does not decode is passed over."""
+        self._grabbed = self._capture.grab()
         if not self._stamped:
-            return self._at + 1
-        nearest = np.argmin(np.abs(self._times_ms - self._capture.get(cv2.CAP_PROP_POS_MSEC)))
-        return max(self._at + 1, int(nearest))
+            self._at += 1
+        elif self._grabbed:
+            nearest = np.searchsorted(self._halfway_ms, self._capture.get(cv2.CAP_PROP_POS_MSEC))
+            self._at = max(self._at + 1, int(nearest))
 
 
 def _opened(path: Path) -> cv2.VideoCapture:

@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from casr.overlays.canvas import ORANGE, RED, SKY, Picture, legend_below, photo, view_of
+from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, legend_below, photo, styled, view_of
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ _ARROW_PX = 12.0
 "Length at which the longest displacement is drawn when it is shorter."
 
 
+@styled
 def pins_picture(
     rest_image: NDArray[Any], rest_px: NDArray[np.float64], contact_px: NDArray[np.float64], initial: InitialArea
 ) -> Picture:
@@ -59,13 +60,18 @@ def pins_picture(
     )
 
 
+@styled
 def area_picture(
     contact_image: NDArray[Any],
     rest_px: NDArray[np.float64],
     contact_px: NDArray[np.float64],
     initial: InitialArea,
+    region_px: NDArray[np.float64] | None = None,
 ) -> Picture:
-    """The initial area on the first-contact frame: a hexagon about each counted pin, and the outline to follow."""
+    """The initial area on the first-contact frame: a hexagon about each counted pin, and its outline.
+
+    region_px : (K, 2) outline that growth is measured in, where there is one.
+    """
     pitch_px = pin_pitch_px(rest_px)
     figure, axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pitch_px))
     if initial.rule in _HEXAGON_RULES:
@@ -81,9 +87,13 @@ def area_picture(
             )
         )
     axes.scatter(contact_px[:, 0], contact_px[:, 1], s=5, color=SKY, label="pin at first contact")
-    axes.add_patch(
-        Polygon(initial.polygon_px, fill=False, edgecolor=RED, linewidth=2.2, label="contact region, outline")
-    )
+    axes.add_patch(Polygon(initial.polygon_px, fill=False, edgecolor=RED, linewidth=2.2, label="outline of the area"))
+    if region_px is not None:
+        axes.add_patch(
+            Polygon(
+                region_px, fill=False, edgecolor=GREEN, linewidth=2, linestyle="--", label="region that is followed"
+            )
+        )
     legend_below(axes)
     mm2 = f", {initial.area_mm2:.4g} mm²" if initial.area_mm2 is not None else ""
     caption = f"First-contact frame. Rule {initial.rule}: {initial.area_px2:.5g} px²{mm2}. {_about(initial.rule)}"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import io
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -15,6 +17,9 @@ from numpy.typing import NDArray
 INK, MUTED, GRID = "#1a1a1a", "#555555", "#d9d9d9"
 BLUE, GREEN, SKY, ORANGE, RED = "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#D55E00"
 "Okabe and Ito (2008)."
+
+_Arguments = ParamSpec("_Arguments")
+_Drawn = TypeVar("_Drawn")
 
 View = tuple[float, float, float, float]
 "Left, top, right and bottom of the part of a frame that is shown, px."
@@ -66,14 +71,19 @@ class Picture:
 
     def _saved(self, format: str, **how: Any) -> bytes:
         buffer = io.BytesIO()
-        with style():
-            self.figure.savefig(buffer, format=format, **how)
+        styled(self.figure.savefig)(buffer, format=format, **how)
         return buffer.getvalue()
 
 
-def style() -> Any:
-    """Context in which pictures are drawn and saved."""
-    return mpl.rc_context(_STYLE)  # type: ignore[arg-type]
+def styled(draw: Callable[_Arguments, _Drawn]) -> Callable[_Arguments, _Drawn]:
+    """Draw in the style of these pictures, whatever matplotlib is set to."""
+
+    @functools.wraps(draw)
+    def drawn(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Drawn:
+        with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
+            return draw(*args, **kwargs)
+
+    return drawn
 
 
 def plot(x_label: str, y_label: str) -> tuple[Figure, Axes]:

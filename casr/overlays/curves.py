@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.overlays.canvas import BLUE, GREEN, MUTED, ORANGE, Picture, plot
+from casr.overlays.canvas import BLUE, GREEN, MUTED, ORANGE, Picture, plot, styled
 
 if TYPE_CHECKING:
     from casr.spread import SpreadRate
 
 
+@styled
 def area_curve(force_n: NDArray[np.float64], area: NDArray[np.float64], unit: str, rate: SpreadRate | None) -> Picture:
     """Contact area against force; the slope rule's line and its interval about the middle of the force range.
 
@@ -35,6 +36,7 @@ def area_curve(force_n: NDArray[np.float64], area: NDArray[np.float64], unit: st
     return Picture("area_over_force", "Contact area against force", caption, figure)
 
 
+@styled
 def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> Picture:
     """Growth of each step and their sum, D_cum. frames : (T,); log_growth : (T-1,)."""
     figure, axes = plot("frame", "log growth of the contact region")

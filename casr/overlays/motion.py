@@ -11,7 +11,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from casr.flow.divergence import divergence, mean_divergence, region_mask
-from casr.overlays.canvas import INK, RED, Picture, legend_below, photo, view_of
+from casr.overlays.canvas import INK, RED, Picture, legend_below, photo, styled, view_of
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-_WITH_BAR_INCH = 4.2
+_WITH_BAR_INCH = 3.9
 _OUTLINES = 6
 _LONGEST_EDGE = 1.7
 "In pitches: longer edges of a triangulation bridge missing pins or the rim."
@@ -27,6 +27,7 @@ _DIVERGING = "PuOr_r"
 "Both ends dark, the middle white, and told apart without red against green."
 
 
+@styled
 def region_picture(
     last_image: NDArray[Any],
     pins_px: NDArray[np.float64],
@@ -53,6 +54,7 @@ def region_picture(
     )
 
 
+@styled
 def spreading_picture(
     first_image: NDArray[Any],
     first_px: NDArray[np.float64],
@@ -91,6 +93,7 @@ def spreading_picture(
     )
 
 
+@styled
 def flow_picture(
     image: NDArray[Any],
     flow: NDArray[np.float32],
@@ -103,9 +106,9 @@ def flow_picture(
     margin_px = 0.35 * float((high - low).max())
     figure, axes = photo(image, view_of(region_px, image, margin_px), _WITH_BAR_INCH)
     shown = np.where(inside, divergence(flow), np.nan)
-    half = max(float(np.nanpercentile(np.abs(shown), 99)), 1e-6) if inside.any() else 1.0
+    half = max(float(np.nanpercentile(np.abs(shown), 95)), 1e-6) if inside.any() else 1.0
     drawn = axes.imshow(shown, cmap=_DIVERGING, norm=TwoSlopeNorm(0, -half, half), alpha=0.75)
-    figure.colorbar(drawn, ax=axes, label="divergence (1 per frame pair)")
+    figure.colorbar(drawn, ax=axes, label="divergence (1 per frame pair)", extend="both")
     step = max(round(float((high - low + 2 * margin_px).max()) / 22), 1)
     ys, xs = np.mgrid[0 : image.shape[0] : step, 0 : image.shape[1] : step]
     at = np.column_stack([xs.ravel(), ys.ravel()]).astype(np.float64)
@@ -139,9 +142,10 @@ def growth_between(
 
 def _arrows(axes: Axes, at_px: NDArray[np.float64], steps_px: NDArray[Any], words: str) -> None:
     axes.quiver(
-        *at_px.T, *steps_px.T, color=INK, edgecolor="white", linewidth=0.4, angles="xy", scale_units="xy", scale=1,
-        width=0.006, label=words,
+        *at_px.T, *steps_px.T, color="white", edgecolor=INK, linewidth=0.6, angles="xy", scale_units="xy", scale=1,
+        width=0.006,
     )  # fmt: skip
+    axes.plot([], [], color=INK, linestyle="none", marker=r"$\rightarrow$", markersize=14, label=words)
 
 
 def _triangles(points_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.int_]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from casr.overlays.area import area_picture, pins_picture
-from casr.overlays.canvas import Picture, style
+from casr.overlays.canvas import Picture
 from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.motion import region_picture, spreading_picture
 from casr.pins import PinTracker
@@ -26,16 +26,15 @@ def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]
     rest_px = score.rest.centroids_px
     initial = score.initial
     ways = pin_ways(sequence, score.frames.tolist())
-    with style():
-        curves = [growth_curve(score.frames, score.log_growth)]
-        if score.force_n is not None:
-            curves.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
-        photos = [
-            pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
-            area_picture(sequence[first], rest_px, score.contact_px, initial),
-            region_picture(sequence[last], rest_px, score.regions, score.frames, score.force_n),
-            spreading_picture(sequence[first], *ways, score.regions[0], f"frames {first} to {last}"),
-        ]
+    curves = [growth_curve(score.frames, score.log_growth)]
+    if score.force_n is not None:
+        curves.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
+    photos = [
+        pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
+        area_picture(sequence[first], rest_px, score.contact_px, initial, score.regions[0]),
+        region_picture(sequence[last], rest_px, score.regions, score.frames, score.force_n),
+        spreading_picture(sequence[first], *ways, score.regions[0], f"frames {first} to {last}"),
+    ]
     return (*curves, *photos)
 
 

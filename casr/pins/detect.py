@@ -17,6 +17,7 @@ from casr.pins.settings import PinSettings
 from casr.pins.spots import measure_spots
 
 FEWEST_PINS, MOST_BLOBS = 3, 3000
+REACH_OF_SPACING = 0.45
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def find_pins(grey: Grey, settings: PinSettings) -> Pins:
     _check_count(grey, len(blobs), settings)
     seeds, notes = select_pins(blobs, mask, settings)
     _check_count(grey, len(seeds), settings)
-    spots = measure_spots(grey, seeds, reach_px(nearest_pins(seeds, 1)[0][:, 0], float(np.median(blobs.area_px))))
+    spots = measure_spots(grey, seeds, reach_px(nearest_pins(seeds, 1)[0][:, 0]))
     order = np.lexsort((spots.centroids_px[:, 0], spots.centroids_px[:, 1]))
     return Pins(spots.centroids_px[order], spots.area_px[order], notes)
 
@@ -67,9 +68,9 @@ def reported_px(centroids_px: NDArray[np.float64], settings: PinSettings) -> NDA
     return np.trunc(centroids_px) if settings.integer_centroids else centroids_px
 
 
-def reach_px(neighbour_px: NDArray[np.float64], pin_area_px: float) -> NDArray[np.float64]:
-    """Radius around each pin that holds all of it and nothing of the next: half way there, but no more than needed."""
-    reach: NDArray[np.float64] = np.minimum(0.5 * neighbour_px, np.sqrt(pin_area_px / np.pi) + 3.0)
+def reach_px(spacing_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radius around each pin that holds all of it and nothing of the next one, from the distance (N,) to that one."""
+    reach: NDArray[np.float64] = REACH_OF_SPACING * np.minimum(spacing_px, np.median(spacing_px))
     return reach
 
 

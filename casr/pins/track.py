@@ -120,7 +120,7 @@ class PinTracker:
 
     def _look(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
         """Place, area and whether seen, of each pin, from the pixels around where it is expected."""
-        spots = measure_spots(grey, expected, reach_px(self._spacing_px, float(np.median(self._area_px))))
+        spots = measure_spots(grey, expected, reach_px(self._spacing_px))
         area = spots.area_px
         seen = (spots.contrast >= self._settings.contrast) & np.isfinite(area)
         seen &= (area < AREA_CHANGE * self._area_px) & (area * AREA_CHANGE > self._area_px)

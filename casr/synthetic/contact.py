@@ -28,7 +28,9 @@ class ContactWorld:
         (source: Sneddon 1965).
     lever_ratio : length of a pin over the radius of the dome (guess).
     stick_force_n : up to this force the contact grows over the resting skin and pins only tilt; from it on the contact
-        is a piece of skin that stretches (guess: the paper's first contact).
+        is a piece of skin that stretches (guess). It lies below the first contact of 0.5 N by the force gained in half
+        a frame: the log rows of a frame are written after its exposure, so the frame whose rows first average 0.5 N
+        may have been exposed at 0.44 N, and the area law is to hold from there.
     """
 
     tip_radius_mm: float = 20.0
@@ -36,7 +38,7 @@ class ContactWorld:
     sensor_modulus_mpa: float = 0.4
     punch_radius_mm: float = 5.0
     lever_ratio: float = 0.1
-    stick_force_n: float = 0.5
+    stick_force_n: float = 0.43
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -54,7 +54,7 @@ def test_other_and_hidden_files_are_left_out_with_a_note(tmp_path, frames):
     (folder / "notes.txt").write_text("x")
     sequence = open_frames(folder)
     assert len(sequence) == 12
-    assert sequence.notes == ("3 files beside the frames are not read: ._1_flat_0.png, .DS_Store, notes.txt",)
+    assert sequence.notes == ("3 files beside the frames are not read: .DS_Store, ._1_flat_0.png, notes.txt",)
 
 
 def test_a_frame_of_another_size_is_named(tmp_path, frames):

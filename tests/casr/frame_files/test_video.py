@@ -99,7 +99,7 @@ def test_a_video_cut_short_gives_the_frames_that_are_whole(tmp_path, striped):
 def test_a_frame_that_does_not_decode_is_named_and_the_others_keep_their_numbers(tmp_path, striped):
     path = write_video(tmp_path / "press.avi", striped, "MJPG")
     data = bytearray(path.read_bytes())
-    at = -1
+    at = data.find(b"movi")
     for _ in range(11):
         at = data.find(b"00dc", at + 1)
     (length,) = struct.unpack("<I", data[at + 4 : at + 8])
@@ -109,7 +109,7 @@ def test_a_frame_that_does_not_decode_is_named_and_the_others_keep_their_numbers
     assert len(sequence) == 30
     with pytest.raises(FramesError, match=r"press.avi, frame 10: wanted an image; found data that do not decode"):
         sequence[10]
-    for index in (9, 11, 29, 11):
+    for index in (9, 9, 11, 29, 11):
         assert number_of(sequence[index]) == index
 
 

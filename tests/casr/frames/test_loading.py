@@ -50,7 +50,7 @@ def test_chatter_before_contact_is_not_the_press():
 
 
 def test_of_several_presses_the_first_is_taken_with_a_note():
-    two = PRESS + [0.0, 0.0, 0.3, 0.7, 3.0, 7.2, 3.0, 0.0]
+    two = [*PRESS, 0.0, 0.0, 0.3, 0.7, 3.0, 7.2, 3.0, 0.0]
     phase = loading_phase(two)
     np.testing.assert_array_equal(phase.frames, [6, 7, 8, 9])
     assert phase.notes == ("2 presses in the sequence; the first is used",)

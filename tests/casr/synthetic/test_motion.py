@@ -92,8 +92,10 @@ def test_nothing_folds_or_leaves_the_image(kappa: float, angle_deg: float) -> No
         for force_n in (0.1, 0.5, 2.0, 7.0):
             pins = scene.pins_px(force_n)
             assert np.hypot(*(pins - RIM.centre_px).T).max() < RIM.radius_px
-            apart = np.hypot(*(pins[:, None] - pins[None]).transpose(2, 0, 1))
-            assert apart[np.triu_indices(len(pins), 1)].min() > 6
+            apart = np.hypot(*(pins[:, None] - pins[None]).transpose(2, 0, 1))[np.triu_indices(len(pins), 1)]
+            assert apart.min() > 5
+            # between a wide tilted contact and the rim a few pins may touch, never at 0 degrees
+            assert (apart < 2 * scene.settings.skin.pin_radius_px).sum() <= (3 if angle_deg else 0)
 
 
 def test_pins_inside_show_their_place_on_the_skin_and_those_far_away_rest() -> None:
@@ -116,7 +118,8 @@ def test_pins_move_smoothly_from_rest_through_first_contact() -> None:
     forces = np.concatenate([[-0.1, 0.0], np.geomspace(1e-12, 7, 400)])
     steps = np.diff([scene.pins_px(force) for force in forces.tolist()], axis=0)
     assert np.abs(steps).max() < 1.5
-    assert np.abs(scene.pins_px(0.5 + 1e-9) - scene.pins_px(0.5)).max() < 1e-6
+    stick_n = scene.settings.world.stick_force_n
+    assert np.abs(scene.pins_px(stick_n + 1e-9) - scene.pins_px(stick_n)).max() < 1e-6
     np.testing.assert_array_equal(scene.pins_px(0.0), scene.rest_px)
 
 
@@ -130,7 +133,7 @@ def test_pin_motion_in_loading_is_the_true_flow() -> None:
 
 
 def test_flow_before_first_contact_is_refused() -> None:
-    with pytest.raises(SettingError, match=r"0\.5 N or more"):
+    with pytest.raises(SettingError, match=r"0\.43 N or more"):
         Scene(PressSettings()).flow(0.2, 1.0)
 
 

@@ -82,6 +82,13 @@ def test_loading_phase_found_in_the_log_is_the_true_one(press: SimulatedPress) -
     assert abs(found.frames[-1] - true[-1]) <= 1
 
 
+def test_every_frame_logged_at_first_contact_obeys_the_area_law() -> None:
+    for repetition in range(40):
+        one = simulate_press(PressSettings(repetition=repetition))
+        first = np.flatnonzero(one.sequence().force_n >= 0.5)[0]
+        assert one.truth.force_n[first] > one.settings.world.stick_force_n
+
+
 def test_truth_agrees_with_itself(press: SimulatedPress) -> None:
     truth = press.truth
     loading = truth.loading_frames

@@ -1,0 +1,169 @@
+"""Scoring while the press goes on: one frame at a time, two images kept, the same numbers as from a recording."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.camera import Camera
+from casr.errors import FramesError, NoContactError, PinsError
+from casr.frames import LoadingPhase, loading_phase
+from casr.press_scorer import PressScorer
+from casr.rest_frame import RestFrame
+from casr.scored import Score, ScoreSettings
+from casr.spread import SpreadRate
+
+PHASES = ("rest", "loading", "done")
+
+
+@dataclass(frozen=True)
+class StreamState:
+    """Where the press stands after a frame.
+
+    Parameters
+    ----------
+    frame : index of the frame, from 0. phase : one of ``PHASES``.
+    area : contact area in ``area_unit`` (``mm2`` or ``px2``), by the law of the settings; None out of contact.
+    log_growth : since first contact; None out of contact.
+    notes : of this frame; also why the contact can no longer be followed, if so.
+    """
+
+    frame: int
+    phase: str
+    area: float | None = None
+    area_unit: str = ""
+    log_growth: float | None = None
+    notes: tuple[str, ...] = ()
+
+
+class StreamScorer:
+    """Scores a press while it happens.
+
+    Contact starts when the force reaches ``force_start_n`` and ends when it falls below it again, which happens in the
+    chatter of a touch too: scoring then starts anew with the next contact. Which contact was the press is known only at
+    the end (``loading_phase``); until then those that can still be it keep their numbers. With ``force_stop_n`` the first
+    contact that reaches it is the press, and frames after that are ignored.
+
+    Parameters
+    ----------
+    camera : None leaves areas in px^2.
+    settings : as for ``score``.
+    """
+
+    def __init__(self, camera: Camera | None = None, settings: ScoreSettings | None = None) -> None:
+        self._camera, self._settings = camera, settings or ScoreSettings()
+        self._rest = RestFrame(self._settings.force_start_n)
+        self._force_n = array("d")
+        self._contacts: list[_Contact] = []
+        self._phase = "rest"
+
+    def push(self, image: NDArray[Any], force_n: float) -> StreamState:
+        """Take the next frame and its force, N; NaN where there is none: such a frame is skipped.
+
+        Pins that do not move or get lost are no error here: the note says so, and ``finish`` raises it if it matters.
+
+        Raises
+        ------
+        FramesError : the first frame with a force is in contact already. ImageError : not an image.
+        """
+        self._force_n.append(force_n)
+        if self._phase == "done" or np.isnan(force_n):
+            return self._state(())
+        if force_n < self._settings.force_start_n:
+            self._part()
+            self._rest.take(image, force_n)
+            return self._state(())
+        if self._phase == "rest":
+            self._contacts.append(_Contact(self._camera, self._settings, len(self._force_n) - 1))
+            self._phase = "loading"
+        notes = self._contacts[-1].take(self._rest, image, force_n)
+        stop_n = self._settings.force_stop_n
+        if stop_n is not None and force_n >= stop_n:
+            self._phase = "done"
+        return self._state(notes)
+
+    def rate(self) -> SpreadRate:
+        """Spread rate from first contact to the last frame. Raises FramesError when there is none yet."""
+        if self._phase == "rest":
+            raise FramesError("stream", wanted="frames in contact", found="none yet", do="Ask again during loading.")
+        return self._contacts[-1].rate()
+
+    def finish(self) -> Score:
+        """Score of the press among the frames so far; more may be pushed after. Raises what ``score`` would."""
+        settings = self._settings
+        phase = loading_phase(self._force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
+        press = next(contact for contact in self._contacts if contact.first == phase.frames[0])
+        return press.result(phase, np.array(self._force_n)[phase.frames])
+
+    def _part(self) -> None:
+        """Contact is over: of the contacts so far keep those that ``loading_phase`` may still choose."""
+        if self._phase == "rest":
+            return
+        self._phase = "rest"
+        if self._settings.force_stop_n is not None:
+            self._contacts.clear()
+            return
+        largest_n = max(contact.peak_n for contact in self._contacts)
+        kept: list[_Contact] = []
+        for contact in self._contacts:
+            # it takes the first contact of at least half of the largest force, whatever that will be
+            if contact.peak_n >= largest_n / 2 and all(contact.peak_n > earlier.peak_n for earlier in kept):
+                kept.append(contact)
+        self._contacts = kept
+
+    def _state(self, notes: tuple[str, ...]) -> StreamState:
+        frame = len(self._force_n) - 1
+        if self._phase == "rest":
+            return StreamState(frame, "rest", notes=notes)
+        return self._contacts[-1].state(frame, self._phase, notes)
+
+
+class _Contact:
+    """One stretch of frames in contact: what may turn out to be the press."""
+
+    def __init__(self, camera: Camera | None, settings: ScoreSettings, first: int) -> None:
+        self._scorer = PressScorer(camera, settings)
+        self._force_n = array("d")
+        self._trouble: NoContactError | PinsError | None = None
+        self._n_scored = 0
+        self.first, self.peak_n = first, 0.0
+
+    def take(self, rest: RestFrame, image: NDArray[Any], force_n: float) -> tuple[str, ...]:
+        """The next frame in contact; notes on it."""
+        self._force_n.append(force_n)
+        self.peak_n = max(self.peak_n, force_n)
+        if self._trouble is None:
+            try:
+                return self._scored(rest, image)
+            except (NoContactError, PinsError) as trouble:
+                self._trouble = trouble
+        return (str(self._trouble),)
+
+    def _scored(self, rest: RestFrame, image: NDArray[Any]) -> tuple[str, ...]:
+        notes: tuple[str, ...] = ()
+        if self._n_scored == 0:
+            self._scorer.touch(rest.image(), image)
+        else:
+            notes = self._scorer.load(image).notes
+        self._n_scored += 1
+        return notes
+
+    def state(self, frame: int, phase: str, notes: tuple[str, ...]) -> StreamState:
+        if self._trouble is not None:
+            return StreamState(frame, phase, notes=notes)
+        area = self._scorer.area_now(self._force_n[-1])
+        return StreamState(frame, phase, area, self._scorer.area_unit, self._scorer.log_growth, notes)
+
+    def rate(self) -> SpreadRate:
+        if self._trouble is not None:
+            raise self._trouble
+        return self._scorer.rate(np.array(self._force_n))
+
+    def result(self, phase: LoadingPhase, force_n: NDArray[np.float64]) -> Score:
+        if self._trouble is not None and self._n_scored < len(phase.frames):
+            raise self._trouble
+        return self._scorer.result("stream", phase, force_n)

@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from casr.errors import PinsError
+from casr.flow.pin_affine import fit_affine
+from casr.synthetic import TACTIP_127
+
+PINS = TACTIP_127.pins_px((149.5, 149.5))
+entries = st.floats(-0.3, 0.3)
+
+
+@given(entries, entries, entries, entries, st.floats(-50, 50), st.floats(-50, 50))
+def test_an_affine_motion_is_recovered(a, b, c, d, dx, dy):
+    matrix = np.array([[a, b], [c, d]])
+    fit = fit_affine(PINS, PINS + (PINS - 100) @ matrix.T + (dx, dy))
+    assert fit.matrix == pytest.approx(matrix, abs=1e-12)
+    assert fit.divergence == pytest.approx(a + d, abs=1e-12)
+    assert fit.log_growth == pytest.approx(np.log((1 + a) * (1 + d) - b * c), abs=1e-11)
+    assert fit.displacement_px(np.array([[100.0, 100.0]])) == pytest.approx(np.array([[dx, dy]]), abs=1e-9)
+    assert (fit.n, fit.notes) == (127, ())
+    assert fit.rms_px < 1e-10
+
+
+def test_nothing_moved_is_exactly_nothing():
+    fit = fit_affine(PINS, PINS.copy())
+    assert (fit.divergence, fit.log_growth, fit.rms_px) == (0.0, 0.0, 0.0)
+    assert not fit.offset_px.any()
+
+
+def test_log_growth_adds_up_over_steps_and_divergence_does_not():
+    places = [PINS * 1.02**k for k in range(11)]
+    fits = [fit_affine(a, b) for a, b in zip(places, places[1:], strict=False)]
+    assert sum(fit.log_growth for fit in fits) == pytest.approx(fit_affine(places[0], places[-1]).log_growth)
+    assert sum(fit.divergence for fit in fits) == pytest.approx(0.4)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_order_and_place_of_the_image_do_not_matter(seed):
+    rng = np.random.default_rng(seed)
+    after = PINS * 1.01 + rng.normal(0, 0.01, PINS.shape)
+    order, shift = rng.permutation(127), rng.uniform(-500, 500, 2)
+    fit, moved = fit_affine(PINS, after), fit_affine(PINS[order] + shift, after[order] + shift)
+    assert moved.matrix == pytest.approx(fit.matrix, abs=1e-10)
+    assert moved.rms_px == pytest.approx(fit.rms_px, rel=1e-6)
+    assert fit.rms_px == pytest.approx(0.01, rel=0.25)
+
+
+@pytest.mark.parametrize("n_wrong", [1, 5])
+def test_a_pin_taken_for_its_neighbour_is_left_out_and_named(n_wrong):
+    after = PINS * 1.02 + np.random.default_rng(0).normal(0, 0.01, PINS.shape)
+    good = fit_affine(PINS[n_wrong:], after[n_wrong:])
+    after[:n_wrong] += (20.0, 0.0)
+    fit = fit_affine(PINS, after)
+    assert fit.divergence == pytest.approx(good.divergence, abs=1e-12)
+    assert fit.n == 127 - n_wrong
+    assert fit.notes == (f"{n_wrong} of 127 pins left out: mistaken for another",)
+
+
+def test_a_skin_that_bulges_in_part_loses_no_pin():
+    bulge = np.exp(-((np.hypot(*(PINS - 149.5).T) / 40) ** 2))[:, None] * (5.0, 0.0)
+    assert fit_affine(PINS, PINS + bulge).n == 127
+
+
+def test_lost_pins_and_weights_of_zero_count_alike():
+    after = PINS * 1.03
+    weights = np.ones(127)
+    weights[:20] = 0
+    lost = after.copy()
+    lost[:20] = np.nan
+    after[:20] += 1.0
+    assert fit_affine(PINS, after, weights).matrix == pytest.approx(fit_affine(PINS, lost).matrix, abs=1e-13)
+    assert fit_affine(PINS, lost).n == 107
+
+
+def test_weights_pull_the_fit():
+    before = np.array([[0.0, 0], [10, 0], [0, 10], [10, 10]])
+    after = before + np.array([[0.0, 0], [0, 0], [0, 0], [0.4, 0]])
+    heavy = fit_affine(before, after, np.array([1.0, 1, 1, 1e6]))
+    assert heavy.displacement_px(before)[3] == pytest.approx([0.4, 0], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "pins",
+    [PINS[:2], np.full((9, 2), np.nan), np.outer(np.arange(9.0), (1.0, 2.0)), np.ones((5, 2)), np.empty((0, 2))],
+    ids=["two", "all lost", "on a line", "one place", "none"],
+)
+def test_too_few_pins_say_so(pins):
+    with pytest.raises(PinsError, match="3 or more"):
+        fit_affine(pins, pins)
+
+
+def test_a_map_that_folds_has_no_area():
+    assert fit_affine(PINS, PINS * (-1.0, 1.0)).log_growth == -np.inf

@@ -1,0 +1,77 @@
+"""Camera files."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from casr.camera import Camera
+from casr.errors import CameraError
+from casr.frame_files import read_camera, write_camera
+
+REQUIRED = """[camera]
+width_px = 640
+height_px = 480
+fx_px = 323.379
+fy_px = 342.3
+cx_px = 310.423
+cy_px = 247.103
+depth_mm = 22
+"""
+ABOVE_ZERO = st.floats(1e-300, 1e300)
+ANY = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.builds(
+        Camera,
+        width_px=st.integers(1, 10**6),
+        height_px=st.integers(1, 10**6),
+        fx_px=ABOVE_ZERO,
+        fy_px=ABOVE_ZERO,
+        cx_px=ANY,
+        cy_px=ANY,
+        depth_mm=ABOVE_ZERO,
+        distortion=st.sampled_from([0, 4, 5, 8]).flatmap(lambda n: st.tuples(*[ANY] * n)),
+        frame_rate_hz=ABOVE_ZERO,
+    )
+)
+def test_what_is_written_is_read_back_exactly(tmp_path, camera):
+    write_camera(tmp_path / "camera.toml", camera)
+    assert read_camera(tmp_path / "camera.toml") == camera
+
+
+def test_distortion_and_frame_rate_may_be_left_out(tmp_path):
+    (tmp_path / "camera.toml").write_text(REQUIRED + "\n[rig]\nname = 'two'\n")
+    camera = read_camera(tmp_path / "camera.toml")
+    assert camera == Camera(640, 480, 323.379, 342.3, 310.423, 247.103, 22.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (REQUIRED + "depht_mm = 2.0\n", r"\[camera\] depht_mm: .* Did you mean depth_mm\?"),
+        (REQUIRED + "serial = 2\n", r"found the unknown key serial. Remove it"),
+        (REQUIRED.replace("depth_mm = 22", ""), r"wanted the keys depth_mm; "),
+        (REQUIRED.replace("22", "'22'"), r"camera.toml, camera.depth_mm: wanted a number above 0; found '22'"),
+        (REQUIRED.replace("640", "640.0"), r"camera.width_px: wanted a whole number above 0; found 640.0"),
+        (REQUIRED.replace("22", "true"), r"camera.depth_mm: .* found True"),
+        (REQUIRED + "distortion = [0.1]\n", r"camera.distortion: wanted no or 4, 5"),
+        (REQUIRED + "distortion = 'none'\n", r"camera.distortion: .* found 'none'"),
+        (REQUIRED.replace("[camera]\n", ""), r"wanted a table \[camera\]; found the keys width_px"),
+        ("camera = 3\n", r"wanted a table \[camera\]"),
+        ("", r"found no keys"),
+        ("[camera\n", r"wanted a TOML file"),
+    ],
+)
+def test_what_is_wrong_is_named(tmp_path, text, message):
+    (tmp_path / "camera.toml").write_text(text)
+    with pytest.raises(CameraError, match=message):
+        read_camera(tmp_path / "camera.toml")
+
+
+def test_a_camera_file_that_is_not_there(tmp_path):
+    with pytest.raises(CameraError, match="No such file"):
+        read_camera(tmp_path / "camera.toml")

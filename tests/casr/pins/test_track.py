@@ -1,0 +1,168 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from casr.errors import PinsError
+from casr.flow.pin_affine import fit_affine
+from casr.pins import PinSettings, PinTracker, detect_pins, match_pins
+from casr.synthetic import TACTIP_331, contact_pair
+
+CENTRE = np.array([149.5, 149.5])
+SharedData = Callable[[str], Path]
+
+
+def started(frame, true_px, settings=None):
+    """A tracker, and the ids of the true pins."""
+    tracker = PinTracker(settings)
+    pins = tracker.start(frame)
+    true_rows, ids = match_pins(true_px, pins.centroids_px, max_distance_px=3)
+    assert len(true_rows) == len(true_px)
+    return tracker, ids
+
+
+def worst_px(tracked_px, true_px):
+    return np.hypot(*(tracked_px - true_px).T).max()
+
+
+@pytest.mark.parametrize("rim_motion_px", [0.25, 1.0, 3.0])
+def test_divergence_of_a_contact_is_unbiased(rim_motion_px):
+    errors = []
+    for seed in range(20):
+        pair = contact_pair(rim_motion_px, seed)
+        tracker = PinTracker()
+        before = tracker.start(pair.first).centroids_px
+        after = tracker.step(pair.second)
+        assert len(before) == 127
+        core = np.hypot(*(before - CENTRE).T) < 64
+        errors.append(fit_affine(before[core], after[core]).divergence / pair.divergence - 1)
+    standard_error = np.std(errors) / np.sqrt(len(errors))
+    assert abs(np.mean(errors)) < 0.003 + 2 * standard_error
+    # noise alone, which the motion dilutes
+    assert np.std(errors) < 0.005 / rim_motion_px
+
+
+def test_a_repeated_frame_moves_nothing_at_all(draw, hexagon_px):
+    first, second = draw(hexagon_px), draw(hexagon_px + 0.4)
+    tracker, _ = started(first, hexagon_px)
+    moved = tracker.step(second)
+    again = tracker.step(second.copy())
+    assert np.array_equal(moved, again)
+    assert fit_affine(moved, again).divergence == 0.0
+
+
+@pytest.mark.parametrize("angle_deg", [0, 30, 77])
+@pytest.mark.parametrize("pitches", [0.2, 0.45, 0.6, 0.7])
+def test_a_jump_of_the_whole_skin_is_followed(draw, hexagon_px, pitches, angle_deg):
+    rest = CENTRE + 0.85 * (hexagon_px - CENTRE)
+    jumped = rest + 17 * pitches * np.array([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
+    tracker, ids = started(draw(rest), rest)
+    assert worst_px(tracker.step(draw(jumped))[ids], jumped) < 0.1
+
+
+@pytest.mark.parametrize(
+    "gradient", [[[0.1, 0], [0, 0.1]], [[0, 0.1], [0, 0]], [[0, -0.15], [0.15, 0]], [[-0.1, 0], [0, 0.1]]]
+)
+def test_motion_that_grows_beyond_half_a_pitch_is_followed(draw, hexagon_px, gradient):
+    rest = CENTRE + 0.8 * (hexagon_px - CENTRE)
+    strained = rest + (rest - CENTRE) @ np.array(gradient).T
+    assert np.hypot(*(strained - rest).T).max() > 8.5
+    tracker, ids = started(draw(rest), rest)
+    assert worst_px(tracker.step(draw(strained))[ids], strained) < 0.1
+
+
+def test_331_pins_sheared_far_beyond_half_a_pitch_step_by_step(draw):
+    rest = TACTIP_331.pins_px((140.0, 149.5)) * 0.95 + 7
+    bump = np.exp(-((np.hypot(*(rest - CENTRE).T) / 60) ** 2))[:, None] * np.array([30.0, 6.0])
+    tracker, ids = started(draw(rest, skin=TACTIP_331), rest)
+    for share in np.linspace(0, 1, 13)[1:]:
+        now = tracker.step(draw(rest + share * bump, skin=TACTIP_331))
+    assert worst_px(now[ids], rest + bump) < 0.15
+
+
+def test_hidden_pins_are_nan_and_come_back_to_their_ids(draw, hexagon_px):
+    tracker, ids = started(draw(hexagon_px), hexagon_px)
+    hidden = np.hypot(*(hexagon_px - (150, 150)).T) < 25
+    for k in range(1, 9):
+        true_px = hexagon_px + np.array([1.5, 0.5]) * k
+        frame = draw(true_px)
+        if 3 <= k <= 6:
+            x, y = (149.5 + 1.5 * k, 149.5 + 0.5 * k)
+            cv2.circle(frame, (round(x), round(y)), 31, 20, -1)
+        now = tracker.step(frame)[ids]
+        lost = np.isnan(now).any(axis=1)
+        if 3 <= k <= 6:
+            assert lost[hidden].all()
+            assert worst_px(now[~lost], true_px[~lost]) < 1.0
+        else:
+            assert not lost.any()
+            assert worst_px(now, true_px) < 0.1
+
+
+def test_no_two_ids_share_a_pin_when_one_pin_goes(draw, hexagon_px):
+    tracker, ids = started(draw(hexagon_px), hexagon_px)
+    gone = hexagon_px.copy()
+    gone[63] = -50.0, -50.0
+    for _ in range(3):
+        now = tracker.step(draw(gone))[ids]
+        assert np.isnan(now[63]).all()
+        assert worst_px(np.delete(now, 63, axis=0), np.delete(hexagon_px, 63, axis=0)) < 0.1
+
+
+def test_a_black_frame_loses_all_pins_and_the_next_finds_them(draw, hexagon_px):
+    tracker, ids = started(draw(hexagon_px), hexagon_px)
+    assert np.isnan(tracker.step(np.zeros((300, 300), np.uint8))).all()
+    assert worst_px(tracker.step(draw(hexagon_px))[ids], hexagon_px) < 0.1
+
+
+def test_only_wanted_pins_are_followed_and_to_the_same_places(draw, hexagon_px):
+    frames = [draw(CENTRE + (1 + 0.01 * k) * (hexagon_px - CENTRE)) for k in range(5)]
+    every, _ = started(frames[0], hexagon_px)
+    some, _ = started(frames[0], hexagon_px)
+    wanted = np.arange(40, 80)
+    some.restrict(wanted)
+    for frame in frames[1:]:
+        all_px, some_px = every.step(frame), some.step(frame)
+        assert some_px[wanted] == pytest.approx(all_px[wanted], abs=0.01)
+        assert np.isnan(np.delete(some_px, wanted, axis=0)).all()
+
+
+def test_whole_pixels_are_reported_but_do_not_mislead_the_tracker(draw, hexagon_px):
+    tracker, ids = started(draw(hexagon_px), hexagon_px, PinSettings(integer_centroids=True))
+    for k in range(1, 6):
+        now = tracker.step(draw(hexagon_px + 0.7 * k))[ids]
+        assert np.array_equal(now, np.trunc(now))
+    assert np.abs(now - (hexagon_px + 3.5)).max() < 1.1
+
+
+def test_what_cannot_be_tracked_is_said(draw, hexagon_px):
+    tracker = PinTracker()
+    with pytest.raises(PinsError, match="start"):
+        tracker.step(draw(hexagon_px))
+    tracker.start(draw(hexagon_px))
+    with pytest.raises(PinsError, match="ids"):
+        tracker.restrict([3, 400])
+    with pytest.raises(PinsError, match="first frame"):
+        tracker.step(np.zeros((200, 300), np.uint8))
+
+
+def test_real_flat_press_keeps_every_pin_and_its_growth(shared_data: SharedData):
+    folder = shared_data("tactile/tactip127_flat_press_640x480")
+    paths = sorted(folder.glob("*.png"), key=lambda path: int(path.name.split("_")[0]))
+    frames = [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in paths]
+    tracker = PinTracker()
+    rest = tracker.start(frames[0]).centroids_px
+    places = np.stack([rest, *(tracker.step(frame) for frame in frames[1:])])
+    assert np.isnan(places[:, :, 0]).sum(axis=1).max() <= 1
+    for place, frame in zip(places[::10], frames[::10], strict=True):
+        seen = place[np.isfinite(place[:, 0])]
+        i, _ = match_pins(seen, detect_pins(frame).centroids_px, max_distance_px=0.05)
+        assert len(i) == len(seen)
+    core = np.hypot(*(rest - rest.mean(axis=0)).T) < 60
+    summed = sum(fit_affine(a[core], b[core]).log_growth for a, b in zip(places, places[1:], strict=False))
+    hull_px2 = [cv2.contourArea(cv2.convexHull(place[core].astype(np.float32))) for place in (places[0], places[-1])]
+    assert summed == pytest.approx(np.log(hull_px2[1] / hull_px2[0]), rel=0.02)
