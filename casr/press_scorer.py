@@ -35,7 +35,9 @@ class PressScorer:
 
     def __init__(self, camera: Camera | None, settings: ScoreSettings) -> None:
         self._camera, self._settings = camera, settings
-        self._flow = FlowTracker(settings.flow)
+        # a region that is given is meant whole; the core is for a contact edge, where the flow has a kink
+        flow = settings.flow if settings.region is None else replace(settings.flow, core_fraction=1.0)
+        self._flow = FlowTracker(flow)
         self._steps: list[FlowStep] = []
         self.log_growth = self._divergence = 0.0
 

@@ -30,7 +30,8 @@ class ScoreSettings:
     area_law, rate_rule : of ``casr.spread``: eq. (1) and eq. (2).
     threshold_px : a pin that moved further than this from rest is in contact.
     force_start_n : force of first contact, N. force_stop_n : force to stop at, N, None for the largest.
-    region : the contact in the first scored frame, instead of the one found from the pins.
+    region : the contact in the first scored frame, instead of the one found from the pins; all of it is measured, not
+        only its core.
     """
 
     flow: FlowSettings = field(default_factory=FlowSettings)

@@ -39,6 +39,18 @@ def root_mean_square(values: NDArray[Any]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+def worst(errors: Sequence[float]) -> float:
+    """Largest size; infinite where a number is missing, so that what fails is never the best."""
+    sizes = np.abs(errors)
+    return float("inf") if np.isnan(sizes).any() else float(sizes.max())
+
+
+def median_sd(errors: Sequence[float]) -> tuple[float, float]:
+    """Median and standard deviation of the numbers that are there; NaN where none is."""
+    known = np.array([error for error in errors if np.isfinite(error)])
+    return (float(np.median(known)), sample_sd(known)) if known.size else (float("nan"), float("nan"))
+
+
 def pareto_front(time: Sequence[float], error: Sequence[float]) -> list[int]:
     """Indices of the points no other point beats in both, fastest first; of equal points the first counts."""
     front: list[int] = []

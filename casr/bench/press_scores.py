@@ -36,7 +36,7 @@ class PressScores:
     casr : by chain, mm^2/N.
     area_error_percent : of A_c0, by area rule. growth_error_percent : of ln(A_n / A_c0), by engine.
     time_s : processor time from frames in memory to a score, by engine.
-    failures : one line for each thing that could not be computed.
+    failures : what could not be computed, and what was said.
     """
 
     stiffness_n_mm: float
@@ -47,7 +47,7 @@ class PressScores:
     area_error_percent: dict[str, float] = field(default_factory=lambda: dict.fromkeys(RULES, float("nan")))
     growth_error_percent: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ENGINES, float("nan")))
     time_s: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ENGINES, float("nan")))
-    failures: list[str] = field(default_factory=list)
+    failures: dict[str, str] = field(default_factory=dict)
 
 
 def scored(settings: PressSettings) -> PressScores:
@@ -67,7 +67,7 @@ def scored(settings: PressSettings) -> PressScores:
         try:
             found = score(sequence, ScoreSettings(flow=FlowSettings(engine=engine)))
         except CasrError as error:
-            result.failures.append(f"{engine}: {error}")
+            result.failures[engine] = str(error)
             continue
         result.time_s[engine] = time.process_time() - start
         _judge(result, engine, found, press)
@@ -101,7 +101,7 @@ def _initial_areas(result: PressScores, found: Score, press: SimulatedPress) -> 
             initial = initial_area(found.rest, found.contact_px, camera=camera, rule=rule)
             areas[rule] = initial.area_px2 * camera.mm2_per_px2
         except CasrError as error:
-            result.failures.append(f"{rule}: {error}")
+            result.failures[f"area by {rule}"] = str(error)
     return areas
 
 
@@ -113,4 +113,4 @@ def _rates(result: PressScores, found: Score, area_mm2: float) -> Iterator[tuple
             areas = contact_areas(area_mm2, steps[law], force_n, law=law)
             yield law, rate, spread_rate(areas, force_n, rule=rate).value
         except CasrError as error:
-            result.failures.append(f"{law}, {rate}: {error}")
+            result.failures[f"law {law} with rate {rate}"] = str(error)

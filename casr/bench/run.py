@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
+from casr.atomic import write_text_atomic
 from casr.bench.table import Table
 from casr.errors import SettingError
 
@@ -14,7 +15,7 @@ KINDS = ("flow", "presses", "numerics")
 def run(
     what: str, out: Path | None = None, *, n_seeds: int = 6, n_repetitions: int = 10, n_jobs: int = 1
 ) -> list[Table]:
-    """Measure, print the tables, and with ``out`` write them there as CSV and text, with the plot.
+    """Measure, print the tables, and with ``out`` write them there as text and CSV, with the plot.
 
     Parameters
     ----------
@@ -34,9 +35,11 @@ def run(
         if number < 1:
             raise SettingError(name, wanted="1 or more", found=repr(number), do="Ask for more.")
     tables = _measured(what, out, n_seeds, n_repetitions, n_jobs)
-    for table in tables:
-        print(table.text(), end="\n\n")
-        if out:
+    text = "\n\n".join(table.text() for table in tables)
+    print(text)
+    if out:
+        write_text_atomic(out / f"{what}.txt", text + "\n")
+        for table in tables:
             table.write(out)
     return tables
 

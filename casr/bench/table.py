@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from casr.atomic import write_text_atomic
 
 Cell = str | float | None
 TOO_LONG = 1e5
@@ -41,11 +44,11 @@ class Table:
 
     def write(self, folder: Path) -> None:
         """``<name>.csv`` with full digits."""
-        folder.mkdir(parents=True, exist_ok=True)
-        with (folder / f"{self.name}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow([heading for heading, _ in self.columns])
-            writer.writerows([["" if cell is None else cell for cell in row] for row in self.rows])
+        lines = io.StringIO()
+        writer = csv.writer(lines, lineterminator="\n")
+        writer.writerow([heading for heading, _ in self.columns])
+        writer.writerows([["" if cell is None else cell for cell in row] for row in self.rows])
+        write_text_atomic(folder / f"{self.name}.csv", lines.getvalue())
 
 
 def _shown(cell: Cell, form: str) -> str:

@@ -45,5 +45,5 @@ class DenseEngine:
     def step(self, image: Grey) -> FlowStep:
         core = self._region.scaled(self._core_fraction)
         fit = fit_field(self._method.step(image, core.box(image.shape)), core)
-        self._region = self._region.advanced(fit)
-        return FlowStep(fit.divergence, fit.log_growth, self._region, fit.n)
+        before, self._region = self._region, self._region.advanced(fit)
+        return FlowStep(*before.growth_to(self._region), self._region, fit.n)

@@ -20,6 +20,8 @@ from casr.flow.warp import doubled, halved, warp
 from casr.images import as_grey
 
 Box = tuple[int, int, int, int]
+# frames below this are not halved
+SMALLEST_PX = 32
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,10 +159,13 @@ class HornSchunck:
         reach = int(np.ceil(4 * sigma))
         x0, y0, x1, y1 = box
         left, top = min(reach, x0), min(reach, y0)
-        part = image[y0 - top : y1 + reach, x0 - left : x1 + reach].astype(self._dtype)
-        if sigma > 0:
-            part = cv2.GaussianBlur(part, (2 * reach + 1, 2 * reach + 1), sigma, borderType=cv2.BORDER_REPLICATE)
-        return np.ascontiguousarray(part[top : top + y1 - y0, left : left + x1 - x0])
+        part = image[y0 - top : y1 + reach, x0 - left : x1 + reach]
+        if sigma == 0:
+            return part.astype(self._dtype)
+        kernel = cv2.getGaussianKernel(2 * reach + 1, sigma)
+        depth = cv2.CV_32F if self._dtype == np.float32 else cv2.CV_64F
+        smooth = cv2.sepFilter2D(part, depth, kernel, kernel, borderType=cv2.BORDER_REPLICATE)
+        return np.ascontiguousarray(smooth[top : top + y1 - y0, left : left + x1 - x0])
 
     def _grid(self, shape: tuple[int, int]) -> Grid:
         if shape not in self._grids:
@@ -179,15 +184,17 @@ class HornSchunck:
 
     def _warped_flow(self, first: Image, second: Image, margin: int, levels: int) -> Image:
         """Coarse to fine: start from the flow of the halved frames, warp, solve for what is left, again."""
-        if levels > 1 and min(first.shape) >= 32:
+        grid, flow = self._grid(first.shape), None
+        if levels > 1 and min(first.shape) >= SMALLEST_PX:
             coarse = self._warped_flow(halved(first), halved(second), (margin + 1) // 2 + 1, levels - 1)
-            start = doubled(coarse, first.shape)
-        else:
-            start = np.zeros((*first.shape, 2), self._dtype)
+            flow = doubled(coarse, first.shape)
         for _ in range(self.settings.warps):
-            start = self._grid(first.shape).flow(first, warp(second, start, margin), margin, start)
-            start = _median(start, self.settings.median_px)
-        return start
+            if flow is None:
+                flow = grid.flow(first, second, margin)
+            else:
+                flow = grid.flow(first, warp(second, flow, margin), margin, flow)
+            flow = _median(flow, self.settings.median_px)
+        return flow
 
 
 def _median(flow: Image, width: int) -> Image:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from casr.errors import PinsError
-from casr.flow.pin_affine import FEWEST_PINS, Affine, fit_affine
+from casr.flow.bulge import fit_bulge
+from casr.flow.pin_affine import FEWEST_PINS
 from casr.flow.region import Points, Region
 from casr.flow.step import FlowSettings, FlowStep
 from casr.images import Grey
@@ -30,17 +31,21 @@ class PinEngine:
         pins_px = self._tracker.start(image).centroids_px
         self._ids, self._start_notes = _pins_of(region, pins_px, self._settings.core_fraction)
         self._tracker.restrict(self._ids)
-        self._region = region
+        self._first = self._region = region
         self._first_px = self._last_px = pins_px[self._ids]
-        self._last = fit_affine(self._first_px, self._first_px)
 
     def step(self, image: Grey) -> FlowStep:
         now_px = self._tracker.step(image)[self._ids]
-        fit = fit_affine(self._first_px, now_px)
-        divergence, log_growth = _between(self._last, fit)
-        notes = (*self._start_notes, *fit.notes, *self._jump(now_px))
-        self._start_notes, self._last, self._last_px = (), fit, now_px
-        return FlowStep(divergence, log_growth, self._region.advanced(fit), fit.n, notes)
+        fit = fit_bulge(self._first, self._first_px, now_px)
+        region = self._first.advanced(fit)
+        divergence, log_growth = self._region.growth_to(region)
+        notes = (*self._start_notes, *fit.affine.notes, *self._lost(now_px), *self._jump(now_px))
+        self._start_notes, self._region, self._last_px = (), region, now_px
+        return FlowStep(divergence, log_growth, region, fit.affine.n, notes)
+
+    def _lost(self, now_px: Points) -> tuple[str, ...]:
+        lost = int(np.isnan(now_px[:, 0]).sum())
+        return (f"{lost} of the region's {len(now_px)} pins are not seen",) if lost else ()
 
     def _jump(self, now_px: Points) -> tuple[str, ...]:
         """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike."""
@@ -48,7 +53,7 @@ class PinEngine:
         typical_px = float(np.nanmedian(moved_px)) if np.isfinite(moved_px).any() else 0.0
         if typical_px <= self._tracker.pitch_px / 2:
             return ()
-        return (f"pins jump by {typical_px:.0f} px, beyond half their pitch: are these frames one press, in order?",)
+        return ("pins jump beyond half their pitch: are these frames one press, in order?",)
 
 
 def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -70,10 +75,3 @@ def _span_a_plane(points_px: Points) -> bool:
     spread = np.linalg.svd(points_px - points_px.mean(axis=0), compute_uv=False)
     return bool(spread[1] > ROUND_ENOUGH * spread[0])
 
-
-def _between(before: Affine, after: Affine) -> tuple[float, float]:
-    """Divergence and log growth of the motion that leads from one map of the first frame to another."""
-    if np.array_equal(before.matrix, after.matrix):
-        return 0.0, 0.0
-    step = (np.eye(2) + after.matrix) @ np.linalg.inv(np.eye(2) + before.matrix)
-    return float(np.trace(step)) - 2.0, after.log_growth - before.log_growth

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.errors import SettingError
-from casr.flow.pin_affine import Affine
+from casr.errors import PinsError, SettingError
 
 Points = NDArray[np.float64]
 ROUND_VERTICES = 64
+
+
+class Motion(Protocol):
+    """Where points go."""
+
+    def displacement_px(self, points_px: Points) -> Points:
+        """Motion (N, 2) of points (N, 2), px."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +108,30 @@ class Region:
         centre = self.centre_px
         return Region(centre + factor * (self.polygon_px - centre))
 
-    def advanced(self, motion: Affine) -> Region:
-        """The region after an affine motion: a material region, whose area grows by the motion's determinant."""
+    def advanced(self, motion: Motion) -> Region:
+        """The same piece of skin after a motion."""
         return Region(self.polygon_px + motion.displacement_px(self.polygon_px))
+
+    def growth_to(self, after: Region) -> tuple[float, float]:
+        """Mean divergence of the motion to the same piece of skin in the next frame, and ln of the ratio of the areas.
+
+        Both are exact for a motion that is linear along each side of the polygon: the first is the flux of the
+        displacement through the border over the area (Gauss), the second holds for steps of any size.
+
+        Raises
+        ------
+        PinsError : the motion turns the region inside out.
+        """
+        area, grown = _signed_area(self.polygon_px), _signed_area(after.polygon_px)
+        if grown / area <= 0:
+            raise PinsError(
+                "contact region",
+                wanted="a motion that keeps it a region",
+                found="one that turns it inside out",
+                do="Are the frames one press, in order? Look at how its pins were followed.",
+            )
+        turned = _signed_area(after.polygon_px - self.polygon_px)
+        return (grown - area - turned) / area, float(np.log(grown / area))
 
     def depth(self, points_px: Points) -> NDArray[np.float64]:
         """(N,) factor by which the region, scaled about its centroid, just holds each point: 0 there, 1 on the border.

@@ -25,8 +25,8 @@ class VideoFrames:
 
     A container's own frame count may be wrong, so the packets are counted, without decoding them. Seeking is exact
     for some codecs only, so a later frame is reached by decoding those between, an earlier one from the start. A
-    packet that does not decode shows by its missing time stamp: reading that frame is an error, and the frames
-    after it keep their numbers.
+    packet that does not decode shows by its missing time stamp, or where stamps are not kept by the decoder's word:
+    reading that frame is an error, and the frames after it keep their numbers.
 
     Raises
     ------
@@ -42,7 +42,7 @@ class VideoFrames:
         claimed, codec = self._capture.get(cv2.CAP_PROP_FRAME_COUNT), self._capture.get(cv2.CAP_PROP_FOURCC)
         times_ms = _packet_times(path)
         self._n = len(times_ms)
-        self._stamped = bool(np.all(np.diff(times_ms) > 0))
+        self._stamped = self._keeps_stamps(times_ms)
         self._halfway_ms = (times_ms[1:] + times_ms[:-1]) / 2
         if len(self) == 0:
             raise undecodable(path, 0, "a video without frames")
@@ -68,6 +68,17 @@ class VideoFrames:
         if not decoded or image is None:
             raise undecodable(self._path, index, "data that do not decode")
         return as_grey(image, where=f"{self._path}, frame {index}")
+
+    def _keeps_stamps(self, times_ms: NDArray[np.float64]) -> bool:
+        # AVI stores no times, and decoders that reorder frames then shift those that OpenCV counts up
+        steps_ms = np.diff(times_ms)
+        seen_ms = [self._capture.get(cv2.CAP_PROP_POS_MSEC) for _ in times_ms[:2] if self._capture.grab()]
+        self._rewind()
+        return bool(
+            len(seen_ms) == 2
+            and np.all(steps_ms > 0)
+            and np.allclose(seen_ms, times_ms[:2], rtol=0, atol=steps_ms[0] / 4)
+        )
 
     def _rewind(self) -> None:
         self._capture = _opened(self._path)
@@ -100,13 +111,13 @@ def _opened(path: Path) -> cv2.VideoCapture:
 
 
 def _packet_times(path: Path) -> NDArray[np.float64]:
-    """Time stamp of every packet in the file, ms, without decoding any."""
+    """Time stamps of the packets in the file in the order of the frames, ms, without decoding any."""
     capture = _opened(path)
     capture.set(cv2.CAP_PROP_FORMAT, -1)
     times = []
     while capture.grab():
         times.append(capture.get(cv2.CAP_PROP_POS_MSEC))
-    return np.array(times, dtype=np.float64)
+    return np.sort(np.array(times, dtype=np.float64))
 
 
 def _notes(n_frames: int, claimed: int, codec: int) -> tuple[str, ...]:

@@ -52,6 +52,7 @@ def pins_bright(image: NDArray[Any], settings: PinSettings) -> Grey:
 
 def find_pins(grey: Grey, settings: PinSettings) -> Pins:
     """Sub-pixel pins of a frame that went through ``pins_bright``."""
+    _check_count(grey, min(grey.size, FEWEST_PINS), settings)  # OpenCV refuses to compare a single pixel
     excess, mask = above_surroundings(grey, settings.block_px, settings.contrast)
     blobs = find_blobs(grey, excess, mask)
     blobs = blobs.pick(blobs.area_px >= settings.min_area_px)

@@ -9,57 +9,76 @@ from casr.pins.match import match_pins
 
 SEED_REACH, GROWTH_REACH = 0.2, 0.35  # of the spacing: how close a pin must be to its guess, to its neighbours' motion
 ENOUGH_NEIGHBOURS = 3
+MOST_ISLANDS = 8
 BINS_PER_PITCH = 8
 
 Points = NDArray[np.float64]
 
 
 def follow_neighbours(
-    before_px: Points, guess_px: Points, after_px: Points, links: NDArray[np.float64], spacing_px: NDArray[np.float64]
+    before_px: Points, expected_px: Points, after_px: Points, links: Points, spacing_px: NDArray[np.float64]
 ) -> NDArray[np.intp]:
     """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
 
-    Pins close to their guess are matched first; then the motion is handed on to those beside them, ring by ring, so
-    that a motion that grows slowly over the skin may end up far above half a pitch.
+    Pins close to where they are expected are matched first; then the motion is handed on to those beside them, ring by
+    ring, so that a motion that changes slowly over the skin may end up far above half a pitch. A lattice also fits
+    itself one pitch further, all but its edge: of all ways to begin, the one that finds most pins is kept. Ways to
+    begin are going on as before, standing still and one common jump, each from every island of pins that fit.
 
     Parameters
     ----------
-    before_px, guess_px : (N, 2) where pins were and are expected.
+    before_px, expected_px : (N, 2) where pins were and should be now.
     after_px : (M, 2) pins of the next frame.
-    links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest.
+    links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest pin.
     """
-    rows = np.full(len(before_px), -1, np.intp)
-    pins, hits = match_pins(guess_px, after_px, max_distance_px=SEED_REACH * spacing_px)
-    while pins.size:
-        rows[pins] = hits
+    best = np.full(len(before_px), -1, np.intp)
+    jump = before_px + common_shift_px(before_px, after_px, float(np.median(spacing_px)))
+    for guess in (expected_px, before_px, jump):
+        pins, hits = match_pins(guess, after_px, max_distance_px=SEED_REACH * spacing_px)
+        for island in _islands(pins, links):
+            rows = np.full(len(before_px), -1, np.intp)
+            rows[pins[island]] = hits[island]
+            _grow(rows, before_px, after_px, links, spacing_px)
+            if (rows >= 0).sum() > (best >= 0).sum():
+                best = rows
+            if (best >= 0).all():
+                return best
+    return best
+
+
+def _grow(
+    rows: NDArray[np.intp], before_px: Points, after_px: Points, links: Points, spacing_px: NDArray[np.float64]
+) -> None:
+    """Fill in the rows (N,) of pins beside those that have one, until no more fit."""
+    while True:
         known = rows >= 0
-        support = np.where(known, 0, links @ known)
+        support = np.where(known, 0.0, links @ known)
         if not support.any():
-            break
+            return
         ready = np.flatnonzero(support >= min(ENOUGH_NEIGHBOURS, support.max()))
         move = np.where(known[:, None], after_px[rows] - before_px, 0.0)
         expected = before_px[ready] + neighbour_mean(move, known, links)[ready]
         free = np.setdiff1d(np.arange(len(after_px)), rows[known])
         pins, hits = match_pins(expected, after_px[free], max_distance_px=GROWTH_REACH * spacing_px[ready])
-        pins, hits = ready[pins], free[hits]
-    return rows
+        if not pins.size:
+            return
+        rows[ready[pins]] = free[hits]
 
 
-def best_follow(
-    before_px: Points,
-    expected_px: Points,
-    after_px: Points,
-    links: NDArray[np.float64],
-    spacing_px: NDArray[np.float64],
-) -> NDArray[np.intp]:
-    """``follow_neighbours`` from the guess that explains most pins: going on as before, standing still, common jump."""
-    best = np.full(len(before_px), -1, np.intp)
-    jump = before_px + common_shift_px(before_px, after_px, float(np.median(spacing_px)))
-    for guess in (expected_px, before_px, jump):
-        rows = follow_neighbours(before_px, guess, after_px, links, spacing_px)
-        if (rows >= 0).sum() > (best >= 0).sum():
-            best = rows
-    return best
+def _islands(pins: NDArray[np.intp], links: Points) -> list[NDArray[np.bool_]]:
+    """The largest sets of pins (as masks of ``pins``) in which each is beside another, largest first."""
+    beside = links[np.ix_(pins, pins)] > 0
+    beside |= beside.T
+    left = np.ones(len(pins), bool)
+    islands = []
+    while left.any():
+        island = np.zeros(len(pins), bool)
+        island[left.argmax()] = True
+        while (grown := (island | (beside @ island)) & left).sum() > island.sum():
+            island = grown
+        islands.append(island)
+        left &= ~island
+    return sorted(islands, key=lambda island: -int(island.sum()))[:MOST_ISLANDS]
 
 
 def links_of(beside: NDArray[np.intp]) -> NDArray[np.float64]:

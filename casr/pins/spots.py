@@ -18,6 +18,7 @@ LEVEL_FRACTION, SOFT_FRACTION = 0.1, 0.2
 EVERY, RANK = 4, 2  # background: third darkest of every fourth pixel; a few may be dirt or outside the field of view
 SOFT_EDGE_PX = 3.5  # what a disc must hold around a pin's half-brightness edge
 SMALLEST_REACH = 2
+OUT_OF_REACH = np.float32(1e6)  # grey levels no image has
 MOST_ROUNDS = 4
 
 
@@ -34,7 +35,8 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     """Centroid of the light above the local background within ``reach_px`` of each point.
 
     The disc moves along until it is centred on what it finds, so a start some pixels off does no harm.
-    The weight of a pixel is d^2 / (d + s), d its height above background + 10 % of the contrast, s 20 % of the contrast.
+    The weight of a pixel is d^2 / (d + s), where d is its height above background + 10 % of the contrast, and s is
+    20 % of the contrast.
 
     Parameters
     ----------
@@ -77,14 +79,10 @@ def _weigh(
     start = (centres @ (1, width)).astype(np.intp) - int(disc[:, :2].min()) * (width + 1)
     step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
     grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
-    beyond = np.where(disc[:, 2] > reach_px[:, None].astype(np.float32), np.float32(np.inf), np.float32(0))
-    background = np.partition((grey + beyond)[:, ::EVERY], RANK, axis=1)[:, RANK]
+    beyond = (disc[:, 2] > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
+    background = np.partition(grey[:, ::EVERY] + beyond[:, ::EVERY], RANK, axis=1)[:, RANK]
     grey -= beyond
     top = grey.max(axis=1)
-    level = background + np.float32(LEVEL_FRACTION) * (top - background)
-    weight = np.maximum(grey - level[:, None], 0.0)
-    moments = weight @ disc
-    mass = weight.sum(axis=1)
     found = np.empty((len(centres), 4))
     with np.errstate(divide="ignore", invalid="ignore"):  # nothing above the background, or no pixel to tell it from
         contrast = top - background

@@ -13,7 +13,7 @@ from casr.errors import PinsError
 from casr.images import Grey
 from casr.pins.detect import Pins, find_pins, pins_bright, reach_px, reported_px
 from casr.pins.lattice import nearest_pins
-from casr.pins.propagate import best_follow, links_of, neighbour_mean
+from casr.pins.propagate import follow_neighbours, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
 from casr.pins.spots import measure_spots
 
@@ -144,7 +144,7 @@ class PinTracker:
             pins = find_pins(grey, self._settings)
         except PinsError:
             return expected, self._area_px, np.zeros(len(expected), bool)
-        rows = best_follow(self._place_px, expected, pins.centroids_px, self._links, self._spacing_px)
+        rows = follow_neighbours(self._place_px, expected, pins.centroids_px, self._links, self._spacing_px)
         seen = rows >= 0
         place = np.where(seen[:, None], pins.centroids_px[rows], expected)
         return place, np.where(seen, pins.area_px[rows], self._area_px), seen

@@ -13,6 +13,7 @@ from casr.synthetic.scene import Scene
 from casr.synthetic.timeline import Timeline
 
 FloatArray = NDArray[np.float64]
+_EVEN_FORCES = 4001
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +80,16 @@ def casr_truth(area_mm2: ArrayLike, force_n: ArrayLike, *, rule: str = "slope") 
     Parameters
     ----------
     area_mm2, force_n : (n,) of the loading frames, force rising.
-    rule : ``slope``: slope of the least-squares line of area over force, mm^2/N. ``paper``: eq. (2) for the last frame,
+    rule : ``slope``: slope of the least-squares line through the curve A(F) over the force axis, mm^2/N.
+        ``paper``: eq. (2) for the last frame,
         the sum of (A_j - A_{j-1}) / (F_j - F_{j-1}) over j = 1 ... n-1 with F_0 = 0, so that the first quotient is
         (A_1 - A_0) / F_1 although A_0 is the area at the first contact; mm^2/N summed over frames.
     """
     area, force = np.asarray(area_mm2, dtype=np.float64), np.asarray(force_n, dtype=np.float64)
     if rule == "slope":
-        centred = force - force.mean()
-        return float(centred @ (area - area.mean()) / (centred @ centred))
+        even = np.linspace(force[0], force[-1], _EVEN_FORCES)
+        centred = even - even.mean()
+        return float(centred @ np.interp(even, force, area) / (centred @ centred))
     if rule == "paper":
         return float((np.diff(area) / np.diff(np.append(0.0, force[1:]))).sum())
     raise SettingError("rule", wanted="slope or paper", found=repr(rule), do="Choose one of these.")

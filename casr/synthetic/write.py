@@ -38,9 +38,15 @@ def write_press(press: SimulatedPress, folder: Path, *, overwrite: bool = False)
         (new / "force.csv").write_text(_force_csv(press.timeline), encoding="utf-8")
         (new / "camera.toml").write_text(_camera_toml(press.settings.camera), encoding="utf-8")
         (new / "truth.json").write_text(_truth_json(press), encoding="utf-8")
-        if folder.exists():
+        replaced = folder.exists()
+        if replaced:
             folder.rename(old)
-        new.rename(folder)
+        try:
+            new.rename(folder)
+        except OSError:
+            if replaced:
+                old.rename(folder)
+            raise
     return folder
 
 

@@ -17,7 +17,7 @@ from emg2vsa.stats.outcome import Outcome
 class RepeatedAnova:
     """d designs of k treatments; (d,) unless said, NaN where undefined.
 
-    f, df1, df2, p : sphericity assumed. epsilon_gg, epsilon_hf : of Greenhouse and Geisser (1959) and of Huynh and Feldt
+    f, df1, df2, p : sphericity assumed. epsilon_gg, epsilon_hf : of Greenhouse and Geisser (1959) and Huynh and Feldt
     (1976), at most 1; p_gg, p_hf : with both df times epsilon. mauchly_w, mauchly_p : sphericity, NaN for k = 2 or
     n < k. eta2_partial, eta2_generalised (Olejnik and Algina 2003). n : people without a gap; left_out : the others.
     """

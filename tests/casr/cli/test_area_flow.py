@@ -37,8 +37,8 @@ def test_two_rest_frames_show_no_contact(presses: Path, capsys: Captured) -> Non
     assert json.loads(capsys.readouterr().out)["areas"]["hexagon"] is None
 
 
-@pytest.mark.parametrize("engine", ["pin-affine", "dis"])
-def test_flow_between_two_frames_is_the_truth(engine: str, presses: Path, capsys: Captured) -> None:
+@pytest.mark.parametrize(("engine", "tolerance"), [("pin-affine", 0.1), ("dis", 0.6)])
+def test_flow_between_two_frames_is_the_truth(engine: str, tolerance: float, presses: Path, capsys: Captured) -> None:
     folder = presses / "S5_00deg_01"
     truth = json.loads((folder / "truth.json").read_text())["truth"]
     i, j = truth["loading_frames"][20], truth["loading_frames"][21]
@@ -48,7 +48,7 @@ def test_flow_between_two_frames_is_the_truth(engine: str, presses: Path, capsys
     assert main(words) == 0
     (step,) = json.loads(capsys.readouterr().out)["steps"]
     true = math.log(truth["area_px2"][j] / truth["area_px2"][i])
-    assert step["log_growth"] == pytest.approx(true, rel=0.25)
+    assert step["log_growth"] == pytest.approx(true, rel=tolerance)
 
 
 def test_flow_step_by_step_adds_up(presses: Path, capsys: Captured) -> None:

@@ -25,6 +25,7 @@ def shape(text: str) -> list[str]:
     return [re.sub(r"[-+\d.e ]+", " ", line).strip() for line in text.splitlines()]
 
 
+@pytest.mark.slow
 def test_every_command_does_what_the_page_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

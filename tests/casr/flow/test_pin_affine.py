@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -33,7 +35,7 @@ def test_nothing_moved_is_exactly_nothing():
 
 def test_log_growth_adds_up_over_steps_and_divergence_does_not():
     places = [PINS * 1.02**k for k in range(11)]
-    fits = [fit_affine(a, b) for a, b in zip(places, places[1:], strict=False)]
+    fits = [fit_affine(a, b) for a, b in pairwise(places)]
     assert sum(fit.log_growth for fit in fits) == pytest.approx(fit_affine(places[0], places[-1]).log_growth)
     assert sum(fit.divergence for fit in fits) == pytest.approx(0.4)
 

@@ -89,8 +89,8 @@ def test_the_same_frame_in_another_form_gives_the_same_pins(draw, hexagon_px, ch
     frame = draw(hexagon_px)
     expected = detect_pins(frame)
     found = detect_pins(change(frame))
-    # the mean of the surroundings is rounded to whole levels in 8 bits only, which may turn a blob's edge pixel
-    assert found.centroids_px == pytest.approx(expected.centroids_px, abs=1e-4)
+    # the mean of the surroundings is rounded in 8 bits only, which may turn a pixel at a blob's edge
+    assert found.centroids_px == pytest.approx(expected.centroids_px, abs=0.005)
 
 
 def test_dark_pins_are_found_when_asked_for(draw, hexagon_px):
@@ -123,10 +123,11 @@ def test_a_frame_without_pins_says_what_to_do(frame, hint):
         detect_pins(frame)
 
 
-def test_a_frame_of_noise_says_so():
-    frame = (np.random.default_rng(0).random((900, 900)) > 0.9).astype(np.uint8) * 255
+def test_a_frame_full_of_specks_says_so():
+    frame = np.zeros((600, 600), np.uint8)
+    frame[5:-5:8, 5:-5:8] = 255
     with pytest.raises(PinsError, match="too noisy"):
-        detect_pins(cv2.dilate(frame[::2, ::2], np.ones((3, 3), np.uint8)) & 255, PinSettings(min_area_px=1))
+        detect_pins(cv2.dilate(frame, np.ones((3, 3), np.uint8)))
 
 
 def test_not_finite_is_an_image_error(draw, hexagon_px):

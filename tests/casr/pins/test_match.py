@@ -23,7 +23,7 @@ def test_order_of_the_rows_does_not_matter(seed):
 def test_shifts_below_half_a_pitch_match_every_pin(dx, dy):
     if np.hypot(dx, dy) > 9.9:
         return
-    before, after = match_pins(PINS, PINS + (dx, dy), max_distance_px=10)
+    before, after = match_pins(PINS, PINS + np.array([dx, dy]), max_distance_px=10)
     assert np.array_equal(before, after)
     assert len(before) == len(PINS)
 

@@ -11,6 +11,7 @@ import pytest
 
 from casr.errors import SettingError
 from casr.frames import FrameSequence, loading_phase
+from casr.spread import spread_rate
 from casr.synthetic import (
     SPECIMENS,
     PressSettings,
@@ -98,8 +99,12 @@ def test_truth_agrees_with_itself(press: SimulatedPress) -> None:
     np.testing.assert_allclose(truth.area_mm2, truth.area_px2 / 36, rtol=1e-12)
     assert truth.log_growth.sum() == pytest.approx(np.log(truth.area_mm2[loading[-1]] / truth.area_mm2[loading[0]]))
     np.testing.assert_allclose(truth.log_growth, 2 * np.log1p(truth.divergence / 2), rtol=1e-9)
-    slope = np.polyfit(truth.force_n[loading], truth.area_mm2[loading], 1)[0]
-    assert truth.casr_slope_mm2_per_n == pytest.approx(slope, rel=1e-9)
+    force = np.linspace(truth.force_n[loading[0]], truth.force_n[loading[-1]], 50_001)
+    on_the_curve = truth.area_mm2[loading[-1]] * np.sqrt(force / force[-1])  # gamma of 0.25
+    assert truth.casr_slope_mm2_per_n == pytest.approx(np.polyfit(force, on_the_curve, 1)[0], rel=1e-3)
+    assert truth.casr_slope_mm2_per_n == pytest.approx(
+        spread_rate(truth.area_mm2[loading], truth.force_n[loading]).value, rel=1e-4
+    )
     assert truth.casr_paper_mm2_per_n == casr_truth(truth.area_mm2[loading], truth.force_n[loading], rule="paper")
     assert json.loads(json.dumps(truth.to_dict()))["area_mm2"] == truth.area_mm2.tolist()
 
