@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from numba import njit
+from casr.flow.compiled import Floats, Rows, kernel
+from casr.flow.multigrid import A11, B1, put_row
 
-from casr.flow.multigrid import A11, B1, KERNEL, put_row
 
-
-@njit(**KERNEL)
-def _add_products(p, q, xx, xy, yy, xt, yt):  # type: ignore[no-untyped-def]
+@kernel
+def _add_products(p: Rows, q: Rows, xx: Floats, xy: Floats, yy: Floats, xt: Floats, yt: Floats) -> None:
     """Add Ix Ix, Ix Iy, Iy Iy, Ix It, Iy It of the middle one of five rows p and q of the two frames."""
     p0, p1, p2, p3, p4 = p
     q0, q1, q2, q3, q4 = q
@@ -31,20 +30,20 @@ def _add_products(p, q, xx, xy, yy, xt, yt):  # type: ignore[no-untyped-def]
         yt[x] += iy * it
 
 
-@njit(**KERNEL)
-def _five_rows(image, y, margin):  # type: ignore[no-untyped-def]
+@kernel
+def _five_rows(image: Floats, y: int, margin: int) -> Rows:
     inner = slice(margin - 2, image.shape[1] - margin + 2)
     return image[y - 2, inner], image[y - 1, inner], image[y, inner], image[y + 1, inner], image[y + 2, inner]
 
 
-@njit(**KERNEL)
-def _add_pairs(row, out):  # type: ignore[no-untyped-def]
+@kernel
+def _add_pairs(row: Floats, out: Floats) -> None:
     for x in range(out.size // 2):
         out[x] = row[2 * x] + row[2 * x + 1]
 
 
-@njit(**KERNEL)
-def data_term(first, second, margin, cell_px, f, sums):  # type: ignore[no-untyped-def]
+@kernel
+def data_term(first: Floats, second: Floats, margin: int, cell_px: int, f: Floats, sums: Floats) -> None:
     """Fill the planes A11 ... B2 of the finest level with the sums over its cells, margin px at the edges left out."""
     rows = f.shape[2] - 2
     inner = slice(margin, max(first.shape[1] - margin, margin))
@@ -66,8 +65,8 @@ def data_term(first, second, margin, cell_px, f, sums):  # type: ignore[no-untyp
                 put_row(f[A11 + p], y, sums[0, p])
 
 
-@njit(**KERNEL)
-def flow_of_cells(f, out):  # type: ignore[no-untyped-def]
+@kernel
+def flow_of_cells(f: Floats, out: Floats) -> None:
     """Copy the flow of a level into out, (rows, 2 half, 2)."""
     for y in range(out.shape[0]):
         for p in range(2):
@@ -77,8 +76,8 @@ def flow_of_cells(f, out):  # type: ignore[no-untyped-def]
                 row[2 * k + 1] = odd[k + 1]
 
 
-@njit(**KERNEL)
-def subtract_from_right(f, cells):  # type: ignore[no-untyped-def]
+@kernel
+def subtract_from_right(f: Floats, cells: Floats) -> None:
     """Subtract cells, (rows, 2 half, 2), from the right-hand sides of a level."""
     for y in range(cells.shape[0]):
         for p in range(2):

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.errors import ImageError, SettingError
-from casr.flow.linear_flow import Grid, Image, Solver
+from casr.flow.compiled import Floats
+from casr.flow.linear_flow import Grid, Solver
 from casr.flow.warp import doubled, halved, warp
 from casr.images import as_grey
 
@@ -46,8 +47,8 @@ class HornSchunckSettings:
     sweeps: int = 1
     cycles: int = 1
     warp_above_px: float = 3.5
-    warps: int = 2
-    pyramid_levels: int = 2
+    warps: int = 1
+    pyramid_levels: int = 3
     median_px: int = 0
     support_px: int = 24
     precision: Literal["single", "double"] = "single"
@@ -69,8 +70,8 @@ class HornSchunckSettings:
     def natural_images(cls) -> HornSchunckSettings:
         """Everyday scenes: full pyramid, many warps, median filtering of the flow between them."""
         return cls(
-            alpha=15.0,
-            presmoothing_px=0.8,
+            alpha=10.0,
+            presmoothing_px=0.0,
             cell_px=1,
             sweeps=2,
             cycles=2,
@@ -89,7 +90,7 @@ def _check(name: str, value: object, good: bool, wanted: str) -> None:
 class HornSchunck:
     """Flow of every frame of a sequence against the one before; each frame is prepared once."""
 
-    def __init__(self, settings: HornSchunckSettings = HornSchunckSettings()) -> None:  # noqa: B008 - frozen
+    def __init__(self, settings: HornSchunckSettings = HornSchunckSettings()) -> None:
         self.settings = settings
         self._dtype = np.dtype(np.float32 if settings.precision == "single" else np.float64)
         self._solver = Solver(settings.cell_px, settings.alpha**2 / 3, settings.sweeps, settings.cycles)
@@ -97,13 +98,13 @@ class HornSchunck:
         self._margin = max(2, int(np.ceil(2 * settings.presmoothing_px)))
         self._grids: dict[tuple[int, int], Grid] = {}
         self._image: NDArray[Any] | None = None
-        self._smooth: tuple[Box, Image] | None = None
+        self._smooth: tuple[Box, Floats] | None = None
 
     def start(self, image: NDArray[Any]) -> None:
         """Take the first frame."""
-        self._image, self._smooth = as_grey(image, where="first frame"), None
+        self._image, self._smooth = as_grey(image, where="first frame").copy(), None
 
-    def step(self, image: NDArray[Any], roi: Box | None = None) -> Image:
+    def step(self, image: NDArray[Any], roi: Box | None = None) -> Floats:
         """Flow from the frame before to this one.
 
         Parameters
@@ -132,7 +133,7 @@ class HornSchunck:
             self._smooth = box, self._smoothed(self._image, box)
         second = self._smoothed(image, box)
         flow = self._flow(self._smooth[1], second)
-        self._image, self._smooth = image, (box, second)
+        self._image, self._smooth = image.copy(), (box, second)
         return _placed(flow, box, image.shape)
 
     def _box(self, shape: tuple[int, ...], roi: Box | None) -> Box:
@@ -154,7 +155,7 @@ class HornSchunck:
         high = [-(-(n + margin) // step) * step for n in (x1, y1)]
         return low[0], low[1], min(high[0], width), min(high[1], height)
 
-    def _smoothed(self, image: NDArray[Any], box: Box) -> Image:
+    def _smoothed(self, image: NDArray[Any], box: Box) -> Floats:
         sigma = self.settings.presmoothing_px
         reach = int(np.ceil(4 * sigma))
         x0, y0, x1, y1 = box
@@ -174,7 +175,7 @@ class HornSchunck:
             self._grids[shape] = Grid(shape, self._dtype, self._solver)
         return self._grids[shape]
 
-    def _flow(self, first: Image, second: Image) -> Image:
+    def _flow(self, first: Floats, second: Floats) -> Floats:
         limit = self.settings.warp_above_px
         if limit > 0:
             flow = self._grid(first.shape).flow(first, second, self._margin)
@@ -182,7 +183,7 @@ class HornSchunck:
                 return flow
         return self._warped_flow(first, second, self._margin, self.settings.pyramid_levels)
 
-    def _warped_flow(self, first: Image, second: Image, margin: int, levels: int) -> Image:
+    def _warped_flow(self, first: Floats, second: Floats, margin: int, levels: int) -> Floats:
         """Coarse to fine: start from the flow of the halved frames, warp, solve for what is left, again."""
         grid, flow = self._grid(first.shape), None
         if levels > 1 and min(first.shape) >= SMALLEST_PX:
@@ -197,14 +198,14 @@ class HornSchunck:
         return flow
 
 
-def _median(flow: Image, width: int) -> Image:
+def _median(flow: Floats, width: int) -> Floats:
     if width == 0:
         return flow
     planes = [cv2.medianBlur(np.ascontiguousarray(flow[..., p], dtype=np.float32), width) for p in range(2)]
     return np.stack(planes, axis=-1).astype(flow.dtype)
 
 
-def _placed(flow: Image, box: Box, shape: tuple[int, ...]) -> Image:
+def _placed(flow: Floats, box: Box, shape: tuple[int, ...]) -> Floats:
     if flow.shape[:2] == shape:
         return flow
     out = np.full((*shape, 2), np.nan, flow.dtype)
@@ -216,9 +217,9 @@ def horn_schunck(
     first: NDArray[Any],
     second: NDArray[Any],
     *,
-    settings: HornSchunckSettings = HornSchunckSettings(),  # noqa: B008 - frozen
+    settings: HornSchunckSettings = HornSchunckSettings(),
     roi: Box | None = None,
-) -> Image:
+) -> Floats:
     """Flow (H, W, 2) from first to second; see :meth:`HornSchunck.step`."""
     engine = HornSchunck(settings)
     engine.start(first)

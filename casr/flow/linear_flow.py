@@ -7,12 +7,11 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from casr.flow.brightness import data_term, flow_of_cells, subtract_from_right
+from casr.flow.compiled import Floats
 from casr.flow.multigrid import level, level_table, solve
 
-Image = NDArray[np.floating[Any]]
 FOUR_NEIGHBOURS = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]], dtype=np.float64)
 # a cell whose determinant drowns in rounding is solved as if it were this far from rank one
 RANK_ONE = {np.dtype(np.float32): 1e-6, np.dtype(np.float64): 1e-14}
@@ -40,7 +39,7 @@ class Grid:
         self._cells = np.zeros((rows, 2 * int(self._table[0, 1]), 2), dtype)
         self._sums = np.zeros((2, 5, self._cells.shape[1] * solver.cell_px), dtype)
 
-    def flow(self, first: Image, second: Image, margin: int, start: Image | None = None) -> Image:
+    def flow(self, first: Floats, second: Floats, margin: int, start: Floats | None = None) -> Floats:
         """Flow (H, W, 2) from first to second; with a start, second is already warped along it and the sum is returned."""
         solver, kind = self._solver, self.dtype.type
         data_term(first, second, margin, solver.cell_px, self._finest, self._sums)
@@ -52,7 +51,7 @@ class Grid:
         flow = self._at_pixels()
         return flow if start is None else flow + start
 
-    def _roughness(self, flow: Image) -> Image:
+    def _roughness(self, flow: Floats) -> Floats:
         """Five-point Laplacian of a flow averaged over cells."""
         height, width = self.shape
         size = self._solver.cell_px
@@ -62,7 +61,7 @@ class Grid:
             cells = cv2.resize(cells, self._cells.shape[1::-1], interpolation=cv2.INTER_AREA)
         return cv2.filter2D(cells, -1, FOUR_NEIGHBOURS, borderType=cv2.BORDER_REPLICATE)
 
-    def _at_pixels(self) -> Image:
+    def _at_pixels(self) -> Floats:
         height, width = self.shape
         size = self._solver.cell_px
         if size == 1:

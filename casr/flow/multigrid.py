@@ -16,14 +16,12 @@ index k + 1, so the four neighbours of a cell of one colour lie at unit stride i
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from casr.flow.compiled import Floats, Rows, kernel
 
 U, V, A11, A12, A22, B1, B2 = range(7)
 PLANES = 7
-# inner loops start at 0 and index one-dimensional rows, and division raises nothing: else LLVM does not vectorise them;
-# contraction and reassociation cannot hide a NaN
-KERNEL = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
 COARSEST_CELLS = 4
 COARSEST_SWEEPS = 16
 
@@ -43,27 +41,29 @@ def level_table(rows: int, columns: int) -> NDArray[np.int64]:
         rows, columns = (rows + 1) // 2, half
 
 
-@njit(**KERNEL)
-def level(work, table, index):  # type: ignore[no-untyped-def]
+@kernel
+def level(work: Floats, table: NDArray[np.int64], index: int) -> Floats:
     rows, half, offset = table[index]
     shape = (PLANES, 2, rows + 2, half + 2)
     return work[offset : offset + PLANES * 2 * (rows + 2) * (half + 2)].reshape(shape)
 
 
-@njit(**KERNEL)
-def _rows(f, c, y):  # type: ignore[no-untyped-def]
+@kernel
+def _rows(f: Floats, c: int, y: int) -> tuple[Rows, Rows]:
     """Flow of the other colour above, below and on either side of row y (side[k] and side[k + 1]), u then v."""
     u, v, shift = f[U, 1 - c], f[V, 1 - c], (y - 1 + c) % 2
     return (u[y - 1], u[y + 1], u[y, shift:]), (v[y - 1], v[y + 1], v[y, shift:])
 
 
-@njit(**KERNEL)
-def _cells(f, c, y):  # type: ignore[no-untyped-def]
+@kernel
+def _cells(f: Floats, c: int, y: int) -> Rows:
     return f[A11, c, y], f[A12, c, y], f[A22, c, y], f[B1, c, y], f[B2, c, y]
 
 
-@njit(**KERNEL)
-def _relax_row(half, u, v, around_u, around_v, cells, lam, rank_one):  # type: ignore[no-untyped-def]
+@kernel
+def _relax_row(
+    half: int, u: Floats, v: Floats, around_u: Rows, around_v: Rows, cells: Rows, lam: float, rank_one: float
+) -> None:
     up_u, down_u, side_u = around_u
     up_v, down_v, side_v = around_v
     a11, a12, a22, b1, b2 = cells
@@ -76,15 +76,15 @@ def _relax_row(half, u, v, around_u, around_v, cells, lam, rank_one):  # type: i
         v[k + 1] = (a11[k + 1] * sv - a12[k + 1] * su) / det
 
 
-@njit(**KERNEL)
-def _relax_colour(f, c, y, lam, rank_one):  # type: ignore[no-untyped-def]
+@kernel
+def _relax_colour(f: Floats, c: int, y: int, lam: float, rank_one: float) -> None:
     """Solve the two equations of every cell of colour c in row y for its (u, v), its neighbours held."""
     around_u, around_v = _rows(f, c, y)
     _relax_row(f.shape[3] - 2, f[U, c, y], f[V, c, y], around_u, around_v, _cells(f, c, y), lam, rank_one)
 
 
-@njit(**KERNEL)
-def relax(f, lam, rank_one, sweeps):  # type: ignore[no-untyped-def]
+@kernel
+def relax(f: Floats, lam: float, rank_one: float, sweeps: int) -> None:
     """Red-black Gauss-Seidel; the second colour follows one row behind, while its rows are still in the cache."""
     rows = f.shape[2] - 2
     for _ in range(sweeps):
@@ -95,8 +95,10 @@ def relax(f, lam, rank_one, sweeps):  # type: ignore[no-untyped-def]
                 _relax_colour(f, 1, y - 1, lam, rank_one)
 
 
-@njit(**KERNEL)
-def _residual_row(half, u, v, around_u, around_v, cells, lam, ru, rv):  # type: ignore[no-untyped-def]
+@kernel
+def _residual_row(
+    half: int, u: Floats, v: Floats, around_u: Rows, around_v: Rows, cells: Rows, lam: float, ru: Floats, rv: Floats
+) -> None:
     up_u, down_u, side_u = around_u
     up_v, down_v, side_v = around_v
     a11, a12, a22, b1, b2 = cells
@@ -107,15 +109,15 @@ def _residual_row(half, u, v, around_u, around_v, cells, lam, ru, rv):  # type: 
         rv[k] += a12[k + 1] * u[k + 1] + a22[k + 1] * v[k + 1] - sv
 
 
-@njit(**KERNEL)
-def _add_residual(f, y, lam, ru, rv):  # type: ignore[no-untyped-def]
+@kernel
+def _add_residual(f: Floats, y: int, lam: float, ru: Floats, rv: Floats) -> None:
     """Add the residual of colour 0 in row y, negative, to ru and rv; colour 1, relaxed last, has none."""
     around_u, around_v = _rows(f, 0, y)
     _residual_row(f.shape[3] - 2, f[U, 0, y], f[V, 0, y], around_u, around_v, _cells(f, 0, y), lam, ru, rv)
 
 
-@njit(**KERNEL)
-def put_row(plane, y, row):  # type: ignore[no-untyped-def]
+@kernel
+def put_row(plane: Floats, y: int, row: Floats) -> None:
     """Store a row in column order into row y of a plane (2, rows + 2, half + 2), by colour."""
     even, odd = plane[(y - 1) % 2, y], plane[y % 2, y]
     for k in range(even.size - 2):
@@ -123,8 +125,8 @@ def put_row(plane, y, row):  # type: ignore[no-untyped-def]
         odd[k + 1] = row[2 * k + 1]
 
 
-@njit(**KERNEL)
-def restrict_residual(f, coarse, lam, rows2):  # type: ignore[no-untyped-def]
+@kernel
+def restrict_residual(f: Floats, coarse: Floats, lam: float, rows2: Floats) -> None:
     """Residuals of four cells summed are the right-hand side of one coarser cell, whose flow starts at zero."""
     coarse[U], coarse[V] = 0, 0
     for y in range(1, coarse.shape[2] - 1):
@@ -135,8 +137,8 @@ def restrict_residual(f, coarse, lam, rows2):  # type: ignore[no-untyped-def]
         put_row(coarse[B2], y, rows2[1])
 
 
-@njit(**KERNEL)
-def take_row(plane, y, near, row):  # type: ignore[no-untyped-def]
+@kernel
+def take_row(plane: Floats, y: int, near: int, row: Floats) -> None:
     """Three quarters of row y of a plane and a quarter of its row near, in column order, ends repeated.
 
     row[j + 1] is column j.
@@ -151,24 +153,24 @@ def take_row(plane, y, near, row):  # type: ignore[no-untyped-def]
     row[0], row[2 * half + 1] = row[1], row[2 * half]
 
 
-@njit(**KERNEL)
-def near_row(y, coarse_rows):  # type: ignore[no-untyped-def]
+@kernel
+def near_row(y: int, coarse_rows: int) -> tuple[int, int]:
     """Coarse row over fine row y and the next nearest one that exists (array rows, from 1)."""
     over = (y + 1) // 2
     near = over - 1 if y % 2 == 1 else over + 1
     return over, min(max(near, 1), coarse_rows)
 
 
-@njit(**KERNEL)
-def _add_row(out, row, side):  # type: ignore[no-untyped-def]
+@kernel
+def _add_row(out: Floats, row: Floats, side: int) -> None:
     quarter = row.dtype.type(0.25)
     next_over = row[2 * side :]
     for k in range(out.size - 2):
         out[k + 1] += row[k + 1] + quarter * (next_over[k] - row[k + 1])
 
 
-@njit(**KERNEL)
-def prolong(coarse, f, rows2):  # type: ignore[no-untyped-def]
+@kernel
+def prolong(coarse: Floats, f: Floats, rows2: Floats) -> None:
     """Add the bilinear flow of the coarser level to the flow of colour 1.
 
     Colour 0 needs nothing: the sweep that follows computes it from colour 1 alone.
@@ -180,8 +182,10 @@ def prolong(coarse, f, rows2):  # type: ignore[no-untyped-def]
             _add_row(f[p, 1, y], rows2[p], y % 2)
 
 
-@njit(**KERNEL)
-def _v_cycle(work, table, top, lam, rank_one, sweeps, rows2):  # type: ignore[no-untyped-def]
+@kernel
+def _v_cycle(
+    work: Floats, table: NDArray[np.int64], top: int, lam: float, rank_one: float, sweeps: int, rows2: Floats
+) -> None:
     last = table.shape[0] - 2
     for i in range(top, last):
         f = level(work, table, i)
@@ -194,8 +198,8 @@ def _v_cycle(work, table, top, lam, rank_one, sweeps, rows2):  # type: ignore[no
         relax(f, lam, rank_one, sweeps)
 
 
-@njit(**KERNEL)
-def _sum_of_four(f, coarse, rows2):  # type: ignore[no-untyped-def]
+@kernel
+def _sum_of_four(f: Floats, coarse: Floats, rows2: Floats) -> None:
     for p in range(A11, PLANES):
         for y in range(1, coarse.shape[2] - 1):
             total = rows2[0]
@@ -207,8 +211,8 @@ def _sum_of_four(f, coarse, rows2):  # type: ignore[no-untyped-def]
             put_row(coarse[p], y, total)
 
 
-@njit(**KERNEL)
-def _add_neighbours(f, lam):  # type: ignore[no-untyped-def]
+@kernel
+def _add_neighbours(f: Floats, lam: float) -> None:
     """lam times the number of neighbours joins the diagonal."""
     rows, half = f.shape[2] - 2, f.shape[3] - 2
     for p in (A11, A22):
@@ -226,8 +230,8 @@ def _add_neighbours(f, lam):  # type: ignore[no-untyped-def]
                     plane[y, half] -= lam
 
 
-@njit(**KERNEL)
-def solve(work, table, lam, rank_one, sweeps, cycles):  # type: ignore[no-untyped-def]
+@kernel
+def solve(work: Floats, table: NDArray[np.int64], lam: float, rank_one: float, sweeps: int, cycles: int) -> None:
     """Fill U and V of the finest level from the data sums J11, J12, J22, b1, b2 in its planes A11 ... B2.
 
     Full multigrid: every level starts from the coarser level's solution. The planes A and B are used up.

@@ -5,28 +5,22 @@ Cells are squares: pixel i of a halved image covers pixels 2 i and 2 i + 1, its 
 
 from __future__ import annotations
 
-from typing import Any
-
 import cv2
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from casr.flow.multigrid import KERNEL
-
-Image = NDArray[np.floating[Any]]
+from casr.flow.compiled import Floats, kernel
 
 
-@njit(**KERNEL)
-def _cubic(p0, p1, p2, p3, t, half):  # type: ignore[no-untyped-def]
+@kernel
+def _cubic(p0: float, p1: float, p2: float, p3: float, t: float, half: float) -> float:
     a = p2 - p0
     b = (p0 + p0) - (p1 + p1 + p1 + p1 + p1) + (p2 + p2 + p2 + p2) - p3
     c = (p1 + p1 + p1) - p0 - (p2 + p2 + p2) + p3
     return p1 + half * t * (a + t * (b + t * c))
 
 
-@njit(**KERNEL)
-def _warp(second, flow, margin, out):  # type: ignore[no-untyped-def]
+@kernel
+def _warp(second: Floats, flow: Floats, margin: int, out: Floats) -> None:
     height, width = second.shape
     half = second.dtype.type(0.5)
     for y in range(height):
@@ -49,8 +43,8 @@ def _warp(second, flow, margin, out):  # type: ignore[no-untyped-def]
             out[y, x] = _cubic(a, b, c, d, ty, half)
 
 
-def warp(image: Image, flow: Image, margin: int) -> Image:
-    """Image read at every pixel plus its flow; NaN where that lies outside or within margin px of the edge.
+def warp(image: Floats, flow: Floats, margin: int) -> Floats:
+    """Floats read at every pixel plus its flow; NaN where that lies outside or within margin px of the edge.
 
     Parameters
     ----------
@@ -67,7 +61,7 @@ def warp(image: Image, flow: Image, margin: int) -> Image:
     return out
 
 
-def halved(image: Image) -> Image:
+def halved(image: Floats) -> Floats:
     """Half-size image, (ceil H/2, ceil W/2): blurred by sigma 0.8 px against aliasing, then four pixels averaged."""
     height, width = image.shape
     blurred = cv2.GaussianBlur(image, (0, 0), 0.8, borderType=cv2.BORDER_REPLICATE)
@@ -75,7 +69,7 @@ def halved(image: Image) -> Image:
     return cv2.resize(even, (even.shape[1] // 2, even.shape[0] // 2), interpolation=cv2.INTER_AREA)
 
 
-def doubled(flow: Image, shape: tuple[int, int]) -> Image:
+def doubled(flow: Floats, shape: tuple[int, int]) -> Floats:
     """Flow of a halved image on the image of this shape: bilinear between cell centres, lengths doubled."""
     height, width = shape
     large = cv2.resize(flow, (2 * flow.shape[1], 2 * flow.shape[0]), interpolation=cv2.INTER_LINEAR)

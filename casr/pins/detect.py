@@ -17,7 +17,7 @@ from casr.pins.settings import PinSettings
 from casr.pins.spots import measure_spots
 
 FEWEST_PINS, MOST_BLOBS = 3, 3000
-REACH_OF_SPACING = 0.45
+REACH_OF_SPACING = 0.43
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
@@ -17,7 +18,7 @@ from casr.images import Grey
 LEVEL_FRACTION, SOFT_FRACTION = 0.1, 0.2
 EVERY, RANK = 4, 2  # background: third darkest of every fourth pixel; a few may be dirt or outside the field of view
 SOFT_EDGE_PX = 3.5  # what a disc must hold around a pin's half-brightness edge
-SMALLEST_REACH = 2
+SMALLEST_REACH_PX = 2.0
 OUT_OF_REACH = np.float32(1e6)  # grey levels no image has
 MOST_ROUNDS = 4
 
@@ -44,8 +45,9 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     near_px : (N, 2) starting points, finite.
     reach_px : (N,) disc radii; at most half way to the next pin.
     """
-    margin = max(int(np.ceil(reach_px.max(initial=0.0))), SMALLEST_REACH)
-    disc = _disc(margin)
+    widest = max(float(reach_px.max(initial=0.0)), SMALLEST_REACH_PX)
+    margin = int(widest)
+    disc = _disc(int(widest**2))
     padded = cast(Grey, cv2.copyMakeBorder(image, margin, margin, margin, margin, cv2.BORDER_REPLICATE))
     limit = np.array([image.shape[1], image.shape[0]]) - 1.0
     centres = np.clip(np.rint(near_px), 0, limit)
@@ -61,12 +63,13 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     return Spots(found[:, :2], found[:, 2], found[:, 3])
 
 
-@lru_cache(maxsize=32)
-def _disc(radius: int) -> NDArray[np.float32]:
+@lru_cache(maxsize=64)
+def _disc(radius_squared: int) -> NDArray[np.float32]:
     """(K, 3) offsets x, y and distance of the pixels of a disc."""
-    y, x = np.mgrid[-radius : radius + 1, -radius : radius + 1]
-    distance = np.hypot(x, y)
-    disc: NDArray[np.float32] = np.stack([x, y, distance], axis=-1)[distance <= radius].astype(np.float32)
+    k = math.isqrt(radius_squared)
+    y, x = np.mgrid[-k : k + 1, -k : k + 1]
+    inside = x * x + y * y <= radius_squared
+    disc: NDArray[np.float32] = np.stack([x, y, np.hypot(x, y)], axis=-1)[inside].astype(np.float32)
     disc.flags.writeable = False
     return disc
 

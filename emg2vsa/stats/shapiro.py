@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
@@ -30,7 +30,7 @@ class ShapiroWilk:
     w: Floats
     p: Floats
     n: Ints
-    ties: np.ndarray
+    ties: NDArray[np.bool_]
 
     def outcome(self, i: int = 0) -> Outcome:
         """Sample ``i`` alone."""
@@ -64,7 +64,7 @@ def shapiro_wilk(values: ArrayLike) -> ShapiroWilk:
         same = (rows.count == n) & (rows.squares > 0)
         lack[same] = _lack(deviation[same, :n], int(n))
         p[same] = _p(lack[same], int(n))
-    repeated = np.diff(deviation, axis=1, prepend=-np.inf) == 0
+    repeated = (deviation[:, 1:] == deviation[:, :-1]) & np.isfinite(deviation[:, 1:])
     return ShapiroWilk(1 - lack, p, rows.count, np.any(repeated, axis=1))
 
 

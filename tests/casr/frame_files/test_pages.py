@@ -111,7 +111,6 @@ def test_only_the_first_frame_is_decoded_on_opening(tmp_path, frames, monkeypatc
 def test_real_flat_press(shared_data):
     sequence = open_frames(shared_data("tactile/tactip127_flat_press_640x480"))
     assert (len(sequence), sequence.shape) == (91, (480, 640))
-    # the operator's height, the last number of the name, never falls in the order of frames
     assert [set(np.unique(sequence[k])) <= {0, 255} for k in (0, 45, 90)] == [True] * 3
     rest, deepest = (sequence[k].astype(float) for k in (0, 90))
     assert np.abs(sequence[1] - rest).mean() < 0.2 * np.abs(deepest - rest).mean()
