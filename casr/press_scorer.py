@@ -82,9 +82,7 @@ class PressScorer:
 
     def rate(self, force_n: Array) -> SpreadRate:
         """Spread rate over the first T frames, whose forces these are."""
-        return spread_rate(
-            self.areas(force_n), force_n, rule=self._settings.rate_rule, area_unit=self.area_unit
-        )
+        return spread_rate(self.areas(force_n), force_n, rule=self._settings.rate_rule, area_unit=self.area_unit)
 
     @property
     def _first_area(self) -> float:
@@ -120,8 +118,8 @@ class PressScorer:
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
         """A_c0, the region that growth is measured in, and notes.
 
-        The region is the edge of the contact whatever the rule of A_c0: pins that moved but lie outside the contact come
-        closer together as it grows, and a region that holds them grows too little.
+        The region is the edge of the contact whatever the rule of A_c0: pins that moved but lie outside come closer
+        together as the contact grows, and a region that holds them grows too little.
         """
         settings = self._settings
         if settings.region is not None:

@@ -20,8 +20,8 @@ Kept = tuple[int, Grey]
 class RestFrame:
     """Knows the frame that ``loading_phase`` would take for the static one if contact came next.
 
-    That choice looks at the forces of all frames at rest, so it may fall back on an earlier frame. Kept are the images of
-    the last 64 frames at rest, and the one that was the choice half as long ago or less.
+    That choice looks at the forces of all frames at rest, so it may fall back on an earlier frame. Kept are the images
+    of the last 64 frames at rest, and the one that was the choice half as long ago or less.
 
     Parameters
     ----------

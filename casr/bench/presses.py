@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-import numpy as np
-
 from casr.bench.chain_errors import (
     ANGLES_DEG,
     CALIBRATION,
@@ -66,7 +64,7 @@ def growth_table(results: Sequence[PressScores]) -> Table:
     rows: list[list[Cell]] = []
     for engine in ENGINES:
         errors = [[r.growth_error_percent[engine] for r in results if r.angle_deg == angle] for angle in ANGLES_DEG]
-        seconds = float(np.nanmedian([r.time_s[engine] for r in results]))
+        seconds = median_sd([r.time_s[engine] for r in results])[0]
         rows.append([engine, *[number for at in errors for number in median_sd(at)], seconds])
     title = "Growth of the contact ln(A_n / A_c0): median error and standard deviation, %; processor time per press"
     return Table("press_growth", title, (*_by_angle("engine"), ("s", ".3f")), rows)

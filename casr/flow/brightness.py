@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from casr.flow.coloured_grid import A11, put_row
 from casr.flow.compiled import Floats, Rows, kernel
-from casr.flow.multigrid import A11, B1, put_row
 
 
 @kernel
@@ -21,7 +23,7 @@ def _add_products(p: Rows, q: Rows, xx: Floats, xy: Floats, yy: Floats, xt: Floa
         )
         it = q2[x + 2] - p2[x + 2]
         # NaN, out of the frame after warping, in any of the seventeen pixels: no data
-        if not ix + iy + it == ix + iy + it:
+        if np.isnan(ix + iy + it):
             ix = iy = it = zero
         xx[x] += ix * ix
         xy[x] += ix * iy
@@ -63,25 +65,3 @@ def data_term(first: Floats, second: Floats, margin: int, cell_px: int, f: Float
                 _add_pairs(sums[0, p], sums[1, p])
                 _add_pairs(sums[1, p], sums[0, p])
                 put_row(f[A11 + p], y, sums[0, p])
-
-
-@kernel
-def flow_of_cells(f: Floats, out: Floats) -> None:
-    """Copy the flow of a level into out, (rows, 2 half, 2)."""
-    for y in range(out.shape[0]):
-        for p in range(2):
-            even, odd, row = f[p, y % 2, y + 1], f[p, 1 - y % 2, y + 1], out[y, :, p]
-            for k in range(even.size - 2):
-                row[2 * k] = even[k + 1]
-                row[2 * k + 1] = odd[k + 1]
-
-
-@kernel
-def subtract_from_right(f: Floats, cells: Floats) -> None:
-    """Subtract cells, (rows, 2 half, 2), from the right-hand sides of a level."""
-    for y in range(cells.shape[0]):
-        for p in range(2):
-            even, odd, row = f[B1 + p, y % 2, y + 1], f[B1 + p, 1 - y % 2, y + 1], cells[y, :, p]
-            for k in range(even.size - 2):
-                even[k + 1] -= row[2 * k]
-                odd[k + 1] -= row[2 * k + 1]

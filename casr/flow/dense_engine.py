@@ -1,4 +1,4 @@
-"""Flow engines on dense fields: the field around the contact region only, and the affine motion in the region's core."""
+"""Flow engines on dense fields: the field around the contact region only, and the affine motion in its core."""
 
 from __future__ import annotations
 

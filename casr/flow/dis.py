@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -38,17 +40,17 @@ def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np
     """
     if preset not in PRESETS:
         raise SettingError("dis_preset", wanted=f"one of {', '.join(PRESETS)}", found=repr(preset), do="Choose one.")
-    first, second = _bytes(as_grey(first, where="first image")), _bytes(as_grey(second, where="second image"))
-    if first.shape != second.shape:
+    before, after = _bytes(as_grey(first, where="first image")), _bytes(as_grey(second, where="second image"))
+    if before.shape != after.shape:
         raise ImageError(
-            "image pair", wanted="two images of one shape", found=f"{first.shape} and {second.shape}", do="Crop them."
+            "image pair", wanted="two images of one shape", found=f"{before.shape} and {after.shape}", do="Crop them."
         )
-    height, width = first.shape
+    height, width = before.shape
     missing = (0, max(0, SHORTEST_SIDE_PX - height), 0, max(0, SHORTEST_SIDE_PX - width))
     if any(missing):
-        first, second = (cv2.copyMakeBorder(image, *missing, cv2.BORDER_REPLICATE) for image in (first, second))
-    flow = cv2.DISOpticalFlow_create(PRESETS[preset]).calc(first, second, None)
-    return np.ascontiguousarray(flow[:height, :width])
+        before, after = (_widened(image, missing) for image in (before, after))
+    method: Any = cv2.DISOpticalFlow.create(PRESETS[preset])
+    return np.ascontiguousarray(method.calc(before, after, None)[:height, :width])
 
 
 class Dis:
@@ -76,6 +78,10 @@ class Dis:
         return flow
 
 
+def _widened(image: NDArray[np.uint8], by: tuple[int, int, int, int]) -> NDArray[np.uint8]:
+    return np.asarray(cv2.copyMakeBorder(image, *by, cv2.BORDER_REPLICATE), dtype=np.uint8)
+
+
 def _bytes(image: Grey) -> NDArray[np.uint8]:
     """DIS takes bytes only; rounding costs at most half a grey level."""
-    return image if image.dtype == np.uint8 else np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8, copy=False)

@@ -33,7 +33,7 @@ def region_mask(polygon_px: Points, shape: tuple[int, int]) -> NDArray[np.float3
     fine = np.zeros((shape[0] * SUBPIXELS, shape[1] * SUBPIXELS), dtype=np.uint8)
     corners = (np.asarray(polygon_px) + 0.5) * SUBPIXELS - 0.5
     cv2.fillPoly(fine, [np.rint(corners * 16).astype(np.int32)], 255, shift=4)
-    return np.asarray(cv2.resize(fine, shape[::-1], interpolation=cv2.INTER_AREA), dtype=np.float32) / 255
+    return cv2.resize(fine, shape[::-1], interpolation=cv2.INTER_AREA).astype(np.float32) / np.float32(255)
 
 
 def mean_divergence(flow: NDArray[np.float32], polygon_px: Points) -> float:

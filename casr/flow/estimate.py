@@ -17,6 +17,7 @@ from casr.images import as_grey
 
 __all__ = ["ENGINES", "FlowSettings", "FlowStep", "FlowTracker"]
 
+
 class FlowTracker:
     """Follows one contact region; holds a copy of the frame before.
 

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.flow.divergence import region_mask
 from casr.flow.pin_affine import Affine
 from casr.flow.region import Region
 
+Array = NDArray[np.float64]
 
-def fit_field(flow: NDArray[np.float32], region: Region) -> Affine:
+
+def fit_field(flow: NDArray[np.floating[Any]], region: Region) -> Affine:
     """Least-squares affine motion of the flow over the region; identical frames, so no flow, give exactly 0.
 
     By Gauss's theorem the trace of the fit is a mean of the divergence over the region with a weight that falls to 0
-    towards its border (on a disc of radius R as R^2 - r^2), where dense flow rounds off the kink of a contact and where
-    a plain mean would jump as pixels enter.
+    towards its border (on a disc of radius R as R^2 - r^2). There dense flow rounds off the kink of a contact, and
+    there pixels enter as the region grows: whole pixels do, where a plain mean needs shares of them.
 
     Parameters
     ----------
@@ -27,21 +31,22 @@ def fit_field(flow: NDArray[np.float32], region: Region) -> Affine:
     SettingError : the region lies outside the flow.
     """
     x0, y0, x1, y1 = region.box(flow.shape)
-    inside = flow[y0:y1, x0:x1].astype(np.float64)
     left_top = np.array([x0, y0])
-    weight = region_mask(region.polygon_px - left_top, inside.shape[:2]).astype(np.float64)
+    inside = np.zeros((y1 - y0, x1 - x0), np.uint8)
+    cv2.fillPoly(inside, [np.rint((region.polygon_px - left_top) * 16).astype(np.int32)], 1, shift=4)
+    weight = inside.astype(np.float64)
     middle = region.centre_px - left_top
-    x, y = np.arange(inside.shape[1]) - middle[0], np.arange(inside.shape[0]) - middle[1]
-    # sums of weight times 1, x, y and their products are matrix products over rows and columns
-    moments = np.vander(y, 3, increasing=True).T @ weight @ np.vander(x, 3, increasing=True)
-    total = moments[0, 0]
-    mean = np.array([moments[0, 1], moments[1, 0]]) / total
-    spread = np.array([[moments[0, 2], moments[1, 1]], [moments[1, 1], moments[2, 0]]]) / total - np.outer(mean, mean)
-    weighted = weight[..., None] * inside
-    offset = weighted.sum(axis=(0, 1)) / total
-    along = np.stack([x @ weighted.sum(axis=0), y @ weighted.sum(axis=1)], axis=-1).T / total
-    matrix = np.linalg.solve(spread, along - np.outer(mean, offset)).T
-    energy = float((weighted * inside).sum()) / total
-    left = energy - offset @ offset - float(np.sum((matrix @ spread) * matrix))
-    rms_px = float(np.sqrt(max(left, 0.0) / 2))
-    return Affine(matrix, offset, middle + mean + left_top, rms_px, int(np.count_nonzero(weight)))
+    x, y = np.arange(x1 - x0) - middle[0], np.arange(y1 - y0) - middle[1]
+    # sums over rows and columns, not matrix products: on this size those would wake the threads of the linear algebra
+    along_x, along_y = weight.sum(axis=0), weight.sum(axis=1)
+    total = along_x.sum()
+    mean = np.array([(along_x * x).sum(), (along_y * y).sum()]) / total
+    sum_xy = ((weight * x).sum(axis=1) * y).sum()
+    second = np.array([[(along_x * x * x).sum(), sum_xy], [sum_xy, (along_y * y * y).sum()]]) / total
+    spread = second - np.outer(mean, mean)
+    u, v = (weight * flow[y0:y1, x0:x1, part] for part in (0, 1))
+    offset = np.array([u.sum(), v.sum()]) / total
+    of_u, of_v = (np.array([(w.sum(axis=0) * x).sum(), (w.sum(axis=1) * y).sum()]) / total for w in (u, v))
+    matrix = np.linalg.solve(spread, (np.array([of_u, of_v]) - np.outer(offset, mean)).T).T
+    left = (u * u + v * v).sum() / total - (offset * offset).sum() - (matrix @ spread * matrix).sum()
+    return Affine(matrix, offset, middle + mean + left_top, float(np.sqrt(max(left, 0.0) / 2)), int(total))

@@ -8,13 +8,14 @@ from typing import Any
 import cv2
 import numpy as np
 
-from casr.flow.brightness import data_term, flow_of_cells, subtract_from_right
+from casr.flow.brightness import data_term
+from casr.flow.coloured_grid import flow_of_cells, level, level_table, subtract_from_right
 from casr.flow.compiled import Floats
-from casr.flow.multigrid import level, level_table, solve
+from casr.flow.multigrid import solve
 
 FOUR_NEIGHBOURS = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]], dtype=np.float64)
 # a cell whose determinant drowns in rounding is solved as if it were this far from rank one
-RANK_ONE = {np.dtype(np.float32): 1e-6, np.dtype(np.float64): 1e-14}
+DET_FLOOR = {np.dtype(np.float32): 1e-6, np.dtype(np.float64): 1e-14}
 
 
 @dataclass(frozen=True)
@@ -40,13 +41,16 @@ class Grid:
         self._sums = np.zeros((2, 5, self._cells.shape[1] * solver.cell_px), dtype)
 
     def flow(self, first: Floats, second: Floats, margin: int, start: Floats | None = None) -> Floats:
-        """Flow (H, W, 2) from first to second; with a start, second is already warped along it and the sum is returned."""
+        """Flow (H, W, 2) from first to second, NaN pixels and margin px at the edges left out of the data.
+
+        With a start, second is already warped along it, and the sum of start and what is left is returned.
+        """
         solver, kind = self._solver, self.dtype.type
         data_term(first, second, margin, solver.cell_px, self._finest, self._sums)
         if start is not None:
             subtract_from_right(self._finest, kind(solver.smoothness) * self._roughness(start))
         lam = kind(solver.smoothness)
-        solve(self._work, self._table, lam, kind(RANK_ONE[self.dtype]), solver.sweeps, solver.cycles)
+        solve(self._work, self._table, lam, kind(DET_FLOOR[self.dtype]), solver.sweeps, solver.cycles)
         flow_of_cells(self._finest, self._cells)
         flow = self._at_pixels()
         return flow if start is None else flow + start

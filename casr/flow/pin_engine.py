@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from casr.errors import PinsError
-from casr.flow.bulge import fit_bulge
+from casr.flow.bulge import BulgingRegion
 from casr.flow.pin_affine import FEWEST_PINS
 from casr.flow.region import Points, Region
 from casr.flow.step import FlowSettings, FlowStep
@@ -31,17 +31,16 @@ class PinEngine:
         pins_px = self._tracker.start(image).centroids_px
         self._ids, self._start_notes = _pins_of(region, pins_px, self._settings.core_fraction)
         self._tracker.restrict(self._ids)
-        self._first = self._region = region
-        self._first_px = self._last_px = pins_px[self._ids]
+        self._region, self._last_px = region, pins_px[self._ids]
+        self._skin = BulgingRegion(region, self._last_px)
 
     def step(self, image: Grey) -> FlowStep:
         now_px = self._tracker.step(image)[self._ids]
-        fit = fit_bulge(self._first, self._first_px, now_px)
-        region = self._first.advanced(fit)
+        region, affine = self._skin.at(now_px)
         divergence, log_growth = self._region.growth_to(region)
-        notes = (*self._start_notes, *fit.affine.notes, *self._lost(now_px), *self._jump(now_px))
+        notes = (*self._start_notes, *affine.notes, *self._lost(now_px), *self._jump(now_px))
         self._start_notes, self._region, self._last_px = (), region, now_px
-        return FlowStep(divergence, log_growth, region, fit.affine.n, notes)
+        return FlowStep(divergence, log_growth, region, affine.n, notes)
 
     def _lost(self, now_px: Points) -> tuple[str, ...]:
         lost = int(np.isnan(now_px[:, 0]).sum())
@@ -74,4 +73,3 @@ def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.
 def _span_a_plane(points_px: Points) -> bool:
     spread = np.linalg.svd(points_px - points_px.mean(axis=0), compute_uv=False)
     return bool(spread[1] > ROUND_ENOUGH * spread[0])
-

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.errors import PinsError, SettingError
+from casr.flow.pin_affine import Affine
 
 Points = NDArray[np.float64]
 ROUND_VERTICES = 64
-
-
-class Motion(Protocol):
-    """Where points go."""
-
-    def displacement_px(self, points_px: Points) -> Points:
-        """Motion (N, 2) of points (N, 2), px."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +101,8 @@ class Region:
         centre = self.centre_px
         return Region(centre + factor * (self.polygon_px - centre))
 
-    def advanced(self, motion: Motion) -> Region:
-        """The same piece of skin after a motion."""
+    def advanced(self, motion: Affine) -> Region:
+        """The same piece of skin after an affine motion."""
         return Region(self.polygon_px + motion.displacement_px(self.polygon_px))
 
     def growth_to(self, after: Region) -> tuple[float, float]:

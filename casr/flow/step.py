@@ -36,11 +36,10 @@ class FlowSettings:
 
     def __post_init__(self) -> None:
         if self.engine not in ENGINES:
-            raise SettingError("engine", wanted=f"one of {', '.join(ENGINES)}", found=repr(self.engine), do="Choose one.")
+            raise SettingError("engine", wanted=" or ".join(ENGINES), found=repr(self.engine), do="Choose one.")
         if not 0 < self.core_fraction <= 1:
-            raise SettingError(
-                "core_fraction", wanted="above 0, at most 1", found=repr(self.core_fraction), do="0.8 suits most presses."
-            )
+            found = repr(self.core_fraction)
+            raise SettingError("core_fraction", wanted="above 0, at most 1", found=found, do="0.8 suits most presses.")
 
 
 @dataclass(frozen=True)

@@ -60,8 +60,10 @@ def find_pins(grey: Grey, settings: PinSettings) -> Pins:
     seeds, notes = select_pins(blobs, mask, settings)
     _check_count(grey, len(seeds), settings)
     spots = measure_spots(grey, seeds, reach_px(nearest_pins(seeds, 1)[0][:, 0]))
-    order = np.lexsort((spots.centroids_px[:, 0], spots.centroids_px[:, 1]))
-    return Pins(spots.centroids_px[order], spots.area_px[order], notes)
+    # where pins stand too close to see any background between them, the blob's own centre has to do
+    centroids = np.where(np.isfinite(spots.centroids_px), spots.centroids_px, seeds)
+    order = np.lexsort((centroids[:, 0], centroids[:, 1]))
+    return Pins(centroids[order], spots.area_px[order], notes)
 
 
 def reported_px(centroids_px: NDArray[np.float64], settings: PinSettings) -> NDArray[np.float64]:

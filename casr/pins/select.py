@@ -39,8 +39,11 @@ def _glare(blobs: Blobs, rows: NDArray[np.intp], most: float) -> NDArray[np.bool
     glare = np.zeros(len(blobs), bool)
     if rows.size <= NEIGHBOURS:
         return glare
+    lights = [light for light in (blobs.brightness, blobs.excess) if light[rows].max() > most * light[rows].min()]
+    if not lights:
+        return glare
     around = rows[nearest_pins(blobs.centres_px[rows], NEIGHBOURS)[1]]
-    for light in (blobs.brightness, blobs.excess):
+    for light in lights:
         glare[rows] |= light[rows] > most * np.median(light[around], axis=1)
     return glare
 

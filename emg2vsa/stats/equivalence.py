@@ -12,67 +12,75 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
 from emg2vsa.stats.exact_shift import shifted_doubles
-from emg2vsa.stats.group_moments import GroupMoments, group_moments
+from emg2vsa.stats.group_moments import group_moments
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.pair_differences import pair_numbers
 
 Kind = Literal["pooled", "welch", "paired"]
 MarginUnit = Literal["data", "sd"]
-_TITLE = {"pooled": "pooled variance", "welch": "Welch", "paired": "paired", "one sample": "one sample"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contrasts:
+    """q differences of each of d designs, in the unit of the data; (d, q) unless said, NaN where undefined.
+
+    first, second : (q,) group numbers. sd : what a standardised difference is measured by. se : standard error with df
+    degrees of freedom. n : values that entered.
+    """
+
+    first: Ints
+    second: Ints
+    difference: Floats
+    se: Floats
+    sd: Floats
+    df: Floats
+    n: Ints
 
 
 @dataclass(frozen=True, kw_only=True)
 class Equivalence:
-    """q comparisons of each of d designs; (d, q) unless said, NaN where undefined.
+    """Tests of q contrasts of each of d designs; (d, q), NaN where undefined.
 
-    first, second : (q,) group numbers; of one-sample tests the group twice. difference : mean of the first minus that
-    of the second, or minus the reference. margin : in the unit of the data. sd : what the margin is measured by. t : of
-    the one-sided test further from equivalence, p its p. low, high : interval of the difference at 1 - 2 alpha, inside
-    the margin exactly where p < alpha. n : values that entered.
+    margin : in the unit of the data. t, p : of the one-sided test with the larger p, which is the p of the whole.
+    low, high : interval of the difference at 1 - 2 alpha, inside the margin exactly where p < alpha.
     """
 
-    kind: str
+    variant: str
+    of: Contrasts
+    margin: Floats
     unit: MarginUnit
     alpha: float
-    first: Ints
-    second: Ints
-    difference: Floats
-    margin: Floats
-    sd: Floats
     t: Floats
-    df: Floats
     p: Floats
     low: Floats
     high: Floats
-    n: Ints
 
     def outcome(self, i: int = 0, pair: int = 0) -> Outcome:
         """One comparison of design ``i`` alone."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            effect = self.difference[i, pair] / self.sd[i, pair]
+        at = (i, pair)
+        defined = not np.isnan(self.p[at])
         return Outcome(
-            method=f"TOST, {_TITLE[self.kind]}",
-            n=int(self.n[i, pair]),
+            method=f"TOST, {self.variant}",
+            n=int(self.of.n[at]),
             statistic_name="t",
-            statistic=float(self.t[i, pair]),
-            df=(float(self.df[i, pair]),),
-            p=float(self.p[i, pair]),
-            estimate_name="difference of means" if self.kind != "one sample" else "mean minus reference",
-            estimate=float(self.difference[i, pair]),
-            interval=(float(self.low[i, pair]), float(self.high[i, pair])),
+            statistic=float(self.t[at]),
+            df=(float(self.of.df[at]),),
+            p=float(self.p[at]),
+            estimate_name="mean minus reference" if self.variant == "one sample" else "difference of means",
+            estimate=float(self.of.difference[at]),
+            interval=(float(self.low[at]), float(self.high[at])),
             confidence=1 - 2 * self.alpha,
             effect_name="difference / SD",
-            effect_size=float(effect),
-            notes=self._notes(i, pair),
+            effect_size=float(self.of.difference[at] / self.of.sd[at]) if defined else float("nan"),
+            notes=self._notes(float(self.margin[at]), defined),
         )
 
-    def _notes(self, i: int, pair: int) -> tuple[str, ...]:
-        notes: tuple[str, ...] = (f"null hypothesis: the means differ by {self.margin[i, pair]:.4g} or more",)
-        if self.unit == "sd":
-            notes += ("margin in SDs of these data: p does not know that the SD is an estimate",)
-        if np.isnan(self.p[i, pair]):
-            notes += ("undefined: needs values to estimate a variance from, and a spread or a difference",)
-        return notes
+    def _notes(self, margin: float, defined: bool) -> tuple[str, ...]:
+        if not defined:
+            return ("undefined: too few values, or no spread, to estimate a standard error from",)
+        notes = (f"null hypothesis: the difference is {margin:.4g} or more in size",)
+        estimated = "margin in SDs of these data: p does not know that the SD is an estimate"
+        return (*notes, estimated) if self.unit == "sd" else notes
 
 
 def tost(
@@ -80,32 +88,18 @@ def tost(
 ) -> Equivalence:
     """Every pair of groups of ``values`` (d, k, n), or of one design (k, n), against -margin and +margin.
 
-    pooled : Student's t, the SD of the two groups alone. welch : variances may differ; the SD is the root of their
+    pooled : Student's t with the SD of the two groups alone. welch : variances may differ; the SD is the root of their
     mean. paired : value by value, pairs with a NaN left out; the SD is that of the differences. unit : "data", or "sd"
     for a margin in those SDs. alpha : level of each of the two tests. SettingError for a margin that is not positive
-    and finite, or alpha outside 0 to 1/2.
+    and finite, an alpha outside 0 to 1/2, or an unknown kind; DataError for another shape.
     """
-    first, second = pair_numbers(np.shape(values)[-2] if np.ndim(values) >= 2 else 0)
-    if kind == "paired":
-        doubles, _ = shifted_doubles(values)
-        with np.errstate(invalid="ignore", over="ignore"):
-            differences = doubles[:, first] - doubles[:, second]
-        return _one_sample(differences, margin, 0.0, "paired", unit, alpha, (first, second))
-    groups = group_moments(values)
-    count, (n1, n2) = groups.count, (groups.count[:, first], groups.count[:, second])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if kind == "pooled":
-            df = np.where((n1 > 0) & (n2 > 0), n1 + n2 - 2.0, np.nan)
-            variance = (groups.squares[:, first] + groups.squares[:, second]) / df
-            se = np.sqrt(variance * (1 / n1 + 1 / n2))
-        else:
-            own = np.where(count > 1, groups.squares / (count - 1), np.nan)
-            variance = (own[:, first] + own[:, second]) / 2
-            a, b = own[:, first] / n1, own[:, second] / n2
-            se = np.sqrt(a + b)
-            df = np.where(se > 0, (a + b) ** 2 / (a**2 / (n1 - 1) + b**2 / (n2 - 1)), n1 + n2 - 2.0)
-    scaled = groups.offset[:, first] - groups.offset[:, second]
-    return _decide(groups, scaled, np.sqrt(variance), se, df, n1 + n2, margin, kind, unit, alpha, (first, second))
+    variants = {"pooled": "pooled variance", "welch": "Welch", "paired": "paired"}
+    if kind not in variants:
+        do = f"Choose one of {', '.join(variants)}."
+        raise SettingError("equivalence, kind", wanted="a known kind", found=repr(kind), do=do)
+    doubles, _ = shifted_doubles(values)
+    contrasts = _paired(doubles) if kind == "paired" else _two_sample(doubles, welch=kind == "welch")
+    return _decide(contrasts, variants[kind], margin, unit, alpha)
 
 
 def tost_one_sample(
@@ -114,4 +108,81 @@ def tost_one_sample(
     """Mean of every group of ``values`` (d, k, n), or (k, n), against reference - margin and reference + margin."""
     doubles, origin = shifted_doubles(values)
     each = np.arange(doubles.shape[1])
-    return _one_sample(doubles + (origin - reference)[:, None, None], margin, 0.0, "one sample", unit, alpha, (each, each))
+    contrasts = _from_zero(doubles - (reference - origin)[:, None, None], each, each)
+    return _decide(contrasts, "one sample", margin, unit, alpha)
+
+
+def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
+    groups = group_moments(values)
+    first, second = pair_numbers(values.shape[1])
+    n1, n2 = groups.count[:, first], groups.count[:, second]
+    both = (n1 > 0) & (n2 > 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if welch:
+            own = groups.squares / np.where(groups.count > 1, groups.count - 1, np.nan)
+            of_mean = own / groups.count
+            se2, variance = of_mean[:, first] + of_mean[:, second], (own[:, first] + own[:, second]) / 2
+            spare = of_mean**2 / (groups.count - 1)
+            df = se2**2 / (spare[:, first] + spare[:, second])
+        else:
+            df = np.where(both & (n1 + n2 > 2), n1 + n2 - 2.0, np.nan)
+            variance = (groups.squares[:, first] + groups.squares[:, second]) / df
+            se2 = variance * (1 / n1 + 1 / n2)
+    difference = np.where(both, groups.offset[:, first] - groups.offset[:, second], np.nan)
+    return Contrasts(
+        first=first,
+        second=second,
+        difference=groups.to_data(difference),
+        se=groups.to_data(np.sqrt(se2)),
+        sd=groups.to_data(np.sqrt(variance)),
+        df=df,
+        n=n1 + n2,
+    )
+
+
+def _paired(values: Floats) -> Contrasts:
+    first, second = pair_numbers(values.shape[1])
+    finite = np.where(np.isfinite(values), values, np.nan)
+    return _from_zero(finite[:, first] - finite[:, second], first, second)
+
+
+def _from_zero(values: Floats, first: Ints, second: Ints) -> Contrasts:
+    """Each group's mean as it is; first and second only name it."""
+    groups = group_moments(values) if values.shape[1] else group_moments(np.full((len(values), 1, 1), np.nan))
+    q = first.size
+    df = np.where(groups.count > 1, groups.count - 1.0, np.nan)[:, :q]
+    sd = np.sqrt(groups.squares[:, :q] / df)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        se = sd / np.sqrt(groups.count[:, :q])
+    return Contrasts(
+        first=first,
+        second=second,
+        difference=groups.mean[:, :q],
+        se=groups.to_data(se),
+        sd=groups.to_data(sd),
+        df=df,
+        n=groups.count[:, :q],
+    )
+
+
+def _decide(of: Contrasts, variant: str, margin: float, unit: MarginUnit, alpha: float) -> Equivalence:
+    if not (np.isfinite(margin) and margin > 0):
+        raise SettingError("equivalence, margin", wanted="a positive number", found=str(margin), do="Change it.")
+    if not 0 < alpha < 0.5:
+        raise SettingError("equivalence, alpha", wanted="a level between 0 and 1/2", found=str(alpha), do="Change it.")
+    se = np.where(of.se > 0, of.se, np.nan)
+    width = margin * of.sd if unit == "sd" else np.where(np.isnan(of.sd), np.nan, margin)
+    # the side the difference leans to is the harder one to reject
+    t = (np.abs(of.difference) - width) / se
+    reach = special.stdtrit(of.df, 1 - alpha) * se
+    return Equivalence(
+        variant=variant,
+        of=of,
+        margin=width,
+        unit=unit,
+        alpha=alpha,
+        t=np.where(of.difference < 0, -t, t),
+        p=np.where(np.isnan(se), np.nan, special.stdtr(of.df, t)),
+        low=of.difference - reach,
+        high=of.difference + reach,
+    )

@@ -21,7 +21,7 @@ BEST = ("pin-affine", TRUE_AREA, "ode", "slope")
 
 @pytest.fixture(scope="module")
 def press() -> PressScores:
-    return scored(PressSettings(timeline=TimelineSettings(loading_s=1.0)))
+    return scored(PressSettings(repetition=1, timeline=TimelineSettings(loading_s=1.0)))
 
 
 def test_every_chain_of_a_press_is_scored(press: PressScores) -> None:

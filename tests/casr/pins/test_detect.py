@@ -175,3 +175,11 @@ def test_real_surface_inside_a_bright_ring(shared_data: SharedData):
 def test_real_colour_frames_with_lamps_around(shared_data: SharedData):
     found = counts(shared_data("tactile/tactip331_raw_640x480"), "*.png")
     assert np.mean(np.abs(found - 331) <= 2) >= 0.9
+
+
+def test_blobs_too_close_to_see_between_still_have_a_place():
+    frame = np.zeros((60, 60), np.uint8)
+    frame[10:50:4, 10:50:4] = 255
+    pins = detect_pins(cv2.dilate(frame, np.ones((3, 3), np.uint8)), PinSettings(block_px=59))
+    assert len(pins) == 100
+    assert np.isfinite(pins.centroids_px).all()
