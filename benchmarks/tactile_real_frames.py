@@ -31,7 +31,7 @@ from casr.images import as_grey
 from casr.pins import PinTracker, detect_pins
 
 FLAT_PRESS = "tactip127_flat_press_640x480"
-CENTRE_PX, CORES_PX = (324.0, 240.0), (48.0, 60.0)
+CENTRE_PX, RADII_PX = (324.0, 240.0), (48.0, 60.0)
 SETS = {
     FLAT_PRESS: 127,
     "tactip127_shapes_300x300": 127,
@@ -93,23 +93,22 @@ def growth_table() -> Table:
     ]
     for engine in ENGINES:
         start_s = time.process_time()
-        growths = [summed_growth(frames, engine, core_px) for core_px in CORES_PX]
-        step_ms = 1e3 * (time.process_time() - start_s) / (len(CORES_PX) * (len(frames) - 1))
+        growths = [summed_growth(frames, engine, radius_px) for radius_px in RADII_PX]
+        step_ms = 1e3 * (time.process_time() - start_s) / (len(RADII_PX) * (len(frames) - 1))
         cells = [
             cell for growth, hull in zip(growths, hulls, strict=True) for cell in (growth, 100 * (growth / hull - 1))
         ]
         rows.append([f"{engine}, summed over the steps", step_ms, *cells])
-    columns = [column for core in CORES_PX for column in ((f"r < {core:g} px", ".3f"), ("% of hull", "+.1f"))]
+    columns = [column for radius in RADII_PX for column in ((f"r < {radius:g} px", ".3f"), ("% of hull", "+.1f"))]
     note = f"Circles around ({CENTRE_PX[0]:g}, {CENTRE_PX[1]:g}); two of the steps move 4 to 5 px."
     title = f"Growth of a real flat press, {len(frames)} frames: ln of the area ratio"
     return Table("flat_press", title, (("", ""), ("ms per step", ".2f"), *columns), rows, (note,))
 
 
-def summed_growth(frames: list[NDArray[np.uint8]], engine: str, core_px: float) -> float:
-    """Sum over all steps of the logarithmic growth of a circle that is the core of its region."""
-    settings = FlowSettings(engine=engine)
-    tracker = FlowTracker(settings)
-    tracker.start(frames[0], Region.circle(*CENTRE_PX, core_px / settings.core_fraction))
+def summed_growth(frames: list[NDArray[np.uint8]], engine: str, radius_px: float) -> float:
+    """Sum over all steps of the logarithmic growth of a circle, measured on all of it."""
+    tracker = FlowTracker(FlowSettings(engine=engine, core_fraction=1.0))
+    tracker.start(frames[0], Region.circle(*CENTRE_PX, radius_px))
     return sum(tracker.step(frame).log_growth for frame in frames[1:])
 
 
@@ -121,8 +120,8 @@ def hull_growths(frames: list[NDArray[np.uint8]]) -> list[float]:
         last = tracker.step(frame)
     distance_px = np.hypot(*(first - CENTRE_PX).T)
     growths = []
-    for core_px in CORES_PX:
-        before, after = (Region.from_points(pins_px[distance_px < core_px]).area_px2 for pins_px in (first, last))
+    for radius_px in RADII_PX:
+        before, after = (Region.from_points(pins_px[distance_px < radius_px]).area_px2 for pins_px in (first, last))
         growths.append(float(np.log(after / before)))
     return growths
 

@@ -11,6 +11,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
 from casr.atomic import write_bytes_atomic
@@ -18,7 +19,7 @@ from casr.bench.metrics import pareto_front
 
 INK, OURS, PEER = "#1a1a1a", "#0072B2", "#7A7A7A"
 STYLE = {"font.size": 8, "svg.hashsalt": "casr", "axes.spines.top": False, "axes.spines.right": False}
-SHIFTS_PT = [(6, 0), (-6, 0), (0, 8), (0, -8), (6, 8), (6, -8), (-6, 8), (-6, -8)] + [
+SHIFTS_PT = [(6, 0), (-6, 0), (6, 8), (6, -8), (-6, 8), (-6, -8)] + [
     (side * 10, k * 10) for k in (2, -2, 3, -3, 4, -4) for side in (1, -1)
 ]
 "Where a label may stand beside its point, most wanted first."
@@ -54,7 +55,7 @@ def draw(points: Sequence[Point], error_label: str) -> Figure:
     for point in points:
         colour, marker = (OURS, "o") if point.ours else (PEER, "s")
         axes.plot(point.ms, point.error_percent, marker, color=colour, ms=5)
-    axes.margins(0.12)
+    axes.margins(0.2, 0.12)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter("{x:g}")
     axes.grid(True, which="major", color="#d9d9d9", lw=0.4)
@@ -68,7 +69,7 @@ def _label(axes: Axes, points: Sequence[Point], bold: set[str]) -> None:
     renderer = axes.get_figure().canvas.get_renderer()  # type: ignore[union-attr]
     centres = axes.transData.transform([(p.ms, p.error_percent) for p in points])
     taken = [Bbox.from_extents(x - 4, y - 4, x + 4, y + 4) for x, y in centres]
-    for point in points:
+    for point in sorted(points, key=lambda point: -point.ms):
         label = axes.annotate(
             point.name,
             (point.ms, point.error_percent),
@@ -78,12 +79,13 @@ def _label(axes: Axes, points: Sequence[Point], bold: set[str]) -> None:
             fontsize=7,
             fontweight="bold" if point.name in bold else "normal",
             color=OURS if point.ours else INK,
+            in_layout=False,  # the axes must not move again
         )
         crowding = {}
         for shift in SHIFTS_PT:
             _shift(label, shift)
             box = label.get_window_extent(renderer)
-            outside = not axes.bbox.padded(8).fully_containsx(box.x0) or not axes.bbox.padded(8).fully_containsx(box.x1)
+            outside = box.x0 < axes.bbox.x0 or box.x1 > axes.bbox.x1
             crowding[shift] = box.count_overlaps(taken) + 10 * outside
             if crowding[shift] == 0:
                 break
@@ -91,6 +93,6 @@ def _label(axes: Axes, points: Sequence[Point], bold: set[str]) -> None:
         taken.append(label.get_window_extent(renderer))
 
 
-def _shift(label: object, shift_pt: tuple[int, int]) -> None:
-    label.set_position(shift_pt)  # type: ignore[attr-defined]
-    label.set_horizontalalignment(("center", "left", "right")[(shift_pt[0] > 0) - (shift_pt[0] < 0)])  # type: ignore[attr-defined]
+def _shift(label: Annotation, shift_pt: tuple[int, int]) -> None:
+    label.set_position(shift_pt)
+    label.set_horizontalalignment("left" if shift_pt[0] > 0 else "right")

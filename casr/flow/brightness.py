@@ -45,6 +45,19 @@ def _add_pairs(row: Floats, out: Floats) -> None:
 
 
 @kernel
+def _put_cells(row: Floats, spare: Floats, cell_px: int, plane: Floats, y: int) -> None:
+    if cell_px == 1:
+        put_row(plane, y, row)
+        return
+    _add_pairs(row, spare)
+    if cell_px == 4:
+        _add_pairs(spare, row)
+        put_row(plane, y, row)
+    else:
+        put_row(plane, y, spare)
+
+
+@kernel
 def data_term(first: Floats, second: Floats, margin: int, cell_px: int, f: Floats, sums: Floats) -> None:
     """Fill the planes A11 ... B2 of the finest level with the sums over its cells, margin px at the edges left out."""
     rows = f.shape[2] - 2
@@ -55,13 +68,5 @@ def data_term(first: Floats, second: Floats, margin: int, cell_px: int, f: Float
         for image_y in range(max(top, margin), min(top + cell_px, first.shape[0] - margin)):
             p, q, out = _five_rows(first, image_y, margin), _five_rows(second, image_y, margin), sums[0]
             _add_products(p, q, out[0, inner], out[1, inner], out[2, inner], out[3, inner], out[4, inner])
-        for p in range(5):
-            if cell_px == 1:
-                put_row(f[A11 + p], y, sums[0, p])
-            elif cell_px == 2:
-                _add_pairs(sums[0, p], sums[1, p])
-                put_row(f[A11 + p], y, sums[1, p])
-            else:
-                _add_pairs(sums[0, p], sums[1, p])
-                _add_pairs(sums[1, p], sums[0, p])
-                put_row(f[A11 + p], y, sums[0, p])
+        for plane in range(5):
+            _put_cells(sums[0, plane], sums[1, plane], cell_px, f[A11 + plane], y)

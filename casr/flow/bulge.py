@@ -18,8 +18,8 @@ class BulgingRegion:
     A skin that bulges everywhere grows least at the border of a region, where its area is decided; an affine fit to the
     pins inside then overstates the area's growth (0.301 for 0.290 on a real flat press). So the displacement may also
     have a part depth^2 (x - centre), depth being 0 at the centre and 1 on the border. Its one parameter is shrunk as if
-    it were known to be within 1 px at the border, and pins to scatter by 0.4 px (0.3 measured on that press): a few pins
-    at one distance from the centre say nothing of it, and the motion stays affine.
+    it were known to be within 1 px at the border, and pins to scatter by 0.4 px (0.3 measured on that press): a few
+    pins at one distance from the centre say nothing of it, and the motion stays affine.
 
     Parameters
     ----------

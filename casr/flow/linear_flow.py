@@ -31,7 +31,7 @@ class Solver:
 class Grid:
     """Work arrays for frames of one shape and type, used again for every pair."""
 
-    def __init__(self, shape: tuple[int, int], dtype: np.dtype[Any], solver: Solver) -> None:
+    def __init__(self, shape: tuple[int, ...], dtype: np.dtype[Any], solver: Solver) -> None:
         self.shape, self.dtype, self._solver = shape, dtype, solver
         rows, columns = (-(-n // solver.cell_px) for n in shape)
         self._table = level_table(rows, columns)
@@ -63,7 +63,7 @@ class Grid:
         cells = cv2.copyMakeBorder(flow, 0, below, 0, right, cv2.BORDER_REPLICATE)
         if size > 1:
             cells = cv2.resize(cells, self._cells.shape[1::-1], interpolation=cv2.INTER_AREA)
-        return cv2.filter2D(cells, -1, FOUR_NEIGHBOURS, borderType=cv2.BORDER_REPLICATE)
+        return np.asarray(cv2.filter2D(cells, -1, FOUR_NEIGHBOURS, borderType=cv2.BORDER_REPLICATE), self.dtype)
 
     def _at_pixels(self) -> Floats:
         height, width = self.shape
@@ -71,4 +71,4 @@ class Grid:
         if size == 1:
             return np.array(self._cells[:, :width])
         large = cv2.resize(self._cells, None, fx=size, fy=size, interpolation=cv2.INTER_LINEAR)
-        return large[:height, :width]
+        return np.asarray(large[:height, :width], self.dtype)

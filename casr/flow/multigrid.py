@@ -12,7 +12,7 @@ from casr.flow.coloured_grid import A11, A22, B1, B2, PLANES, Table, U, V, level
 from casr.flow.compiled import Floats, kernel
 from casr.flow.relaxation import add_residual, relax
 
-COARSEST_SWEEPS = 16
+COARSEST_SWEEPS = 8
 
 
 @kernel
@@ -55,7 +55,7 @@ def _v_cycle(work: Floats, table: Table, top: int, lam: float, det_floor: float,
         f = level(work, table, i)
         relax(f, lam, det_floor, sweeps)
         _restrict_residual(f, level(work, table, i + 1), lam, rows2)
-    relax(level(work, table, last), lam, det_floor, COARSEST_SWEEPS)
+    relax(level(work, table, last), lam, det_floor, COARSEST_SWEEPS * sweeps)
     for i in range(last - 1, top - 1, -1):
         f = level(work, table, i)
         _prolong(level(work, table, i + 1), f, rows2)
@@ -109,7 +109,7 @@ def solve(work: Floats, table: Table, lam: float, det_floor: float, sweeps: int,
         _add_neighbours(level(work, table, i), lam)
     coarsest = level(work, table, last)
     coarsest[U], coarsest[V] = 0, 0
-    relax(coarsest, lam, det_floor, COARSEST_SWEEPS)
+    relax(coarsest, lam, det_floor, COARSEST_SWEEPS * sweeps)
     for top in range(last - 1, -1, -1):
         f = level(work, table, top)
         f[U], f[V] = 0, 0

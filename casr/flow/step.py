@@ -29,7 +29,7 @@ class FlowSettings:
     """
 
     engine: str = "pin-affine"
-    core_fraction: float = 0.8
+    core_fraction: float = 0.7
     pins: PinSettings = field(default_factory=PinSettings)
     horn_schunck: HornSchunckSettings | None = None
     dis_preset: str = "medium"
@@ -39,7 +39,7 @@ class FlowSettings:
             raise SettingError("engine", wanted=" or ".join(ENGINES), found=repr(self.engine), do="Choose one.")
         if not 0 < self.core_fraction <= 1:
             found = repr(self.core_fraction)
-            raise SettingError("core_fraction", wanted="above 0, at most 1", found=found, do="0.8 suits most presses.")
+            raise SettingError("core_fraction", wanted="above 0, at most 1", found=found, do="0.7 suits most presses.")
 
 
 @dataclass(frozen=True)

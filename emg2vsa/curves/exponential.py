@@ -1,12 +1,12 @@
-"""The exponential law y = p exp(q x), fitted to many designs in one call by variable projection.
+"""The exponential law y = p exp(q x), fitted to many designs in one call.
 
-p is eliminated (Golub and Pereyra 1973): for each q the best p is a quotient of sums, and q alone is found by Newton's
-method from a log-linear start. Fewer things can go wrong than with two parameters, and 13 digits are right
-(statistics notes 3c; general fitters give 7 to 8).
+By variable projection: for each q the best p is a quotient of sums, and q alone is searched for. Fewer things can go
+wrong than with two parameters, and 13 digits are right where general fitters give 7 to 8 (statistics notes 3c).
 """
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.curves.line import fit_line
+from emg2vsa.curves.variable_projection import log_linear_start, projected, search
 from emg2vsa.curves.weighted_rows import WeightedRows, weighted_rows
 
 PROBLEMS = (
@@ -22,10 +23,7 @@ PROBLEMS = (
     "undefined: no least-squares exponential, the search for it does not end",
     "undefined: a value that is not positive has no logarithm",
 )
-_MAX_ITERATIONS = 60
-_LONGEST_STEP = 2.0  # of q times half the range of x: factors of e^2 at the ends of the data
-_LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
-_EPS = float(np.finfo(np.float64).eps)
+_POINTS_AT_ONCE = 8_000  # keeps the temporaries of a block inside the processor's cache
 
 
 @dataclass(frozen=True)
@@ -80,25 +78,33 @@ def fit_exponential(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None = None
     in x or y, leaves a point out. DataError where the shapes do not fit.
     """
     rows = weighted_rows(x, y, weights, where="exponential fit")
-    unit_x, unit_y = exponent_of(rows.x - rows.x_centre[:, None])[:, 0], exponent_of(rows.y)[:, 0]
-    z = np.ldexp(rows.x - rows.x_centre[:, None], -unit_x[:, None])
-    y_scaled = np.ldexp(rows.y, -unit_y[:, None])
+    size = max(1, _POINTS_AT_ONCE // rows.y.shape[1])
+    cuts = [slice(i, i + size) for i in range(0, max(len(rows.y), 1), size)]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
-        start = _log_linear_start(z, y_scaled, rows.w)
-        q, ended = _search(z, y_scaled, rows.w, start)
-        curve = _Projected.at(q, z, y_scaled, rows.w)
-        s = np.sqrt(curve.sse / np.where(rows.dof > 0, rows.dof, np.nan))
-        return _assembled(
-            "nonlinear least squares (variable projection)",
-            rows,
-            x0=rows.x_centre + np.ldexp(curve.centre, unit_x),
-            y0=np.ldexp(curve.level, unit_y),
-            q=np.ldexp(q, -unit_x),
-            s=np.ldexp(s, unit_y),
-            level_se=s / np.sqrt(curve.level_information),
-            q_se=np.ldexp(s / np.sqrt(curve.slope_information), -unit_x),
-            problem=np.where(np.isnan(start), 1, np.where(ended & np.isfinite(q), 0, 2)),
-        )
+        return _join([_least_squares(rows.cut(cut)) for cut in cuts])
+
+
+def _least_squares(rows: WeightedRows) -> ExponentialFit:
+    """One block of rows, in units that make every |z| and |y| at most 1."""
+    z = rows.x - rows.x_centre[:, None]
+    unit_x, unit_y = exponent_of(z), exponent_of(rows.y)
+    z, y = np.ldexp(z, -unit_x), np.ldexp(rows.y, -unit_y)
+    unit_x, unit_y = unit_x[:, 0], unit_y[:, 0]
+    start = log_linear_start(z, y, rows.w)
+    q = search(z, y, rows.w, start)
+    curve = projected(q, z, y, rows.w)
+    s = np.sqrt(curve.sse / np.where(rows.dof > 0, rows.dof, np.nan))
+    return _assembled(
+        "nonlinear least squares (variable projection)",
+        rows,
+        x0=rows.x_centre + np.ldexp(curve.centre, unit_x),
+        y0=np.ldexp(curve.level, unit_y),
+        q=np.ldexp(q, -unit_x),
+        s=np.ldexp(s, unit_y),
+        level_se=s / np.sqrt(curve.level_information),
+        q_se=np.ldexp(s / np.sqrt(curve.slope_information), -unit_x),
+        problem=np.where(np.isnan(start), 1, np.where(np.isnan(q), 2, 0)),
+    )
 
 
 def fit_exponential_log(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None = None) -> ExponentialFit:
@@ -126,79 +132,6 @@ def fit_exponential_log(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None = 
             q_se=line.slope_se + blank,
             problem=np.where(negative, 3, np.where(lost, 1, 0)),
         )
-
-
-@dataclass(frozen=True)
-class _Projected:
-    """The sum of squares over q alone, p at its best: value, derivatives and what the errors rest on; (d,)."""
-
-    level: Floats
-    centre: Floats
-    sse: Floats
-    step: Floats
-    level_information: Floats
-    slope_information: Floats
-
-    @classmethod
-    def at(cls, q: Floats, z: Floats, y: Floats, w: Floats) -> _Projected:
-        exponent = q[:, None] * z
-        top = np.max(exponent, axis=1, keepdims=True)
-        u = np.exp(exponent - top)  # no larger than 1
-        wu = w * u
-        uu = _dot(wu, u)
-        p = _dot(wu, y) / uu
-        centre = _dot(wu * u, z) / uu
-        arm = z - centre[:, None]  # about it, level and slope are orthogonal
-        residual = y - p[:, None] * u
-        wua = wu * arm
-        gradient = _dot(wua, residual)
-        gauss_newton = p * _dot(wua, arm * u)
-        newton = gauss_newton - _dot(wua, arm * residual)
-        curvature = np.where(newton / gauss_newton > 1e-3, newton, gauss_newton)
-        return cls(
-            level=p * np.exp(q * centre - top[:, 0]),
-            centre=centre,
-            sse=_dot(w * residual, residual),
-            step=gradient / curvature,
-            level_information=p * p * uu,
-            slope_information=p * gauss_newton,
-        )
-
-
-def _search(z: Floats, y: Floats, w: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """q (d,) of least squares, and whether the search ended; steps that do not lessen the sum of squares are halved."""
-    q, ended = start.copy(), np.isnan(start)
-    active = np.flatnonzero(~ended)
-    z, y, w, here = z[active], y[active], w[active], start[active]
-    size = _dot(w * y, y)
-    now = _Projected.at(here, z, y, w)
-    best, step = now.sse, np.clip(now.step, -_LONGEST_STEP, _LONGEST_STEP)
-    for _ in range(_MAX_ITERATIONS):
-        last = np.abs(step) <= _LAST_STEP * np.maximum(1.0, np.abs(here))
-        q[active] = np.where(last, here + step, here)
-        ended[active] = last
-        if np.any(last):
-            active, here, best, step, size = (values[~last] for values in (active, here, best, step, size))
-            z, y, w = z[~last], y[~last], w[~last]
-        if active.size == 0:
-            break
-        there = _Projected.at(here + step, z, y, w)
-        better = there.sse <= best + 16 * _EPS * (np.sqrt(best * size) + _EPS * size)  # to the rounding of residuals
-        here = np.where(better, here + step, here)
-        best = np.where(better, there.sse, best)
-        step = np.where(better, np.clip(there.step, -_LONGEST_STEP, _LONGEST_STEP), step / 2)
-    q[~ended] = np.nan
-    return q, ended
-
-
-def _log_linear_start(z: Floats, y: Floats, w: Floats) -> Floats:
-    """Slope of ln |y| on z over the points of the sign that prevails, weighted by y^2: near the answer at small noise."""
-    sign = np.where(_dot(w * y, np.abs(y)) < 0, -1.0, 1.0)
-    towards = sign[:, None] * y
-    used = (towards > 0) & (w > 0)
-    weight = np.where(used, w * towards**2, 0.0)
-    log_y = np.log(np.where(used, towards, 1.0))
-    return fit_line(z, log_y, weight / np.max(weight, axis=1, keepdims=True, initial=0.0)).slope
 
 
 def _assembled(
@@ -236,9 +169,10 @@ def _assembled(
     )
 
 
+def _join(fits: list[ExponentialFit]) -> ExponentialFit:
+    arrays = [f.name for f in dataclasses.fields(ExponentialFit) if f.name != "method"]
+    return ExponentialFit(fits[0].method, *(np.concatenate([getattr(fit, name) for fit in fits]) for name in arrays))
+
+
 def _columns(x: ArrayLike) -> Floats:
     return np.atleast_2d(np.asarray(x, dtype=np.float64))
-
-
-def _dot(left: Floats, right: Floats) -> Floats:
-    return np.asarray(np.vecdot(left, right))

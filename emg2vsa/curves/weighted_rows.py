@@ -28,6 +28,9 @@ class WeightedRows:
     def dof(self) -> Ints:
         return np.maximum(self.n - 2, 0)
 
+    def cut(self, rows: slice) -> WeightedRows:
+        return WeightedRows(self.x[rows], self.y[rows], self.w[rows], self.x_centre[rows], self.n[rows])
+
     def explained_by(self, fitted: Floats) -> tuple[Floats, Floats]:
         """R^2 (d,) = 1 - SSE / SST of ``fitted`` (d, n) about the mean of y, and adjusted for two parameters."""
         unit = exponent_of(self.y)

@@ -49,9 +49,7 @@ class BayesFactors:
         notes: tuple[str, ...] = (f"Cauchy prior of scale r = {self.scale:.4g} on effects in SDs",)
         if np.isnan(factor):
             notes += ("undefined: too few values, or no spread",)
-        return Outcome(
-            method=self.method, n=int(self.n.flat[i]), statistic_name="BF01", statistic=factor, notes=notes
-        )
+        return Outcome(method=self.method, n=int(self.n.flat[i]), statistic_name="BF01", statistic=factor, notes=notes)
 
 
 def jzs_t(t: ArrayLike, n1: ArrayLike, n2: ArrayLike | None = None, r: float = MEDIUM_T) -> BayesFactors:
@@ -117,9 +115,12 @@ def _log_bf01(unexplained: Floats, explained: Floats, information: Floats, power
     places = np.flatnonzero(unexplained > 0)
     for start in range(0, places.size, _CHUNK):
         at = places[start : start + _CHUNK]
-        shrink = 1 + r * r * information[at, None, :] * np.exp(_LOG_G)[:, None]
-        left = unexplained[at, None] + np.sum(explained[at, None, :] / shrink, axis=2)
-        log = _LOG_PRIOR - np.sum(np.log(shrink), axis=2) / 2 - power[at, None] / 2 * np.log(left)
+        gain = r * r * information[at, None, :] * np.exp(_LOG_G)[:, None]
+        taken = np.sum(explained[at, None, :] * gain / (1 + gain), axis=2)
+        left = unexplained[at, None] + np.sum(explained[at, None, :] / (1 + gain), axis=2)
+        # powers are large: neither next to 1 nor next to 0 may the logarithm lose digits
+        log_left = np.where(taken < 0.5, np.log1p(-np.minimum(taken, 0.5)), np.log(left))
+        log = _LOG_PRIOR - np.sum(np.log1p(gain), axis=2) / 2 - power[at, None] / 2 * log_left
         most = np.max(log, axis=1)
         answer[at] = -most - np.log(np.sum(np.exp(log - most[:, None]), axis=1))
     return answer

@@ -1,0 +1,73 @@
+"""Do groups differ? The paper's one-way analysis of variance, and what does not rest on its assumptions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from emg2vsa.arrays import Floats
+from emg2vsa.stats.anova import Anova, one_way
+from emg2vsa.stats.bayes import BayesFactors, jzs_anova
+from emg2vsa.stats.effect_size import eta2_interval
+from emg2vsa.stats.group_moments import group_moments
+from emg2vsa.stats.kruskal import KruskalWallis, kruskal
+from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.variances import VarianceTests, levene
+from emg2vsa.stats.welch import WelchAnova, welch
+
+
+@dataclass(frozen=True)
+class GroupTests:
+    """Tests of d one-way designs of k groups. eta2_low, eta2_high : (d,) interval of the analysis' eta squared.
+
+    sd : (d, k) of each group, NaN below two values.
+    """
+
+    anova: Anova
+    eta2_low: Floats
+    eta2_high: Floats
+    welch: WelchAnova
+    brown_forsythe: VarianceTests
+    kruskal: KruskalWallis
+    bayes: BayesFactors
+    sd: Floats
+    confidence: float
+
+    def anova_outcome(self, i: int = 0) -> Outcome:
+        """The analysis of variance of design ``i`` with the interval of its effect."""
+        return replace(
+            self.anova.outcome(i),
+            estimate_name="eta2",
+            estimate=float(self.anova.eta2[i]),
+            interval=(float(self.eta2_low[i]), float(self.eta2_high[i])),
+            confidence=self.confidence,
+            effect_name=None,
+            effect_size=None,
+        )
+
+    def outcomes(self, i: int = 0) -> tuple[Outcome, ...]:
+        """All tests of design ``i``."""
+        others = (self.welch, self.brown_forsythe, self.kruskal, self.bayes)
+        return (self.anova_outcome(i), *(tests.outcome(i) for tests in others))
+
+
+def group_tests(values: ArrayLike, confidence: float = 0.95) -> GroupTests:
+    """Test ``values`` (d, k groups, n a group), or one design (k, n); NaN: no value there. DataError as ``one_way``."""
+    anova = one_way(values)
+    low, high = eta2_interval(anova.f, anova.df1, anova.df2, confidence)
+    groups = group_moments(values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sd = np.sqrt(np.where(groups.count > 1, groups.squares / (groups.count - 1), np.nan))
+    return GroupTests(
+        anova=anova,
+        eta2_low=low,
+        eta2_high=high,
+        welch=welch(values),
+        brown_forsythe=levene(values),
+        kruskal=kruskal(values),
+        bayes=jzs_anova(values),
+        sd=groups.to_data(sd),
+        confidence=confidence,
+    )

@@ -1,0 +1,102 @@
+"""The search behind the exponential fit: least squares of y on p exp(q z) over q alone, p always at its best.
+
+Golub and Pereyra (1973). Newton's method with the exact second derivative, from a log-linear start; Gauss-Newton where
+the sum of squares is not convex, and half the step where it would grow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.curves.line import fit_line
+
+_MAX_ITERATIONS = 60
+_LONGEST_STEP = 2.0  # of q where |z| <= 1: factors of e^2 at the ends of the data
+_LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
+_LEAST_CONVEX = 1e-3
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class Projected:
+    """The curve with the best level for a given q, and the way to a better q; (d,).
+
+    centre : the z at which level and q are uncorrelated. level : of the curve there. sse : sum of squares left. step :
+    to a better q. level_information, slope_information : what the variances of ln level and of q are s^2 over.
+    """
+
+    level: Floats
+    centre: Floats
+    sse: Floats
+    step: Floats
+    level_information: Floats
+    slope_information: Floats
+
+
+def projected(q: Floats, z: Floats, y: Floats, w: Floats) -> Projected:
+    """z, y, w : (d, n) finite; q : (d,)."""
+    exponent = q[:, None] * z
+    top = np.max(exponent, axis=1, keepdims=True)
+    u = np.exp(exponent - top)  # no larger than 1
+    wu = w * u
+    uu = _dot(wu, u)
+    p = _dot(wu, y) / uu
+    centre = _dot(wu * u, z) / uu
+    arm = z - centre[:, None]
+    residual = y - p[:, None] * u
+    lever = wu * arm
+    gauss_newton = p * _dot(lever, arm * u)
+    newton = gauss_newton - _dot(lever, arm * residual)
+    curvature = np.where(newton / gauss_newton > _LEAST_CONVEX, newton, gauss_newton)
+    return Projected(
+        level=p * np.exp(q * centre - top[:, 0]),
+        centre=centre,
+        sse=_dot(w * residual, residual),
+        step=_dot(lever, residual) / curvature,
+        level_information=p * p * uu,
+        slope_information=p * gauss_newton,
+    )
+
+
+def search(z: Floats, y: Floats, w: Floats, start: Floats) -> Floats:
+    """q (d,) of least squares from ``start``, NaN where there is no start or the search does not end; |z| <= 1."""
+    q = np.full_like(start, np.nan)
+    active = np.flatnonzero(np.isfinite(start))
+    z, y, w, here = z[active], y[active], w[active], start[active]
+    size = _dot(w * y, y)
+    now = projected(here, z, y, w)
+    best, step = now.sse, np.clip(now.step, -_LONGEST_STEP, _LONGEST_STEP)
+    for _ in range(_MAX_ITERATIONS):
+        last = np.abs(step) <= _LAST_STEP * np.maximum(1.0, np.abs(here))
+        if np.any(last):
+            q[active[last]] = (here + step)[last]
+            active, here, best, step, size = (values[~last] for values in (active, here, best, step, size))
+            z, y, w = z[~last], y[~last], w[~last]
+        if active.size == 0:
+            break
+        there = projected(here + step, z, y, w)
+        better = there.sse <= best + 16 * _EPS * (np.sqrt(best * size) + _EPS * size)  # to the rounding of residuals
+        here = np.where(better, here + step, here)
+        best = np.where(better, there.sse, best)
+        step = np.where(better, np.clip(there.step, -_LONGEST_STEP, _LONGEST_STEP), step / 2)
+    return q
+
+
+def log_linear_start(z: Floats, y: Floats, w: Floats) -> Floats:
+    """Slope (d,) of ln |y| on z over the points of the prevailing sign, weighted by y^2: the answer but for noise.
+
+    NaN where those points do not lie at two z at least.
+    """
+    sign = np.where(_dot(w * y, np.abs(y)) < 0, -1.0, 1.0)
+    towards = sign[:, None] * y
+    used = (towards > 0) & (w > 0)
+    weight = np.where(used, w * towards**2, 0.0)
+    log_y = np.log(np.where(used, towards, 1.0))
+    return fit_line(z, log_y, weight / np.max(weight, axis=1, keepdims=True, initial=0.0)).slope
+
+
+def _dot(left: Floats, right: Floats) -> Floats:
+    return np.asarray(np.vecdot(left, right))

@@ -1,0 +1,153 @@
+"""One result as a journal prints it: APA, IEEE, LaTeX (APA's numbers in mathematics) or plain text in full digits."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Literal
+
+from emg2vsa.report.latex import latex_number, latex_text
+from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
+from emg2vsa.stats.outcome import Outcome
+
+Style = Literal["apa", "ieee", "latex", "plain"]
+STYLES: tuple[Style, ...] = ("apa", "ieee", "latex", "plain")
+
+_SYMBOLS = {
+    "chi2": ("χ²", r"\chi^2"),
+    "BF01": ("BF₀₁", r"\mathrm{BF}_{01}"),
+    "eta2": ("η²", r"\eta^2"),
+    "generalised eta2": ("η²_G", r"\eta^2_G"),
+    "rank epsilon2": ("ε²_R", r"\varepsilon^2_R"),
+    "rank-biserial": ("r_rb", r"r_\mathrm{rb}"),
+    "Kendall's W": ("Kendall's W", r"W_\mathrm{Kendall}"),
+    "Hedges g": ("g", "g"),
+}
+"""Names of statistics and effects as Unicode and as mathematics; a name that is not here stays as it is."""
+_AT_MOST_ONE = frozenset({"eta2", "generalised eta2", "rank epsilon2", "rank-biserial", "Kendall's W"})
+_COUNTS = frozenset({"D", "W"})
+"""Statistics without degrees of freedom whose n stands in their place."""
+
+
+def said(outcome: Outcome, style: Style = "apa") -> str:
+    """``F(4, 45) = 5.23, p = .002, η² = .32, 95% CI [.08, .46]``; what the outcome does not have is left out."""
+    parts = (_statistic(outcome, style), _p(outcome, style), _effect(outcome, style), _estimate(outcome, style))
+    return ", ".join(part for part in parts if part)
+
+
+def effect_said(outcome: Outcome, style: Style = "apa") -> str:
+    """The effect and the estimate with its interval alone."""
+    return ", ".join(filter(None, (_effect(outcome, style), _estimate(outcome, style))))
+
+
+def p_said(p: float, style: Style = "apa") -> str:
+    """``p = .039``, ``p < .001``; plain: four digits, however small."""
+    if math.isnan(p):
+        return f"p{NO_BREAK}not defined" if style != "plain" else "p not defined"
+    if style == "plain":
+        return f"p = {p:.4g}"
+    relation, value = ("<", 0.001) if p < 0.001 else (">", 0.999) if p > 0.9995 else ("=", p)
+    return _equation("p", "p", _decimals(value, 3, style, at_most_one=True), style, relation)
+
+
+def interval_said(low: float, high: float, confidence: float, style: Style = "apa", *, at_most_one: bool = False) -> str:
+    """``95% CI [.08, .46]``."""
+    ends = ", ".join(_value(end, style, at_most_one=at_most_one) for end in (low, high))
+    level = f"{100 * confidence:g}"
+    if style == "latex":
+        return rf"{level}\,\% CI $[{ends}]$"
+    sign = "%" if style == "apa" else " %"
+    return f"{level}{sign} CI [{ends}]".replace(" ", " " if style == "plain" else NO_BREAK)
+
+
+def _statistic(outcome: Outcome, style: Style) -> str:
+    name, value = outcome.statistic_name, outcome.statistic
+    if name is None or value is None:
+        return ""
+    df = outcome.df or ((float(outcome.n),) if name in _COUNTS else ())
+    shown = ", ".join(_df(each, style) for each in df)
+    if name == "chi2":
+        shown += f", N = {outcome.n}"
+    of = f"({shown})" if shown else ""
+    plain, mathematics = _SYMBOLS.get(name, (name, name))
+    if style == "plain":
+        plain = name
+    return _equation(f"{plain}{of}", f"{mathematics}{of}", _of_statistic(value, style), style)
+
+
+def _p(outcome: Outcome, style: Style) -> str:
+    return "" if outcome.p is None else p_said(outcome.p, style)
+
+
+def _effect(outcome: Outcome, style: Style) -> str:
+    if outcome.effect_name is None or outcome.effect_size is None:
+        return ""
+    return _named(outcome.effect_name, outcome.effect_size, style)
+
+
+def _estimate(outcome: Outcome, style: Style) -> str:
+    name = outcome.estimate_name
+    if name is None or outcome.estimate is None:
+        return ""
+    text = _named(name, outcome.estimate, style)
+    if outcome.interval is None or outcome.confidence is None:
+        return text
+    return f"{text}, {interval_said(*outcome.interval, outcome.confidence, style, at_most_one=_is_share(name))}"
+
+
+def _named(name: str, value: float, style: Style) -> str:
+    plain, mathematics = _SYMBOLS.get(name, (name, rf"\text{{{latex_text(name)}}}"))
+    return _equation(name if style == "plain" else plain, mathematics, _value(value, style, at_most_one=_is_share(name)), style)
+
+
+def _is_share(name: str) -> bool:
+    return name in _AT_MOST_ONE or name.startswith("ICC")
+
+
+def _value(value: float, style: Style, *, at_most_one: bool) -> str:
+    """An effect or the end of an interval: shares with two decimals, anything else with three digits."""
+    if style == "plain":
+        return f"{value:.6g}"
+    if at_most_one:
+        return _decimals(value, 2, style, at_most_one=True)
+    return _finite(value, number(value) if math.isfinite(value) else "", style)
+
+
+def _of_statistic(value: float, style: Style) -> str:
+    if style == "plain":
+        return f"{value:.6g}"
+    fixed = 0.005 <= abs(value) < 1e6 or value == 0
+    return _finite(value, f"{value:.2f}" if fixed else number(value), style)
+
+
+def _decimals(value: float, decimals: int, style: Style, *, at_most_one: bool) -> str:
+    shown = _finite(value, f"{value:.{decimals}f}", style)
+    return re.sub(r"^(-?)0\.", r"\1.", shown) if at_most_one and style in ("apa", "latex") else shown
+
+
+def _finite(value: float, shown: str, style: Style) -> str:
+    if math.isnan(value):
+        return UNDEFINED if style != "latex" else "--"
+    if math.isinf(value):
+        return ("-" if value < 0 else "") + (r"\infty" if style == "latex" else "∞")
+    return latex_number(shown).removeprefix(r"\ensuremath{").removesuffix("}") if style == "latex" else shown
+
+
+def _df(value: float, style: Style) -> str:
+    if style == "plain":
+        return f"{value:.6g}"
+    return f"{value:.0f}" if value == round(value) else f"{value:.1f}"
+
+
+def _equation(plain: str, mathematics: str, value: str, style: Style, relation: str = "=") -> str:
+    if style == "latex":
+        return f"${mathematics} {relation} {value}$"
+    space = " " if style == "plain" else NO_BREAK
+    return f"{plain}{space}{relation}{space}{value}"
+
+
+def all_styles(outcome: Outcome) -> Iterator[tuple[Style, str]]:
+    """The result in every style."""
+    for style in STYLES:
+        yield style, said(outcome, style)

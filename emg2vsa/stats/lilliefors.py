@@ -1,0 +1,113 @@
+"""Lilliefors' test of normality: Kolmogorov-Smirnov with mean and SD estimated, and the p that belongs to that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.errors import SettingError
+from emg2vsa.stats.lilliefors_table import LEVELS, REACH, SIZES, largest_d, reach
+from emg2vsa.stats.normality import ks_normal
+from emg2vsa.stats.outcome import Outcome
+
+_NEIGHBOURS = 4
+_LOG_LEVELS = np.log(LEVELS)
+
+
+@dataclass(frozen=True)
+class Lilliefors:
+    """k tests; d, p : (k,), NaN where undefined; n : (k,) values that entered."""
+
+    d: Floats
+    p: Floats
+    n: Ints
+
+    def outcome(self, i: int = 0) -> Outcome:
+        """Sample ``i`` alone."""
+        return Outcome(
+            method="Lilliefors",
+            n=int(self.n[i]),
+            statistic_name="D",
+            statistic=float(self.d[i]),
+            p=float(self.p[i]),
+            notes=self._notes(i),
+        )
+
+    def _notes(self, i: int) -> tuple[str, ...]:
+        if self.n[i] < SIZES[0]:
+            return (f"undefined: {self.n[i]} values, needs {SIZES[0]}",)
+        if np.isnan(self.d[i]):
+            return ("undefined: all values are equal",)
+        return ("p below the simulated range, extrapolated",) if self.p[i] < LEVELS[-1] else ()
+
+
+def lilliefors(values: ArrayLike) -> Lilliefors:
+    """Test each row of ``values`` (k, n), or one row (n,); NaN marks a value that is not there.
+
+    D is that of the standardised Kolmogorov-Smirnov test, p comes from ``lilliefors_survival``. A row of fewer than
+    four values, or without spread, has no test (NaN).
+    """
+    tests = ks_normal(values, standardise=True)
+    return Lilliefors(tests.d, lilliefors_survival(tests.d, tests.n), tests.n)
+
+
+def lilliefors_survival(d: ArrayLike, n: ArrayLike) -> Floats:
+    """P(D >= d) for normal samples of n, mean and SD estimated; d, n : (k,). NaN for d NaN or n < 4.
+
+    From a table simulated with millions of samples a size: within 1 % of p down to 1e-4 and 3 % down to 1e-8; exact to
+    1e-4 near 1. Other n lie between their neighbours in 1 / sqrt(n), down to the limit law.
+    """
+    d, n = np.broadcast_arrays(np.asarray(d, dtype=np.float64), np.asarray(n, dtype=np.int64))
+    p = np.full(d.shape, np.nan)
+    for size in np.unique(n[n >= SIZES[0]]):
+        same = (n == size) & ~np.isnan(d)
+        at, most = np.clip(d[same], 0.0, 1.0), largest_d(size)
+        inside = at < most
+        p[same] = np.where(inside, _survival(reach(np.where(inside, at, 0.0), size), _row(int(size))), 0.0)
+    return p
+
+
+def critical_d(alpha: float, n: int) -> float:
+    """D with P(D >= d) = ``alpha``, 1e-8 to .9999, for samples of n >= 4. SettingError outside."""
+    if not (LEVELS[-1] <= alpha <= LEVELS[0] and n >= SIZES[0]):
+        wanted = f"n >= {SIZES[0]} and a level between {LEVELS[-1]} and {LEVELS[0]}"
+        raise SettingError("Lilliefors", wanted=wanted, found=f"n = {n}, level {alpha}", do="Change it.")
+    row = _row(n)
+    low, high = float(row[0]), float(row[-1])
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _survival(np.array([middle]), row)[0] > alpha else (low, middle)
+    return float(largest_d(n) * np.sqrt(-np.expm1(-low / n)))
+
+
+def _row(n: int) -> Floats:
+    """Reach of D (levels,) for samples of n: tabulated, or Lagrange's polynomial through the nearest sizes."""
+    places = 1 / np.sqrt(np.array(SIZES))
+    x = 1 / np.sqrt(n)
+    first = int(np.clip(np.searchsorted(SIZES, n) - _NEIGHBOURS // 2, 0, len(SIZES) - _NEIGHBOURS))
+    near = slice(first, first + _NEIGHBOURS)
+    gap = places[near, None] - places[near]
+    np.fill_diagonal(gap, 1.0)
+    factor = np.where(np.eye(_NEIGHBOURS) > 0, 1.0, (x - places[near]) / gap)
+    return np.asarray(np.prod(factor, axis=1) @ REACH[near])
+
+
+def _survival(at: Floats, row: Floats) -> Floats:
+    """p at reach ``at`` (j,): log p by monotone cubics (Fritsch and Carlson 1980) of the row, straight beyond it."""
+    step, rise = np.diff(row), np.diff(_LOG_LEVELS)
+    slope = rise / step
+    # the harmonic mean keeps a monotone table monotone
+    weight = 2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1]
+    inner = (weight[0] + weight[1]) / (weight[0] / slope[:-1] + weight[1] / slope[1:])
+    ends = np.concatenate([slope[:1], inner, slope[-1:]])
+    i = np.clip(np.searchsorted(row, at, side="right") - 1, 0, step.size - 1)
+    t = np.maximum((at - row[i]) / step[i], 0.0)
+    cubic = _LOG_LEVELS[i] + step[i] * t * (
+        ends[i] + t * (3 * slope[i] - 2 * ends[i] - ends[i + 1] + t * (ends[i] + ends[i + 1] - 2 * slope[i]))
+    )
+    beyond = _LOG_LEVELS[-1] + ends[-1] * (at - row[-1])
+    log_p = np.where(at > row[-1], beyond, cubic)
+    return np.asarray(np.exp(np.where(at < row[0], 0.0, log_p)))

@@ -1,0 +1,139 @@
+"""Every engine behind the front door, on simulated presses whose growth is known."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from casr.errors import ImageError, PinsError, SettingError
+from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
+from casr.flow.region import Region
+from casr.synthetic import SPECIMENS, Appearance, ContactEllipse, PressSettings, linear_pair, simulate_press
+
+WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
+"Share of the total log growth; the smallest contact, of stiff specimens at 45 degrees, is the hardest for dense flow."
+
+
+def press(specimen: str, angle_deg: float, **look: float) -> tuple[list[NDArray[np.uint8]], list[ContactEllipse]]:
+    made = simulate_press(
+        PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle_deg, appearance=Appearance(**look))  # type: ignore[arg-type]
+    )
+    frames = made.truth.loading_frames[::2]
+    return (
+        [made.frames.read(int(frame)) for frame in frames],
+        [made.scene.contact(float(made.truth.force_n[frame])) for frame in frames],
+    )
+
+
+def region_of(contact: ContactEllipse, scale: float = 1.0) -> Region:
+    return Region(contact.polygon_px(64)).scaled(scale)
+
+
+def total_growth(
+    engine: str, images: list[NDArray[np.uint8]], region: Region, **settings: object
+) -> tuple[float, Region, set[str]]:
+    tracker = FlowTracker(FlowSettings(engine=engine, **settings))  # type: ignore[arg-type]
+    tracker.start(images[0], region)
+    steps = [tracker.step(image) for image in images[1:]]
+    return sum(step.log_growth for step in steps), steps[-1].region, {note for step in steps for note in step.notes}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0])
+@pytest.mark.parametrize("specimen", ["S1", "S5"])
+def test_total_growth_and_tracked_region(engine: str, angle_deg: float, specimen: str) -> None:
+    images, contacts = press(specimen, angle_deg)
+    true = np.log(contacts[-1].area_px2 / contacts[0].area_px2)
+    found, region, notes = total_growth(engine, images, region_of(contacts[0]))
+    assert found == pytest.approx(true, rel=WORST[engine])
+    assert region.area_px2 == pytest.approx(region_of(contacts[0]).area_px2 * np.exp(found), rel=1e-9)
+    assert np.hypot(*(region.centre_px - contacts[-1].centre_px)) < (0.3 if engine == "pin-affine" else 6)
+    assert not notes
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_identical_frames_give_exactly_zero(engine: str) -> None:
+    image = linear_pair(1.0).first
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    region = Region.circle(150, 149, 61.7)
+    tracker.start(image, region)
+    for _ in range(2):
+        step = tracker.step(image.copy())
+        assert (step.divergence, step.log_growth) == (0.0, 0.0)
+        np.testing.assert_array_equal(step.region.polygon_px, region.polygon_px)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_divergence_and_growth_of_one_known_step(engine: str) -> None:
+    pair = linear_pair(2.0)
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    tracker.start(pair.first, Region.circle(*pair.contact.centre_px, 80))
+    step = tracker.step(pair.second)
+    tolerance = {"pin-affine": 0.01, "horn-schunck": 0.03, "dis": 0.08}[engine]
+    assert step.divergence == pytest.approx(pair.divergence, rel=tolerance)
+    assert step.log_growth == pytest.approx(2 * np.log1p(pair.divergence / 2), rel=tolerance)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_camera_that_reuses_its_buffer(engine: str) -> None:
+    pair = linear_pair(2.0)
+    buffer = pair.first.copy()
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    tracker.start(buffer, Region.circle(150, 150, 70))
+    buffer[:] = pair.second
+    assert tracker.step(buffer).log_growth > 0.02
+
+
+def test_pins_beside_a_region_found_too_large_do_harm_only_outside_its_core() -> None:
+    images, contacts = press("S5", 0.0)
+    true = np.log(contacts[-1].area_px2 / contacts[0].area_px2)
+    larger = region_of(contacts[0], 1.3)
+    assert total_growth("pin-affine", images, larger)[0] == pytest.approx(true, rel=0.03)
+    assert total_growth("pin-affine", images, larger, core_fraction=1.0)[0] < 0.92 * true
+
+
+def test_missing_pins_glare_and_dirt() -> None:
+    images, contacts = press("S5", 30.0, n_missing=12, n_glare=3, dirt_grey=5.0, noise_grey=4.0)
+    true = np.log(contacts[-1].area_px2 / contacts[0].area_px2)
+    assert total_growth("pin-affine", images, region_of(contacts[0]))[0] == pytest.approx(true, rel=0.02)
+
+
+def test_a_region_with_too_few_pins_takes_the_next_ones_and_says_so() -> None:
+    images, contacts = press("S5", 0.0)
+    *_, notes = total_growth("pin-affine", images[:3], region_of(contacts[0], 0.3))
+    assert any("lie outside the region" in note for note in notes)
+
+
+def test_a_region_without_pins_is_an_error() -> None:
+    image = linear_pair(1.0).first
+    with pytest.raises(PinsError, match="pins inside it"):
+        FlowTracker().start(image, Region.circle(8, 8, 4))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_mistakes_are_named(engine: str) -> None:
+    image = linear_pair(1.0).first
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    with pytest.raises(ImageError, match="call start"):
+        tracker.step(image)
+    tracker.start(image, Region.circle(150, 150, 60))
+    with pytest.raises(ImageError, match="one shape"):
+        tracker.step(image[10:])
+    if engine != "pin-affine":
+        with pytest.raises(SettingError, match="meets the image"):
+            tracker.start(image, Region.circle(900, 900, 60))
+
+
+@pytest.mark.parametrize("wrong", [{"engine": "lucas-kanade"}, {"core_fraction": 0.0}, {"core_fraction": 1.5}])
+def test_settings_that_make_no_sense(wrong: dict[str, object]) -> None:
+    with pytest.raises(SettingError):
+        FlowSettings(**wrong)  # type: ignore[arg-type]
+
+
+def test_the_default_engine_loads_neither_numba_nor_scipy() -> None:
+    code = "import sys, casr.flow.estimate as e; e.FlowTracker(); sys.exit(bool({'numba', 'scipy'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

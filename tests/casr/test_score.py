@@ -1,0 +1,214 @@
+"""A press from frames to spread rate."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from casr.camera import Camera
+from casr.errors import FramesError, NoContactError, SettingError
+from casr.flow.estimate import FlowSettings
+from casr.flow.region import Region
+from casr.frame_files import open_frames
+from casr.frames import ArrayFrames, FrameSequence, force_per_frame
+from casr.score import ScoreSettings, score
+from casr.synthetic import SPECIMENS, PressSettings, SimulatedPress, simulate_press
+
+
+class Counted:
+    """Frames that remember which were read."""
+
+    def __init__(self, press: SimulatedPress) -> None:
+        self._frames, self.name, self.shape = press.frames, press.frames.name, press.frames.shape
+        self.read_frames: list[int] = []
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def read(self, index: int) -> np.ndarray:
+        self.read_frames.append(index)
+        return self._frames.read(index)
+
+
+def simulated(specimen: str = "S3", angle_deg: float = 0.0) -> SimulatedPress:
+    return simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle_deg))
+
+
+def sequence(press: SimulatedPress, camera: Camera | None = None) -> FrameSequence:
+    line = press.timeline
+    force = force_per_frame(line.log_force_n, line.log_frame_index, len(press.frames))
+    return FrameSequence(Counted(press), camera or press.settings.camera, force)
+
+
+@pytest.mark.parametrize(("specimen", "angle_deg"), [("S1", 0.0), ("S3", 30.0), ("S5", 45.0)])
+def test_area_and_rate_against_the_truth(specimen: str, angle_deg: float) -> None:
+    press = simulated(specimen, angle_deg)
+    scored = score(sequence(press), ScoreSettings(area_rule="edge"))
+    true_area = press.truth.area_mm2[scored.frames]
+    # the frame before the true first contact may count as contact: its force is a mean that reaches beyond it
+    assert scored.frames[0] in press.truth.loading_frames[0] + np.array([-1, 0, 1])
+    assert scored.frames[-1] == press.truth.loading_frames[-1]
+    late = slice(2, None)
+    grown = np.log(scored.area[late] / scored.area[2])
+    np.testing.assert_allclose(grown, np.log(true_area[late] / true_area[2]), atol=0.006)
+    np.testing.assert_allclose(scored.area, true_area, rtol=0.12)
+    assert scored.rate is not None
+    assert scored.rate.value == pytest.approx(press.truth.casr_slope_mm2_per_n, rel=0.12)
+    assert (scored.area_unit, scored.rate.unit) == ("mm2", "mm2/N")
+
+
+def test_softer_specimens_spread_faster_by_every_rule_of_the_area() -> None:
+    for rule in ("hexagon", "edge"):
+        rates = [score(sequence(simulated(s)), ScoreSettings(area_rule=rule)).rate for s in ("S1", "S5")]
+        assert rates[0] is not None and rates[1] is not None
+        assert rates[0].value < rates[1].value
+
+
+def test_growth_does_not_depend_on_the_rule_of_the_initial_area() -> None:
+    press = simulated()
+    growths = [
+        score(sequence(press), ScoreSettings(area_rule=rule)).log_growth for rule in ("hexagon", "circle", "paper")
+    ]
+    np.testing.assert_array_equal(growths[0], growths[1])
+    np.testing.assert_array_equal(growths[0], growths[2])
+
+
+def test_only_the_rest_frame_and_the_loading_phase_are_read() -> None:
+    press = simulated()
+    frames = sequence(press)
+    scored = score(frames)
+    assert frames.source.read_frames == [scored.rest_frame, *scored.frames]  # type: ignore[attr-defined]
+    assert scored.frames[-1] < len(frames) - 1
+
+
+def test_every_length_fits() -> None:
+    scored = score(sequence(simulated()))
+    n = len(scored.frames)
+    assert scored.force_n is not None
+    assert len(scored.force_n) == len(scored.area) == len(scored.regions) == n
+    assert len(scored.divergence) == len(scored.log_growth) == n - 1
+    assert scored.contact_px.shape == scored.rest.centroids_px.shape == (127, 2)
+
+
+def test_without_a_camera_areas_are_in_pixels() -> None:
+    press = simulated()
+    metric = score(sequence(press))
+    bare = FrameSequence(press.frames, None, sequence(press).force_n)
+    pixels = score(bare)
+    assert pixels.area_unit == "px2"
+    np.testing.assert_allclose(pixels.area * press.settings.camera.mm2_per_px2, metric.area)
+
+
+def test_without_force_contact_is_seen_by_the_pins_and_there_is_no_rate() -> None:
+    press = simulated()
+    scored = score(FrameSequence(press.frames, press.settings.camera))
+    assert scored.rate is None
+    assert scored.force_n is None
+    assert scored.rest_frame == 0
+    assert 0.1 < press.truth.force_n[scored.frames[0]] < 0.7
+    assert scored.frames[-1] == len(press.frames) - 1
+    assert any("no force log" in note for note in scored.notes)
+
+
+def test_a_region_that_is_given_is_the_area_and_is_measured_whole() -> None:
+    press = simulated("S5")
+    first = int(press.truth.loading_frames[0])
+    a_px = float(press.truth.semi_axes_px[first, 0])
+    settings = ScoreSettings(region=Region.circle(*press.truth.centre_px, 0.9 * a_px))
+    scored = score(sequence(press), settings)
+    assert scored.initial.rule == "given"
+    assert scored.area[0] == pytest.approx(np.pi * (0.9 * a_px) ** 2 * press.settings.camera.mm2_per_px2)
+    assert scored.log_growth[2:].sum() == pytest.approx(
+        np.log(press.truth.area_px2[scored.frames[-1]] / press.truth.area_px2[scored.frames[2]]), rel=0.01
+    )
+
+
+def test_lens_distortion_is_taken_out_of_growth_and_area() -> None:
+    press = simulated("S5")
+    straight, settings = press.settings.camera, ScoreSettings(area_rule="edge")
+    bent = Camera(distortion=(-0.3, 0.1, 0.0, 0.0))
+    points = np.array([[150.0, 150.0], [210.0, 150.0]])
+    spread = np.ptp(bent.undistorted_px(points)[:, 0]) / 60
+    assert spread > 1.01
+    plain, flat = score(sequence(press, straight), settings), score(sequence(press, bent), settings)
+    for scored in (plain, flat):
+        outlines = [scored.regions[0], scored.regions[-1]]
+        camera = straight if scored is plain else bent
+        areas = [Region(camera.undistorted_px(outline)).area_px2 for outline in outlines]
+        assert scored.log_growth.sum() == pytest.approx(np.log(areas[1] / areas[0]), abs=1e-9)
+    assert flat.log_growth.sum() > plain.log_growth.sum() + 0.01
+
+
+def test_nothing_touches() -> None:
+    press = simulated()
+    still = np.stack([press.frames.read(0)] * 4)
+    with pytest.raises(NoContactError):
+        score(FrameSequence(ArrayFrames(still)))
+    with pytest.raises(NoContactError):
+        score(FrameSequence(ArrayFrames(still), None, np.array([0.0, 0.1, 1.0, 2.0])))
+    with pytest.raises(NoContactError):
+        score(FrameSequence(ArrayFrames(still), None, np.array([0.0, 0.1, 0.1, 0.2])))
+
+
+def test_too_few_frames() -> None:
+    with pytest.raises(FramesError, match="two frames"):
+        score(
+            FrameSequence(ArrayFrames(simulated().frames.read(0)[None])),
+            ScoreSettings(region=Region.circle(150, 150, 50)),
+        )
+
+
+def test_frames_in_no_order_are_reported() -> None:
+    press = simulated("S5")
+    shift = np.random.default_rng(0).uniform(-16, 16, (12, 2)).round().astype(int)
+    image = press.frames.read(20)
+    jumping = np.stack([np.roll(image, tuple(by), axis=(0, 1)) for by in shift])
+    scored = score(FrameSequence(ArrayFrames(jumping)), ScoreSettings(region=Region.circle(150, 150, 50)))
+    assert any("one press, in order?" in note for note in scored.notes)
+
+
+def test_as_json() -> None:
+    press = simulated()
+    image = press.frames.read(int(press.truth.loading_frames[0]))
+    scored = score(sequence(press), ScoreSettings(region=Region.circle(150, 150, 40)))
+    told = json.loads(json.dumps(scored.to_dict(), allow_nan=False))
+    assert told["frames"] == scored.frames.tolist()
+    assert told["settings"]["flow"]["engine"] == "pin-affine"
+    assert len(told["settings"]["region"]["polygon_px"]) == 64
+    assert told["rate"]["value"] == scored.rate.value  # type: ignore[union-attr]
+    assert set(told["provenance"]) == {"casr", "numpy", "opencv", "python"}
+    assert image.dtype == np.uint8
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"area_rule": "square"}, {"area_law": "pde"}, {"rate_rule": "median"}, {"threshold_px": 0.0}]
+)
+def test_settings_that_make_no_sense(wrong: dict[str, object]) -> None:
+    with pytest.raises(SettingError, match=str(next(iter(wrong.values())))):
+        ScoreSettings(**wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("engine", "tolerance"), [("pin-affine", 0.02), ("horn-schunck", 0.05)])
+def test_real_flat_press(shared_data: Callable[[str], Path], engine: str, tolerance: float) -> None:
+    """0.290 is ln of the area ratio of the hull of the pins that start within 60 px of the central one."""
+    frames = open_frames(shared_data("tactile/tactip127_flat_press_640x480"))
+    settings = ScoreSettings(flow=FlowSettings(engine=engine), region=Region.circle(323.6, 240.4, 60))
+    scored = score(frames, settings)
+    assert scored.log_growth.sum() == pytest.approx(0.290, rel=tolerance)
+    assert scored.area[-1] / scored.area[0] == pytest.approx(np.exp(scored.log_growth.sum()))
+
+
+def test_real_flat_press_touches_when_the_sensor_comes_down(shared_data: Callable[[str], Path]) -> None:
+    scored = score(open_frames(shared_data("tactile/tactip127_flat_press_640x480")))
+    assert scored.frames[0] == 19, "frames 0 to 18 are at height 0"
+    assert 0.05 < scored.log_growth.sum() < 0.3
+
+
+def test_real_images_in_no_order_give_a_note_or_an_error(shared_data: Callable[[str], Path]) -> None:
+    frames = open_frames(shared_data("tactile/tactip127_shapes_300x300") / "cylinderR8")
+    scored = score(frames, ScoreSettings(region=Region.circle(150, 150, 60)))
+    assert any("one press, in order?" in note for note in scored.notes)

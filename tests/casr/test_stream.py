@@ -1,0 +1,159 @@
+"""The same numbers one frame at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from casr.errors import CasrError, FramesError, NoContactError
+from casr.flow.estimate import ENGINES, FlowSettings
+from casr.frames import ArrayFrames, FrameSequence, force_per_frame
+from casr.score import Score, ScoreSettings, score
+from casr.stream import StreamScorer, StreamState
+from casr.synthetic import SPECIMENS, PressSettings, simulate_press
+
+Frames = tuple[NDArray[np.uint8], NDArray[np.float64]]
+
+
+@pytest.fixture(scope="module")
+def press() -> Frames:
+    made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S3"]))
+    line = made.timeline
+    images = np.stack([made.frames.read(index) for index in range(len(made.frames))])
+    return images, force_per_frame(line.log_force_n, line.log_frame_index, len(images))
+
+
+def streamed(
+    images: NDArray[np.uint8], force_n: NDArray[np.float64], settings: ScoreSettings
+) -> tuple[Score, list[StreamState]]:
+    stream, buffer, states = StreamScorer(None, settings), np.empty_like(images[0]), []
+    for image, force in zip(images, force_n, strict=True):
+        buffer[:] = image  # as a camera that writes every frame to the same place
+        states.append(stream.push(buffer, float(force)))
+    return stream.finish(), states
+
+
+def assert_same(stream: Score, recording: Score) -> None:
+    assert stream.rest_frame == recording.rest_frame
+    np.testing.assert_array_equal(stream.frames, recording.frames)
+    np.testing.assert_allclose(stream.area, recording.area, rtol=1e-9)
+    np.testing.assert_allclose(stream.divergence, recording.divergence, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(stream.contact_px, recording.contact_px)
+    assert stream.rate is not None and recording.rate is not None
+    assert stream.rate.value == pytest.approx(recording.rate.value, rel=1e-9)
+    assert stream.notes == recording.notes
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_same_numbers_as_from_a_recording(press: Frames, engine: str) -> None:
+    settings = ScoreSettings(flow=FlowSettings(engine=engine))
+    assert_same(streamed(*press, settings)[0], score(FrameSequence(ArrayFrames(press[0]), None, press[1]), settings))
+
+
+@pytest.mark.parametrize("law", ["ode", "paper"])
+def test_to_a_force_and_with_either_law(press: Frames, law: str) -> None:
+    settings = ScoreSettings(force_start_n=0.8, force_stop_n=4.0, area_law=law)
+    found, states = streamed(*press, settings)
+    assert_same(found, score(FrameSequence(ArrayFrames(press[0]), None, press[1]), settings))
+    assert states[-1].phase == "done"
+    assert states[-1].area == pytest.approx(found.area[-1], rel=1e-12)
+
+
+def chattering(press: Frames) -> Frames:
+    """The touch bounces, the first press is a light one, two frames have no force; then the press."""
+    images, force = press
+    start = int(np.argmax(force > 0.5))
+    bounce = [start - 1, start, start + 1, start - 1, start]
+    light = [start - 1, *range(start, start + 12), start - 2]
+    order = np.array([*range(start), *bounce, *light, *range(start - 1, len(images))])
+    force = force[order].copy()
+    force[-30:-28] = np.nan
+    return images[order], force
+
+
+def test_bounces_light_touches_and_frames_without_force(press: Frames) -> None:
+    images, force = chattering(press)
+    found, states = streamed(images, force, ScoreSettings())
+    assert_same(found, score(FrameSequence(ArrayFrames(images), None, force)))
+    phases = [state.phase for state in states]
+    assert sum(a != b for a, b in zip(phases, phases[1:], strict=False)) >= 6
+    assert "done" not in phases
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_same_static_frame_however_the_force_rests(press: Frames, seed: int) -> None:
+    images, force = press
+    rng = np.random.default_rng(seed)
+    start = int(np.argmax(force > 0.5))
+    n_rest = int(rng.integers(1, 150))
+    resting = rng.normal(0.05, 0.03, n_rest) + np.linspace(0, rng.uniform(0, 0.15), n_rest)
+    order = np.array([*rng.integers(0, 4, n_rest), *range(start, start + 4)])
+    force = np.concatenate([np.minimum(resting, 0.45), force[start : start + 4]])
+    found, _ = streamed(images[order], force, ScoreSettings())
+    assert_same(found, score(FrameSequence(ArrayFrames(images[order]), None, force)))
+
+
+def test_state_and_rate_after_each_frame(press: Frames) -> None:
+    images, force = press
+    stream = StreamScorer()
+    with pytest.raises(FramesError, match="in contact"):
+        stream.rate()
+    states, rates = [], []
+    for image, f in zip(images[:40], force, strict=False):
+        states.append(stream.push(image, float(f)))
+        if len([s for s in states if s.phase == "loading"]) >= 2:
+            rates.append(stream.rate().value)
+    loading = [state for state in states if state.phase == "loading"]
+    assert [state.frame for state in states] == list(range(40))
+    assert all(state.area is None for state in states if state.phase == "rest")
+    areas = np.array([state.area for state in loading], dtype=float)
+    np.testing.assert_allclose(areas / areas[0], np.exp([state.log_growth or 0.0 for state in loading]), rtol=1e-9)
+    assert areas[-1] > 2 * areas[0]
+    assert min(rates) > 0
+
+
+def test_lost_pins_do_not_stop_the_rig_but_the_score(press: Frames) -> None:
+    images, force = press
+    dark = images.copy()
+    dark[20:] = 0
+    stream = StreamScorer()
+    states = [stream.push(image, float(f)) for image, f in zip(dark, force, strict=True)]
+    assert states[25].area is None
+    assert states[25].notes
+    with pytest.raises(CasrError):
+        stream.finish()
+
+
+def test_pins_lost_after_the_peak_do_not_matter(press: Frames) -> None:
+    images, force = press
+    dark = images.copy()
+    dark[int(np.argmax(force)) + 2 :] = 0
+    assert_same(streamed(dark, force, ScoreSettings())[0], score(FrameSequence(ArrayFrames(images), None, force)))
+
+
+def test_no_contact(press: Frames) -> None:
+    images, _ = press
+    stream = StreamScorer()
+    for _ in range(3):
+        stream.push(images[0], 0.0)
+    with pytest.raises(NoContactError):
+        stream.finish()
+    with pytest.raises(FramesError, match="static frame"):
+        StreamScorer().push(images[0], 1.0)
+
+
+@pytest.mark.slow
+def test_memory_does_not_grow_with_the_sequence(press: Frames) -> None:
+    import tracemalloc
+
+    images, force = press
+    stream = StreamScorer()
+    tracemalloc.start()
+    used = []
+    for index in range(6000):
+        stream.push(images[index % len(images)], float(force[index % len(images)]))
+        if index in (2999, 5999):
+            used.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    assert used[1] - used[0] < 1_000_000, "3000 frames are 270 MB"
