@@ -170,6 +170,8 @@ class HypothesisSettings:
     "Specimens among which the worst p is taken (paper: S1, S3, S5); empty: all."
     use: Literal["ok", "ok+warned"] = "ok+warned"
     "Verdicts of the trials that enter."
+    equivalence_margin_sd: Positive | None = None
+    "Participants whose mean slopes differ by less count as equal, in SDs of repetitions; omitted: equality untested."
 
 
 @dataclass(frozen=True, kw_only=True)

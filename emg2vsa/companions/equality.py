@@ -17,12 +17,13 @@ class EqualityTests:
     """Over all pairs of groups of d designs.
 
     bound : (d,) smallest margin within which every pair would be shown equal, in the unit of the data; bound_sd : in
-    pooled SDs of the design. tost : against the margin that was stated, None without one.
+    pooled SDs of the design. tost : against the stated margin, both None without one.
     """
 
     bound: Floats
     bound_sd: Floats
     tost: Equivalence | None
+    margin: float | None
     alpha: float
 
 
@@ -35,4 +36,4 @@ def equality_tests(
     bound = np.fmax.reduce(ends, axis=1, initial=-np.inf)
     bound = np.where(np.isfinite(bound), bound, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return EqualityTests(bound, bound / anova.sd, stated if margin else None, alpha)
+        return EqualityTests(bound, bound / anova.sd, stated if margin else None, margin, alpha)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
 from typing import Literal
 
+import numpy as np
+
+from emg2vsa.arrays import Floats
 from emg2vsa.report.latex import latex_number, latex_text
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.stats.outcome import Outcome
@@ -36,6 +38,11 @@ def said(outcome: Outcome, style: Style = "apa") -> str:
     return ", ".join(part for part in parts if part)
 
 
+def statistic_said(outcome: Outcome, style: Style = "apa") -> str:
+    """The statistic and p alone."""
+    return ", ".join(filter(None, (_statistic(outcome, style), _p(outcome, style))))
+
+
 def effect_said(outcome: Outcome, style: Style = "apa") -> str:
     """The effect and the estimate with its interval alone."""
     return ", ".join(filter(None, (_effect(outcome, style), _estimate(outcome, style))))
@@ -49,6 +56,24 @@ def p_said(p: float, style: Style = "apa") -> str:
         return f"p = {p:.4g}"
     relation, value = ("<", 0.001) if p < 0.001 else (">", 0.999) if p > 0.9995 else ("=", p)
     return _equation("p", "p", _decimals(value, 3, style, at_most_one=True), style, relation)
+
+
+def range_said(name: str, values: Floats, style: Style = "apa") -> str:
+    """One value in full (``η² = .32``), the range of many (``η² from .12 to .61``)."""
+    known = values[~np.isnan(values)]
+    if known.size == 1:
+        return _named(name, float(known[0]), style)
+    shown = span_said(known, style, at_most_one=_is_share(name))
+    return f"{_symbol(name, style)} {'from ' if known.size else ''}{shown}"
+
+
+def span_said(values: Floats, style: Style = "apa", *, at_most_one: bool = False) -> str:
+    """``.32``, or ``.12 to .61``."""
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return "not defined"
+    ends = [_value(float(end), style, at_most_one=at_most_one) for end in dict.fromkeys((known.min(), known.max()))]
+    return " to ".join(f"${end}$" for end in ends) if style == "latex" else " to ".join(ends)
 
 
 def interval_said(low: float, high: float, confidence: float, style: Style = "apa", *, at_most_one: bool = False) -> str:
@@ -97,8 +122,16 @@ def _estimate(outcome: Outcome, style: Style) -> str:
 
 
 def _named(name: str, value: float, style: Style) -> str:
-    plain, mathematics = _SYMBOLS.get(name, (name, rf"\text{{{latex_text(name)}}}"))
-    return _equation(name if style == "plain" else plain, mathematics, _value(value, style, at_most_one=_is_share(name)), style)
+    shown = _value(value, style, at_most_one=_is_share(name))
+    if style == "latex":
+        return f"{_symbol(name, style)} $= {shown}$" if name not in _SYMBOLS else f"${_SYMBOLS[name][1]} = {shown}$"
+    return _equation(_symbol(name, style), "", shown, style)
+
+
+def _symbol(name: str, style: Style) -> str:
+    if style == "latex":
+        return f"${_SYMBOLS[name][1]}$" if name in _SYMBOLS else latex_text(name)
+    return name if style == "plain" else _SYMBOLS.get(name, (name,))[0]
 
 
 def _is_share(name: str) -> bool:
@@ -146,8 +179,3 @@ def _equation(plain: str, mathematics: str, value: str, style: Style, relation: 
     space = " " if style == "plain" else NO_BREAK
     return f"{plain}{space}{relation}{space}{value}"
 
-
-def all_styles(outcome: Outcome) -> Iterator[tuple[Style, str]]:
-    """The result in every style."""
-    for style in STYLES:
-        yield style, said(outcome, style)

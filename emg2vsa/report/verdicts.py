@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.report.outcome_text import Style, p_said, said
+from emg2vsa.report.outcome_text import Style, p_said, statistic_said
 from emg2vsa.report.wording import count
 from emg2vsa.stats.outcome import Outcome
 
@@ -16,9 +16,9 @@ UNDECIDED = "cannot be said"
 
 
 def decided(outcomes: Sequence[Outcome], alpha: float, many: str, style: Style = "apa") -> str:
-    """One test in full; of many, how many are significant and the range of their p. many : "specimens", "pairs"."""
+    """One test alone; of many, how many are significant and the range of their p. many : "specimens", "pairs"."""
     if len(outcomes) == 1:
-        return said(outcomes[0], style)
+        return statistic_said(outcomes[0], style)
     return how_many(np.array([outcome.p for outcome in outcomes], dtype=np.float64), alpha, many, style)
 
 

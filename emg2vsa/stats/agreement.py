@@ -87,9 +87,8 @@ def icc(values: ArrayLike, confidence: float = 0.95) -> IntraclassCorrelations:
         f, df2 = _tests(ms)
         value, low, high = _coefficients(ms, f, df2, confidence)
     df1 = np.broadcast_to(ms.n[:, None] - 1, f.shape)
-    p = special.fdtrc(df1, df2, f)
-    shape = doubles.shape[1]
-    return IntraclassCorrelations(value, low, high, f, df1, df2, p, n, shape - n, k, confidence)
+    p = np.asarray(special.fdtrc(df1, df2, f), dtype=np.float64)
+    return IntraclassCorrelations(value, low, high, f, df1, df2, p, n, complete.shape[1] - n, k, confidence)
 
 
 def _mean_squares(values: Floats, n: Ints, k: int) -> _MeanSquares:

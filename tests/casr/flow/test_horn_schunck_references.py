@@ -102,7 +102,6 @@ def test_real_flat_press_sums_to_the_growth_of_the_pins_hull(shared_data):
         total, total_log = total + step, total_log + log_step
         outline += flow_at(flow, outline)
         pins_px = tracker.step(frame)
-    print(total, total_log, np.log(_hull_area(outline) / _hull_area(rest_px[inner])))
     hull = np.log(_hull_area(pins_px[inner]) / _hull_area(rest_px[inner]))
     assert hull == pytest.approx(0.290, abs=0.01)
     assert total_log == pytest.approx(0.290, rel=0.05)
