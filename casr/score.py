@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from casr.errors import FramesError, NoContactError
+from casr.errors import FramesError, NoContactError, PinsError
 from casr.frames import FrameSequence, LoadingPhase, loading_phase
 from casr.pins import PinTracker
 from casr.press_scorer import PressScorer
@@ -32,7 +32,11 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
     scorer = PressScorer(sequence.camera, settings)
     scorer.touch(sequence[phase.rest], sequence[int(phase.frames[0])])
     for index in phase.frames[1:].tolist():
-        scorer.load(sequence[index])
+        try:
+            scorer.load(sequence[index])
+        except PinsError as lost:
+            where = f"{sequence.name}, frame {index}, {lost.where}"
+            raise PinsError(where, wanted=lost.wanted, found=lost.found, do=lost.do) from lost
     force_n = None if sequence.force_n is None else sequence.force_n[phase.frames]
     return scorer.result(sequence.name, phase, force_n)
 

@@ -52,12 +52,6 @@ class Hypotheses:
     alpha: float
     notes: tuple[str, ...]
 
-    def kept_pairs(self) -> np.ndarray:
-        """Which of the pairs (q,) are among ``kept``."""
-        kept = np.isin(self.specimens, self.kept)
-        pairs = self.tests.pairs
-        return kept[pairs.first] & kept[pairs.second] if self.specimens.size > 1 else np.zeros(pairs.first.size, bool)
-
 
 def test_hypotheses(fits: Fits, settings: HypothesisSettings) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study."""

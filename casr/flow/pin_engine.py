@@ -12,6 +12,7 @@ from casr.flow.step import FlowSettings, FlowStep
 from casr.images import Grey
 from casr.pins import PinTracker
 
+SPARE_PINS = 7  # with three, the loss of one ends the press
 ROUND_ENOUGH = 0.1  # spread of the pins across a line over the spread along it
 
 
@@ -56,11 +57,11 @@ class PinEngine:
 
 
 def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Rows of the pins in the core; when they do not fix a map, the next ones outwards too until they do."""
+    """Rows of the pins in the core; where those are few, of the region; where they fix no map, the next ones too."""
     depth = region.depth(pins_px)
     outwards = np.argsort(depth, kind="stable")
-    n_core = int(np.sum(depth <= core_fraction))
-    n = max(n_core, FEWEST_PINS)
+    n_core, n_inside = int(np.sum(depth <= core_fraction)), int(np.sum(depth <= 1))
+    n = max(n_core, min(n_inside, SPARE_PINS), FEWEST_PINS)
     while n < len(outwards) and not _span_a_plane(pins_px[outwards[:n]]):
         n += 1
     n_outside = int(np.sum(depth[outwards[:n]] > 1))

@@ -14,8 +14,8 @@ def hinge(x: Floats, y: Floats, count: Ints) -> Ints:
     """Number of points (d,) before the hinge; 0 where one line through all points says as much.
 
     x, y : (d, n), finite, x rising along each row; count : (d,) points of each row that count, the first ones. Least
-    squares of level + slope max(0, x - x_j) for every x_j at once by running sums, slope > 0. The hinge must earn the two
-    parameters that it adds to a line (its place and its level) by Schwarz's criterion (BIC).
+    squares of level + slope max(0, x - x_j) for every x_j at once by running sums, slope > 0. The hinge must earn the
+    two parameters that it adds to a line (its place and its level) by Schwarz's criterion (BIC).
     """
     if x.shape[1] == 0:
         return np.zeros(len(x), dtype=np.int64)

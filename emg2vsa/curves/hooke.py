@@ -1,4 +1,4 @@
-"""Stiffness of a specimen from plate indentation, F = kappa (x - x0): Hooke's law for many trials at once (paper IV.B)."""
+"""Stiffness from plate indentation, F = kappa (x - x0): Hooke's law for many trials at once (paper IV.B)."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from emg2vsa.curves.weighted_rows import weighted_rows
 class HookeFit:
     """d trials; every field (d,), NaN where undefined.
 
-    kappa, kappa_se : force over indentation (N/mm). contact, contact_se : indentation at which the line leaves the force
-    of rest, x0. rest : mean force before contact; 0 where contact lies before the first point. r2, adj_r2 : of the line,
-    over the points in contact. n_rest, n : points before contact and in contact. dof : n - 2.
+    kappa, kappa_se : force over indentation (N/mm). contact, contact_se : indentation at which the line leaves the
+    force of rest, x0. rest : mean force before contact; 0 where contact lies before the first point. r2, adj_r2 : of the
+    line, over the points in contact. n_rest, n : points before contact and in contact. dof : n - 2.
     The standard errors take points as independent: filtered samples are not, and then they are too small.
     """
 

@@ -22,8 +22,8 @@ from emg2vsa.errors import DataError
 class LinearFit:
     """d regressions; (d,) unless said, NaN where X has not full rank or there are too few points.
 
-    coefficients, se : (d, p), the intercept first. covariance : (d, p, p). s : residual SD. r2 : about the mean of y with
-    an intercept, about zero without. adj_r2 : adjusted for the coefficients.
+    coefficients, se : (d, p), the intercept first. covariance : (d, p, p). s : residual SD. r2 : about the mean of y
+    with an intercept, about zero without. adj_r2 : adjusted for the coefficients.
     """
 
     coefficients: Floats
@@ -50,8 +50,8 @@ def powers(x: ArrayLike, degree: int) -> NDArray[Any]:
 def fit_linear(x: ArrayLike, y: ArrayLike, *, intercept: bool = True) -> LinearFit:
     """Least squares of y on the columns of x.
 
-    x : (n, p) common to all, or (d, n, p); y : (n,) or (d, n). Points with NaN anywhere are left out. Extended precision
-    of x or y (``numpy.longdouble``) is used. DataError where the shapes do not fit.
+    x : (n, p) common to all, or (d, n, p); y : (n,) or (d, n). Points with NaN anywhere are left out. Extended
+    precision of x or y (``numpy.longdouble``) is used. DataError where the shapes do not fit.
     """
     columns, values, rounding = _checked(x, y)
     used = np.isfinite(values) & np.all(np.isfinite(columns), axis=2)

@@ -1,7 +1,7 @@
 """General nonlinear least squares, for laws that have no fit of their own.
 
-Trust region with exact Jacobians by the complex step (Squire and Trapp 1998), then Gauss-Newton steps on a scaled QR until
-nothing is gained: the certified values of all 27 NIST sets from both starts, where finite differences and default
+Trust region with exact Jacobians by the complex step (Squire and Trapp 1998), then Gauss-Newton steps on a scaled QR
+until nothing is gained: the certified values of all 27 NIST sets from both starts, where finite differences and default
 tolerances fail on six (statistics notes 3c).
 """
 
@@ -26,6 +26,7 @@ _IMAGINARY_STEP = 1e-30
 _TOLERANCE = 1e-15
 _MAX_EVALUATIONS = 20_000
 _POLISHING_STEPS = 50
+_HUGE = 1e150  # its square is finite
 _EPS = float(np.finfo(np.float64).eps)
 
 
@@ -54,9 +55,9 @@ def fit_nonlinear(model: Model, x: ArrayLike, y: ArrayLike, start: ArrayLike) ->
     _check(y, start, residual)
     with np.errstate(all="ignore"):  # trial steps may leave the model's domain; they are refused
         found = optimize.least_squares(
-            lambda b: np.nan_to_num(residual(b), nan=1e150, posinf=1e150, neginf=-1e150),
+            _finite(residual),
             start,
-            jac=lambda b: np.nan_to_num(jacobian(b), posinf=1e150, neginf=-1e150),
+            jac=_finite(jacobian),
             method="trf",
             x_scale="jac",
             ftol=_TOLERANCE,
@@ -81,6 +82,10 @@ def _functions(model: Model, x: Floats, y: Floats) -> tuple[Callable[[Floats], F
         return np.stack(columns, axis=1)
 
     return residual, jacobian
+
+
+def _finite(function: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
+    return lambda b: np.nan_to_num(function(b), nan=_HUGE, posinf=_HUGE, neginf=-_HUGE)
 
 
 def _check(y: Floats, start: Floats, residual: Callable[[Floats], Floats]) -> None:
@@ -130,5 +135,12 @@ def _with_errors(b: Floats, r: Floats, j: Floats, ended: bool) -> NonlinearFit:
         s, notes = np.nan, (*notes, "the data do not determine all parameters: no errors")
     root = solution.root[0] * s
     return NonlinearFit(
-        parameters=b, se=np.sqrt(np.sum(root**2, axis=1)), covariance=root @ root.T, rss=rss, s=s, n=n, dof=dof, notes=notes
+        parameters=b,
+        se=np.sqrt(np.sum(root**2, axis=1)),
+        covariance=root @ root.T,
+        rss=rss,
+        s=s,
+        n=n,
+        dof=dof,
+        notes=notes,
     )

@@ -73,8 +73,8 @@ def search(z: Floats, y: Floats, w: Floats, start: Floats) -> Floats:
         last = np.abs(step) <= _LAST_STEP * np.maximum(1.0, np.abs(here))
         if np.any(last):
             q[active[last]] = (here + step)[last]
-            active, here, best, step, size = (values[~last] for values in (active, here, best, step, size))
-            z, y, w = z[~last], y[~last], w[~last]
+            active, z, y, w = active[~last], z[~last], y[~last], w[~last]
+            here, best, step, size = here[~last], best[~last], step[~last], size[~last]
         if active.size == 0:
             break
         there = projected(here + step, z, y, w)

@@ -50,8 +50,8 @@ def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style 
     )
     return [
         Row(
-            f"Kolmogorov-Smirnov, {form}: {how_many(paper, alpha, many, style)}",
-            f"{name}: {how_many(p, alpha, many, style)}",
+            f"Kolmogorov-Smirnov, {form}: {how_many(paper, alpha, many, style, 'deviate')}",
+            f"{name}: {how_many(p, alpha, many, style, 'deviate')}",
             effect,
             change(paper, p, alpha),
         )
@@ -64,9 +64,7 @@ def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa")
     """One-way analysis of variance beside tests that rest on less. many : what each design is, "participants"."""
     anova, all_of = tests.anova, range(tests.anova.f.size)
     paper = f"One-way ANOVA: {decided([tests.anova_outcome(i) for i in all_of], alpha, many, style)}"
-    eta2 = (
-        effect_said(tests.anova_outcome(), style) if len(all_of) == 1 else range_said("eta2", anova.eta2, style)
-    )
+    eta2 = effect_said(tests.anova_outcome(), style) if len(all_of) == 1 else range_said("eta2", anova.eta2, style)
     ranks = range_said("rank epsilon2", tests.kruskal.epsilon2, style)
     rows = [
         Row(paper, f"{name}: {decided(found, alpha, many, style)}", effect, change(anova.p, p, alpha))
@@ -105,7 +103,7 @@ def _variance_row(tests: GroupTests, paper: str, alpha: float, many: str, style:
 
 
 def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[Row]:
-    """Fisher's LSD beside tests that hold the error of the family; pooled mean ranks beside exact ranks of each pair."""
+    """Fisher's LSD beside tests that hold the error of the family; pooled mean ranks beside those of each pair."""
     size = range_said("|g|", np.abs(tests.g), style)
     shift = range_said("|r_rb|", np.abs(tests.mann_whitney.rank_biserial), style)
     families: tuple[tuple[str, Floats, str, str, Floats], ...] = (

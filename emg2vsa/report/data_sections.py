@@ -11,7 +11,7 @@ import numpy as np
 from emg2vsa.report import html
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.origin import origin
-from emg2vsa.report.quantities import Quantity
+from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent

@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 
 from emg2vsa.report.latex import latex_number, latex_text
-from emg2vsa.report.quantities import Quantity
+from emg2vsa.report.quantity import Quantity
 
 _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.report.latex import latex_number, latex_text
-from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
+from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number, p_text
 from emg2vsa.stats.outcome import Outcome
 
 Style = Literal["apa", "ieee", "latex", "plain"]
@@ -34,6 +34,8 @@ _COUNTS = frozenset({"D", "W"})
 
 def said(outcome: Outcome, style: Style = "apa") -> str:
     """``F(4, 45) = 5.23, p = .002, η² = .32, 95% CI [.08, .46]``; what the outcome does not have is left out."""
+    if outcome.statistic is not None and math.isnan(outcome.statistic):
+        return "not defined"
     parts = (_statistic(outcome, style), _p(outcome, style), _effect(outcome, style), _estimate(outcome, style))
     return ", ".join(part for part in parts if part)
 
@@ -50,8 +52,10 @@ def effect_said(outcome: Outcome, style: Style = "apa") -> str:
 
 def p_said(p: float, style: Style = "apa") -> str:
     """``p = .039``, ``p < .001``; plain: four digits, however small."""
+    if style == "apa":
+        return p_text(p)
     if math.isnan(p):
-        return f"p{NO_BREAK}not defined" if style != "plain" else "p not defined"
+        return "p not defined"
     if style == "plain":
         return f"p = {p:.4g}"
     relation, value = ("<", 0.001) if p < 0.001 else (">", 0.999) if p > 0.9995 else ("=", p)
@@ -61,9 +65,9 @@ def p_said(p: float, style: Style = "apa") -> str:
 def range_said(name: str, values: Floats, style: Style = "apa") -> str:
     """One value in full (``η² = .32``), the range of many (``η² from .12 to .61``)."""
     known = values[~np.isnan(values)]
-    if known.size == 1:
-        return _named(name, float(known[0]), style)
     shown = span_said(known, style, at_most_one=_is_share(name))
+    if known.size and " to " not in shown:
+        return _named(name, float(known[0]), style)
     return f"{_symbol(name, style)} {'from ' if known.size else ''}{shown}"
 
 
@@ -72,11 +76,13 @@ def span_said(values: Floats, style: Style = "apa", *, at_most_one: bool = False
     known = values[~np.isnan(values)]
     if not known.size:
         return "not defined"
-    ends = [_value(float(end), style, at_most_one=at_most_one) for end in dict.fromkeys((known.min(), known.max()))]
+    ends = dict.fromkeys(_value(float(end), style, at_most_one=at_most_one) for end in (known.min(), known.max()))
     return " to ".join(f"${end}$" for end in ends) if style == "latex" else " to ".join(ends)
 
 
-def interval_said(low: float, high: float, confidence: float, style: Style = "apa", *, at_most_one: bool = False) -> str:
+def interval_said(
+    low: float, high: float, confidence: float, style: Style = "apa", *, at_most_one: bool = False
+) -> str:
     """``95% CI [.08, .46]``."""
     ends = ", ".join(_value(end, style, at_most_one=at_most_one) for end in (low, high))
     level = f"{100 * confidence:g}"
@@ -178,4 +184,3 @@ def _equation(plain: str, mathematics: str, value: str, style: Style, relation: 
         return f"${mathematics} {relation} {value}$"
     space = " " if style == "plain" else NO_BREAK
     return f"{plain}{space}{relation}{space}{value}"
-

@@ -17,7 +17,9 @@ from emg2vsa.stats.outcome import Outcome
 def over_people_rows(paper: str, paper_p: Floats, blocks: BlockTests, alpha: float, style: Style = "apa") -> list[Row]:
     """``paper`` (its p in ``paper_p``) beside tests whose sample is the people."""
     repeated = blocks.repeated
-    epsilon = f"sphericity ε: GG {bounded(float(repeated.epsilon_gg[0]), 2)}, HF {bounded(float(repeated.epsilon_hf[0]), 2)}"
+    epsilon = (
+        f"sphericity ε: GG {bounded(float(repeated.epsilon_gg[0]), 2)}, HF {bounded(float(repeated.epsilon_hf[0]), 2)}"
+    )
     corrected, ranks = repeated.outcome(), blocks.friedman.outcome()
     return [
         *([_over_people(paper, paper_p, blocks.mixed, "", alpha, style)] if blocks.mixed else []),
@@ -39,7 +41,7 @@ def _over_people(paper: str, paper_p: Floats, found: Outcome, more: str, alpha: 
 def equality_rows(
     paper: str, equality: EqualityTests, blocks: BlockTests | None, factor: float, unit: str, style: Style = "apa"
 ) -> list[Row]:
-    """"No difference found" beside what would show equality. factor, unit : for people, of the bound in the data."""
+    """ "No difference found" beside what would show equality. factor, unit : for people, of the bound in the data."""
     return [_margin_row(paper, equality, factor, unit, style), *([_share_row(paper, blocks, style)] if blocks else [])]
 
 
@@ -47,11 +49,13 @@ def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, s
     level = f"{100 * (1 - 2 * equality.alpha):g}% intervals"
     bound, in_sd = (span_said(found, style) for found in (equality.bound * factor, equality.bound_sd))
     effect = f"{level} of all differences lie within ± {f'{bound} {unit}'.rstrip()} (± {in_sd} SD)"
-    if equality.tost is None:
+    if equality.tost is None or equality.margin is None:
         return Row(paper, "Equivalence (TOST): no margin stated", effect, UNDECIDED + " without a margin")
     p = equality.tost.p[np.isfinite(equality.tost.p)]
     shown = int(np.count_nonzero(p < equality.alpha))
-    margin = f"± {equality.margin:g} SD" if equality.tost.unit == "sd" else f"± {number(equality.margin * factor)} {unit}"
+    margin = (
+        f"± {equality.margin:g} SD" if equality.tost.unit == "sd" else f"± {number(equality.margin * factor)} {unit}"
+    )
     return Row(
         paper,
         f"Equivalence (TOST) within {margin.rstrip()}: {shown} of {p.size} pairs shown equal",

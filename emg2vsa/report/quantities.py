@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.fits import usable
-from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, Hypotheses
+from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO
+from emg2vsa.report.hypothesis_quantities import hypothesis_quantities
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.quantity import Items, Quantity, least
 from emg2vsa.report.recovery import Recovery, recover
 from emg2vsa.schedules import Schedule
 from emg2vsa.stats.power import power_rm
-
-Quantity = str | int | float | bool
-Items = Iterator[tuple[str, Quantity]]
 
 PAPER_PARTICIPANTS, PAPER_REPETITIONS, PAPER_ALPHA = 14, 10, 0.05
 
@@ -63,7 +60,7 @@ def _fit(results: StudyResults) -> Items:
     yield "fit.b_not_positive", int(np.count_nonzero(fits.b_v[used] <= 0))
     for name in ("adj_r2", "adj_r2_bins", "adj_r2_samples", "r2_bins", "r2_samples"):
         values = getattr(fits, name)[used]
-        yield f"fit.{name}.min", _least(values)
+        yield f"fit.{name}.min", least(values)
         yield f"fit.{name}.median", _median(values)
     yield "fit.n_effective.median", _median(fits.n_effective[used])
     yield "fit.lag1.median", _median(fits.lag1[used])
@@ -77,48 +74,8 @@ def _fit(results: StudyResults) -> Items:
 
 
 def _hypotheses(results: StudyResults) -> Items:
-    found = results.hypotheses
-    if found is None:
-        return
-    yield "hypotheses.alpha", found.alpha
-    yield "hypotheses.kept", ", ".join(found.kept)
-    yield "hypotheses.worst_p", found.worst_p
-    yield "hypotheses.worst_pair", found.worst_pair
-    yield from _normality(found)
-    between = found.between_participants
-    yield from _how_many("hypotheses.between_participants", between.p, found.alpha)
-    yield "hypotheses.between_participants.smallest_p", _least(between.p)
-    for i, specimen in enumerate(between.specimen.tolist()):
-        for name in ("f", "df1", "df2", "p", "eta2"):
-            yield f"hypotheses.between_participants.{specimen}.{name}", getattr(between, name)[i].item()
-    within = found.between_specimens
-    yield from _how_many("hypotheses.between_specimens", within.p, found.alpha)
-    yield "hypotheses.between_specimens.largest_p", _most(within.p)
-    for i, participant in enumerate(within.participant.tolist()):
-        for name in ("f", "df1", "df2", "p", "eta2"):
-            yield f"hypotheses.between_specimens.{participant}.{name}", getattr(within, name)[i].item()
-    pairs = found.pairs
-    yield from _how_many("hypotheses.pairs", pairs.p, found.alpha)
-    names = zip(pairs.participant.tolist(), pairs.first.tolist(), pairs.second.tolist(), strict=True)
-    for i, (participant, first, second) in enumerate(names):
-        yield f"hypotheses.pairs.{participant}.{first}-{second}.p", pairs.p[i].item()
-
-
-def _normality(found: Hypotheses) -> Items:
-    normality = found.normality
-    yield "hypotheses.normality.clusters", int(np.count_nonzero(normality.n))
-    for kind in ("standardised", "raw"):
-        p = np.where(normality.n > 0, getattr(normality, f"p_{kind}"), np.nan)
-        yield from _how_many(f"hypotheses.normality.{kind}", p, found.alpha)
-        yield f"hypotheses.normality.{kind}.smallest_p", _least(p)
-
-
-def _how_many(name: str, p: Floats, alpha: float) -> Items:
-    """``chance_of_any``: that of at least one rejection where nothing differs and the tests are independent."""
-    tested = int(np.count_nonzero(np.isfinite(p)))
-    yield f"{name}.tested", tested
-    yield f"{name}.significant", int(np.count_nonzero(p < alpha))
-    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested
+    if results.hypotheses is not None:
+        yield from hypothesis_quantities(results.hypotheses)
 
 
 def _power(results: StudyResults) -> Items:
@@ -127,7 +84,9 @@ def _power(results: StudyResults) -> Items:
         float(power_rm(PAPER_PARTICIPANTS, PAPER_REPETITIONS, EFFECT_F, RHO, EPSILON, PAPER_ALPHA)),
     )
     if results.hypotheses is not None:
-        yield "power.study", results.hypotheses.power
+        yield "power.study", results.hypotheses.power.repetitions
+        yield "power.study_specimens", results.hypotheses.power.specimens
+        yield "power.people_for_specimens", results.hypotheses.power.people
 
 
 def _profiles(results: StudyResults) -> Items:
@@ -183,14 +142,6 @@ def _recovery(results: StudyResults) -> Items:
 def _recovered(name: str, recovery: Recovery) -> Items:
     for key, value in vars(recovery).items():
         yield f"{name}.{key}", value
-
-
-def _least(values: Floats) -> float:
-    return float(np.min(values, initial=np.inf, where=np.isfinite(values))) if np.isfinite(values).any() else np.nan
-
-
-def _most(values: Floats) -> float:
-    return -_least(-values)
 
 
 def _median(values: Floats) -> float:

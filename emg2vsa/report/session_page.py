@@ -14,9 +14,9 @@ from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.figures.palette import INK, looks
 from emg2vsa.fits import Fits
 from emg2vsa.report import html
+from emg2vsa.report.activity_column import activity_column
 from emg2vsa.report.inputs import Failure, short_paths, with_short_paths
 from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
-from emg2vsa.report.study_tables import activity_column
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict, judge_session

@@ -17,8 +17,9 @@ from emg2vsa.figures.schedule_map import draw_schedules
 from emg2vsa.fits import usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.report.activity_column import activity_column
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.study_tables import activity_column, scale_of
+from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import NO_BREAK, activity, count, listed, number, p_text, percent
 
@@ -110,15 +111,14 @@ def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> li
     """All pairs of a few specimens, neighbours of many."""
     if hypotheses is None:
         return []
-    pairs, places = hypotheses.pairs, range(len(names))
+    lsd, places = hypotheses.tests.pairs.lsd, range(len(names))
+    own = np.isin(hypotheses.participants, whose) if whose else np.ones(hypotheses.participants.size, dtype=np.bool_)
     bars = []
     for first, second in combinations(places, 2) if len(names) <= _ALL_PAIRS_UP_TO else pairwise(places):
-        ends = [names[first], names[second]]
-        these = np.isin(pairs.first, ends) & np.isin(pairs.second, ends) & np.isfinite(pairs.p)
-        if whose:
-            these &= pairs.participant == whose
-        if these.any():
-            bars.append(PairBar(first, second, float(pairs.p[these].max())))
+        ends = np.isin(hypotheses.specimens, [names[first], names[second]])
+        these = lsd.p[own[: len(lsd.p)]][:, ends[lsd.first] & ends[lsd.second]]
+        if np.isfinite(these).any():
+            bars.append(PairBar(first, second, float(np.nanmax(these))))
     return bars
 
 

@@ -16,7 +16,9 @@ from emg2vsa.report.latex import latex_table
 from emg2vsa.report.methods import methods_paragraph
 from emg2vsa.report.numbers_files import numbers_tex, results_json
 from emg2vsa.report.paper_comparison import paper_comparison
-from emg2vsa.report.quantities import Quantity, quantities
+from emg2vsa.report.quantities import quantities
+from emg2vsa.report.quantity import Quantity
+from emg2vsa.report.statements import statements_tex
 from emg2vsa.report.study_figures import Drawing, study_figures
 from emg2vsa.report.study_tables import study_tables
 from emg2vsa.report.table import Table
@@ -25,11 +27,11 @@ _CONTENTS = (
     ("#paper", "Beside the paper"), ("#participants", "Participants"), ("#fits", "Fits"), ("#hypotheses", "Hypotheses"),
     ("#profiles", "Profiles"), ("#schedules", "Schedules"), ("#methods", "Methods"), ("#provenance", "Provenance"),
 )  # fmt: skip
-_TOO_LONG_FOR_PRINT = {"fits"}
+_TOO_LONG_FOR_PRINT = {"fits", "statements"}
 
 
 def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
-    """Write index.html, results.json, numbers.tex, tables/ and figures/ into ``folder``; the files written.
+    """Write the page, results.json, numbers.tex, statements.tex, tables/ and figures/ into ``folder``; its files.
 
     The bytes depend on ``results`` alone. Participants' pages are written by ``write_session_page``.
     """
@@ -48,6 +50,8 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
         texts[f"tables/{table.name}.csv"] = table.csv()
         if table.name not in _TOO_LONG_FOR_PRINT:
             texts[f"tables/{table.name}.tex"] = latex_table(table)
+    if "statements" in tables:
+        texts["statements.tex"] = statements_tex(tables["statements"])
     texts |= {f"figures/{drawing.name}.svg": drawing.svg for drawing in drawings.values()}
     for name, text in texts.items():
         write_text_atomic(folder / name, text)

@@ -6,11 +6,14 @@ import numpy as np
 
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.fits import usable
-from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles
+from emg2vsa.report.activity_column import activity_column
+from emg2vsa.report.hypothesis_tables import hypothesis_tables
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.recovery import recover
+from emg2vsa.report.statements import statements
 from emg2vsa.report.table import Cell, Column, Table, rows_of
+from emg2vsa.report.verdict_tables import verdict_tables
 from emg2vsa.schedules import Schedule
 
 
@@ -19,7 +22,8 @@ def study_tables(results: StudyResults) -> dict[str, Table]:
     scale = scale_of(results)
     tables = [_fits(results, scale), _fits_by_specimen(results, scale)]
     if results.hypotheses is not None:
-        tables += _hypotheses(results.hypotheses, scale)
+        tested = results.hypotheses
+        tables += [*hypothesis_tables(tested, scale), *verdict_tables(tested, scale), statements(tested)]
     if results.profiles is not None:
         tables += [_profiles(results.profiles, scale), _leave_one_out(results.profiles, scale)]
     if results.schedules:
@@ -33,11 +37,6 @@ def scale_of(results: StudyResults) -> ActivityScale:
     """The unit of all activities of the report."""
     fits = results.fits
     return activity_scale(fits.activity_unit, fits.v_max_v[usable(fits, results.study.hypotheses.use)])
-
-
-def activity_column(key: str, name: str, scale: ActivityScale) -> Column:
-    """Column of activities: volts in CSV, ``scale``'s unit for people; without ``_v`` where it is not in volts."""
-    return Column(key, scale.label(name), scale.factor, name="" if scale.unit else key.removesuffix("_v"))
 
 
 _R2_HEADS = {
@@ -93,51 +92,6 @@ def _fits_by_specimen(results: StudyResults, scale: ActivityScale) -> Table:
         Column("adj_r2_samples_median", "Median adj. R², samples"),
     )
     return Table("fits_by_specimen", "Fits v = a + b ln F of the trials used, by specimen", columns, tuple(rows))
-
-
-def _hypotheses(found: Hypotheses, scale: ActivityScale) -> list[Table]:
-    anova = (Column("f", "F", digits=4), Column("df1", "df 1"), Column("df2", "df 2"), Column("p", "p"))
-    effect = Column("eta2", "η²")
-    normality, between, within, pairs = (
-        found.normality, found.between_participants, found.between_specimens, found.pairs,
-    )  # fmt: skip
-    return [
-        Table(
-            "normality",
-            "Kolmogorov-Smirnov test of each cluster of b: standardised by its own mean and SD; raw against N(0, 1)",
-            (
-                Column("participant", "Participant"), Column("specimen", "Specimen"), Column("n", "n"),
-                Column("d_standardised", "D standardised"), Column("p_standardised", "p standardised"),
-                Column("d_raw", "D raw"), Column("p_raw", "p raw"),
-            ),
-            rows_of(*vars(normality).values()),
-        ),
-        Table(
-            "anova_participants",
-            "One-way ANOVA of b between participants, one for each specimen",
-            (
-                Column("specimen", "Specimen"), *anova, effect, Column("n_participants", "Participants"),
-                Column("n", "Trials"),
-            ),
-            rows_of(*vars(between).values()),
-        ),
-        Table(
-            "anova_specimens",
-            "One-way ANOVA of b between specimens, one for each participant",
-            (Column("participant", "Participant"), *anova, effect),
-            rows_of(*vars(within).values()),
-        ),
-        Table(
-            "lsd_pairs",
-            "Fisher's LSD on b between specimens, not corrected for the number of pairs",
-            (
-                Column("participant", "Participant"), Column("first", "First"), Column("second", "Second"),
-                activity_column("difference_v", "Difference", scale), activity_column("lo_v", "Low", scale),
-                activity_column("hi_v", "High", scale), Column("t", "t"), Column("df", "df"), Column("p", "p"),
-            ),
-            rows_of(*vars(pairs).values()),
-        ),
-    ]  # fmt: skip
 
 
 def _profiles(profiles: Profiles, scale: ActivityScale) -> Table:

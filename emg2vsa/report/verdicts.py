@@ -8,7 +8,6 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.report.outcome_text import Style, p_said, statistic_said
-from emg2vsa.report.wording import count
 from emg2vsa.stats.outcome import Outcome
 
 NO = "no"
@@ -22,14 +21,14 @@ def decided(outcomes: Sequence[Outcome], alpha: float, many: str, style: Style =
     return how_many(np.array([outcome.p for outcome in outcomes], dtype=np.float64), alpha, many, style)
 
 
-def how_many(p: Floats, alpha: float, many: str, style: Style = "apa") -> str:
-    """``14 of 14 participants significant (largest p < .001)``."""
+def how_many(p: Floats, alpha: float, many: str, style: Style = "apa", does: str = "significant") -> str:
+    """``14 of 14 participants significant (largest p < .001)``; ``does`` : another word for significant."""
     p = p[np.isfinite(p)]
     if not p.size:
         return "not defined"
     significant = int(np.count_nonzero(p < alpha))
     which, extreme = ("largest", p.max()) if 2 * significant > p.size else ("smallest", p.min())
-    return f"{significant} of {p.size} {many} significant ({which} {p_said(float(extreme), style)})"
+    return f"{significant} of {p.size} {many} {does} ({which} {p_said(float(extreme), style)})"
 
 
 def change(paper: Floats, companion: Floats, alpha: float) -> str:
@@ -55,11 +54,13 @@ def change_of_claim(paper: Floats, companion: float, alpha: float) -> str:
         return UNDECIDED
     share = float(np.mean(paper < alpha))
     if share in (0.0, 1.0):
-        return NO if (share == 1.0) == (companion < alpha) else "yes: " + (
-            "significant" if companion < alpha else "not significant"
+        return (
+            NO
+            if (share == 1.0) == (companion < alpha)
+            else "yes: " + ("significant" if companion < alpha else "not significant")
         )
     says = "significant" if companion < alpha else "not significant"
-    return f"the paper's tests disagree ({count(int(np.count_nonzero(paper < alpha)), 'test')} of {paper.size}); here {says}"
+    return f"the paper's tests disagree ({np.count_nonzero(paper < alpha)} of {paper.size} significant); here {says}"
 
 
 def change_of_evidence(paper: Floats, bf01: Floats, alpha: float) -> str:

@@ -27,21 +27,11 @@ def bounded(value: float, decimals: int = 3) -> str:
 
 
 def p_text(p: float) -> str:
-    """``p = .039``, ``p < .001``."""
+    """``p = .039``, ``p < .001``, ``p > .999``."""
     if math.isnan(p):
         return f"p{NO_BREAK}not defined"
-    return f"p{NO_BREAK}<{NO_BREAK}.001" if p < 0.001 else f"p{NO_BREAK}={NO_BREAK}{bounded(p)}"
-
-
-def f_text(f: float, df1: float, df2: float, p: float, eta2: float) -> str:
-    """``F(4, 45) = 5.23, p = .002, η² = .32``."""
-    shown = f"F({df1:.0f}, {df2:.0f}) = {f:.2f}, {p_text(p)}, η² = {bounded(eta2, 2)}"
-    return shown.replace(" = ", f"{NO_BREAK}={NO_BREAK}")
-
-
-def t_text(t: float, df: float, p: float) -> str:
-    """``t(45) = 2.12, p = .039``."""
-    return f"t({df:.0f}) = {t:.2f}, {p_text(p)}"
+    relation, value = ("<", 0.001) if p < 0.001 else (">", 0.999) if p > 0.9995 else ("=", p)
+    return f"p{NO_BREAK}{relation}{NO_BREAK}{bounded(value)}"
 
 
 def percent(share: float, digits: int = 3) -> str:

@@ -128,7 +128,8 @@ def _coefficients(ms: _MeanSquares, f: Floats, df2: Floats, confidence: float) -
     single, low, high = (_of_f(x, k) for x in (f[:, :3], at_low, at_high))
     single[:, 1] = _absolute(ms.subjects, ms.raters, ms.error, ms.n, k)
     low[:, 1], high[:, 1] = _absolute_interval(ms, single[:, 1], tail)
-    return tuple(np.concatenate([x, _of_mean(x, k)], axis=1) for x in (single, low, high))  # type: ignore[return-value]
+    value, low, high = (np.concatenate([x, _of_mean(x, k)], axis=1) for x in (single, low, high))
+    return value, low, high
 
 
 def _of_f(f: Floats, k: int) -> Floats:

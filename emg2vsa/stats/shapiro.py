@@ -75,13 +75,12 @@ def _weights(n: int) -> Floats:
     m = special.ndtri((np.arange(1, n + 1) - 0.375) / (n + 0.25))
     squares = np.sum(m**2)
     u = 1 / np.sqrt(n)
-    weights = np.empty(n)
     ends = [_polynomial(_LAST, u) + m[-1] / np.sqrt(squares)]
     if n > 5:
         ends.append(_polynomial(_LAST_BUT_ONE, u) + m[-2] / np.sqrt(squares))
     e = len(ends)
     scale = (squares - 2 * np.sum(m[-e:] ** 2)) / (1 - 2 * sum(end**2 for end in ends))
-    weights[:] = m / np.sqrt(scale)
+    weights = np.asarray(m / np.sqrt(scale))
     weights[-e:] = ends[::-1]
     weights[:e] = -np.array(ends)
     return weights

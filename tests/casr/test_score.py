@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.errors import FramesError, NoContactError, SettingError
+from casr.errors import FramesError, NoContactError, PinsError, SettingError
 from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
 from casr.frame_files import open_frames
@@ -178,6 +178,13 @@ def test_frames_in_no_order_are_reported() -> None:
     jumping = np.stack([np.roll(image, tuple(by), axis=(0, 1)) for by in shift])
     scored = score(FrameSequence(ArrayFrames(jumping)), ScoreSettings(region=Region.circle(150, 150, 50)))
     assert any("one press, in order?" in note for note in scored.notes)
+
+
+def test_the_frame_in_which_the_pins_are_lost_is_named() -> None:
+    images = np.stack([drawn(simulated("S5"), 20)] * 4)
+    images[2:] = 0
+    with pytest.raises(PinsError, match="frame 2"):
+        score(FrameSequence(ArrayFrames(images)), ScoreSettings(region=Region.circle(150, 150, 50)))
 
 
 def test_as_json() -> None:

@@ -1,0 +1,184 @@
+"""Calibration: kappa = p exp(q CASR), or another law, through specimens of known stiffness; many at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from annotated_types import Ge, Gt, Lt
+from numpy.typing import ArrayLike
+from scipy import special
+
+from emg2vsa.arrays import Floats
+from emg2vsa.calibration.laws import Law, LawFit, Minimise, fit_law
+from emg2vsa.calibration.presses import mean_of
+from emg2vsa.curves.weighted_rows import weighted_rows
+from emg2vsa.errors import DataError
+from emg2vsa.settings import FORBID_UNKNOWN_KEYS
+
+_EQUATIONS = {
+    "exponential": "kappa = {0:.4g} exp({1:.4g} CASR)",
+    "power": "kappa = {0:.4g} CASR^{1:.4g}",
+    "linear-log": "kappa = {0:.4g} {1:+.4g} ln CASR",
+}
+ENOUGH_SPECIMENS = 6
+"""Specimens below which the fit itself is all but untested (statistics notes 4.6)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrationSettings:
+    """Which law, how it is fitted, and how its intervals are made."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    law: Law = "exponential"
+    "exponential (paper): kappa = p exp(q CASR); power: p CASR^q; linear-log: a + b ln CASR."
+    minimise: Minimise = "kappa"
+    "Errors of kappa (paper), of ln kappa, or of CASR (errors in x: the noise is in the score)."
+    points: Literal["means", "repetitions"] = "means"
+    "means: one point a specimen; repetitions: every press, which are repeats and not more specimens."
+    confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
+    resamples: Annotated[int, Ge(1)] = 2000
+    "Of the bootstrap over repetitions."
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """d calibrations on S specimens with up to R presses each; NaN where undefined.
+
+    kappa : (d, S) N/mm, given. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S).
+    fit : the law. r2, adj_r2 : (d,) of kappa about its mean over the points that were fitted, adjusted by (n - 1) / dof.
+    left_out : (d, S) kappa of each specimen as the others predict it.
+    """
+
+    settings: CalibrationSettings
+    specimens: tuple[str, ...]
+    casr_unit: str
+    kappa: Floats
+    casr: Floats
+    mean_casr: Floats
+    fit: LawFit
+    r2: Floats
+    adj_r2: Floats
+    left_out: Floats
+
+    @property
+    def left_out_error(self) -> Floats:
+        """(d, S) relative error of each specimen's kappa as the others predict it; .05 is 5 % too stiff."""
+        return self.left_out / self.kappa - 1
+
+    def equation(self, i: int = 0) -> str:
+        """The fitted law in numbers, with units: those of the parameters hang on them."""
+        law = _EQUATIONS[self.settings.law].format(*self.fit.parameters[i])
+        return f"{law} (kappa in N/mm, CASR in {self.casr_unit})"
+
+    def notes(self, i: int = 0) -> tuple[str, ...]:
+        """What must be known to read calibration ``i``, the warning about few specimens first."""
+        n = int(np.count_nonzero(np.isfinite(self.mean_casr[i])))
+        notes = _about_specimens(n, self.settings)
+        if np.isnan(self.fit.slope[i]):
+            notes = ("undefined: the law cannot be fitted to these scores", *notes)
+        elif self.fit.slope[i] > 0:
+            notes += ("kappa rises with CASR: softer specimens should have the larger score",)
+        return notes
+
+
+def calibrate(
+    kappa: ArrayLike,
+    casr: ArrayLike,
+    settings: CalibrationSettings | None = None,
+    *,
+    casr_unit: str,
+    specimens: tuple[str, ...] = (),
+) -> Calibration:
+    """Fit a law through specimens of known stiffness.
+
+    kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
+    Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
+    """
+    settings = settings or CalibrationSettings()
+    scores = _three_dimensional(casr)
+    d, s, _ = scores.shape
+    stiffness = _checked_kappa(kappa, d, s)
+    scores = np.where(np.isfinite(scores), scores, np.nan)
+    means = mean_of(scores)
+    x, y = (means, stiffness) if settings.points == "means" else _each_press(scores, stiffness)
+    fit = fit_law(settings.law, settings.minimise, x, y)
+    fitted = fit.at(x)
+    rows = weighted_rows(np.where(np.isfinite(fitted), x, np.nan), y, None, where="calibration")
+    r2, adj_r2 = rows.explained_by(np.nan_to_num(fitted))
+    return Calibration(
+        settings=settings,
+        specimens=specimens or tuple(f"S{j + 1}" for j in range(s)),
+        casr_unit=casr_unit,
+        kappa=stiffness,
+        casr=scores,
+        mean_casr=means,
+        fit=fit,
+        r2=r2,
+        adj_r2=adj_r2,
+        left_out=_left_out(settings, x, y, means),
+    )
+
+
+def _left_out(settings: CalibrationSettings, x: Floats, y: Floats, means: Floats) -> Floats:
+    """kappa (d, S) at the mean of each specimen from a fit without its points; NaN below three specimens."""
+    d, s = means.shape
+    specimen = np.arange(x.shape[1]) // (x.shape[1] // s)
+    without = np.where(specimen == np.arange(s)[:, None], np.nan, 0.0)
+    rows = (x[:, None, :] + without).reshape(d * s, -1)
+    fit = fit_law(settings.law, settings.minimise, rows, np.repeat(y, s, axis=0))
+    predicted = fit.at(means.reshape(-1, 1)).reshape(d, s)
+    enough = np.count_nonzero(np.isfinite(means), axis=1) >= 3
+    return np.where(enough[:, None], predicted, np.nan)
+
+
+def _each_press(scores: Floats, kappa: Floats) -> tuple[Floats, Floats]:
+    d, s, r = scores.shape
+    return scores.reshape(d, s * r), np.repeat(kappa, r, axis=1)
+
+
+def _about_specimens(n: int, settings: CalibrationSettings) -> tuple[str, ...]:
+    if n < 3:
+        return (f"{n} specimens: the law passes through them and nothing tests it",)
+    freedom = n - 2
+    t = float(special.stdtrit(freedom, 0.5 + 0.5 * settings.confidence))
+    count = {3: "three", 4: "four", 5: "five"}.get(n, str(n))
+    words = "one degree" if freedom == 1 else f"{freedom} degrees"
+    notes: tuple[str, ...] = ()
+    if n < ENOUGH_SPECIMENS:
+        notes = (
+            f"{count} specimens and two parameters leave {words} of freedom: an interval of the fit reaches {t:.2f} "
+            "standard errors each way, and adjusted R2 says next to nothing about the law; "
+            f"{ENOUGH_SPECIMENS} specimens or more are needed to test it",
+        )
+    if settings.points == "repetitions":
+        notes += ("presses of one specimen are repeats: more of them do not test the law",)
+    return notes
+
+
+def _three_dimensional(casr: ArrayLike) -> Floats:
+    scores = np.asarray(casr, dtype=np.float64)
+    if scores.ndim == 2:
+        scores = scores[None]
+    if scores.ndim != 3 or 0 in scores.shape[1:]:
+        raise DataError(
+            "calibration, CASR",
+            wanted="scores (specimens, presses) or (calibrations, specimens, presses)",
+            found=str(scores.shape),
+            do="Pad missing presses with NaN.",
+        )
+    return scores
+
+
+def _checked_kappa(kappa: ArrayLike, d: int, s: int) -> Floats:
+    given = np.asarray(kappa, dtype=np.float64)
+    if given.shape not in ((s,), (d, s)):
+        raise DataError(
+            "calibration, kappa", wanted=f"one value for each of {s} specimens", found=str(given.shape), do="Pass it."
+        )
+    if not np.all((given > 0) & np.isfinite(given)):
+        raise DataError("calibration, kappa", wanted="stiffness above 0", found=str(given.min()), do="Check the list.")
+    return np.broadcast_to(given, (d, s))

@@ -1,0 +1,153 @@
+"""Stiffness of a specimen from its CASR scores, with intervals that count both the calibration's noise and its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.calibration.calibrate import Calibration
+from emg2vsa.calibration.laws import fit_law
+from emg2vsa.calibration.presses import mean_of, redrawn
+from emg2vsa.errors import DataError
+from emg2vsa.stats.outcome import Outcome
+
+_SCORES_AT_ONCE = 2_000_000
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One unknown specimen by each of d calibrations; (d,), NaN where undefined.
+
+    kappa : N/mm. se : delta method, from the variance of the fit and that of the mean score. delta_low, delta_high :
+    Student t with ``df``, Satterthwaite's for the two variances. bootstrap_low, bootstrap_high : percentiles over
+    presses drawn again, of calibration and unknown. mean_casr, n : of its presses. extrapolated : whether the mean lies
+    outside the calibration's. With an exact law and ten presses 95 % intervals cover 94 to 96 % (delta, least squares of kappa)
+    and 91 % (bootstrap). Neither knows of errors of the calibration's kappa, and the bootstrap not of those of the law.
+    """
+
+    calibration: Calibration
+    kappa: Floats
+    se: Floats
+    df: Floats
+    delta_low: Floats
+    delta_high: Floats
+    bootstrap_low: Floats
+    bootstrap_high: Floats
+    mean_casr: Floats
+    n: Ints
+    extrapolated: NDArray[np.bool_]
+
+    def outcome(self, i: int = 0, interval: Literal["delta", "bootstrap"] = "bootstrap") -> Outcome:
+        """Calibration ``i`` alone, with one of its two intervals."""
+        low, high = (
+            (self.delta_low, self.delta_high) if interval == "delta" else (self.bootstrap_low, self.bootstrap_high)
+        )
+        settings = self.calibration.settings
+        how = "delta method" if interval == "delta" else f"{settings.resamples} bootstrap resamples of presses"
+        chosen = f"least squares of {settings.minimise}, {settings.points}"
+        return Outcome(
+            method=f"{settings.law} calibration ({chosen}), {how}",
+            n=int(self.n[i]),
+            estimate_name="kappa",
+            estimate=float(self.kappa[i]),
+            interval=(float(low[i]), float(high[i])),
+            confidence=settings.confidence,
+            notes=self.notes(i),
+        )
+
+    def notes(self, i: int = 0) -> tuple[str, ...]:
+        notes: tuple[str, ...] = ()
+        if np.isnan(self.mean_casr[i]):
+            notes += ("undefined: no score",)
+        if self.extrapolated[i]:
+            notes += ("extrapolated: the score lies outside those of the calibration",)
+        if self.n[i] == 1:
+            notes += ("one press: its noise is unknown, and there is no interval",)
+        elif np.isnan(self.bootstrap_low[i]) and np.isfinite(self.kappa[i]):
+            notes += ("no bootstrap interval: the law cannot be fitted to some of the resamples",)
+        return notes + self.calibration.notes(i)
+
+
+def estimate(calibration: Calibration, casr: ArrayLike) -> Estimate:
+    """kappa of a specimen with scores (R,) or (d, R), NaN where there is none. DataError for another shape."""
+    scores = _checked(casr, len(calibration.casr))
+    settings, fit = calibration.settings, calibration.fit
+    n = np.count_nonzero(np.isfinite(scores), axis=1)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        mean = np.nansum(scores, axis=1) / n
+        squares = np.nansum((scores - mean[:, None]) ** 2, axis=1)
+        column = mean[:, None]
+        of_mean = fit.steepness(column)[:, 0] ** 2 * squares / np.where(n > 1, (n - 1) * n, np.nan)
+        of_fit = fit.se_at(column)[:, 0] ** 2
+        df = _satterthwaite(of_fit, fit.dof, of_mean, n - 1)
+        kappa, se = fit.at(column)[:, 0], np.sqrt(of_fit + of_mean)
+        reach = special.stdtrit(df, 0.5 + 0.5 * settings.confidence) * se
+    low, high = _bootstrap(calibration, np.where((n > 1)[:, None], scores, np.nan))
+    known = calibration.mean_casr
+    below = mean < np.min(known, axis=1, initial=np.inf, where=np.isfinite(known))
+    above = mean > np.max(known, axis=1, initial=-np.inf, where=np.isfinite(known))
+    return Estimate(
+        calibration=calibration,
+        kappa=kappa,
+        se=se,
+        df=df,
+        delta_low=kappa - reach,
+        delta_high=kappa + reach,
+        bootstrap_low=low,
+        bootstrap_high=high,
+        mean_casr=mean,
+        n=n,
+        extrapolated=below | above,
+    )
+
+
+def _satterthwaite(first: Floats, first_df: Ints, second: Floats, second_df: Ints) -> Floats:
+    """Degrees of freedom (d,) of the sum of two variances (Satterthwaite 1946); NaN where one has none."""
+    total = first + second
+    share = np.where(total > 0, first / total, 0.0)
+    df = 1 / (share**2 / first_df + (1 - share) ** 2 / second_df)
+    return np.asarray(np.where((first_df > 0) & (second_df > 0), df, np.nan) + 0 * total)
+
+
+def _bootstrap(calibration: Calibration, scores: Floats) -> tuple[Floats, Floats]:
+    """Percentile interval (d,); blocks of calibrations, so that memory stays small."""
+    d, s, r = calibration.casr.shape
+    size = max(1, _SCORES_AT_ONCE // (calibration.settings.resamples * s * r))
+    cuts = [slice(i, i + size) for i in range(0, max(d, 1), size)]
+    parts = [_bootstrap_block(calibration, scores, cut) for cut in cuts]
+    low, high = (np.concatenate(side) for side in zip(*parts, strict=True))
+    return low, high
+
+
+def _bootstrap_block(calibration: Calibration, scores: Floats, cut: slice) -> tuple[Floats, Floats]:
+    settings = calibration.settings
+    rng = np.random.default_rng(settings.seed)
+    known = redrawn(calibration.casr[cut], settings.resamples, rng)
+    new = redrawn(scores[cut], settings.resamples, rng)
+    d, b, s, r = known.shape
+    kappa = np.broadcast_to(calibration.kappa[cut][:, None, :, None], known.shape)
+    if settings.points == "means":
+        x, y = mean_of(known).reshape(d * b, s), kappa[..., 0].reshape(d * b, s)
+    else:
+        x, y = known.reshape(d * b, s * r), kappa.reshape(d * b, s * r)
+    fit = fit_law(settings.law, settings.minimise, x, y)
+    values = fit.at(mean_of(new).reshape(d * b, 1)).reshape(d, b)
+    low, high = np.quantile(values, [0.5 - 0.5 * settings.confidence, 0.5 + 0.5 * settings.confidence], axis=1)
+    return low, high
+
+
+def _checked(casr: ArrayLike, d: int) -> Floats:
+    scores = np.atleast_2d(np.asarray(casr, dtype=np.float64))
+    if scores.ndim != 2 or len(scores) not in (1, d) or scores.shape[1] == 0:
+        raise DataError(
+            "unknown specimen, CASR",
+            wanted=f"scores (presses,) or ({d}, presses)",
+            found=str(np.shape(casr)),
+            do="Pad missing presses with NaN.",
+        )
+    return np.broadcast_to(np.where(np.isfinite(scores), scores, np.nan), (d, scores.shape[1]))
