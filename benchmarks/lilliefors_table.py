@@ -1,10 +1,10 @@
 """How ``emg2vsa/stats/lilliefors_table.py`` is made: the law of Lilliefors' D by simulation down to p = 1e-8.
 
-``python -m benchmarks.lilliefors_table [--sizes 10 20] [--samples 10000000]`` prints the rows of the table; all of it
-takes about half an hour of one core. The body of each law is plain Monte Carlo, down to p = .01, of 3e8 values and at
-most ``samples`` samples. The tail is multilevel splitting (Kahn and Harris 1951; Au and Beck 2001): the samples with
-the largest D are copied and moved by Metropolis steps that keep the normal law above that D, then their largest tenth,
-and so on, down a factor ten each time.
+``python -m benchmarks.lilliefors_table`` prints the tables; half an hour of one core. The body of each law is plain
+Monte Carlo, down to p = .01, of 3e8 values and at most 1e7 samples. The tail is multilevel splitting (Kahn and Harris
+1951; Au and Beck 2001): the samples with the largest D are copied and moved by Metropolis steps that keep the normal
+law above that D, then their largest tenth, and so on, down a factor ten each time. Small n have a row each; from n = 12
+on the rows are smoothed by polynomials in 1 / sqrt(n), which also lead to the limit law.
 """
 
 from __future__ import annotations
@@ -12,15 +12,17 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import textwrap
 import time
 
 import numpy as np
 from numba import njit
 
 from emg2vsa.arrays import Floats
-from emg2vsa.stats.lilliefors_table import LEVELS, SIZES, reach
+from emg2vsa.stats.lilliefors_table import LARGE, LEVELS, reach
 
-MOST_VALUES = 300_000_000
+SIZES = [*range(4, 13), 14, 15, 17, 20, 25, 30, 40, 50, 70, 100, 300, 1000]
+SAMPLES, MOST_VALUES, DEGREE = 10_000_000, 300_000_000, 4
 COPIES, KEPT, STEPS, POOLED, ACCEPTED = 3, 0.1, 12, 6, 0.3
 
 
@@ -111,16 +113,32 @@ def law(n: int, samples: int) -> Floats:
     return quantiles
 
 
+def smooth(sizes: list[int], rows: Floats) -> Floats:
+    """Polynomials in 1 / sqrt(n) (levels, degree + 1) through the rows of sizes from LARGE on, by their precision."""
+    large = np.array(sizes) >= LARGE
+    n = np.array(sizes)[large]
+    weight = np.sqrt(np.minimum(SAMPLES, MOST_VALUES / n))
+    return np.asarray(np.polynomial.polynomial.polyfit(1 / np.sqrt(n), rows[large], DEGREE, w=weight).T)
+
+
+def as_python(name: str, table: Floats) -> str:
+    rows = ("[" + ", ".join(f"{value:.4f}" for value in row) + "]," for row in table)
+    lines = (textwrap.fill(row, 116, initial_indent=" " * 4, subsequent_indent=" " * 5) for row in rows)
+    return f"{name} = np.array([\n" + "\n".join(lines) + "\n])  # fmt: skip"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sizes", type=int, nargs="+", default=list(SIZES))
-    parser.add_argument("--samples", type=int, default=10_000_000)
-    arguments = parser.parse_args()
-    for n in arguments.sizes:
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
+    sizes = sorted(parser.parse_args().sizes)
+    rows = []
+    for n in sizes:
         begin = time.process_time()
-        row = reach(law(n, min(arguments.samples, MOST_VALUES // n)), n)
-        print(f"{n} " + " ".join(f"{value:.4f}" for value in row), flush=True)
+        rows.append(reach(law(n, min(SAMPLES, MOST_VALUES // n)), n))
         print(f"n = {n}: {time.process_time() - begin:.0f} s", file=sys.stderr, flush=True)
+    table = np.array(rows)
+    print(as_python("SMALL", table[np.array(sizes) < LARGE]))
+    print(as_python("LARGER", smooth(sizes, table)))
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ class ScoreSettings:
     """
 
     flow: FlowSettings = field(default_factory=FlowSettings)
-    area_rule: str = "hexagon"
+    area_rule: str = "edge"
     area_law: str = "ode"
     rate_rule: str = "slope"
     threshold_px: float = 2.0

@@ -105,7 +105,7 @@ def _facts(area: InitialArea | None) -> dict[str, Any] | None:
         return None
     return {
         "area_mm2": area.area_mm2, "area_px2": area.area_px2, "selected": len(area.selected),
-        "saturated": bool(area.saturated), "notes": list(area.notes),
+        "relative_sd": area.relative_sd, "saturated": bool(area.saturated), "notes": list(area.notes),
     }  # fmt: skip
 
 
@@ -118,7 +118,9 @@ def _print(report: dict[str, Any]) -> None:
             print(f"  {rule:<8} {'-':>10} {'-':>10} {0:>5}  no contact")
             continue
         mm2 = f"{area['area_mm2']:.4g}" if area["area_mm2"] is not None else "-"
-        saturated = "  saturated" if area["saturated"] else ""
-        print(f"  {rule:<8} {mm2:>10} {area['area_px2']:>10.5g} {area['selected']:>5}{saturated}")
+        remark = "  saturated" if area["saturated"] else ""
+        if area["relative_sd"] is not None:
+            remark += f"  noise of the pins moves it by {100 * area['relative_sd']:.1f} % (1 sd)"
+        print(f"  {rule:<8} {mm2:>10} {area['area_px2']:>10.5g} {area['selected']:>5}{remark}")
         for note in area["notes"]:
             print(f"           {note}")

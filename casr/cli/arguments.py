@@ -16,7 +16,7 @@ Group = argparse._ActionsContainer  # a parser or a group of its options
 Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
-AREA_RULES = ("hexagon", "edge", "circle", "paper")
+AREA_RULES = ("edge", "hexagon", "circle", "paper")
 "Written out once more, because the modules that own them load NumPy; a test compares them."
 
 

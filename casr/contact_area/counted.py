@@ -62,7 +62,7 @@ def _pin_that_moved_most(
             "first contact",
             wanted=f"pins that moved more than {threshold_px:g} px from the rest frame",
             found=found,
-            do="Start at a higher force, lower threshold_px, or take the area of one pin (on_no_contact).",
+            do="Start at a higher force, or lower threshold_px.",
         )
     inside = np.arange(motion.ids.size) == farthest
     return inside, (f"No pin moved more than {threshold_px:g} px ({found}): the area is that of one pin.",)

@@ -21,6 +21,8 @@ class InitialArea:
     polygon_px : (K, 2) outline of the contact in the first-contact frame. For hexagons it is their convex hull, whose
         area need not be A_c0.
     notes : what was left out, filled or fell back.
+    relative_sd : standard deviation of the area for the noise of single pins, as a share of it; None where the rule
+        does not tell.
     saturated : nearly all pins moved, so that the threshold shows the size of the array instead of the contact's.
     """
 
@@ -30,4 +32,5 @@ class InitialArea:
     selected: NDArray[np.intp]
     polygon_px: NDArray[np.float64]
     notes: tuple[str, ...]
+    relative_sd: float | None = None
     saturated: bool = False

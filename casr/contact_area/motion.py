@@ -93,13 +93,10 @@ def contact_cluster(motion: PinMotion, threshold_px: float) -> tuple[NDArray[np.
     cluster = _largest_group(moved, motion.apart_px < GROUP_PITCHES * motion.pitch_px)
     notes: tuple[str, ...] = ()
     if (dropped := int(moved.sum() - cluster.sum())) > 0:
-        notes += (f"{dropped} moved pins apart from the contact are left out.",)
+        notes += (f"Pins that moved apart from the contact are left out: {dropped}.",)
     if cluster.sum() >= 3:
         hull = Region.from_points(motion.rest_px[cluster])
-        enclosed = hull.contains(motion.rest_px) & ~cluster
-        if enclosed.any():
-            notes += (f"{int(enclosed.sum())} pins that did not move are enclosed by ones that did.",)
-        cluster = cluster | enclosed
+        cluster = cluster | hull.contains(motion.rest_px)
     return cluster, notes
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,9 +32,7 @@ def edge_rule(motion: PinMotion, camera: Camera | None) -> InitialArea | str:
     inside = region.contains(motion.contact_px)
     if not 3 <= inside.sum() <= motion.ids.size / 2:
         return f"{int(inside.sum())} of {motion.ids.size} pins would lie inside"
-    spread = f"noise moves its area by {100 * edge.area_error:.1f} % (1 sd)"
-    notes = (f"Contact edge fitted to {motion.ids.size} pins: {spread}.",)
-    return _within(region, motion, camera, "edge", inside, notes)
+    return replace(_within(region, motion, camera, "edge", inside), relative_sd=edge.area_error)
 
 
 def _doubt(edge: ContactEdge) -> str | None:
@@ -60,7 +60,7 @@ def _within(
     camera: Camera | None,
     rule: str,
     inside: NDArray[np.bool_],
-    notes: tuple[str, ...],
+    notes: tuple[str, ...] = (),
 ) -> InitialArea:
     flat = region if camera is None else Region(camera.undistorted_px(region.polygon_px))
     return InitialArea(

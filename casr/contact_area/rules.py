@@ -15,7 +15,7 @@ from casr.contact_area.outlined import circle_rule, edge_rule
 from casr.errors import SettingError
 from casr.pins import Pins
 
-RULES = ("hexagon", "edge", "circle", "paper")
+RULES = ("edge", "hexagon", "circle", "paper")
 ON_NO_CONTACT = ("error", "one-pin")
 
 
@@ -24,7 +24,7 @@ def initial_area(
     contact_px: NDArray[np.float64],
     *,
     camera: Camera | None = None,
-    rule: str = "hexagon",
+    rule: str = "edge",
     threshold_px: float = 2.0,
     on_no_contact: str = "error",
 ) -> InitialArea:
@@ -35,9 +35,9 @@ def initial_area(
     rest : pins of the rest frame.
     contact_px : (N, 2) where the same pins are in the first-contact frame; NaN where one is lost.
     camera : for mm and distortion; without it areas are in px^2 only.
-    rule : ``hexagon``: one hexagon for each pin that moved more than ``threshold_px`` and each pin those enclose; pitch
-        of the rest frame (Algorithm 1 with one-to-one pairs). ``edge``: ellipse at the fold of the displacement field
-        (``fit_edge``), as it lies in the first-contact frame; ``hexagon`` with a note where the fit is not sound.
+    rule : ``edge``: ellipse at the fold of the displacement field (``fit_edge``), as it lies in the first-contact
+        frame; ``hexagon`` with a note where the fit is not sound. ``hexagon``: one hexagon for each pin that moved more
+        than ``threshold_px`` and each pin those enclose; pitch of the rest frame (Algorithm 1, pairs one to one).
         ``circle``: through the pin farthest from the central one, of all pins (previous work; the same whatever is
         touched). ``paper``: Algorithm 1 to the letter, whole-pixel centroids and all pairs of pins.
     threshold_px : of ``hexagon`` and ``paper``.

@@ -49,7 +49,7 @@ class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
     kappa : (d, S) N/mm, given. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S).
-    fit : the law. r2, adj_r2 : (d,) of kappa about its mean over the points that were fitted, adjusted by (n - 1) / dof.
+    fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
     left_out : (d, S) kappa of each specimen as the others predict it.
     """
 

@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.curves.line import fit_line
-from emg2vsa.curves.variable_projection import log_linear_start, projected, search
+from emg2vsa.curves.variable_projection import has_minimum, log_linear_start, projected, search
 from emg2vsa.curves.weighted_rows import WeightedRows, weighted_rows
 
 PROBLEMS = (
     "",
     "undefined: fewer than two points of one sign at different x",
-    "undefined: no least-squares exponential, the search for it does not end",
+    "undefined: no exponential is nearest, the search for it does not end",
     "undefined: a value that is not positive has no logarithm",
 )
 _POINTS_AT_ONCE = 8_000  # keeps the temporaries of a block inside the processor's cache
@@ -93,12 +93,13 @@ def _least_squares(rows: WeightedRows) -> ExponentialFit:
     start = log_linear_start(z, y, rows.w)
     q = search(z, y, rows.w, start)
     curve = projected(q, z, y, rows.w)
-    s = np.sqrt(curve.sse / np.where(rows.dof > 0, rows.dof, np.nan))
+    q = np.where(has_minimum(q, z, y, rows.w, curve), q, np.nan)
+    s = np.sqrt(curve.sse / np.where(rows.dof > 0, rows.dof, np.nan)) + 0 * q
     return _assembled(
         "nonlinear least squares (variable projection)",
         rows,
-        x0=rows.x_centre + np.ldexp(curve.centre, unit_x),
-        y0=np.ldexp(curve.level, unit_y),
+        x0=rows.x_centre + np.ldexp(curve.centre + 0 * q, unit_x),
+        y0=np.ldexp(curve.level + 0 * q, unit_y),
         q=np.ldexp(q, -unit_x),
         s=np.ldexp(s, unit_y),
         level_se=s / np.sqrt(curve.level_information),

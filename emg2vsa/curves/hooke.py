@@ -18,8 +18,8 @@ class HookeFit:
     """d trials; every field (d,), NaN where undefined.
 
     kappa, kappa_se : force over indentation (N/mm). contact, contact_se : indentation at which the line leaves the
-    force of rest, x0. rest : mean force before contact; 0 where contact lies before the first point. r2, adj_r2 : of the
-    line, over the points in contact. n_rest, n : points before contact and in contact. dof : n - 2.
+    force of rest, x0. rest : mean force before contact; 0 where contact lies before the first point. r2, adj_r2 : of
+    the line, over the points in contact. n_rest, n : points before contact and in contact. dof : n - 2.
     The standard errors take points as independent: filtered samples are not, and then they are too small.
     """
 

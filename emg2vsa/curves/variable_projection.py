@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.line import fit_line
@@ -17,6 +18,7 @@ _MAX_ITERATIONS = 60
 _LONGEST_STEP = 2.0  # of q where |z| <= 1: factors of e^2 at the ends of the data
 _LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
 _LEAST_CONVEX = 1e-3
+_SPIKE = 1e-12  # of the curve's square, what points other than the heaviest carry
 _EPS = float(np.finfo(np.float64).eps)
 
 
@@ -78,11 +80,29 @@ def search(z: Floats, y: Floats, w: Floats, start: Floats) -> Floats:
         if active.size == 0:
             break
         there = projected(here + step, z, y, w)
-        better = there.sse <= best + 16 * _EPS * (np.sqrt(best * size) + _EPS * size)  # to the rounding of residuals
+        better = there.sse <= best + _rounding(best, size)
         here = np.where(better, here + step, here)
         best = np.where(better, there.sse, best)
         step = np.where(better, np.clip(there.step, -_LONGEST_STEP, _LONGEST_STEP), step / 2)
     return q
+
+
+def has_minimum(q: Floats, z: Floats, y: Floats, w: Floats, curve: Projected) -> NDArray[np.bool_]:
+    """Whether (d,) the sum of squares at ``curve`` grows beyond its q: it does not where the curve has become a spike
+    through one point, which a steeper spike fits as well.
+    """
+    fixed = np.isfinite(q)
+    spikes = np.flatnonzero(fixed & (curve.slope_information < _SPIKE * curve.level_information))
+    if spikes.size:
+        q, z, y, w, sse = q[spikes], z[spikes], y[spikes], w[spikes], curve.sse[spikes]
+        steeper = projected(q + np.sign(q), z, y, w).sse
+        fixed[spikes] = steeper > sse + _rounding(sse, _dot(w * y, y))
+    return fixed
+
+
+def _rounding(sse: Floats, size: Floats) -> Floats:
+    """Of a sum of squared residuals of values whose squares sum to ``size``."""
+    return 16 * _EPS * (np.sqrt(sse * size) + _EPS * size)
 
 
 def log_linear_start(z: Floats, y: Floats, w: Floats) -> Floats:

@@ -73,7 +73,7 @@ def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa")
             ("Kruskal-Wallis", [tests.kruskal.outcome(i) for i in all_of], tests.kruskal.p, ranks),
         )
     ]
-    return [*rows, _evidence_row(tests, paper, alpha, style), _variance_row(tests, paper, alpha, many, style)]
+    return [*rows, _evidence_row(tests, paper, alpha, style)]
 
 
 def _evidence_row(tests: GroupTests, paper: str, alpha: float, style: Style) -> Row:
@@ -86,7 +86,7 @@ def _evidence_row(tests: GroupTests, paper: str, alpha: float, style: Style) -> 
     )
 
 
-def _variance_row(tests: GroupTests, paper: str, alpha: float, many: str, style: Style) -> Row:
+def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> Row:
     """Not a test of the same hypothesis but of what the analysis of variance takes for granted."""
     found = [tests.brown_forsythe.outcome(i) for i in range(tests.anova.f.size)]
     p = tests.brown_forsythe.anova.p
@@ -95,7 +95,7 @@ def _variance_row(tests: GroupTests, paper: str, alpha: float, many: str, style:
     unequal = int(np.count_nonzero(p < alpha))
     says = "prefer Welch" if unequal else "no sign against it"
     return Row(
-        f"{paper.partition(':')[0]} assumes equal variances",
+        "One-way ANOVA assumes equal variances",
         f"Brown-Forsythe: {decided(found, alpha, many, style)}",
         range_said("largest SD / smallest SD", ratio[np.isfinite(ratio)], style),
         says if len(found) == 1 or not unequal else f"{says} for {unequal} of {len(found)}",

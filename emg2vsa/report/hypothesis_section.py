@@ -6,13 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.report import html
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.outcome_text import said
+from emg2vsa.report.outcome_text import said, statistic_said
 from emg2vsa.report.quantity import Quantity
+from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Table
-from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
+from emg2vsa.report.wording import NO_BREAK, activity, bounded, listed, number, p_text, percent
 from emg2vsa.stats.dunn import smallest_worst_p
 from emg2vsa.stats.ks_exact import ks_survival
 
@@ -33,7 +35,7 @@ def hypotheses(results: StudyResults, found: Mapping[str, Quantity], tables: Map
         _normality(tested, tables),
         _participants(tested, found, tables),
         _specimens(tested, found, tables),
-        _pairs(tested, found, tables),
+        _pairs(tested, found, tables, scale_of(results)),
         _power(tables),
         html.heading("Notes of the tests") + html.bullets(tested.notes) if tested.notes else "",
         html.details("Every result as APA, IEEE, LaTeX and plain text", tables["statements"].html()),
@@ -115,7 +117,9 @@ def _specimens(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mappin
     )
 
 
-def _pairs(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
+def _pairs(
+    tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table], scale: ActivityScale
+) -> str:
     if not found["hypotheses.between_specimens.tested"]:
         return ""
     q = tested.tests.pairs.first.size
@@ -125,7 +129,7 @@ def _pairs(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[st
     )
     return (
         html.heading("Which specimens differ?")
-        + html.paragraph(f"Claim: {listed(tested.kept)} differ pairwise, for every participant. {_worst(tested)}")
+        + html.paragraph(f"Claim: {listed(tested.kept)} differ pairwise, for every participant. {_worst(tested, scale)}")
         + tables["verdict_pairs"].html()
         + html.paragraph(_chance(found, "hypotheses.pairs", "uncorrected pairs") + mind)
         + html.paragraph(_rank_bound(tested))
@@ -161,14 +165,16 @@ def _chance(found: Mapping[str, Quantity], key: str, many: str) -> str:
     )
 
 
-def _worst(tested: Hypotheses) -> str:
+def _worst(tested: Hypotheses, scale: ActivityScale) -> str:
     if np.isnan(tested.worst_p):
         return f"No pair among {listed(tested.kept)} could be tested."
     pairs, (row, pair) = tested.tests.pairs, tested.worst
     verdict = "all pairs differ" if tested.worst_p < tested.alpha else "not all pairs differ"
-    holm = p_text(float(pairs.p_holm[row, pair]))
+    holm, lsd = p_text(float(pairs.p_holm[row, pair])), pairs.lsd
+    low, high = (number(float(end[row, pair]) * scale.factor) for end in (lsd.low, lsd.high))
+    by = f"{activity(float(lsd.difference[row, pair]), scale)}, {100 * lsd.confidence:g}% CI [{low}, {high}]"
     return (
-        f"Largest p of Fisher's LSD among them: {tested.worst_pair}, {said(pairs.lsd.outcome(row, pair))}; {verdict} "
+        f"Largest p of Fisher's LSD among them: {tested.worst_pair}, {statistic_said(lsd.outcome(row, pair))}, by {by}; {verdict} "
         f"at this level. With Holm's correction over the pairs of that participant: {holm}."
     )
 

@@ -6,13 +6,20 @@ import numpy as np
 
 from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
-from emg2vsa.report.companion_rows import Row, companion_table, group_rows, normality_rows, pair_rows
+from emg2vsa.report.companion_rows import Row, companion_table, group_rows, normality_rows, pair_rows, variance_row
 from emg2vsa.report.people_rows import equality_rows, over_people_rows
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.verdicts import how_many
 from emg2vsa.report.wording import bounded
 from emg2vsa.stats.power import power_table
 
+_CAPTIONS = {
+    "normality": "Gaussian clusters: the paper's test beside its companions",
+    "participants": "Equal participants: the paper's test beside its companions",
+    "specimens": "Different specimens: the paper's test beside its companions",
+    "pairs": "Different pairs of specimens: the paper's test beside its companions",
+    "power": "Sample size: the paper's computation beside others",
+}
 _PLANNED = "Sample size: 14 people by ten measurements"
 
 
@@ -22,20 +29,23 @@ def verdict_tables(found: Hypotheses, scale: ActivityScale) -> list[Table]:
     across, within = tests.between_blocks, tests.between_groups
     equal = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'specimens')}"
     differ = f"One-way ANOVA: {how_many(within.anova.p, alpha, 'participants')}"
-    made = {
-        ("verdict_normality", "Is each cluster Gaussian?"): normality_rows(tests.normality, alpha, "clusters"),
-        ("verdict_participants", "Are participants equal?"): [
+    rows = {
+        "normality": normality_rows(tests.normality, alpha, "clusters"),
+        "participants": [
             *group_rows(across, alpha, "specimens"),
             *equality_rows(equal, tests.equality, tests.blocks, scale.factor, scale.unit),
+            variance_row(across, alpha, "specimens"),
         ] if across.anova.f.size else [],
-        ("verdict_specimens", "Do specimens differ?"): [
+        "specimens": [
             *group_rows(within, alpha, "participants"),
             *(over_people_rows(differ, within.anova.p, tests.blocks, alpha) if tests.blocks else []),
+            variance_row(within, alpha, "participants"),
         ] if within.anova.f.size else [],
-        ("verdict_pairs", "Which specimens differ?"): pair_rows(tests.pairs, alpha) if within.anova.f.size else [],
-        ("verdict_power", "Was the sample large enough?"): _power_rows(found),
+        "pairs": pair_rows(tests.pairs, alpha) if within.anova.f.size else [],
+        "power": _power_rows(found),
     }  # fmt: skip
-    return [*(companion_table(*key, rows) for key, rows in made.items()), _sensitivity(found)]
+    tables = [companion_table(f"verdict_{name}", _CAPTIONS[name], of) for name, of in rows.items()]
+    return [*tables, _sensitivity(found)]
 
 
 def _power_rows(found: Hypotheses) -> list[Row]:
