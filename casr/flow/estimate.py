@@ -66,5 +66,5 @@ def _engine(settings: FlowSettings) -> Engine:
         return DenseEngine(Dis(settings.dis_preset), settings.core_fraction)
     # loaded when used: it compiles its kernels with numba, which the other engines never need
     horn_schunck = import_module("casr.flow.horn_schunck")
-    method = horn_schunck.HornSchunck(settings.horn_schunck or horn_schunck.HornSchunckSettings())
+    method = horn_schunck.HornSchunck(settings.horn_schunck)
     return DenseEngine(method, settings.core_fraction)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from casr.errors import SettingError
+from casr.flow.horn_schunck_settings import HornSchunckSettings
 from casr.flow.region import Region
 from casr.images import Grey
 from casr.pins import PinSettings
-
-if TYPE_CHECKING:
-    from casr.flow.horn_schunck import HornSchunckSettings  # loads numba
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
 
@@ -25,13 +23,13 @@ class FlowSettings:
     engine : one of ``ENGINES``: the pins of the region; dense flow by Horn and Schunck; dense flow by OpenCV's DIS.
     core_fraction : the fit looks at the region scaled by this about its centroid, 0 to 1. At the border the flow has
         a kink, which pins 20 px apart under-sample and every dense method rounds off.
-    pins : for ``pin-affine``. horn_schunck : for that engine, None for its defaults. dis_preset : for ``dis``.
+    pins : for ``pin-affine``. horn_schunck : for that engine. dis_preset : for ``dis``.
     """
 
     engine: str = "pin-affine"
     core_fraction: float = 0.7
     pins: PinSettings = field(default_factory=PinSettings)
-    horn_schunck: HornSchunckSettings | None = None
+    horn_schunck: HornSchunckSettings = field(default_factory=HornSchunckSettings)
     dis_preset: str = "medium"
 
     def __post_init__(self) -> None:

@@ -59,9 +59,7 @@ class GroupTests:
 def group_tests(values: ArrayLike, confidence: float = 0.95) -> GroupTests:
     """Test ``values`` (d, k groups, n a group), or one design (k, n); NaN: no value there. DataError as ``one_way``."""
     anova = one_way(values)
-    low, high = (
-        np.where(end < _NOTHING, 0.0, end) for end in eta2_interval(anova.f, anova.df1, anova.df2, confidence)
-    )
+    low, high = (np.where(end < _NOTHING, 0.0, end) for end in eta2_interval(anova.f, anova.df1, anova.df2, confidence))
     groups = group_moments(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         sd = np.sqrt(np.where(groups.count > 1, groups.squares / (groups.count - 1), np.nan))

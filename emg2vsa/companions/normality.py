@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.stats.lilliefors import Lilliefors, lilliefors
@@ -26,11 +27,11 @@ class NormalityTests:
         return tuple(tests.outcome(i) for tests in (self.standardised, self.raw, self.lilliefors, self.shapiro))
 
 
-def normality_of(values: ArrayLike) -> NormalityTests:
-    """Test each row of ``values`` (k, n); NaN marks a value that is not there."""
+def normality_of(values: ArrayLike, origin: float = 0.0) -> NormalityTests:
+    """Test each row of ``values`` (k, n), relative to ``origin``; NaN marks a value that is not there."""
     return NormalityTests(
         standardised=ks_normal(values, standardise=True),
-        raw=ks_normal(values, standardise=False),
+        raw=ks_normal(np.asarray(values) + origin, standardise=False),
         lilliefors=lilliefors(values),
         shapiro=shapiro_wilk(values),
     )

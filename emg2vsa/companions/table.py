@@ -37,18 +37,25 @@ class TableTests:
 
 
 def table_tests(
-    clusters: Clusters, alpha: float, margin: float | None = None, unit: MarginUnit = "data", *, protected: bool = False
+    clusters: Clusters,
+    alpha: float,
+    margin: float | None = None,
+    unit: MarginUnit = "data",
+    *,
+    protected: bool = False,
+    origin: float = 0.0,
 ) -> TableTests:
     """Test ``clusters`` at ``alpha``, intervals at 1 - ``alpha``. Never raises for a small or incomplete table.
 
-    margin, unit : within which blocks count as equal. protected : of Fisher's LSD.
+    margin, unit : within which blocks count as equal. protected : of Fisher's LSD. origin : the values are relative to
+    it; all but one of the tests do not mind.
     """
     confidence, cells = 1 - alpha, clusters.count.size
     within = clusters.values if clusters.specimens.size > 1 else _NO_DESIGN
     across = np.swapaxes(clusters.values, 0, 1) if clusters.participants.size > 1 else _NO_DESIGN
     between_groups, between_blocks = group_tests(within, confidence), group_tests(across, confidence)
     return TableTests(
-        normality=normality_of(clusters.values.reshape(cells, -1 if cells else 1)),
+        normality=normality_of(clusters.values.reshape(cells, -1 if cells else 1), origin),
         between_groups=between_groups,
         pairs=pair_tests(within, between_groups, confidence, protected=protected),
         between_blocks=between_blocks,

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 
-import numpy as np
-
 from emg2vsa.errors import DataError
 from emg2vsa.readers.dialect import WHITESPACE, Dialect, sniff
 from emg2vsa.readers.text_file import Line, open_text
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
+_DIGIT = re.compile("[1-9]")
 _ABSENT = frozenset({"", "nan", "na", "n/a", "n.a.", "null", "none", "-", "."})
 _SNIFFED = 50
 _SHOWN = 12
@@ -58,9 +57,9 @@ class TidyTable:
         plain = text.replace(",", ".", 1) if self.decimal == "," else text
         if not _NUMBER.fullmatch(plain):
             return None
-        size = abs(float(plain))
+        size, zero = abs(float(plain)), not _DIGIT.search(plain.lower().partition("e")[0])
         # beyond the reach of float64 no test can say anything, and exact arithmetic would not end
-        return Decimal(plain) if np.isfinite(size) and (size > 0 or not re.search("[1-9]", plain.lower().split("e")[0])) else None
+        return Decimal(plain) if zero or 0 < size < float("inf") else None
 
     def _index(self, name: str) -> int:
         if name in self.names:
@@ -121,7 +120,9 @@ def _cells(path: Path, dialect: Dialect, rows: Sequence[Line], width: int) -> tu
         stripped = [cell.strip() for cell in cells[:width]]
         made.append((*stripped, *[""] * (width - len(stripped))))
     if len(split) != len(rows):
-        raise DataError(path, wanted="one row a line", found="a cell over several lines", do="Close its quotation mark.")
+        raise DataError(
+            path, wanted="one row a line", found="a cell over several lines", do="Close its quotation mark."
+        )
     return tuple(made)
 
 

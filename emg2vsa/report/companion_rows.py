@@ -112,7 +112,7 @@ def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[Row]
         ("Games-Howell", tests.games_howell.p, size, tests.lsd.method, tests.lsd.p),
         ("False discovery rate", tests.p_fdr, size, tests.lsd.method, tests.lsd.p),
         (
-            "Exact Mann-Whitney, Holm", tests.p_rank_holm, shift,
+            "Mann-Whitney, exact with ties, Holm", tests.p_rank_holm, shift,
             "Dunn on mean ranks, Bonferroni (MATLAB's multcompare)", tests.dunn.p,
         ),
     )  # fmt: skip

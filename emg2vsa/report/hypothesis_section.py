@@ -117,9 +117,7 @@ def _specimens(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mappin
     )
 
 
-def _pairs(
-    tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table], scale: ActivityScale
-) -> str:
+def _pairs(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[str, Table], scale: ActivityScale) -> str:
     if not found["hypotheses.between_specimens.tested"]:
         return ""
     q = tested.tests.pairs.first.size
@@ -129,7 +127,9 @@ def _pairs(
     )
     return (
         html.heading("Which specimens differ?")
-        + html.paragraph(f"Claim: {listed(tested.kept)} differ pairwise, for every participant. {_worst(tested, scale)}")
+        + html.paragraph(
+            f"Claim: {listed(tested.kept)} differ pairwise, for every participant. {_worst(tested, scale)}"
+        )
         + tables["verdict_pairs"].html()
         + html.paragraph(_chance(found, "hypotheses.pairs", "uncorrected pairs") + mind)
         + html.paragraph(_rank_bound(tested))
@@ -174,8 +174,8 @@ def _worst(tested: Hypotheses, scale: ActivityScale) -> str:
     low, high = (number(float(end[row, pair]) * scale.factor) for end in (lsd.low, lsd.high))
     by = f"{activity(float(lsd.difference[row, pair]), scale)}, {100 * lsd.confidence:g}% CI [{low}, {high}]"
     return (
-        f"Largest p of Fisher's LSD among them: {tested.worst_pair}, {statistic_said(lsd.outcome(row, pair))}, by {by}; {verdict} "
-        f"at this level. With Holm's correction over the pairs of that participant: {holm}."
+        f"Largest p of Fisher's LSD among them: {tested.worst_pair}, {statistic_said(lsd.outcome(row, pair))}, by {by}; "
+        f"{verdict} at this level. With Holm's correction over the pairs of that participant: {holm}."
     )
 
 

@@ -18,9 +18,9 @@ _LATEX = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\ensuremath{<}", ">": r"\ensuremath{>}",
     "µ": r"\ensuremath{\mu}", "²": r"\ensuremath{^2}", "η": r"\ensuremath{\eta}", "κ": r"\ensuremath{\kappa}",
-    "α": r"\ensuremath{\alpha}", "ε": r"\ensuremath{\varepsilon}", "ρ": r"\ensuremath{\rho}", "χ": r"\ensuremath{\chi}",
-    "₀": r"\ensuremath{_0}", "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}",
-    "−": r"\ensuremath{-}", "≤": r"\ensuremath{\le}", "\N{NO-BREAK SPACE}": "~",
+    "α": r"\ensuremath{\alpha}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}",
+    "ε": r"\ensuremath{\varepsilon}", "ρ": r"\ensuremath{\rho}", "χ": r"\ensuremath{\chi}", "₀": r"\ensuremath{_0}",
+    "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "−": r"\ensuremath{-}", "≤": r"\ensuremath{\le}", "\N{NO-BREAK SPACE}": "~",
 }  # fmt: skip
 
 

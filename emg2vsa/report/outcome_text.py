@@ -97,9 +97,9 @@ def _statistic(outcome: Outcome, style: Style) -> str:
     if name is None or value is None:
         return ""
     df = outcome.df or ((float(outcome.n),) if name in _COUNTS else ())
-    shown = ", ".join(_df(each, style) for each in df)
-    if name == "chi2":
-        shown += f", N = {outcome.n}"
+    shown = ", ".join([*(_df(each, style) for each in df), *([f"N = {outcome.n}"] if name == "chi2" else [])])
+    if style in ("apa", "ieee"):
+        shown = shown.replace(" ", NO_BREAK)
     of = f"({shown})" if shown else ""
     plain, mathematics = _SYMBOLS.get(name, (name, name))
     if style == "plain":

@@ -21,7 +21,7 @@ MEDIUM_T, MEDIUM_ANOVA = float(np.sqrt(0.5)), 0.5
 """Default scales of a difference and of fixed effects; for two groups they are the same prior."""
 # Trapezoid rule in log g. Below the range the prior is under e^-700, above it even effects of 1e16 SDs have decayed.
 # The rule converges geometrically on an integrand as smooth as this one: at this step it is at rounding.
-_STEP = 0.2
+_STEP = 0.25
 _LOG_G = np.arange(-7.3, 110.0, _STEP)
 _LOG_PRIOR = np.log(_STEP) - np.log(2 * np.pi) / 2 - _LOG_G / 2 - np.exp(-_LOG_G) / 2
 _CHUNK = 256

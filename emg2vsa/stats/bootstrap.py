@@ -154,14 +154,14 @@ def _acceleration(samples: Floats, count: Ints, statistic: Statistic) -> Floats:
     influence = np.zeros((d, k, n))
     for group in range(k):
         for place in range(n):
-            there = place < count[:, group]
+            filled = place < count[:, group]
             # a group's only value stays: its influence counts n - 1 = 0 times
             without = samples.copy()
-            without[there & (count[:, group] > 1), group, place] = np.nan
-            influence[:, group, place] = np.where(there, _apply(statistic, without), np.nan)
-    size = np.nanmax(np.abs(influence), axis=(1, 2), keepdims=True, initial=0.0)
-    influence = influence / np.where(size > 0, size, 1.0)
-    there = ~np.isnan(influence)
+            without[filled & (count[:, group] > 1), group, place] = np.nan
+            influence[:, group, place] = np.where(filled, _apply(statistic, without), np.nan)
+    there = np.isfinite(influence)
+    size = np.max(np.abs(influence), axis=(1, 2), keepdims=True, initial=0.0, where=there)
+    influence = np.where(there, influence, 0.0) / np.where(size > 0, size, 1.0)
     mean = np.sum(influence, axis=2, where=there) / np.maximum(np.count_nonzero(there, axis=2), 1)
     u = np.where(there, mean[:, :, None] - influence, 0.0) * ((count - 1) / np.maximum(count, 1))[:, :, None]
     squares = np.sum(u**2, axis=(1, 2))

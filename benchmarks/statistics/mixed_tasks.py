@@ -1,0 +1,119 @@
+"""The mixed model of a balanced study, with and without variance between participants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from mpmath import mp, mpf
+
+from benchmarks.statistics.exact_tests import mean, mpq, squares
+from benchmarks.statistics.peers import statsmodels_formula
+from benchmarks.statistics.task import Exact, Numbers, Peer, Task
+from emg2vsa.stats.mixed import balanced_mixed
+
+VOLTS = 1e-5
+
+
+def mixed_tasks(n_people: int = 14, n_specimens: int = 5, n_repetitions: int = 10) -> Iterator[Task]:
+    rng = np.random.default_rng(5)
+    shape = (n_people, n_specimens, n_repetitions)
+    noise = rng.standard_normal(shape) + 0.5 * np.arange(n_specimens)[:, None]
+    people = rng.standard_normal((n_people, 1, 1))
+    cells = 0.5 * rng.standard_normal((n_people, n_specimens, 1))
+    level = noise - noise.mean(axis=(1, 2), keepdims=True)  # no variance between people at all
+    cases = (
+        ("participants and specimens of participants differ", noise + people + cells),
+        ("no variance between participants (boundary)", level + cells - cells.mean(axis=1, keepdims=True)),
+    )
+    for title, y in cases:
+        at_zero = "boundary" in title
+        yield Task(
+            f"mixed model of {y.size} rows in volts, {title}",
+            lambda y=VOLTS * y: _ours(y),
+            tuple(_statsmodels(VOLTS * y, noted=not at_zero)),
+            lambda y=VOLTS * y: _exact(y),
+        )
+
+
+def _ours(y: np.ndarray) -> Numbers:
+    found = balanced_mixed(y)
+    return {
+        "mean": found.mean[0],
+        "SE": found.se_difference,
+        "var people": found.variance[:, 0],
+        "var cells": found.variance[:, 1],
+        "var rep": found.variance[:, 2],
+        "F": found.f,
+        "log-lik": found.log_likelihood,
+    }
+
+
+def _statsmodels(y: np.ndarray, *, noted: bool) -> Iterator[Peer]:
+    if statsmodels_formula is None:
+        return
+    person, specimen, _ = (index.ravel() for index in np.indices(y.shape))
+    table = pd.DataFrame({"y": y.ravel(), "person": person, "specimen": specimen})
+
+    def fit(**random: Any) -> Any:
+        return statsmodels_formula.mixedlm("y ~ C(specimen)", table, groups="person", **random).fit(reml=True)
+
+    def simple() -> Numbers:
+        return {"mean": _means(fit())}
+
+    def nested() -> Numbers:
+        found = fit(re_formula="1", vc_formula={"cell": "0 + C(specimen)"})
+        se = np.sqrt(found.cov_params().to_numpy()[1, 1])
+        numbers = {"var people": found.cov_re.to_numpy()[0], "var cells": found.vcomp, "var rep": [found.scale]}
+        return {"mean": _means(found), "SE": [se], "log-lik": [found.llf], **numbers}
+
+    yield Peer("statsmodels MixedLM (1 | person)", simple, 2364 if noted else None)
+    yield Peer("statsmodels MixedLM, specimens within", nested, 7576 if noted else None)
+
+
+def _means(fit: Any) -> np.ndarray:
+    effects = fit.fe_params.to_numpy()
+    return np.concatenate([effects[:1], effects[0] + effects[1:]])
+
+
+def _exact(y: np.ndarray) -> Exact:
+    """The mean squares in rational arithmetic, pooled until in order: REML of a balanced study."""
+    n_p, n_s, n_r = y.shape
+    values = [[[Fraction(value) for value in cell] for cell in row] for row in y]
+    cells = [[mean(cell) for cell in row] for row in values]
+    people, specimens = [mean(row) for row in cells], [mean(list(column)) for column in zip(*cells, strict=True)]
+    within = sum((squares(cell) for row in values for cell in row), Fraction(0))
+    total = n_r * squares([cell for row in cells for cell in row])
+    of_people, of_specimens = n_s * n_r * squares(people), n_p * n_r * squares(specimens)
+    sums = [within, total - of_people - of_specimens, of_people]
+    df = [n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1]
+    level = _pooled(sums, df)
+    terms = [mpq(s) / mpq(at) + d * mp.log(mpq(at)) for s, at, d in zip(sums, level, df, strict=True)]
+    constant = (y.size - n_s) * mp.log(2 * mp.pi) + n_s * mp.log(n_p * n_r)
+    return {
+        "mean": {i: mpq(value) for i, value in enumerate(specimens)},
+        "SE": {0: mp.sqrt(mpq(2 * level[1] / (n_p * n_r)))},
+        "var people": {0: mpq((level[2] - level[1]) / (n_s * n_r))},
+        "var cells": {0: mpq((level[1] - level[0]) / n_r)},
+        "var rep": {0: mpq(level[0])},
+        "F": {0: mpq(of_specimens / (n_s - 1) / (sums[1] / df[1]))},
+        "log-lik": {0: -(mp.fsum(terms) + mpf(constant)) / 2},
+    }
+
+
+def _pooled(sums: list[Fraction], df: list[int]) -> list[Fraction]:
+    """Mean squares that do not fall, neighbours pooled where they would."""
+    blocks: list[list[int]] = []
+
+    def level(block: list[int]) -> Fraction:
+        return sum((sums[i] for i in block), Fraction(0)) / sum(df[i] for i in block)
+
+    for i in range(len(sums)):
+        blocks.append([i])
+        while len(blocks) > 1 and level(blocks[-2]) > level(blocks[-1]):
+            last = blocks.pop()
+            blocks[-1] = blocks[-1] + last
+    return [level(block) for block in blocks for _ in block]

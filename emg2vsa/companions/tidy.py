@@ -1,0 +1,99 @@
+"""A tidy table, one row an observation, without a study: all rows together, and block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.companions.equality import EqualityTests, equality_tests
+from emg2vsa.companions.table import TableTests, table_tests
+from emg2vsa.errors import DataError
+from emg2vsa.stats.clusters import Names, clusters_of
+from emg2vsa.stats.exact_shift import shifted_doubles
+
+
+@dataclass(frozen=True)
+class TidyTests:
+    """groups (S,), count, mean, sd (S,) of all their rows; blocks (P,), empty without.
+
+    together : all rows as one block, as if independent. equality : of groups. by_block : None without blocks.
+    n : rows that entered; without_number, without_name : rows left out, and why.
+    """
+
+    groups: Names
+    blocks: Names
+    count: Ints
+    mean: Floats
+    sd: Floats
+    together: TableTests
+    equality: EqualityTests
+    by_block: TableTests | None
+    n: int
+    without_number: int
+    without_name: int
+    alpha: float
+
+
+def tidy_tests(
+    values: Sequence[Decimal | None],
+    group: Sequence[str],
+    block: Sequence[str] | None,
+    alpha: float,
+    margin: float | None = None,
+    *,
+    protected: bool = False,
+) -> TidyTests:
+    """Test n ``values`` (None: no number), each of a ``group`` and perhaps a ``block`` ("": row is left out).
+
+    Differences of values are taken exactly before anything is rounded. DataError where fewer than two groups, or no
+    more values than groups, are left.
+    """
+    groups, blocks = np.array(group, dtype=np.str_), np.array(block or [""] * len(group), dtype=np.str_)
+    number = np.array([value is not None for value in values], dtype=np.bool_)
+    named = (groups != "") & ((blocks != "") if block else True)
+    admitted = number & named
+    groups, blocks = groups[admitted], blocks[admitted]
+    _check(groups)
+    exact = np.array([value for value, enters in zip(values, admitted, strict=True) if enters], dtype=object)
+    shifted, origins = shifted_doubles(exact[None, None, :])
+    doubles, origin, every = shifted.ravel(), float(origins[0]), np.ones(groups.size, dtype=np.bool_)
+    one = clusters_of(np.full(groups.shape, "all rows"), groups, doubles, every)
+    together = table_tests(one, alpha, protected=protected, origin=origin)
+    by_block = None
+    if block:
+        cells = clusters_of(blocks, groups, doubles, every)
+        by_block = table_tests(cells, alpha, margin, protected=protected, origin=origin)
+    return TidyTests(
+        groups=one.specimens,
+        blocks=cells.participants if block else np.array([], dtype=np.str_),
+        count=one.count[0],
+        mean=together.between_groups.anova.mean[0] + origin,
+        sd=together.between_groups.sd[0],
+        together=together,
+        equality=equality_tests(one.values, together.between_groups.anova, alpha, margin),
+        by_block=by_block,
+        n=int(np.count_nonzero(admitted)),
+        without_number=int(np.count_nonzero(~number)),
+        without_name=int(np.count_nonzero(number & ~named)),
+        alpha=alpha,
+    )
+
+
+def _check(groups: Names) -> None:
+    distinct = np.unique(groups).tolist()
+    if len(distinct) < 2:
+        found = f"one, {distinct[0]!r}" if distinct else "no row with a number and a name"
+        raise DataError(
+            "comparison of groups", wanted="two groups or more", found=found,
+            do="Choose a column that tells groups apart, or check that the values are numbers.",
+        )  # fmt: skip
+    if groups.size <= len(distinct):
+        raise DataError(
+            "comparison of groups", wanted="groups of several values",
+            found=f"{groups.size} values in {len(distinct)} groups",
+            do="Choose a column whose entries repeat.",
+        )  # fmt: skip

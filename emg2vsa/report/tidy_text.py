@@ -1,0 +1,176 @@
+"""What ``emg2vsa stats`` says of a table: one table per hypothesis, the pairs, then every result in one line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from textwrap import wrap
+
+import numpy as np
+
+from emg2vsa.companions.tidy import TidyTests
+from emg2vsa.report.companion_rows import COLUMNS, Row, group_rows, normality_rows, pair_rows, variance_row
+from emg2vsa.report.outcome_text import Style, p_said, said
+from emg2vsa.report.people_rows import equality_rows, over_people_rows
+from emg2vsa.report.verdicts import decided, how_many
+from emg2vsa.report.wording import NO_BREAK, number
+from emg2vsa.stats.dunn import smallest_worst_p
+from emg2vsa.stats.outcome import Outcome
+
+_WIDTHS = (28, 36, 30, 22)
+_SUMMARY = frozenset({"groups", "groups over blocks"})
+"""What results are of that are always printed."""
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A question, the rows that answer it, and what to mind."""
+
+    question: str
+    rows: Sequence[Row]
+    mind: str
+
+
+def hypotheses(found: TidyTests, style: Style) -> list[Hypothesis]:
+    """Over all rows; then block by block, and between blocks, where there are blocks."""
+    return [*_together(found, style), *_by_block(found, style)]
+
+
+def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
+    tests, alpha, blocks = found.together, found.alpha, found.by_block
+    groups = tests.between_groups
+    cells = blocks.normality if blocks and np.isfinite(blocks.normality.lilliefors.p).any() else None
+    yield Hypothesis(
+        "Is each group Gaussian?" if cells is None else "Is each group of each block Gaussian?",
+        normality_rows(cells or tests.normality, alpha, "groups" if cells is None else "cells", style),
+        "Standardised KS has p far too large; raw KS tests location and scale too. Small groups have little power. Do "
+        "not choose the next test by the outcome of these.",
+    )
+    paper = f"One-way ANOVA: {decided([groups.anova_outcome()], alpha, '', style)}"
+    over = over_people_rows(paper, groups.anova.p, blocks.blocks, alpha, style) if blocks and blocks.blocks else []
+    yield Hypothesis(
+        "Do groups differ?",
+        [*group_rows(groups, alpha, "", style), *over, variance_row(groups, alpha, "", style)],
+        "The first column takes all rows as independent; rows of one block are not. Believe the tests over blocks."
+        if blocks
+        else "All rows are taken as independent. If several come from one person or object, name it with --block.",
+    )
+    floor = smallest_worst_p(found.count)
+    bound = (
+        "" if np.isnan(floor) else f" With groups of this size Dunn's worst pair has p = {min(floor, 1.0):.2g} or more."
+    )
+    yield Hypothesis(
+        "Which groups differ?",
+        pair_rows(tests.pairs, alpha, style),
+        f"{tests.pairs.first.size} pairs; LSD does not hold the error of the family beyond three groups.{bound}",
+    )
+    equal = equality_rows(paper, found.equality, None, 1.0, "", style)
+    yield Hypothesis("Are groups equal?", equal, "A difference that was not found is no equality: state a --margin.")
+
+
+def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
+    tests, alpha = found.by_block, found.alpha
+    if tests is None:
+        return
+    if np.isfinite(tests.between_groups.anova.p).any():
+        yield Hypothesis(
+            "Do groups differ within each block?",
+            [*group_rows(tests.between_groups, alpha, "blocks", style), *pair_rows(tests.pairs, alpha, style)],
+            "One analysis a block: each speaks of that block only.",
+        )
+    if np.isfinite(tests.between_blocks.anova.p).any():
+        paper = f"One-way ANOVA: {how_many(tests.between_blocks.anova.p, alpha, 'groups', style)}"
+        yield Hypothesis(
+            "Are blocks equal?",
+            [
+                *group_rows(tests.between_blocks, alpha, "groups", style),
+                *equality_rows(paper, tests.equality, tests.blocks, 1.0, "", style),
+            ],
+            "One analysis a group. A difference that was not found is no equality.",
+        )
+
+
+def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
+    """Every test, and what it is of."""
+    tests = found.together
+    for i, group in enumerate(found.groups.tolist()):
+        yield from ((group, outcome) for outcome in tests.normality.outcomes(i))
+    yield from (("groups", outcome) for outcome in tests.between_groups.outcomes())
+    for pair, (first, second) in enumerate(zip(tests.pairs.first, tests.pairs.second, strict=True)):
+        name = f"{found.groups[first]} - {found.groups[second]}"
+        yield from ((name, outcome) for outcome in tests.pairs.outcomes(0, pair))
+        if found.equality.tost is not None:
+            yield name, found.equality.tost.outcome(0, pair)
+    if found.by_block is None:
+        return
+    if found.by_block.blocks is not None:
+        yield from (("groups over blocks", outcome) for outcome in found.by_block.blocks.outcomes())
+    for i, block in enumerate(found.blocks.tolist()):
+        yield from ((f"groups in {block}", outcome) for outcome in found.by_block.between_groups.outcomes(i))
+
+
+def text(found: TidyTests, style: Style, *, details: bool) -> str:
+    """The whole answer for a terminal; details : every result of every group, pair and block too."""
+    parts = [_groups(found)]
+    for hypothesis in hypotheses(found, style):
+        parts.append(f"\n{hypothesis.question}\n" + "\n".join(_grid(hypothesis.rows)))
+        parts.append("\n".join(wrap(hypothesis.mind, sum(_WIDTHS) + 6)))
+    parts += ["\nPairs, p of each test (differences and their intervals: LSD)", *_pairs(found, style), "\nResults"]
+    above = ""
+    for name, outcome in outcomes(found):
+        if details or name in _SUMMARY:
+            parts += [name] if name != above else []
+            parts.append(f"  {outcome.method}: {said(outcome, style)}{_notes(outcome)}")
+            above = name
+    return "\n".join(parts).replace(NO_BREAK, " ")
+
+
+def _groups(found: TidyTests) -> str:
+    width = max(map(len, (*found.groups.tolist(), "group")))
+    rows = [f"{'group':<{width}}{'n':>8}{'mean':>22}{'SD':>12}"]
+    for name, n, mean, sd in zip(found.groups.tolist(), found.count, found.mean, found.sd, strict=True):
+        rows.append(f"{name:<{width}}{n:>8}{_mean(float(mean), float(sd)):>22}{number(float(sd)):>12}")
+    return "\n".join(rows)
+
+
+def _mean(mean: float, sd: float) -> str:
+    """As many digits as its SD has a use for."""
+    digits = 3 + math.ceil(math.log10(abs(mean) / sd)) if mean and sd > 0 else 3
+    return f"{mean:.{min(max(digits, 3), 17)}g}"
+
+
+def _pairs(found: TidyTests, style: Style) -> Iterator[str]:
+    tests, names = found.together.pairs, found.groups
+    heads = ("LSD", "Holm", "Tukey", "Games-H.", "FDR", "Dunn", "Mann-Wh.")
+    families = (
+        tests.lsd.p, tests.p_holm, tests.tukey.p, tests.games_howell.p, tests.p_fdr, tests.dunn.p, tests.p_rank_holm,
+    )  # fmt: skip
+    pairs = [f"{names[i]} - {names[j]}" for i, j in zip(tests.first, tests.second, strict=True)]
+    width = max(map(len, (*pairs, "pair")))
+    yield f"{'pair':<{width}}  {'difference':<34}" + "".join(f"{head:>10}" for head in heads) + f"{'g':>8}"
+    for at, pair in enumerate(pairs):
+        low, high = (number(float(end[0, at])) for end in (tests.lsd.low, tests.lsd.high))
+        difference = f"{number(float(tests.lsd.difference[0, at]))} [{low}, {high}]"
+        p = (p_said(float(family[0, at]), style).replace("$", "").lstrip("p = ").strip() for family in families)
+        cells = "".join(f"{cell:>10}" for cell in p)
+        yield f"{pair:<{width}}  {difference:<34}{cells}{number(float(tests.g[0, at])):>8}"
+
+
+def _grid(rows: Sequence[Row]) -> Iterator[str]:
+    """Four columns of wrapped text; what the row above says in the first is not repeated."""
+    heads = [column.head for column in COLUMNS]
+    above = ""
+    for cells in (heads, *((row.paper, row.companion, row.effect, row.changes) for row in rows)):
+        shown = ["" if cells[0] == above else cells[0], *cells[1:]]
+        above = cells[0]
+        columns = [wrap(cell, width) or [""] for cell, width in zip(shown, _WIDTHS, strict=True)]
+        for i in range(max(map(len, columns))):
+            line = (f"{c[i] if i < len(c) else '':<{w}}" for c, w in zip(columns, _WIDTHS, strict=True))
+            yield "  ".join(line).rstrip()
+        if cells is heads:
+            yield "  ".join("-" * width for width in _WIDTHS)
+
+
+def _notes(outcome: Outcome) -> str:
+    return f"  [{'; '.join(outcome.notes)}]" if outcome.notes else ""

@@ -1,0 +1,347 @@
+"""Calibration of stiffness on CASR: the notes' critique reproduced, coverage, scipy, and designs without an answer."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import optimize, stats
+
+from emg2vsa.calibration import CalibrationSettings, calibrate, compare_laws, estimate
+from emg2vsa.calibration.laws import LAWS, Law, Minimise
+from emg2vsa.errors import DataError, SettingError
+
+KAPPA, KAPPA_NEW = np.array([7.63, 3.35, 1.11]), 5.32
+P, Q = 10.21, -1.567
+"The paper's curve at 0 degrees."
+UNIT = "mm²/N"
+WAYS: list[tuple[Law, Minimise]] = [
+    (law, minimise) for law in LAWS for minimise in ("kappa", "ln kappa", "casr") if (law, minimise) != (LAWS[2], "ln kappa")
+]  # fmt: skip
+
+
+def true_casr(kappa: Any) -> Any:
+    return np.log(np.asarray(kappa) / P) / Q
+
+
+def presses(seed: int, d: int = 1, cv: float = 0.05, r: int = 10, kappa: Any = KAPPA) -> tuple[np.ndarray, np.ndarray]:
+    """Scores of the known specimens (d, S, r) and of the new one (d, r), the law exact."""
+    rng = np.random.default_rng(seed)
+    known = true_casr(kappa)[:, None] * (1 + cv * rng.standard_normal((d, len(kappa), r)))
+    return known, true_casr(KAPPA_NEW) * (1 + cv * rng.standard_normal((d, r)))
+
+
+def chosen(**changes: Any) -> CalibrationSettings:
+    return dataclasses.replace(CalibrationSettings(resamples=200), **changes)
+
+
+def law_of(law: Law, casr: np.ndarray, first: float, second: float) -> np.ndarray:
+    if law == "exponential":
+        return first * np.exp(second * casr)
+    return first * casr**second if law == "power" else first + second * np.log(casr)
+
+
+@pytest.mark.parametrize(("law", "minimise"), WAYS)
+@pytest.mark.parametrize("points", ["means", "repetitions"])
+def test_every_way_finds_an_exact_law(law: Law, minimise: Minimise, points: Any) -> None:
+    truth = (10.21, -1.567) if law == "exponential" else (2.0, -0.9)
+    casr = np.array([0.2, 0.5, 0.7, 1.4])
+    fit = calibrate(
+        law_of(law, casr, *truth), np.tile(casr[:, None], 5), chosen(law=law, minimise=minimise, points=points), casr_unit=UNIT
+    )  # fmt: skip
+    np.testing.assert_allclose(fit.fit.parameters[0], truth, rtol=1e-12)
+    np.testing.assert_allclose(fit.left_out_error[0], 0, atol=1e-11)
+    np.testing.assert_allclose([fit.r2[0], fit.adj_r2[0]], 1, rtol=1e-12)
+    new = estimate(fit, [0.3, 0.3])
+    np.testing.assert_allclose(new.kappa[0], law_of(law, np.array(0.3), *truth), rtol=1e-12)
+    np.testing.assert_allclose([new.bootstrap_low[0], new.bootstrap_high[0]], new.kappa[0], rtol=1e-11)
+    assert not new.extrapolated[0]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_fit_of_kappa_and_its_delta_interval_are_scipys(law: Law) -> None:
+    known, new = presses(1, kappa=np.array([7.63, 5.0, 3.35, 2.0, 1.11]))
+    kappa = np.array([7.63, 5.0, 3.35, 2.0, 1.11])
+    fit = calibrate(kappa, known, chosen(law=law), casr_unit=UNIT)
+    x = known[0].mean(axis=1)
+    parameters, covariance = optimize.curve_fit(
+        lambda x, a, b: law_of(law, x, a, b), x, kappa, fit.fit.parameters[0], ftol=1e-14, xtol=1e-14
+    )
+    np.testing.assert_allclose(fit.fit.parameters[0], parameters, rtol=1e-6)
+    np.testing.assert_allclose(fit.fit.parameter_se[0], np.sqrt(np.diag(covariance)), rtol=1e-4)
+    residual = kappa - law_of(law, x, *parameters)
+    unexplained = residual @ residual / np.sum((kappa - kappa.mean()) ** 2)
+    np.testing.assert_allclose([fit.r2[0], fit.adj_r2[0]], [1 - unexplained, 1 - unexplained * 4 / 3], rtol=1e-9)
+    at = new[0].mean()
+    step = 1e-6
+    gradient = [
+        (law_of(law, at, *(parameters + step * e)) - law_of(law, at, *(parameters - step * e))) for e in np.eye(2)
+    ]
+    of_fit = np.array(gradient) @ covariance @ np.array(gradient) / (2 * step) ** 2
+    slope = (law_of(law, at + step, *parameters) - law_of(law, at - step, *parameters)) / (2 * step)
+    of_mean = slope**2 * new[0].var(ddof=1) / 10
+    found = estimate(fit, new)
+    np.testing.assert_allclose(found.se[0], np.sqrt(of_fit + of_mean), rtol=1e-4)
+    df = (of_fit + of_mean) ** 2 / (of_fit**2 / 3 + of_mean**2 / 9)
+    np.testing.assert_allclose(found.df[0], df, rtol=1e-3)
+    reach = stats.t.ppf(0.975, found.df[0]) * found.se[0]
+    np.testing.assert_allclose([found.delta_low[0], found.delta_high[0]], found.kappa[0] + [-reach, reach], rtol=1e-11)
+
+
+def test_errors_in_casr_are_the_line_of_casr_on_ln_kappa_turned_round() -> None:
+    known, new = presses(2, cv=0.1)
+    fit = calibrate(KAPPA, known, chosen(minimise="casr", points="repetitions"), casr_unit=UNIT)
+    peer = stats.linregress(np.repeat(np.log(KAPPA), 10), known.ravel())
+    np.testing.assert_allclose(
+        fit.fit.parameters[0], [np.exp(-peer.intercept / peer.slope), 1 / peer.slope], rtol=1e-11
+    )
+    found = estimate(fit, new)
+    np.testing.assert_allclose(found.kappa[0], np.exp((new.mean() - peer.intercept) / peer.slope), rtol=1e-11)
+    deviation = np.repeat(np.log(KAPPA), 10) - np.log(KAPPA).mean()
+    s2 = np.sum((known.ravel() - peer.intercept - peer.slope * np.repeat(np.log(KAPPA), 10)) ** 2) / 28
+    away = np.log(found.kappa[0]) - np.log(KAPPA).mean()
+    of_x = s2 * (1 / 30 + away**2 / (deviation @ deviation)) + new.var(ddof=1) / 10
+    np.testing.assert_allclose(found.se[0], found.kappa[0] / abs(peer.slope) * np.sqrt(of_x), rtol=1e-11)
+
+
+def test_noise_in_casr_flattens_the_direct_fits_and_not_the_inverse() -> None:
+    known, _ = presses(3, d=4000, cv=0.3)
+    slopes = {
+        way: float(np.mean(calibrate(KAPPA, known, chosen(minimise=way, points="repetitions"), casr_unit=UNIT).fit.slope))
+        for way in ("ln kappa", "casr")
+    }  # fmt: skip
+    assert slopes["ln kappa"] > 0.93 * Q  # less steep by 7 % and more
+    np.testing.assert_allclose(slopes["casr"], Q, rtol=0.04)
+
+
+def test_adjusted_r2_of_three_random_scores_is_high() -> None:
+    scores = np.sort(np.random.default_rng(4).random((20_000, 3)), axis=1)[:, :, None]
+    adj_r2 = calibrate(KAPPA, scores, casr_unit=UNIT).adj_r2
+    np.testing.assert_allclose(np.median(adj_r2), 0.922, atol=0.005)
+    np.testing.assert_allclose(np.mean(adj_r2 > 0.8963), 0.61, atol=0.015)
+    np.testing.assert_allclose(np.mean(adj_r2 > 0.9753), 0.27, atol=0.015)
+
+
+def test_a_linear_truth_passes_adjusted_r2_and_fails_when_specimens_are_left_out() -> None:
+    fit = calibrate(KAPPA, ((10 - KAPPA) / 10)[:, None], casr_unit=UNIT)
+    np.testing.assert_allclose(fit.adj_r2[0], 0.946, atol=0.001)
+    np.testing.assert_allclose(estimate(fit, [(10 - KAPPA_NEW) / 10]).kappa[0] / KAPPA_NEW - 1, -0.156, atol=0.001)
+    np.testing.assert_allclose(np.abs(fit.left_out_error[0]), [2.62, 0.36, 0.96], atol=0.006)
+
+
+def test_interval_of_the_papers_adjusted_r2() -> None:
+    """Adjusted R2 of .9753 on three specimens means 4.7 N/mm each way for the fitted curve at 5.32 N/mm."""
+
+    def bent(amount: float) -> Any:
+        return calibrate(KAPPA, (true_casr(KAPPA) + amount * np.array([0, 1, 0]))[:, None], casr_unit=UNIT)
+
+    fit = bent(optimize.brentq(lambda amount: float(bent(amount).adj_r2[0]) - 0.9753, 0.01, 0.5))
+    at = np.log(KAPPA_NEW / fit.fit.parameters[0, 0]) / fit.fit.parameters[0, 1]
+    np.testing.assert_allclose(stats.t.ppf(0.975, 1) * fit.fit.se_at(np.array([[at]]))[0, 0], 4.7, atol=0.25)
+
+
+def test_leaving_out_is_refitting_without() -> None:
+    known, _ = presses(5)
+    for points in ("means", "repetitions"):
+        fit = calibrate(KAPPA, known, chosen(points=points), casr_unit=UNIT)
+        for s in range(3):
+            keep = np.arange(3) != s
+            without = calibrate(KAPPA[keep], known[:, keep], chosen(points=points), casr_unit=UNIT)
+            np.testing.assert_allclose(fit.left_out[0, s], without.fit.at(known[:, [s]].mean(axis=2))[0, 0], rtol=1e-11)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_true_law_predicts_unseen_specimens_best(law: Law) -> None:
+    casr = np.linspace(0.2, 1.4, 7)
+    kappa = law_of(law, casr, 2.0, -0.9)
+    scores = casr[:, None] * (1 + 0.01 * np.random.default_rng(6).standard_normal((50, 7, 10)))
+    comparison = compare_laws(np.abs(kappa) + 0.01 * (kappa <= 0), scores, casr_unit=UNIT)
+    assert np.mean([comparison.best(i) == law for i in range(50)]) > 0.9
+    assert comparison.errors.shape == (3, 50, 7)
+
+
+def coverage(d: int, cv: float, **changes: Any) -> tuple[float, float]:
+    """Shares of delta and of bootstrap intervals that hold the truth."""
+    known, new = presses(7, d=d, cv=cv)
+    found = estimate(calibrate(KAPPA, known, chosen(**changes), casr_unit=UNIT), new)
+    delta = (found.delta_low <= KAPPA_NEW) & (found.delta_high >= KAPPA_NEW)
+    bootstrap = (found.bootstrap_low <= KAPPA_NEW) & (found.bootstrap_high >= KAPPA_NEW)
+    return float(np.mean(delta)), float(np.mean(bootstrap))
+
+
+@pytest.mark.parametrize("cv", [0.03, 0.08])
+def test_delta_intervals_cover_as_stated(cv: float) -> None:
+    assert 0.93 <= coverage(3000, cv, points="repetitions", resamples=2)[0] <= 0.955
+    assert 0.935 <= coverage(3000, cv, points="means", resamples=2)[0] <= 0.97
+    assert coverage(3000, cv, points="repetitions", minimise="casr", resamples=2)[0] >= 0.95
+
+
+def test_fit_alone_covers_too_little() -> None:
+    known, new = presses(8, d=3000)
+    for points, low, high in (("means", 0.87, 0.94), ("repetitions", 0.65, 0.73)):
+        fit = calibrate(KAPPA, known, chosen(points=points, resamples=2), casr_unit=UNIT)
+        at = new.mean(axis=1)[:, None]
+        reach = stats.t.ppf(0.975, fit.fit.dof) * fit.fit.se_at(at)[:, 0]
+        assert low <= np.mean(np.abs(fit.fit.at(at)[:, 0] - KAPPA_NEW) <= reach) <= high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cv", [0.03, 0.08])
+@pytest.mark.parametrize("points", ["means", "repetitions"])
+def test_bootstrap_intervals_cover_as_stated(cv: float, points: Any) -> None:
+    assert 0.90 <= coverage(1500, cv, points=points, resamples=1000)[1] <= 0.95
+
+
+def test_bootstrap_is_the_loop_it_stands_for() -> None:
+    known, new = presses(9)
+    found = estimate(calibrate(KAPPA, known, chosen(resamples=2000), casr_unit=UNIT), new)
+    rng = np.random.default_rng(9)
+    values = []
+    for _ in range(2000):
+        x = np.array([rng.choice(group, 10).mean() for group in known[0]])
+        slope, level = np.polyfit(x, np.log(KAPPA), 1, w=KAPPA)  # weighted log-linear: near enough to least squares
+        values.append(np.exp(level + slope * rng.choice(new[0], 10).mean()))
+    low, high = np.quantile(values, [0.025, 0.975])
+    width = high - low
+    np.testing.assert_allclose([found.bootstrap_low[0], found.bootstrap_high[0]], [low, high], atol=0.08 * width)
+
+
+def test_many_calibrations_are_each_as_alone() -> None:
+    known, new = presses(10, d=40)
+    known[3, 1, 4:], new[3, 7:] = np.nan, np.nan
+    together = estimate(calibrate(KAPPA, known, chosen(), casr_unit=UNIT), new)
+    for i in (0, 3, 39):
+        alone = estimate(calibrate(KAPPA, known[i], chosen(), casr_unit=UNIT), new[i])
+        for name in ("kappa", "se", "bootstrap_low", "bootstrap_high", "delta_low"):
+            np.testing.assert_allclose(getattr(together, name)[i], getattr(alone, name)[0], rtol=1e-12)
+    assert together.n[3] == 7
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1e-3, 1e3), st.sampled_from(WAYS))
+@settings(max_examples=30, deadline=None)
+def test_unit_of_casr_does_not_change_kappa(seed: int, unit: float, way: tuple[Law, Minimise]) -> None:
+    known, new = presses(seed, cv=0.03)
+    known, new = np.abs(known), np.abs(new)
+    setting = chosen(law=way[0], minimise=way[1], resamples=20)
+    here = estimate(calibrate(KAPPA, known, setting, casr_unit=UNIT), new)
+    there = estimate(calibrate(KAPPA, unit * known, setting, casr_unit="other"), unit * new)
+    for name in ("kappa", "se", "bootstrap_low", "bootstrap_high"):
+        np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-8)
+    assert (there.extrapolated == here.extrapolated).all()
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_order_of_specimens_and_of_presses_does_not_matter(seed: int) -> None:
+    known, new = presses(seed)
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(3)
+    here = calibrate(KAPPA, known, casr_unit=UNIT)
+    there = calibrate(KAPPA[order], rng.permuted(known, axis=2)[:, order], casr_unit=UNIT)
+    np.testing.assert_allclose(there.fit.parameters, here.fit.parameters, rtol=1e-9)
+    np.testing.assert_allclose(there.left_out, here.left_out[:, order], rtol=1e-9)
+
+
+def test_words() -> None:
+    known, new = presses(11)
+    fit = calibrate(KAPPA, known, casr_unit=UNIT, specimens=("S1", "S3", "S5"))
+    assert "three specimens and two parameters leave one degree of freedom" in fit.notes()[0]
+    assert "12.71 standard errors" in fit.notes()[0]
+    assert fit.equation().startswith("kappa = 10.") and fit.equation().endswith(f"(kappa in N/mm, CASR in {UNIT})")
+    outcome = estimate(fit, new).outcome(interval="delta")
+    assert outcome.method == "exponential calibration (least squares of kappa, means), delta method"
+    assert outcome.estimate == pytest.approx(KAPPA_NEW, rel=0.1)
+    assert outcome.interval is not None
+    assert outcome.interval[0] < KAPPA_NEW < outcome.interval[1]
+    assert outcome.notes == fit.notes()
+    assert "2000 bootstrap resamples" in estimate(fit, new).outcome().method
+    more = calibrate(np.arange(6.0, 0, -1), np.arange(1.0, 7)[:, None], chosen(points="repetitions"), casr_unit=UNIT)
+    assert more.notes() == ("presses of one specimen are repeats: more of them do not test the law",)
+    rising = calibrate(KAPPA, -known, casr_unit=UNIT)
+    assert "kappa rises with CASR" in rising.notes()[-1]
+
+
+def test_beyond_the_calibrated_range_is_flagged() -> None:
+    known, _ = presses(12)
+    fit = calibrate(KAPPA, known, chosen(), casr_unit=UNIT)
+    beyond, inside = estimate(fit, [0.01, 0.02]), estimate(fit, [0.4, 0.5])
+    assert beyond.extrapolated[0]
+    assert beyond.outcome().notes[0].startswith("extrapolated")
+    assert not inside.extrapolated[0]
+
+
+def test_one_press_and_none() -> None:
+    known, _ = presses(13)
+    fit = calibrate(KAPPA, known, chosen(), casr_unit=UNIT)
+    one, none = estimate(fit, [0.4]), estimate(fit, [np.nan, np.inf])
+    assert np.isfinite(one.kappa[0])
+    assert np.isnan([one.delta_low[0], one.bootstrap_low[0]]).all()
+    assert one.notes()[0] == "one press: its noise is unknown, and there is no interval"
+    assert np.isnan([none.kappa[0], none.bootstrap_high[0]]).all()
+    assert none.notes()[0] == "undefined: no score"
+
+
+def test_two_specimens_are_joined_without_a_test() -> None:
+    known, new = presses(14)
+    fit = calibrate(KAPPA[:2], known[:, :2], chosen(), casr_unit=UNIT)
+    found = estimate(fit, new)
+    assert np.isfinite([found.kappa[0], found.bootstrap_low[0]]).all()
+    assert np.isnan([fit.adj_r2[0], found.delta_low[0], *fit.left_out[0]]).all()
+    assert fit.notes() == ("2 specimens: the law passes through them and nothing tests it",)
+
+
+@pytest.mark.parametrize("law", ["power", "linear-log"])
+def test_scores_without_a_logarithm_make_the_law_undefined(law: Law) -> None:
+    known, new = presses(15)
+    known[0, 0] = -known[0, 0]
+    fit = calibrate(KAPPA, known, chosen(law=law), casr_unit=UNIT)
+    assert np.isnan(fit.fit.parameters).all()
+    assert fit.notes()[0] == "undefined: the law cannot be fitted to these scores"
+    assert np.isnan(estimate(fit, new).kappa[0])
+    comparison = compare_laws(KAPPA, known, casr_unit=UNIT)
+    assert comparison.best() == "exponential"
+
+
+@pytest.mark.parametrize("value", [0.0, 0.5, np.nan])
+def test_equal_or_absent_scores_are_undefined(value: float) -> None:
+    fit = calibrate(KAPPA, np.full((3, 4), value), chosen(), casr_unit=UNIT)
+    assert np.isnan(fit.fit.parameters).all()
+    assert np.isnan([fit.r2[0], estimate(fit, [0.4, 0.5]).kappa[0]]).all()
+    assert compare_laws(KAPPA, np.full((3, 4), value), casr_unit=UNIT).best() is None
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
+def test_extreme_units_of_casr(scale: float) -> None:
+    known, new = presses(16)
+    known, new = known / 10, new / 10
+    here = estimate(calibrate(KAPPA, known, chosen(), casr_unit=UNIT), new)
+    there = estimate(calibrate(KAPPA, known * scale, chosen(), casr_unit=UNIT), new * scale)
+    np.testing.assert_allclose(there.kappa, here.kappa, rtol=1e-10)
+    np.testing.assert_allclose(there.bootstrap_low, here.bootstrap_low, rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("kappa", "casr", "said"),
+    [
+        (KAPPA[:2], np.ones((3, 4)), "one value for each of 3"),
+        ([1.0, 0.0, 2.0], np.ones((3, 4)), "above 0"),
+        ([1.0, np.nan, 2.0], np.ones((3, 4)), "above 0"),
+        (KAPPA, np.ones(3), "scores"),
+        (KAPPA, np.ones((3, 0)), "scores"),
+    ],
+)
+def test_wrong_input_is_named(kappa: Any, casr: Any, said: str) -> None:
+    with pytest.raises(DataError, match=said):
+        calibrate(kappa, casr, casr_unit=UNIT)
+
+
+def test_wrong_scores_and_settings_are_named() -> None:
+    known, _ = presses(17, d=3)
+    with pytest.raises(DataError, match="unknown specimen"):
+        estimate(calibrate(KAPPA, known, casr_unit=UNIT), np.ones((2, 5)))
+    with pytest.raises(SettingError, match="linear-log"):
+        calibrate(KAPPA, known, chosen(law="linear-log", minimise="ln kappa"), casr_unit=UNIT)
