@@ -22,7 +22,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.stats.lilliefors_table import LARGE, LEVELS, reach
 
 SIZES = [*range(4, 13), 14, 15, 17, 20, 25, 30, 40, 50, 70, 100, 300, 1000]
-SAMPLES, MOST_VALUES, DEGREE = 10_000_000, 300_000_000, 4
+SAMPLES, MOST_VALUES, DEGREE = 10_000_000, 300_000_000, 5
 COPIES, KEPT, STEPS, POOLED, ACCEPTED = 3, 0.1, 12, 6, 0.3
 
 

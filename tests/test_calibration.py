@@ -20,8 +20,10 @@ P, Q = 10.21, -1.567
 "The paper's curve at 0 degrees."
 UNIT = "mm²/N"
 WAYS: list[tuple[Law, Minimise]] = [
-    (law, minimise) for law in LAWS for minimise in ("kappa", "ln kappa", "casr") if (law, minimise) != (LAWS[2], "ln kappa")
-]  # fmt: skip
+    *((law, minimise) for law in LAWS[:2] for minimise in ("kappa", "ln kappa", "casr")),
+    ("linear-log", "kappa"),
+    ("linear-log", "casr"),
+]
 
 
 def true_casr(kappa: Any) -> Any:
@@ -50,9 +52,8 @@ def law_of(law: Law, casr: np.ndarray, first: float, second: float) -> np.ndarra
 def test_every_way_finds_an_exact_law(law: Law, minimise: Minimise, points: Any) -> None:
     truth = (10.21, -1.567) if law == "exponential" else (2.0, -0.9)
     casr = np.array([0.2, 0.5, 0.7, 1.4])
-    fit = calibrate(
-        law_of(law, casr, *truth), np.tile(casr[:, None], 5), chosen(law=law, minimise=minimise, points=points), casr_unit=UNIT
-    )  # fmt: skip
+    setting = chosen(law=law, minimise=minimise, points=points)
+    fit = calibrate(law_of(law, casr, *truth), np.tile(casr[:, None], 5), setting, casr_unit=UNIT)
     np.testing.assert_allclose(fit.fit.parameters[0], truth, rtol=1e-12)
     np.testing.assert_allclose(fit.left_out_error[0], 0, atol=1e-11)
     np.testing.assert_allclose([fit.r2[0], fit.adj_r2[0]], 1, rtol=1e-12)
@@ -110,12 +111,12 @@ def test_errors_in_casr_are_the_line_of_casr_on_ln_kappa_turned_round() -> None:
 
 def test_noise_in_casr_flattens_the_direct_fits_and_not_the_inverse() -> None:
     known, _ = presses(3, d=4000, cv=0.3)
-    slopes = {
-        way: float(np.mean(calibrate(KAPPA, known, chosen(minimise=way, points="repetitions"), casr_unit=UNIT).fit.slope))
+    direct, inverse = (
+        np.mean(calibrate(KAPPA, known, chosen(minimise=way, points="repetitions"), casr_unit=UNIT).fit.slope)
         for way in ("ln kappa", "casr")
-    }  # fmt: skip
-    assert slopes["ln kappa"] > 0.93 * Q  # less steep by 7 % and more
-    np.testing.assert_allclose(slopes["casr"], Q, rtol=0.04)
+    )
+    assert direct > 0.93 * Q  # less steep by 7 % and more
+    np.testing.assert_allclose(inverse, Q, rtol=0.04)
 
 
 def test_adjusted_r2_of_three_random_scores_is_high() -> None:
@@ -193,7 +194,7 @@ def test_fit_alone_covers_too_little() -> None:
 @pytest.mark.parametrize("cv", [0.03, 0.08])
 @pytest.mark.parametrize("points", ["means", "repetitions"])
 def test_bootstrap_intervals_cover_as_stated(cv: float, points: Any) -> None:
-    assert 0.90 <= coverage(1500, cv, points=points, resamples=1000)[1] <= 0.95
+    assert 0.90 <= coverage(1200, cv, points=points, resamples=600)[1] <= 0.95
 
 
 def test_bootstrap_is_the_loop_it_stands_for() -> None:
@@ -202,9 +203,9 @@ def test_bootstrap_is_the_loop_it_stands_for() -> None:
     rng = np.random.default_rng(9)
     values = []
     for _ in range(2000):
-        x = np.array([rng.choice(group, 10).mean() for group in known[0]])
+        x = np.array([rng.choice(group, 9).mean() for group in known[0]])
         slope, level = np.polyfit(x, np.log(KAPPA), 1, w=KAPPA)  # weighted log-linear: near enough to least squares
-        values.append(np.exp(level + slope * rng.choice(new[0], 10).mean()))
+        values.append(np.exp(level + slope * rng.choice(new[0], 9).mean()))
     low, high = np.quantile(values, [0.025, 0.975])
     width = high - low
     np.testing.assert_allclose([found.bootstrap_low[0], found.bootstrap_high[0]], [low, high], atol=0.08 * width)
@@ -237,7 +238,7 @@ def test_unit_of_casr_does_not_change_kappa(seed: int, unit: float, way: tuple[L
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=20, deadline=None)
 def test_order_of_specimens_and_of_presses_does_not_matter(seed: int) -> None:
-    known, new = presses(seed)
+    known, _ = presses(seed)
     rng = np.random.default_rng(seed)
     order = rng.permutation(3)
     here = calibrate(KAPPA, known, casr_unit=UNIT)
@@ -251,7 +252,8 @@ def test_words() -> None:
     fit = calibrate(KAPPA, known, casr_unit=UNIT, specimens=("S1", "S3", "S5"))
     assert "three specimens and two parameters leave one degree of freedom" in fit.notes()[0]
     assert "12.71 standard errors" in fit.notes()[0]
-    assert fit.equation().startswith("kappa = 10.") and fit.equation().endswith(f"(kappa in N/mm, CASR in {UNIT})")
+    assert fit.equation().startswith("kappa = 10.")
+    assert fit.equation().endswith(f"(kappa in N/mm, CASR in {UNIT})")
     outcome = estimate(fit, new).outcome(interval="delta")
     assert outcome.method == "exponential calibration (least squares of kappa, means), delta method"
     assert outcome.estimate == pytest.approx(KAPPA_NEW, rel=0.1)

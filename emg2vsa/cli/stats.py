@@ -20,7 +20,8 @@ def add_to(commands: Commands) -> None:
         "stats",
         run,
         "Compare groups of a tidy table (one row an observation): each usual test beside its companions.",
-        "For every hypothesis one table: the test of the palpation paper, its companion, the effect, and whether the verdict changes. "
+        "For every hypothesis one table: the test of the palpation paper, its companion, the effect, and whether the "
+        "verdict changes. "
         "Numbers are read exactly as they are written. Rows without a number, group or block are left out and counted. "
         "Without --value and --group the columns are listed. "
         "Example: emg2vsa stats slopes.csv --value b --group specimen --block participant",

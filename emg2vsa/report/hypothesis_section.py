@@ -174,8 +174,8 @@ def _worst(tested: Hypotheses, scale: ActivityScale) -> str:
     low, high = (number(float(end[row, pair]) * scale.factor) for end in (lsd.low, lsd.high))
     by = f"{activity(float(lsd.difference[row, pair]), scale)}, {100 * lsd.confidence:g}% CI [{low}, {high}]"
     return (
-        f"Largest p of Fisher's LSD among them: {tested.worst_pair}, {statistic_said(lsd.outcome(row, pair))}, by {by}; "
-        f"{verdict} at this level. With Holm's correction over the pairs of that participant: {holm}."
+        f"Largest p of Fisher's LSD among them: {tested.worst_pair}, {statistic_said(lsd.outcome(row, pair))}, by {by};"
+        f" {verdict} at this level. With Holm's correction over the pairs of that participant: {holm}."
     )
 
 

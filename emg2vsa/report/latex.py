@@ -20,7 +20,8 @@ _LATEX = {
     "µ": r"\ensuremath{\mu}", "²": r"\ensuremath{^2}", "η": r"\ensuremath{\eta}", "κ": r"\ensuremath{\kappa}",
     "α": r"\ensuremath{\alpha}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}",
     "ε": r"\ensuremath{\varepsilon}", "ρ": r"\ensuremath{\rho}", "χ": r"\ensuremath{\chi}", "₀": r"\ensuremath{_0}",
-    "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "−": r"\ensuremath{-}", "≤": r"\ensuremath{\le}", "\N{NO-BREAK SPACE}": "~",
+    "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "−": r"\ensuremath{-}",
+    "≤": r"\ensuremath{\le}", "\N{NO-BREAK SPACE}": "~",
 }  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from emg2vsa.report.companion_rows import COLUMNS, Row, group_rows, normality_ro
 from emg2vsa.report.outcome_text import Style, p_said, said
 from emg2vsa.report.people_rows import equality_rows, over_people_rows
 from emg2vsa.report.verdicts import decided, how_many
-from emg2vsa.report.wording import NO_BREAK, number
+from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.stats.dunn import smallest_worst_p
 from emg2vsa.stats.outcome import Outcome
 
@@ -152,9 +152,14 @@ def _pairs(found: TidyTests, style: Style) -> Iterator[str]:
     for at, pair in enumerate(pairs):
         low, high = (number(float(end[0, at])) for end in (tests.lsd.low, tests.lsd.high))
         difference = f"{number(float(tests.lsd.difference[0, at]))} [{low}, {high}]"
-        p = (p_said(float(family[0, at]), style).replace("$", "").lstrip("p = ").strip() for family in families)
-        cells = "".join(f"{cell:>10}" for cell in p)
+        cells = "".join(f"{_p(float(family[0, at]), style):>10}" for family in families)
         yield f"{pair:<{width}}  {difference:<34}{cells}{number(float(tests.g[0, at])):>8}"
+
+
+def _p(p: float, style: Style) -> str:
+    """Without the letter: a column says it."""
+    shown = p_said(p, style).replace("$", "").replace(NO_BREAK, " ")
+    return shown.removeprefix("p ").removeprefix("= ").replace("not defined", UNDEFINED)
 
 
 def _grid(rows: Sequence[Row]) -> Iterator[str]:

@@ -21,11 +21,11 @@ def test_numbers_of_the_statistics_notes() -> None:
 
 @pytest.mark.parametrize("n", [4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 16, 20, 30, 50, 100, 200, 400, 800, 1600])
 def test_p_of_statsmodels_critical_values(n: int) -> None:
-    """Ten million samples a size of their own; we are within 1 % of p, 2.5 % at .001, more for n far above 1000."""
+    """Ten million samples a size of their own, which leave 1 % at .001; theirs are up to 2 % off there for small n."""
     p = 1 - np.array(published.PERCENTILES) / 100
     found = lilliefors_survival(published.critical_values["normal"][n], np.full(p.size, n))
-    np.testing.assert_allclose(found[:-1], p[:-1], rtol=0.012 if n <= 400 else 0.03)
-    np.testing.assert_allclose(found[-1], p[-1], rtol=0.025 if n <= 400 else 0.04)
+    np.testing.assert_allclose(found[p >= 0.005], p[p >= 0.005], rtol=0.016 if n <= 1000 else 0.02)
+    np.testing.assert_allclose(found[p < 0.005], p[p < 0.005], rtol=0.035)
 
 
 @pytest.mark.parametrize("n", [4, 5, 7, 10, 13, 28, 60, 200])
