@@ -9,7 +9,6 @@ on the rows are smoothed by polynomials in 1 / sqrt(n), which also lead to the l
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 import textwrap
@@ -23,7 +22,7 @@ from emg2vsa.stats.lilliefors_table import LARGE, LEVELS, reach
 
 SIZES = [*range(4, 13), 14, 15, 17, 20, 25, 30, 40, 50, 70, 100, 300, 1000]
 SAMPLES, MOST_VALUES, DEGREE = 10_000_000, 300_000_000, 5
-COPIES, KEPT, STEPS, POOLED, ACCEPTED = 3, 0.1, 12, 6, 0.3
+KEPT, ACCEPTED = 0.1, 0.3
 
 
 @njit(cache=True)
@@ -89,19 +88,20 @@ def move(x: Floats, d: Floats, floor: float, step: float) -> float:
 
 def law(n: int, samples: int) -> Floats:
     """Quantiles D (levels,) of LEVELS for samples of n."""
+    copies, steps = (5, 24) if n < LARGE else (3, 12)  # larger n are smoothed besides
     seed(n)
     floor = float(np.quantile(simulate(n, 100_000, 9.0, 1)[0], 0.99))
     body, start = simulate(n, samples, floor, samples // 50)
     quantiles, at_floor, step = np.quantile(body, 1 - LEVELS), float(np.mean(body > floor)), 0.5
-    x, d = np.tile(start, (COPIES, 1)), np.tile(body[body > floor], COPIES)
+    x, d = np.tile(start, (copies, 1)), np.tile(body[body > floor], copies)
     particles = d.size
     del body
     while at_floor > LEVELS[-1]:
         pooled = []
-        for i in range(STEPS):
+        for i in range(steps):
             share = move(x, d, floor, step)
             step = min(0.9, step * math.exp(share - ACCEPTED))
-            if i >= STEPS - POOLED:
+            if i >= steps // 2:
                 pooled.append(d.copy())
         segment = np.concatenate(pooled)
         inside = at_floor * 0.99 > LEVELS
@@ -113,12 +113,11 @@ def law(n: int, samples: int) -> Floats:
     return quantiles
 
 
-def smooth(sizes: list[int], rows: Floats) -> Floats:
+def smooth(rows: Floats) -> Floats:
     """Polynomials in 1 / sqrt(n) (levels, degree + 1) through the rows of sizes from LARGE on, by their precision."""
-    large = np.array(sizes) >= LARGE
-    n = np.array(sizes)[large]
-    weight = np.sqrt(np.minimum(SAMPLES, MOST_VALUES / n))
-    return np.asarray(np.polynomial.polynomial.polyfit(1 / np.sqrt(n), rows[large], DEGREE, w=weight).T)
+    n = np.array(SIZES)
+    weight = np.sqrt(np.where(n >= LARGE, np.minimum(SAMPLES, MOST_VALUES / n), 0.0))
+    return np.asarray(np.polynomial.polynomial.polyfit(1 / np.sqrt(n), rows, DEGREE, w=weight).T)
 
 
 def as_python(name: str, table: Floats) -> str:
@@ -128,17 +127,13 @@ def as_python(name: str, table: Floats) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
-    sizes = sorted(parser.parse_args().sizes)
     rows = []
-    for n in sizes:
+    for n in SIZES:
         begin = time.process_time()
         rows.append(reach(law(n, min(SAMPLES, MOST_VALUES // n)), n))
         print(f"n = {n}: {time.process_time() - begin:.0f} s", file=sys.stderr, flush=True)
-    table = np.array(rows)
-    print(as_python("SMALL", table[np.array(sizes) < LARGE]))
-    print(as_python("LARGER", smooth(sizes, table)))
+    print(as_python("SMALL", np.array(rows)[np.array(SIZES) < LARGE]))
+    print(as_python("LARGER", smooth(np.array(rows))))
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def _ours(x: np.ndarray, v: np.ndarray) -> Numbers:
 
 def _exact_rows(exact: Callable[..., Any], x: np.ndarray, y: np.ndarray, names: tuple[str, ...], n: int = 20) -> Exact:
     """The worst of n rows stands for all."""
-    rows = {int(i): exact(x[i], y[i]) for i in np.linspace(0, len(x) - 1, n)}
+    rows = {i: exact(x[i], y[i]) for i in range(0, len(x), max(1, len(x) // n))}
     return {name: {i: found[name] for i, found in rows.items()} for name in names}
 
 

@@ -51,18 +51,22 @@ def ks_survival(d: mpf, n: int) -> mpf:
 
 
 def range_survival(q: mpf, k: int, df: int) -> mpf:
-    """Tukey's studentized range by double quadrature in 20 digits."""
-    with mp.workdps(20):
+    """Tukey's studentized range, to 15 digits for df from 10: trapezoids, which converge exponentially here."""
+    with mp.workdps(25):
+        step_z, step_t = mpf("0.2"), 1 / mp.sqrt(2 * df) / 5
+        z = [i * step_z for i in range(-50, 51)]
+        weights = [k * step_z * mp.npdf(at) for at in z]
+        below = [mp.ncdf(at) for at in z]
 
-        def wider(w: mpf) -> mpf:
-            inside = mp.quad(lambda z: mp.npdf(z) * (mp.ncdf(z) - mp.ncdf(z - w)) ** (k - 1), [-8, -2, 0, 2, 4, 8])
-            return 1 - k * inside
+        def narrower(w: mpf) -> mpf:
+            inside = (f * (b - mp.ncdf(at - w)) ** (k - 1) for f, b, at in zip(weights, below, z, strict=True))
+            return mp.fsum(inside)
 
+        # SD over sigma = exp(t)
         half = mpf(df) / 2
-        scale = 2 * half**half / mp.gamma(half)
-        reach = 9 / mp.sqrt(2 * df)
-        ends = [max(mpf(0), 1 - reach), mpf(1), 1 + reach]
-        return mp.quad(lambda s: scale * s ** (df - 1) * mp.exp(-half * s * s) * wider(q * s), ends)
+        scale = step_t * 2 * half**half / mp.gamma(half)
+        spread = [(i * step_t, scale * mp.exp(df * i * step_t - half * mp.exp(2 * i * step_t))) for i in range(-70, 50)]
+        return 1 - mp.fsum(density * narrower(q * mp.exp(t)) for t, density in spread)
 
 
 def power_of_rm(n: int, m: int, f: str, rho: str, alpha: str) -> mpf:

@@ -25,10 +25,11 @@ class Estimate:
 
     kappa : N/mm. se : delta method, from the variance of the fit and that of the mean score. delta_low, delta_high :
     Student t with ``df``, Satterthwaite's for the two variances. bootstrap_low, bootstrap_high : percentiles over
-    presses drawn again (``redrawn``), of calibration and unknown. mean_casr, n : of its presses. extrapolated : whether the mean lies
-    outside the calibration's.
-    With an exact law and ten presses, 95 % intervals cover 94 to 96 % (delta, least squares of kappa) and 92 to
-    93 % (bootstrap). Neither knows of errors of the calibration's kappa, and the bootstrap not of those of the law.
+    presses drawn again (``redrawn``), of calibration and unknown. mean_casr, n : of its presses. extrapolated : whether
+    the mean lies outside the calibration's.
+    With an exact law and ten presses, 95 % intervals cover 94 to 96 % (delta, least squares of kappa; of CASR 98 to
+    99.8 %, too much) and 91 to 93 % (bootstrap). Neither knows of errors of the calibration's kappa, and the bootstrap
+    not of those of the law.
     """
 
     calibration: Calibration

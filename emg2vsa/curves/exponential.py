@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.variable_projection import has_minimum, log_linear_start, projected, search
-from emg2vsa.curves.weighted_rows import WeightedRows, weighted_rows
+from emg2vsa.curves.weighted_rows import WeightedRows, check_rows, weighted_rows
 
 PROBLEMS = (
     "",
@@ -23,6 +23,7 @@ PROBLEMS = (
     "undefined: no exponential is nearest, the search for it does not end",
     "undefined: a value that is not positive has no logarithm",
 )
+_WHERE = "exponential fit"
 _POINTS_AT_ONCE = 8_000  # keeps the temporaries of a block inside the processor's cache
 
 
@@ -77,11 +78,18 @@ def fit_exponential(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None = None
     x : (n,) common to all, or (d, n). y : (n,) or (d, n), of either sign. weights : as y, >= 0, relative; zero, or NaN
     in x or y, leaves a point out. DataError where the shapes do not fit.
     """
-    rows = weighted_rows(x, y, weights, where="exponential fit")
-    size = max(1, _POINTS_AT_ONCE // rows.y.shape[1])
-    cuts = [slice(i, i + size) for i in range(0, max(len(rows.y), 1), size)]
+    x, y = np.asarray(x, dtype=np.float64), np.atleast_2d(np.asarray(y, dtype=np.float64))
+    w = None if weights is None else np.asarray(weights, dtype=np.float64)
+    check_rows(x, y, w, _WHERE)
+    size = max(1, _POINTS_AT_ONCE // max(1, y.shape[1]))
+    cuts = [slice(i, i + size) for i in range(0, max(len(y), 1), size)]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
-        return _join([_least_squares(rows.cut(cut)) for cut in cuts])
+        blocks = (weighted_rows(_cut(x, cut), y[cut], None if w is None else _cut(w, cut), _WHERE) for cut in cuts)
+        return _join([_least_squares(rows) for rows in blocks])
+
+
+def _cut(values: Floats, rows: slice) -> Floats:
+    return values if values.ndim == 1 else values[rows]
 
 
 def _least_squares(rows: WeightedRows) -> ExponentialFit:
@@ -113,7 +121,7 @@ def fit_exponential_log(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None = 
 
     A row in which any value that counts is zero or negative is undefined.
     """
-    rows = weighted_rows(x, y, weights, where="exponential fit")
+    rows = weighted_rows(x, y, weights, _WHERE)
     used = rows.w > 0
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         log_y = np.log(np.where(used, rows.y, 1.0))

@@ -39,10 +39,8 @@ class Projected:
 
 
 def projected(q: Floats, z: Floats, y: Floats, w: Floats) -> Projected:
-    """z, y, w : (d, n) finite; q : (d,)."""
-    exponent = q[:, None] * z
-    top = np.max(exponent, axis=1, keepdims=True)
-    u = np.exp(exponent - top)  # no larger than 1
+    """z, y, w : (d, n) finite, |z| <= 1; q : (d,)."""
+    u = np.exp(q[:, None] * z - np.abs(q)[:, None])  # no larger than 1
     wu = w * u
     uu = _dot(wu, u)
     p = _dot(wu, y) / uu
@@ -54,7 +52,7 @@ def projected(q: Floats, z: Floats, y: Floats, w: Floats) -> Projected:
     newton = gauss_newton - _dot(lever, arm * residual)
     curvature = np.where(newton / gauss_newton > _LEAST_CONVEX, newton, gauss_newton)
     return Projected(
-        level=p * np.exp(q * centre - top[:, 0]),
+        level=p * np.exp(q * centre - np.abs(q)),
         centre=centre,
         sse=_dot(w * residual, residual),
         step=_dot(lever, residual) / curvature,

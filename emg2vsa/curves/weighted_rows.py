@@ -28,19 +28,15 @@ class WeightedRows:
     def dof(self) -> Ints:
         return np.maximum(self.n - 2, 0)
 
-    def cut(self, rows: slice) -> WeightedRows:
-        return WeightedRows(self.x[rows], self.y[rows], self.w[rows], self.x_centre[rows], self.n[rows])
-
     def explained_by(self, fitted: Floats) -> tuple[Floats, Floats]:
         """R^2 (d,) = 1 - SSE / SST of ``fitted`` (d, n) about the mean of y, and adjusted for two parameters."""
         unit = exponent_of(self.y)
         y = np.ldexp(self.y, -unit)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            residual = np.where(self.w > 0, y - np.ldexp(fitted, -unit), 0.0)
-            origin = y[np.arange(len(y)), np.argmax(self.w > 0, axis=1)][:, None]
-            shifted = np.where(self.w > 0, y - origin, 0.0)
-            mean = np.vecdot(self.w, shifted) / np.sum(self.w, axis=1)
-            total = np.vecdot(self.w, (shifted - mean[:, None]) ** 2)
+            residual = y - np.ldexp(fitted, -unit)
+            shifted = y - y[np.arange(len(y)), np.argmax(self.w > 0, axis=1)][:, None]
+            shifted -= (np.vecdot(self.w, shifted) / np.sum(self.w, axis=1))[:, None]
+            total = np.vecdot(self.w * shifted, shifted)
             left = np.vecdot(self.w * residual, residual) / np.where(total > 0, total, np.nan)
             return 1 - left, 1 - left * (self.n - 1) / np.where(self.dof > 0, self.dof, np.nan)
 
@@ -50,7 +46,7 @@ def weighted_rows(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None, where: 
     y_rows = np.atleast_2d(np.asarray(y, dtype=np.float64))
     x_rows = np.asarray(x, dtype=np.float64)
     w_rows = np.ones(1) if weights is None else np.asarray(weights, dtype=np.float64)
-    _check(y_rows, x_rows, w_rows if weights is not None else None, where)
+    check_rows(x_rows, y_rows, w_rows if weights is not None else None, where)
     if y_rows.shape[1] == 0:
         y_rows, x_rows = np.full((len(y_rows), 1), np.nan), np.full(1, np.nan)
         w_rows = np.ones(1)
@@ -71,7 +67,8 @@ def weighted_rows(x: ArrayLike, y: ArrayLike, weights: ArrayLike | None, where: 
     )
 
 
-def _check(y: Floats, x: Floats, weights: Floats | None, where: str) -> None:
+def check_rows(x: Floats, y: Floats, weights: Floats | None, where: str) -> None:
+    """DataError, at ``where``, unless y is (d, n), and x and weights are (n,) or (d, n)."""
     if y.ndim != 2:
         raise DataError(where, wanted="y of shape (designs, points)", found=str(y.shape), do="Pass one row per design.")
     for name, array in (("x", x), ("weights", weights)):

@@ -34,7 +34,7 @@ _COUNTS = frozenset({"D", "W"})
 
 def said(outcome: Outcome, style: Style = "apa") -> str:
     """``F(4, 45) = 5.23, p = .002, η² = .32, 95% CI [.08, .46]``; what the outcome does not have is left out."""
-    if outcome.statistic is not None and math.isnan(outcome.statistic):
+    if _undefined(outcome):
         return "not defined"
     parts = (_statistic(outcome, style), _p(outcome, style), _effect(outcome, style), _estimate(outcome, style))
     return ", ".join(part for part in parts if part)
@@ -42,6 +42,8 @@ def said(outcome: Outcome, style: Style = "apa") -> str:
 
 def statistic_said(outcome: Outcome, style: Style = "apa") -> str:
     """The statistic and p alone."""
+    if _undefined(outcome):
+        return "not defined"
     return ", ".join(filter(None, (_statistic(outcome, style), _p(outcome, style))))
 
 
@@ -90,6 +92,11 @@ def interval_said(
         return rf"{level}\,\% CI $[{ends}]$"
     sign = "%" if style == "apa" else " %"
     return f"{level}{sign} CI [{ends}]".replace(" ", " " if style == "plain" else NO_BREAK)
+
+
+def _undefined(outcome: Outcome) -> bool:
+    numbers = (*outcome.df, *([] if outcome.statistic is None else [outcome.statistic]))
+    return any(map(math.isnan, numbers))
 
 
 def _statistic(outcome: Outcome, style: Style) -> str:

@@ -27,8 +27,10 @@ def test_the_papers_sample_size_is_reproduced(found):
 def test_numbers_are_those_of_the_stages(found, results):
     hypotheses, error = results.hypotheses, results.profiles.new_error
     assert found["hypotheses.worst_p"] == hypotheses.worst_p
-    first = hypotheses.between_specimens
-    assert found["hypotheses.between_specimens.P01.f"] == first.f[first.participant.tolist().index("P01")]
+    first = hypotheses.participants.tolist().index("P01")
+    assert found["hypotheses.between_specimens.P01.f"] == hypotheses.tests.between_groups.anova.f[first]
+    assert found["hypotheses.worst_p.holm"] == hypotheses.tests.pairs.p_holm[hypotheses.worst]
+    assert found["hypotheses.over_people.friedman.p"] == hypotheses.tests.blocks.friedman.p[0]
     assert found["profiles.S_new.rmse_v"] == error.rmse_v
     assert found["profiles.S_new.measured_as"] == "S2"
     modular = next(s for s in results.schedules if (s.specimen, s.condition) == ("S1", "modular"))
