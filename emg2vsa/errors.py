@@ -52,6 +52,10 @@ class ScheduleError(InputError):
     """A stiffness schedule breaks a limit or does not read back as written."""
 
 
+class DeviceError(InputError):
+    """A device of the rig does not answer, refuses, or says what cannot be."""
+
+
 class StudyError(Emg2vsaError):
     """A study file with one or more problems, all of them listed."""
 

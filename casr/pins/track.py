@@ -56,27 +56,6 @@ class PinTracker:
         self.pitch_px = float(np.median(self._spacing_px))
         return replace(pins, centroids_px=reported_px(pins.centroids_px, self._settings))
 
-    def restrict(self, ids: Sequence[int] | NDArray[np.integer[Any]]) -> None:
-        """From now on follow these pins (and those next to them, to know where each ends); all others stay NaN.
-
-        Raises PinsError for ids that are not followed, or before ``start``.
-        """
-        self._need_start()
-        wanted = np.unique(np.asarray(ids, np.intp))
-        if wanted.size < 2 or not np.isin(wanted, self._ids).all():
-            raise PinsError(
-                "PinTracker.restrict",
-                wanted="ids of two or more pins that are being followed",
-                found=f"{wanted.tolist()}",
-                do=f"Use row numbers below {self._n} of the pins that start() returned.",
-            )
-        rows = np.flatnonzero(np.isin(self._ids, wanted))
-        rows = np.union1d(rows, self._beside[rows])
-        self._ids, self._wanted = self._ids[rows], wanted
-        self._place_px, self._move_px = self._place_px[rows], self._move_px[rows]
-        self._area_px, self._lost = self._area_px[rows], self._lost[rows]
-        self._link()
-
     def step(self, image: NDArray[Any]) -> Points:
         """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost or not followed.
 

@@ -178,6 +178,32 @@ def _tests(study: Study) -> Iterable[str]:
         f"The slopes b of the trials judged {h.use.replace('+', ' or ')} were tested at alpha = {h.alpha:g}: "
         f"{'; '.join(tests)}."
     )
+    yield from _companions(study)
+
+
+def _companions(study: Study) -> Iterable[str]:
+    """What was run beside the tests of the paper."""
+    h, several = study.hypotheses, min(len(study.participants), len(study.specimens)) > 1
+    beside = ["Lilliefors' and Shapiro and Wilk's tests of each cluster"]
+    if max(len(study.participants), len(study.specimens)) > 1:
+        beside.append("Welch's ANOVA, Kruskal and Wallis' test, Brown and Forsythe's test and JZS Bayes factors")
+    if len(study.specimens) > 1:
+        beside.append(
+            "for the pairs of a participant Holm's and Benjamini and Hochberg's corrections, Tukey's HSD, Games and "
+            "Howell's test, Dunn's test on mean ranks with Bonferroni's correction and exact Mann-Whitney tests with "
+            "Holm's"
+        )
+    if several:
+        beside.append(
+            "over participants a linear mixed model (specimen fixed, participant and participant by specimen random), "
+            "a repeated-measures ANOVA of the means with Greenhouse and Geisser's correction and Friedman's test"
+        )
+    if h.equivalence_margin_sd is not None and len(study.participants) > 1:
+        beside.append(
+            f"two one-sided tests of equality of every pair of participants within {h.equivalence_margin_sd:g} SD of "
+            "their repetitions"
+        )
+    yield f"Beside them ran {'; '.join(beside)}. No test was chosen by the outcome of another."
 
 
 def _pairs(h: HypothesisSettings) -> str:

@@ -71,10 +71,10 @@ def anova_of(groups: GroupMoments) -> Anova:
     """The same from moments that are already there."""
     count = groups.count
     with np.errstate(divide="ignore", invalid="ignore"):
-        n = np.sum(count, axis=1)
-        grand = np.sum(count * groups.offset, axis=1) / n
-        ss_between = np.sum(count * (groups.offset - grand[:, None]) ** 2, axis=1)
-        ss_within = np.sum(groups.squares, axis=1)
+        n = count.sum(axis=1)
+        grand = np.vecdot(count, groups.offset) / n
+        ss_between = np.vecdot(count, (groups.offset - grand[:, None]) ** 2)
+        ss_within = groups.squares.sum(axis=1)
         df1 = np.count_nonzero(count, axis=1) - 1
         df2 = n - df1 - 1
         ms_within = ss_within / np.where(df2 > 0, df2, np.nan)

@@ -42,16 +42,17 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     """
     doubles, origin = shifted_doubles(values)
     valid = np.isfinite(doubles)
-    count = np.count_nonzero(valid, axis=2)
+    count = valid.sum(axis=2)
     filled = np.where(valid, doubles, 0.0)
-    unit = exponent_of(np.max(np.abs(filled), axis=2))[:, 0] + 1
+    d, k, n = filled.shape
+    unit = exponent_of(filled.reshape(d, k * n))[:, 0] + 1
     filled = np.ldexp(filled, -unit[:, None, None])
-    start = np.take_along_axis(filled, np.argmax(valid, axis=2)[..., None], axis=2)
-    shifted = np.where(valid, filled - start, 0.0)
-    start = start[..., 0]
-    inner = np.sum(shifted, axis=2) / np.maximum(count, 1)
+    design = np.arange(d)[:, None]
+    start = filled[design, np.arange(k), valid.argmax(axis=2)]
+    shifted = np.where(valid, filled - start[..., None], 0.0)
+    inner = shifted.sum(axis=2) / np.maximum(count, 1)
     deviation = np.where(valid, shifted - inner[..., None], 0.0)
-    design_start = np.take_along_axis(start, np.argmax(count > 0, axis=1)[:, None], axis=1)
+    design_start = start[design, (count > 0).argmax(axis=1)[:, None]]
     offset = np.where(count > 0, start - design_start + inner, 0.0)
     at = np.ldexp(np.where(count > 0, design_start + offset, np.nan), unit[:, None])
-    return GroupMoments(count, offset, np.sum(deviation**2, axis=2), deviation, valid, unit, origin[:, None] + at)
+    return GroupMoments(count, offset, np.vecdot(deviation, deviation), deviation, valid, unit, origin[:, None] + at)

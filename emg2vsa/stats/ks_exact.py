@@ -12,6 +12,7 @@ from emg2vsa.arrays import Floats
 
 _LIMIT_LAW_FROM = 5000
 _TAIL = 5.0  # n d^2 beyond which both one-sided events together are rarer than 1e-17
+_PLAIN_UP_TO = 400  # rows of the matrix sum to less than 4: its powers up to here stay below 2^800
 _LARGE_EXPONENT = 200  # of two; powers are scaled down beyond, long before their squares overflow
 
 
@@ -50,22 +51,23 @@ def _cdf(d: Floats, n: int, k: int) -> Floats:
 def _matrix(h: Floats, k: int) -> Floats:
     """The band matrices H (j, m, m) of the paper, m = 2 k - 1, one per h = k - n d."""
     m = 2 * k - 1
-    i, j = np.indices((m, m))
-    over = i - j + 1
-    # 1 / (i - j + 1)! underflows to the 0 that it is
-    band = np.where(over >= 0, 1 / special.gamma(np.maximum(over, 0) + 1.0), 0.0)
-    matrix = np.repeat(band[None], h.size, axis=0)
     order = np.arange(1, m + 1)
-    edge = (1 - h[:, None] ** order) / special.gamma(order + 1.0)
+    inverse = 1 / special.gamma(order + 1.0)  # of order!, underflows to the 0 that it is
+    # 1 / (i - j + 1)!, zero above the first diagonal over the main one
+    by_distance = np.concatenate([np.zeros(m), [1.0], inverse])
+    matrix = np.empty((h.size, m, m))
+    matrix[:] = by_distance[m + 1 + order[:, None] - order]
+    edge = (1 - h[:, None] ** order) * inverse
     matrix[:, :, 0] = edge
     matrix[:, -1, :] = edge[:, ::-1]
-    corner = 1 - 2 * h**m + np.maximum(2 * h - 1, 0.0) ** m
-    matrix[:, -1, 0] = corner / special.gamma(m + 1.0)
+    matrix[:, -1, 0] = (1 - 2 * h**m + np.maximum(2 * h - 1, 0.0) ** m) * inverse[-1]
     return matrix
 
 
 def _power(matrix: Floats, n: int) -> tuple[Floats, int]:
     """``matrix`` (j, m, m) to the power n, n >= 1, as (mantissa, binary exponent), free of overflow."""
+    if n <= _PLAIN_UP_TO:
+        return np.linalg.matrix_power(matrix, n), 0
     result, result_exponent, exponent = None, 0, 0
     while True:
         if n & 1:

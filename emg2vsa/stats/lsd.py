@@ -22,8 +22,9 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
         per_value = 1 / anova.count[:, first] + 1 / anova.count[:, second]
         se = anova.sd[:, None] * np.sqrt(per_value)
         t = difference / se
-        df = np.where(np.isfinite(t) | np.isinf(t), anova.df2[:, None], np.nan)
-        reach = special.stdtrit(np.where(df > 0, df, np.nan), 0.5 + 0.5 * confidence) * se
+        df = np.where(np.isnan(t), np.nan, anova.df2[:, None])
+        critical = special.stdtrit(np.where(anova.df2 > 0, anova.df2, np.nan), 0.5 + 0.5 * confidence)
+        reach = critical[:, None] * se
         p = 2 * special.stdtr(df, -np.abs(t))
     if protected:
         p = np.where((anova.p[:, None] > 1 - confidence) & ~np.isnan(p), 1.0, p)

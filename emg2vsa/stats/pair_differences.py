@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -52,5 +53,5 @@ class PairDifferences:
 
 def pair_numbers(k: int) -> tuple[Ints, Ints]:
     """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ..."""
-    first, second = np.triu_indices(k, 1)
-    return first, second
+    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
