@@ -31,7 +31,6 @@ class PinEngine:
     def start(self, image: Grey, region: Region) -> None:
         pins_px = self._tracker.start(image).centroids_px
         self._ids, self._start_notes = _pins_of(region, pins_px, self._settings.core_fraction)
-        self._tracker.restrict(self._ids)
         self._region, self._last_px = region, pins_px[self._ids]
         self._skin = BulgingRegion(region, self._last_px)
 

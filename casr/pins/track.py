@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,10 +14,11 @@ from casr.pins.detect import Pins, find_pins, pins_bright, reach_px, reported_px
 from casr.pins.lattice import nearest_pins
 from casr.pins.propagate import follow_neighbours, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
-from casr.pins.spots import measure_spots
+from casr.pins.spots import Spots, measure_spots
 
 NEIGHBOURS = 6  # in a hexagonal lattice
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
+BRIGHTER = 1.2  # no pin gains more over those beside it, unless a reflection lies on it
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
 
 Points = NDArray[np.float64]
@@ -47,17 +47,19 @@ class PinTracker:
         self._frame = pins_bright(image, self._settings).copy()
         pins = find_pins(self._frame, self._settings)
         self._n = len(pins)
-        self._ids = self._wanted = np.arange(self._n)
         self._place_px = pins.centroids_px.copy()  # where each pin is or, while it is lost, should be
         self._move_px = np.zeros_like(self._place_px)
         self._area_px = pins.area_px.copy()
         self._lost = np.zeros(self._n, bool)
-        self._link()
+        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
+        self._links = links_of(self._beside)
+        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
+        self._shine = self._shine_of(measure_spots(self._frame, self._place_px, reach_px(self._spacing_px)))
         self.pitch_px = float(np.median(self._spacing_px))
         return replace(pins, centroids_px=reported_px(pins.centroids_px, self._settings))
 
     def step(self, image: NDArray[Any]) -> Points:
-        """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost or not followed.
+        """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost.
 
         Raises PinsError before ``start`` or for a frame of another size, ImageError as ``as_grey``.
         """
@@ -73,17 +75,7 @@ class PinTracker:
         if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
             self._frame = grey.copy()
             self._advance(grey)
-        positions = np.full((self._n, 2), np.nan)
-        positions[self._ids[~self._lost]] = self._place_px[~self._lost]
-        reported = np.full_like(positions, np.nan)
-        reported[self._wanted] = reported_px(positions[self._wanted], self._settings)
-        return reported
-
-    def _link(self) -> None:
-        """Who is beside whom."""
-        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
-        self._links = links_of(self._beside)
-        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
+        return reported_px(np.where(self._lost[:, None], np.nan, self._place_px), self._settings)
 
     def _advance(self, grey: Grey) -> None:
         """Find all pins in the next frame and keep places, motions and areas for the one after."""
@@ -101,7 +93,7 @@ class PinTracker:
         """Place, area and whether seen, of each pin, from the pixels around where it is expected."""
         spots = measure_spots(grey, expected, reach_px(self._spacing_px))
         area = spots.area_px
-        seen = (spots.contrast >= self._settings.contrast) & np.isfinite(area)
+        seen = (spots.contrast >= self._settings.contrast) & ~self._in_glare(spots)
         seen &= (area < AREA_CHANGE * self._area_px) & (area * AREA_CHANGE > self._area_px)
         place = np.where(seen[:, None], spots.centroids_px, expected)
         move = place - self._place_px
@@ -126,7 +118,17 @@ class PinTracker:
         rows = follow_neighbours(self._place_px, expected, pins.centroids_px, self._links, self._spacing_px)
         seen = rows >= 0
         place = np.where(seen[:, None], pins.centroids_px[rows], expected)
+        seen &= ~self._in_glare(measure_spots(grey, place, reach_px(self._spacing_px)))
         return place, np.where(seen, pins.area_px[rows], self._area_px), seen
+
+    def _in_glare(self, spots: Spots) -> Mask:
+        """Pins that outshine those beside them more than in the first frame: a reflection draws them to itself."""
+        return np.asarray(self._shine_of(spots) > BRIGHTER * self._shine)
+
+    def _shine_of(self, spots: Spots) -> NDArray[np.float64]:
+        """Contrast of each pin over that of the pins beside it."""
+        beside = np.median(spots.contrast[self._beside], axis=1)
+        return np.asarray(spots.contrast / np.maximum(beside, self._settings.contrast))
 
     def _need_start(self) -> None:
         if not self._n:

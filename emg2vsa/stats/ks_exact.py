@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 
 _LIMIT_LAW_FROM = 5000
 _TAIL = 5.0  # n d^2 beyond which both one-sided events together are rarer than 1e-17
+_WIDTHS_TOGETHER = 8  # values of k whose matrices are padded to one size
 _PLAIN_UP_TO = 400  # rows of the matrix sum to less than 4: its powers up to here stay below 2^800
 _LARGE_EXPONENT = 200  # of two; powers are scaled down beyond, long before their squares overflow
 
@@ -31,36 +32,38 @@ def ks_survival(d: ArrayLike, n: ArrayLike) -> Floats:
     large = left & ~tail & (n > _LIMIT_LAW_FROM)
     p[large] = special.kolmogorov(np.sqrt(n[large]) * d[large])
     body = left & ~tail & ~large
-    half_width = np.zeros(d.shape, dtype=np.int64)
-    half_width[body] = np.floor(n[body] * d[body]).astype(np.int64) + 1
-    for size, k in set(zip(n[body].tolist(), half_width[body].tolist(), strict=True)):
-        same = body & (n == size) & (half_width == k)
-        p[same] = 1 - _cdf(d[same], size, k)
+    half_width = np.where(body, np.floor(n * np.where(body, d, 0.0)).astype(np.int64) + 1, 0)
+    step = -(-half_width // _WIDTHS_TOGETHER)
+    for size, alike in set(zip(n[body].tolist(), step[body].tolist(), strict=True)):
+        same = (n == size) & (step == alike)
+        p[same] = 1 - _cdf(d[same], size, half_width[same])
     return p
 
 
-def _cdf(d: Floats, n: int, k: int) -> Floats:
-    """P(D_n < d) = n!/n^n (H^n)[k-1, k-1], for all d with the same k = floor(n d) + 1."""
+def _cdf(d: Floats, n: int, k: Ints) -> Floats:
+    """P(D_n < d) = n!/n^n (H^n)[k-1, k-1], with k = floor(n d) + 1; d, k : (j,)."""
     power, exponent = _power(_matrix(k - n * d, k), n)
     numerator, denominator = factorial(n), n**n
     shift = denominator.bit_length() - numerator.bit_length()
     factor = (numerator << shift) / denominator  # correctly rounded, and within 1/2 to 2
-    return np.asarray(np.clip(np.ldexp(power[:, k - 1, k - 1] * factor, exponent - shift), 0.0, 1.0))
+    middle = power[np.arange(k.size), k - 1, k - 1]
+    return np.asarray(np.clip(np.ldexp(middle * factor, exponent - shift), 0.0, 1.0))
 
 
-def _matrix(h: Floats, k: int) -> Floats:
-    """The band matrices H (j, m, m) of the paper, m = 2 k - 1, one per h = k - n d."""
+def _matrix(h: Floats, k: Ints) -> Floats:
+    """The band matrices H of the paper, m by m with m = 2 k - 1, one per h = k - n d; zeros around the smaller ones."""
     m = 2 * k - 1
-    order = np.arange(1, m + 1)
+    order = np.arange(1, np.max(m) + 1)
+    inside = order <= m[:, None]
     inverse = 1 / special.gamma(order + 1.0)  # of order!, underflows to the 0 that it is
     # 1 / (i - j + 1)!, zero above the first diagonal over the main one
-    by_distance = np.concatenate([np.zeros(m), [1.0], inverse])
-    matrix = np.empty((h.size, m, m))
-    matrix[:] = by_distance[m + 1 + order[:, None] - order]
-    edge = (1 - h[:, None] ** order) * inverse
+    band = np.concatenate([np.zeros(order.size), [1.0], inverse])[order.size + 1 + order[:, None] - order]
+    matrix = np.where(inside[:, :, None] & inside[:, None, :], band, 0.0)
+    edge = np.where(inside, (1 - h[:, None] ** order) * inverse, 0.0)
+    row = np.arange(m.size)
     matrix[:, :, 0] = edge
-    matrix[:, -1, :] = edge[:, ::-1]
-    matrix[:, -1, 0] = (1 - 2 * h**m + np.maximum(2 * h - 1, 0.0) ** m) * inverse[-1]
+    matrix[row, m - 1] = np.where(inside, edge[row[:, None], m[:, None] - order], 0.0)
+    matrix[row, m - 1, 0] = (1 - 2 * h**m + np.maximum(2 * h - 1, 0.0) ** m) * inverse[m - 1]
     return matrix
 
 

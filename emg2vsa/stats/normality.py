@@ -58,8 +58,8 @@ def ks_normal(values: ArrayLike, *, standardise: bool) -> KsTests:
     cdf = special.ndtr(np.sort(np.where(valid, z, np.inf), axis=1))
     rank = np.arange(rows.shape[1])
     count = np.maximum(n, 1)[:, None]
-    gap = np.maximum((rank + 1) / count - cdf, cdf - rank / count)
-    d = np.max(gap, axis=1, initial=0.0, where=rank < n[:, None])
+    gap = np.where(rank < n[:, None], np.maximum((rank + 1) / count - cdf, cdf - rank / count), 0.0)
+    d = gap.max(axis=1, initial=0.0)
     d[(n == 0) | np.any(valid & np.isnan(z), axis=1)] = np.nan
     return KsTests(d, ks_survival(d, n), n, standardise)
 
@@ -72,8 +72,8 @@ def _standardised(rows: Floats, valid: NDArray[np.bool_], n: NDArray[np.int64]) 
     first = scaled[np.arange(len(rows)), np.argmax(valid, axis=1)] if rows.size else np.zeros(len(rows))
     shifted = scaled - first[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.sum(shifted, axis=1, where=valid) / n
+        mean = shifted.sum(axis=1, where=valid) / n
         centred = shifted - mean[:, None]
-        sd = np.sqrt(np.sum(centred**2, axis=1, where=valid) / (n - 1))
-        sd[~np.any(valid & (shifted != 0), axis=1)] = np.nan
+        sd = np.sqrt(np.vecdot(valid, centred**2) / (n - 1))
+        sd[~(valid & (shifted != 0)).any(axis=1)] = np.nan
         return np.asarray(centred / sd[:, None])
