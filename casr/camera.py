@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from math import isfinite, nan
 
 import cv2
@@ -49,6 +49,11 @@ class Camera:
             # plain Python numbers, so that cameras compare, print and are written alike
             object.__setattr__(self, name, _number(name, getattr(self, name)))
         object.__setattr__(self, "distortion", _coefficients(self.distortion))
+
+    def to_toml(self) -> str:
+        """The table ``[camera]`` of a camera.toml; reading it gives back the very same camera."""
+        values = asdict(self) | {"distortion": list(self.distortion)}
+        return "[camera]\n" + "".join(f"{key} = {value!r}\n" for key, value in values.items())
 
     @property
     def matrix(self) -> NDArray[np.float64]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class CasrError(Exception):
     """Something given is not usable; the command line prints it without a traceback.
@@ -22,6 +25,15 @@ class CasrError(Exception):
     def __reduce__(self) -> tuple[object, ...]:
         # exceptions cross process borders; keyword-only arguments need their own way back
         return _rebuild, (type(self), self.where, self.wanted, self.found, self.do)
+
+
+@contextmanager
+def said_of(place: object) -> Iterator[None]:
+    """Errors raised inside name the place, such as a press or a file, before their own ``where``."""
+    try:
+        yield
+    except CasrError as error:
+        raise _rebuild(type(error), f"{place}, {error.where}", error.wanted, error.found, error.do) from error
 
 
 def _rebuild(kind: type[CasrError], where: str, wanted: str, found: str, do: str) -> CasrError:

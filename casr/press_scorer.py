@@ -12,6 +12,7 @@ from casr.camera import Camera
 from casr.contact_area import InitialArea, initial_area
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.region import Region
+from casr.flow.step import notes_by_frame
 from casr.frames import LoadingPhase
 from casr.pins import PinTracker
 from casr.scored import Score, ScoreSettings
@@ -112,7 +113,12 @@ class PressScorer:
             area_unit=self.area_unit,
             rate=rate,
             regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
-            notes=_once(*phase.notes, *self._notes, *_by_frame(phase, steps), *(rate.notes if rate else ())),
+            notes=_once(
+                *phase.notes,
+                *self._notes,
+                *notes_by_frame(phase.frames[1:].tolist(), steps),
+                *(rate.notes if rate else ()),
+            ),
         )
 
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
@@ -148,19 +154,6 @@ class PressScorer:
     def _flat(self, region: Region) -> Region:
         """The region as a camera without distortion would see it."""
         return region if self._camera is None else Region(self._camera.undistorted_px(region.polygon_px))
-
-
-def _by_frame(phase: LoadingPhase, steps: list[FlowStep]) -> list[str]:
-    """Each note of the steps once, with the frames it belongs to."""
-    found: dict[str, list[int]] = {}
-    for frame, step in zip(phase.frames[1:].tolist(), steps, strict=True):
-        for note in step.notes:
-            found.setdefault(note, []).append(frame)
-    return [f"{_frames(where)}: {note}" for note, where in found.items()]
-
-
-def _frames(where: list[int]) -> str:
-    return f"frame {where[0]}" if len(where) == 1 else f"{len(where)} frames from {where[0]} to {where[-1]}"
 
 
 def _once(*notes: str) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import cv2
@@ -14,7 +14,7 @@ from casr.bench.metrics import percent_error
 from casr.contact_area import RULES, initial_area
 from casr.errors import CasrError
 from casr.flow.estimate import ENGINES, FlowSettings
-from casr.frames import ArrayFrames, FrameSequence, force_per_frame
+from casr.frames import ArrayFrames, FrameSequence
 from casr.score import Score, ScoreSettings, score
 from casr.spread import AREA_LAWS, RATE_RULES, contact_areas, spread_rate
 from casr.synthetic.press import SimulatedPress, simulate_press
@@ -76,10 +76,8 @@ def scored(settings: PressSettings) -> PressScores:
 
 def rendered(press: SimulatedPress) -> FrameSequence:
     """The press with its frames in memory and its measured forces."""
-    frames = np.stack([press.frames.read(i) for i in range(len(press.frames))])
-    log = press.timeline
-    force_n = force_per_frame(log.log_force_n, log.log_frame_index, len(frames))
-    return FrameSequence(ArrayFrames(frames, name=press.frames.name), press.settings.camera, force_n)
+    sequence = press.sequence()
+    return replace(sequence, source=ArrayFrames(np.stack(list(sequence)), name=sequence.name))
 
 
 def _judge(result: PressScores, engine: str, found: Score, press: SimulatedPress) -> None:

@@ -31,13 +31,12 @@ def add_to(commands: Commands) -> None:
         "area",
         run,
         "Initial contact area by every rule, from the rest frame and the first-contact frame.",
-        "Only these two frames are decoded. Exit status 1: no rule finds a contact. "
-        "Example: casr area press --frames 0,20",
+        "Exit status 1: no rule finds a contact. Example: casr area press --frames 0,20",
     )
     add_frames(parser)
     parser.add_argument(
         "--frames", type=frame_pair, metavar="I,J",
-        help="rest and first-contact frame (default: from the force log; without one 0,1 as in the paper)",
+        help="rest and first-contact frame (default: from the force log; without one 0 and the first in which three pins have moved)",
     )  # fmt: skip
     parser.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
@@ -90,13 +89,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _frames(sequence: FrameSequence, arguments: argparse.Namespace) -> tuple[int, int, tuple[str, ...]]:
+    from casr.errors import said_of
     from casr.frames import loading_phase
+    from casr.seen_loading import first_touch
 
     if arguments.frames:
         return (*arguments.frames, ())
-    if sequence.force_n is None:
-        return 0, 1, ("No force log: frames 0 and 1 are taken for rest and first contact; others with --frames.",)
-    phase = loading_phase(sequence.force_n, start_n=arguments.start_n)
+    with said_of(sequence.name):
+        if sequence.force_n is None:
+            contact = first_touch(sequence, arguments.threshold_px)
+            return 0, contact, (f"no force log: the pins are touched from frame {contact} on; others with --frames",)
+        phase = loading_phase(sequence.force_n, start_n=arguments.start_n)
     return phase.rest, int(phase.frames[0]), phase.notes
 
 

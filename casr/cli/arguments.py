@@ -49,7 +49,8 @@ def add_threshold(parser: Group) -> None:
     """Which pins count as moved."""
     parser.add_argument(
         "--threshold-px", type=positive, default=2.0, metavar="PX",
-        help="a pin that moved farther from rest is in contact (default %(default)s)",
+        help="a pin that moved farther from rest is in contact: for the rules hexagon and paper, and to find first "
+        "contact without a force log (default %(default)s)",
     )  # fmt: skip
 
 

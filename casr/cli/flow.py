@@ -101,21 +101,26 @@ def _steps(
     sequence: FrameSequence, frames: list[int], region: Region, engine: str
 ) -> tuple[list[dict[str, Any]], list[Region]]:
     """Facts of each step, and the region before it."""
+    from casr.errors import said_of
     from casr.flow.estimate import FlowSettings, FlowTracker
+    from casr.flow.step import notes_by_frame
 
     tracker = FlowTracker(FlowSettings(engine=engine))
     tracker.start(sequence[frames[0]], region)
-    total, steps, regions = 0.0, [], [region]
-    for before, after in itertools.pairwise(frames):
-        step = tracker.step(sequence[after])
-        say_notes(step.notes, f"frame {after}")
-        total += step.log_growth
-        regions.append(step.region)
-        steps.append({
+    found = []
+    for after in frames[1:]:
+        with said_of(f"{sequence.name}, frame {after}"):
+            found.append(tracker.step(sequence[after]))
+    say_notes(notes_by_frame(frames[1:], found))
+    sums = itertools.accumulate(step.log_growth for step in found)
+    steps = [
+        {
             "from": before, "to": after, "divergence": float(step.divergence), "log_growth": float(step.log_growth),
             "sum": float(total), "used": int(step.n),
-        })  # fmt: skip
-    return steps, regions
+        }
+        for (before, after), step, total in zip(itertools.pairwise(frames), found, sums, strict=True)
+    ]  # fmt: skip
+    return steps, [region, *(step.region for step in found)]
 
 
 def _print(name: str, engine: str, region: Region, steps: list[dict[str, Any]]) -> None:

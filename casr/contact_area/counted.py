@@ -15,17 +15,23 @@ from casr.pins import pin_pitch_px
 SATURATED_SHARE = 0.9
 
 
-def hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float, one_pin: bool) -> InitialArea:
+def hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
     """Pins that moved more than the threshold and those they enclose.
 
     Raises
     ------
-    NoContactError : none moved, and ``one_pin`` does not ask for the one that moved most instead.
+    NoContactError : none moved.
     """
     inside, notes = contact_cluster(motion, threshold_px)
     moved = int((motion.distance_px > threshold_px).sum())
     if moved == 0:
-        inside, notes = _pin_that_moved_most(motion, threshold_px, one_pin)
+        farthest = int(np.argmax(motion.distance_px))
+        raise NoContactError(
+            "first contact",
+            wanted=f"pins that moved more than {threshold_px:g} px from the rest frame",
+            found=f"at most {motion.distance_px[farthest]:.2f} px, by pin {motion.ids[farthest]}",
+            do="Start at a higher force, or lower threshold_px (--threshold-px).",
+        )
     saturated = moved >= SATURATED_SHARE * motion.ids.size
     if saturated:
         notes += (
@@ -50,22 +56,6 @@ def paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) ->
         f"hexagon; {own} pins are that far from their own place.",
     )
     return _hexagons(motion, camera, chosen, count, "paper", notes, chosen.size >= SATURATED_SHARE * motion.ids.size)
-
-
-def _pin_that_moved_most(
-    motion: PinMotion, threshold_px: float, one_pin: bool
-) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
-    farthest = int(np.argmax(motion.distance_px))
-    found = f"at most {motion.distance_px[farthest]:.2f} px, by pin {motion.ids[farthest]}"
-    if not one_pin:
-        raise NoContactError(
-            "first contact",
-            wanted=f"pins that moved more than {threshold_px:g} px from the rest frame",
-            found=found,
-            do="Start at a higher force, or lower threshold_px.",
-        )
-    inside = np.arange(motion.ids.size) == farthest
-    return inside, (f"No pin moved more than {threshold_px:g} px ({found}): the area is that of one pin.",)
 
 
 def _hexagons(

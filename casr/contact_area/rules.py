@@ -16,7 +16,6 @@ from casr.errors import SettingError
 from casr.pins import Pins
 
 RULES = ("edge", "hexagon", "circle", "paper")
-ON_NO_CONTACT = ("error", "one-pin")
 
 
 def initial_area(
@@ -26,7 +25,6 @@ def initial_area(
     camera: Camera | None = None,
     rule: str = "edge",
     threshold_px: float = 2.0,
-    on_no_contact: str = "error",
 ) -> InitialArea:
     """Area of the first contact from the pins before it and at it.
 
@@ -41,7 +39,6 @@ def initial_area(
         ``circle``: through the pin farthest from the central one, of all pins (previous work; the same whatever is
         touched). ``paper``: Algorithm 1 to the letter, whole-pixel centroids and all pairs of pins.
     threshold_px : of ``hexagon`` and ``paper``.
-    on_no_contact : for ``hexagon`` where no pin moved: ``error``, or ``one-pin`` for the pin that moved most.
 
     Raises
     ------
@@ -49,9 +46,8 @@ def initial_area(
     PinsError : too few pins in both frames.
     SettingError : unknown rule, or a threshold not above 0.
     """
-    for key, value, choices in (("rule", rule, RULES), ("on_no_contact", on_no_contact, ON_NO_CONTACT)):
-        if value not in choices:
-            raise SettingError(key, wanted=" or ".join(choices), found=repr(value), do="Choose one of these.")
+    if rule not in RULES:
+        raise SettingError("rule", wanted=" or ".join(RULES), found=repr(rule), do="Choose one of these.")
     if not 0 < threshold_px < np.inf:
         raise SettingError(
             "threshold_px", wanted="a distance above 0 px", found=repr(threshold_px), do="The paper uses 2."
@@ -66,4 +62,4 @@ def initial_area(
         if isinstance(found, InitialArea):
             return found
         motion = replace(motion, notes=(*motion.notes, f"No contact edge: {found}; hexagons instead."))
-    return hexagon_rule(motion, camera, threshold_px, one_pin=on_no_contact == "one-pin")
+    return hexagon_rule(motion, camera, threshold_px)

@@ -8,10 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.errors import SettingError
 from casr.flow.pin_affine import Affine
 from casr.flow.region import Region
 
 Array = NDArray[np.float64]
+FEWEST_ROWS = 3
 
 
 def fit_field(flow: NDArray[np.floating[Any]], region: Region) -> Affine:
@@ -28,7 +30,7 @@ def fit_field(flow: NDArray[np.floating[Any]], region: Region) -> Affine:
 
     Raises
     ------
-    SettingError : the region lies outside the flow.
+    SettingError : the region lies outside the flow, or holds too few pixels for a fit.
     """
     x0, y0, x1, y1 = region.box(flow.shape)
     left_top = np.array([x0, y0])
@@ -40,6 +42,13 @@ def fit_field(flow: NDArray[np.floating[Any]], region: Region) -> Affine:
     # sums over rows and columns, not matrix products: on this size those would wake the threads of the linear algebra
     along_x, along_y = weight.sum(axis=0), weight.sum(axis=1)
     total = along_x.sum()
+    if min(np.count_nonzero(along_x), np.count_nonzero(along_y)) < FEWEST_ROWS:
+        raise SettingError(
+            "region",
+            wanted=f"{FEWEST_ROWS} or more rows and columns of pixels in its core",
+            found=f"{total:.0f} pixels around ({region.centre_px[0]:.0f}, {region.centre_px[1]:.0f})",
+            do="Give a larger region.",
+        )
     mean = np.array([(along_x * x).sum(), (along_y * y).sum()]) / total
     sum_xy = ((weight * x).sum(axis=1) * y).sum()
     second = np.array([[(along_x * x * x).sum(), sum_xy], [sum_xy, (along_y * y * y).sum()]]) / total

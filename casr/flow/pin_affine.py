@@ -50,52 +50,40 @@ class Affine:
         return self.offset_px + (points_px - self.centre_px) @ self.matrix.T
 
 
-def fit_affine(
-    before_px: NDArray[np.float64], after_px: NDArray[np.float64], weights: NDArray[np.float64] | None = None
-) -> Affine:
+def fit_affine(before_px: NDArray[np.float64], after_px: NDArray[np.float64]) -> Affine:
     """Least-squares affine motion of pins (N, 2) -> (N, 2), row by row; NaN rows are left out.
 
     A pin off by more than a third of the pitch and by six times the scatter of the others was mistaken for another one:
-    the worst is left out and the fit repeated until none stands out; a note says how many.
-
-    Parameters
-    ----------
-    weights : (N,) weight of each pin, 0 or more; all one by default.
+    the worst is left out and the fit repeated until none stands out; a note says so.
 
     Raises
     ------
     PinsError : fewer than three pins, or all close to one line.
     """
     before, after = np.asarray(before_px, float), np.asarray(after_px, float)
-    weight = np.ones(len(before)) if weights is None else np.asarray(weights, float)
-    rows = np.flatnonzero(np.isfinite(before + after).all(axis=1) & (weight > 0))
-    n = len(rows)
-    fit, residual = _fit(before[rows], after[rows], weight[rows])
+    rows = seen = np.flatnonzero(np.isfinite(before + after).all(axis=1))
+    fit, residual = _fit(before[rows], after[rows])
     while (worst := _mistaken(before[rows], residual)) is not None:
         rows = np.delete(rows, worst)
-        fit, residual = _fit(before[rows], after[rows], weight[rows])
-    out = n - len(rows)
-    return replace(fit, notes=(f"{out} of {n} pins left out: mistaken for another",)) if out else fit
+        fit, residual = _fit(before[rows], after[rows])
+    return replace(fit, notes=("pins mistaken for others are left out",)) if len(rows) < len(seen) else fit
 
 
-def _fit(
-    before: NDArray[np.float64], after: NDArray[np.float64], weight: NDArray[np.float64]
-) -> tuple[Affine, NDArray[np.float64]]:
+def _fit(before: NDArray[np.float64], after: NDArray[np.float64]) -> tuple[Affine, NDArray[np.float64]]:
     """The fit and the length (N,) of each pin's residual."""
     if len(before) < FEWEST_PINS:
-        raise _too_few(f"{len(before)} pins")
-    share = weight / weight.sum()
+        raise _too_few(f"{len(before)}")
     move = after - before
-    centre, offset = share @ before, share @ move
+    centre, offset = before.mean(axis=0), move.mean(axis=0)
     arm, rest = before - centre, move - offset
-    spread = (share * arm.T) @ arm
+    spread = arm.T @ arm
     narrow, wide = np.linalg.eigvalsh(spread)
     if narrow <= ROUND_ENOUGH**2 * wide:
-        raise _too_few(f"{len(before)} pins on one line")
-    matrix = np.linalg.solve(spread, (share * arm.T) @ rest).T
+        raise _too_few(f"{len(before)} on one line")
+    matrix = np.linalg.solve(spread, arm.T @ rest).T
     error = rest - arm @ matrix.T
     squared = (error**2).sum(axis=1)
-    rms = float(np.sqrt(share @ squared / 2))
+    rms = float(np.sqrt(squared.mean() / 2))
     return Affine(matrix, offset, centre, rms, len(before)), np.sqrt(squared)
 
 

@@ -31,6 +31,7 @@ class PinEngine:
     def start(self, image: Grey, region: Region) -> None:
         pins_px = self._tracker.start(image).centroids_px
         self._ids, self._start_notes = _pins_of(region, pins_px, self._settings.core_fraction)
+        self._tracker.restrict(self._ids)
         self._region, self._last_px = region, pins_px[self._ids]
         self._skin = BulgingRegion(region, self._last_px)
 
@@ -44,7 +45,8 @@ class PinEngine:
 
     def _lost(self, now_px: Points) -> tuple[str, ...]:
         lost = int(np.isnan(now_px[:, 0]).sum())
-        return (f"{lost} of the region's {len(now_px)} pins are not seen",) if lost else ()
+        share = "most" if 2 * lost > len(now_px) else "some"
+        return (f"{share} of the region's {len(now_px)} pins are not seen",) if lost else ()
 
     def _jump(self, now_px: Points) -> tuple[str, ...]:
         """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike."""

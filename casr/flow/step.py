@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -58,6 +59,19 @@ class FlowStep:
     region: Region
     n: int
     notes: tuple[str, ...] = ()
+
+
+def notes_by_frame(frames: Iterable[int], steps: Iterable[FlowStep]) -> list[str]:
+    """Each note of the steps once, with the frames, one for each step, that it belongs to."""
+    found: dict[str, list[int]] = {}
+    for frame, step in zip(frames, steps, strict=True):
+        for note in step.notes:
+            found.setdefault(note, []).append(frame)
+    return [f"{_named(where)}: {note}" for note, where in found.items()]
+
+
+def _named(where: list[int]) -> str:
+    return f"frame {where[0]}" if len(where) == 1 else f"{len(where)} frames from {min(where)} to {max(where)}"
 
 
 class Engine(Protocol):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from casr.atomic import write_text_atomic
 from casr.camera import Camera
-from casr.errors import CameraError
+from casr.errors import CameraError, said_of
 
 _KEYS = [field.name for field in fields(Camera)]
 # what may be left out: undistorted frames need no coefficients, and areas no frame rate
@@ -30,7 +30,7 @@ def read_camera(path: Path | str) -> Camera:
     table = _table(path)
     for key in table:
         if key not in _KEYS:
-            near = difflib.get_close_matches(key, _KEYS, n=1)
+            near = [known for known in _KEYS if known.startswith(key)] or difflib.get_close_matches(key, _KEYS, n=1)
             raise CameraError(
                 f"{path}, [camera] {key}",
                 wanted=f"one of {', '.join(_KEYS)}",
@@ -45,16 +45,13 @@ def read_camera(path: Path | str) -> Camera:
             found="none of them" if len(missing) > 1 else "nothing",
             do="Add them; millimetres cannot be told without.",
         )
-    try:
+    with said_of(path):
         return Camera(**table)
-    except CameraError as error:
-        raise CameraError(f"{path}, {error.where}", wanted=error.wanted, found=error.found, do=error.do) from error
 
 
 def write_camera(path: Path | str, camera: Camera) -> None:
     """Write a camera so that `read_camera` gives back the very same one."""
-    values = asdict(camera) | {"distortion": list(camera.distortion)}
-    write_text_atomic(Path(path), "[camera]\n" + "".join(f"{key} = {value!r}\n" for key, value in values.items()))
+    write_text_atomic(Path(path), camera.to_toml())
 
 
 def _table(path: Path) -> dict[str, Any]:

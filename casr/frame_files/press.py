@@ -54,7 +54,7 @@ def _check_frames(path: Path, frames: FileFrames) -> None:
         raise FramesError(
             path,
             wanted="a sequence of two frames or more",
-            found="one frame",
+            found="; ".join(("one frame", *frames.notes)),
             do="Give all frames of the press: the static frame before contact and those of the loading.",
         )
     first = frames.read(0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import weakref
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,8 @@ Decode = Callable[[int], NDArray[Any]]
 
 
 def open_file(path: Path) -> TiffFrames:
+    complaints = _Complaints()
+    tifffile.logger().addHandler(complaints)
     try:
         file = tifffile.TiffFile(path)
         n_pages = len(file.pages)
@@ -27,7 +30,20 @@ def open_file(path: Path) -> TiffFrames:
         raise unreadable(path, error) from error
     except (tifffile.TiffFileError, ValueError, KeyError) as error:
         raise FramesError(path, wanted="a TIFF file", found=str(error), do="Check the file.") from error
-    return TiffFrames(path, file, n_pages)
+    finally:
+        tifffile.logger().removeHandler(complaints)
+    return TiffFrames(path, file, n_pages, tuple(complaints.said))
+
+
+class _Complaints(logging.Handler):
+    """What tifffile finds wrong with a file that it reads on."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.said: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.said.append(f"the file is damaged or incomplete: {record.getMessage()}")
 
 
 class TiffFrames:
@@ -41,10 +57,8 @@ class TiffFrames:
     FramesError : the first page does not decode; on reading, a page that is damaged or has another size.
     """
 
-    notes: tuple[str, ...] = ()
-
-    def __init__(self, path: Path, file: tifffile.TiffFile, n_pages: int) -> None:
-        self.name = path.stem
+    def __init__(self, path: Path, file: tifffile.TiffFile, n_pages: int, notes: tuple[str, ...]) -> None:
+        self.name, self.notes = path.stem, notes
         self._path = path
         weakref.finalize(self, file.close)
         self._n, self._decode = _hidden_stack(path, file) or (n_pages, _decoder(path, file, n_pages))

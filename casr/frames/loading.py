@@ -29,16 +29,14 @@ class LoadingPhase:
     notes: tuple[str, ...] = ()
 
 
-def loading_phase(
-    force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | None = None, press: int | None = None
-) -> LoadingPhase:
+def loading_phase(force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | None = None) -> LoadingPhase:
     """The part of a press that CASR is computed on: from first contact to the largest force, never the unloading.
 
     A press is an unbroken stretch of frames at or above ``start_n`` that reaches ``stop_n``, or half of the largest
-    force when there is none; shorter touches are chatter. Loading starts at its first frame and ends at the first
-    frame that reaches ``stop_n``, or at its largest force. Frames without a force are skipped.
+    force when there is none; shorter touches are chatter. The first press counts. Loading starts at its first frame
+    and ends at the first frame that reaches ``stop_n``, or at its largest force. Frames without a force are skipped.
 
-    The rest frame comes before it and after the press before. The resting band, 0.1 ``start_n`` wide, is the one
+    The rest frame comes before it. The resting band, 0.1 ``start_n`` wide, is the one
     that holds most of these frames (the lowest on a tie); the last frame at or below the median of the band is
     taken. So neither the ramp up to ``start_n``, where the skin is touched already (at a tenth of the force a
     contact has half of its radius), nor a pull of the leaving skin counts as static while a frame at rest exists.
@@ -48,13 +46,11 @@ def loading_phase(
     force_n : (T,) force of each frame, N; NaN where not known.
     start_n : force of first contact, N; 0.5 in the paper.
     stop_n : force at which loading ends, N; None for the largest.
-    press : which press, from 0; None takes the first and notes that there are more.
 
     Raises
     ------
     NoContactError : the force never reaches ``start_n``.
-    FramesError : no force at all; ``stop_n`` or the press asked for is not reached; no frame before contact;
-        loading within a single frame.
+    FramesError : no force at all; ``stop_n`` is not reached; no frame before contact; loading within a single frame.
     SettingError : ``start_n`` not above 0, ``stop_n`` not above ``start_n``.
     """
     _check_forces_asked(start_n, stop_n)
@@ -62,21 +58,19 @@ def loading_phase(
     known = np.flatnonzero(np.isfinite(force))
     load = force[known]
     presses = _presses(load, start_n, stop_n)
-    chosen = _chosen(presses, press)
-    first, last = presses[chosen]
+    first, last = presses[0]
     end = first + (np.argmax(load[first:last]) if stop_n is None else np.argmax(load[first:last] >= stop_n))
-    before = known[presses[chosen - 1][1] if chosen else 0 : first]
-    rest = _rest_frame(before, force[before], start_n)
+    rest = _rest_frame(known[:first], load[:first], start_n)
     frames = known[first : end + 1]
     if len(frames) < 2:
         raise FramesError(
             "loading phase",
             wanted="at least two frames of loading",
             found=f"the force goes from below {start_n:g} N to its end within one frame, {frames[0]}",
-            do="Load more slowly, record more frames a second, or lower start_n.",
+            do="Load more slowly, record more frames a second, or lower start_n (--start-n).",
         )
-    many = f"{len(presses)} presses in the sequence; the first is used" if press is None and len(presses) > 1 else ""
-    return LoadingPhase(rest, frames, tuple(filter(None, (many, *_notes(force, rest, frames, start_n)))))
+    many = [f"{len(presses)} presses in the sequence; the first is used"] if len(presses) > 1 else []
+    return LoadingPhase(rest, frames, (*many, *_notes(force, rest, frames, start_n)))
 
 
 def _check_forces_asked(start_n: float, stop_n: float | None) -> None:
@@ -100,24 +94,18 @@ def _presses(load: NDArray[np.float64], start_n: float, stop_n: float | None) ->
             "force",
             wanted=f"contact, a force of {start_n:g} N or more",
             found=f"at most {peak:.3g} N",
-            do="Lower start_n, or check the sign and unit of the force log.",
+            do="Lower start_n (--start-n), or check the sign and unit of the force log.",
         )
     if stop_n is not None and peak < stop_n:
         raise FramesError(
-            "force", wanted=f"a load up to stop_n, {stop_n:g} N", found=f"at most {peak:.3g} N", do="Lower stop_n."
+            "force",
+            wanted=f"a load up to stop_n (--stop-n), {stop_n:g} N",
+            found=f"at most {peak:.3g} N",
+            do="Lower it, or leave it out to end at the largest force.",
         )
     edges = np.flatnonzero(np.diff(load >= start_n, prepend=False, append=False))
     reached = stop_n if stop_n is not None else max(start_n, peak / 2)
     return [(a, b) for a, b in edges.reshape(-1, 2).tolist() if load[a:b].max() >= reached]
-
-
-def _chosen(presses: list[tuple[int, int]], press: int | None) -> int:
-    chosen = 0 if press is None else press
-    if not 0 <= chosen < len(presses):
-        raise FramesError(
-            "press", wanted=f"a press from 0 to {len(presses) - 1}", found=repr(press), do="Presses count from 0."
-        )
-    return chosen
 
 
 def _rest_frame(before: NDArray[np.intp], load: NDArray[np.float64], start_n: float) -> int:
@@ -128,7 +116,7 @@ def _rest_frame(before: NDArray[np.intp], load: NDArray[np.float64], start_n: fl
             "loading phase",
             wanted=f"a static frame before contact, below {start_n:g} N",
             found="a recording that starts in contact",
-            do="Start recording before the touch, or choose a later press or a higher start_n.",
+            do="Start recording before the touch, or raise start_n (--start-n).",
         )
     levels = np.sort(load)
     band = REST_BAND * start_n

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,24 +18,23 @@ Points = NDArray[np.float64]
 
 
 def follow_neighbours(
-    before_px: Points, expected_px: Points, after_px: Points, links: Points, spacing_px: NDArray[np.float64]
+    before_px: Points, guesses_px: Sequence[Points], after_px: Points, links: Points, spacing_px: NDArray[np.float64]
 ) -> NDArray[np.intp]:
     """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
 
     Pins close to where they are expected are matched first; then the motion is handed on to those beside them, ring by
     ring, so that a motion that changes slowly over the skin may end up far above half a pitch. A lattice also fits
-    itself one pitch further, all but its edge: of all ways to begin, the one that finds most pins is kept. Ways to
-    begin are going on as before, standing still and one common jump, each from every island of pins that fit.
+    itself one pitch further, all but its edge: of all ways to begin, each guess from every island of pins that fit, the
+    one that finds most pins is kept, the first on a tie.
 
     Parameters
     ----------
-    before_px, expected_px : (N, 2) where pins were and should be now.
+    before_px : (N, 2) where pins were. guesses_px : each (N, 2), where they may be now.
     after_px : (M, 2) pins of the next frame.
     links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest pin.
     """
     best = np.full(len(before_px), -1, np.intp)
-    jump = before_px + common_shift_px(before_px, after_px, float(np.median(spacing_px)))
-    for guess in (expected_px, before_px, jump):
+    for guess in guesses_px:
         pins, hits = match_pins(guess, after_px, max_distance_px=SEED_REACH * spacing_px)
         for island in _islands(pins, links):
             rows = np.full(len(before_px), -1, np.intp)

@@ -19,7 +19,8 @@ class PinSettings:
     area_ratio : smallest and largest area of one pin over the median pin's.
     max_aspect : largest ratio of the sides of the bounding box.
     min_fill : smallest share of the bounding box that is pin (a disc has 0.79).
-    max_brightness_ratio : a blob this many times brighter (above background) than the median pin around it is glare.
+    max_brightness_ratio : a blob this many times brighter (above background) than the median pin around it is glare;
+        so is a tracked pin that becomes so against the pins around it.
     touching_ratio, most_touching : a blob larger than this many median pins, but not than so many of the largest,
         may be pins that touch; it is cut where it has a waist.
     dark_pins : pins are darker than the skin.

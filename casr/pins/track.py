@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,13 +13,13 @@ from casr.errors import PinsError
 from casr.images import Grey
 from casr.pins.detect import Pins, find_pins, pins_bright, reach_px, reported_px
 from casr.pins.lattice import nearest_pins
-from casr.pins.propagate import follow_neighbours, links_of, neighbour_mean
+from casr.pins.propagate import common_shift_px, follow_neighbours, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
 from casr.pins.spots import Spots, measure_spots
 
 NEIGHBOURS = 6  # in a hexagonal lattice
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
-BRIGHTER = 1.2  # no pin gains more over those beside it, unless a reflection lies on it
+MOST = 0.5
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
 
 Points = NDArray[np.float64]
@@ -47,19 +48,38 @@ class PinTracker:
         self._frame = pins_bright(image, self._settings).copy()
         pins = find_pins(self._frame, self._settings)
         self._n = len(pins)
+        self._ids = self._wanted = np.arange(self._n)
         self._place_px = pins.centroids_px.copy()  # where each pin is or, while it is lost, should be
         self._move_px = np.zeros_like(self._place_px)
         self._area_px = pins.area_px.copy()
         self._lost = np.zeros(self._n, bool)
-        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
-        self._links = links_of(self._beside)
-        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
-        self._shine = self._shine_of(measure_spots(self._frame, self._place_px, reach_px(self._spacing_px)))
+        self._link()
         self.pitch_px = float(np.median(self._spacing_px))
         return replace(pins, centroids_px=reported_px(pins.centroids_px, self._settings))
 
+    def restrict(self, ids: Sequence[int] | NDArray[np.integer[Any]]) -> None:
+        """From now on follow these pins (and those next to them, to know where each ends); all others stay NaN.
+
+        Raises PinsError for ids that are not followed, or before ``start``.
+        """
+        self._need_start()
+        wanted = np.unique(np.asarray(ids, np.intp))
+        if wanted.size < 2 or not np.isin(wanted, self._ids).all():
+            raise PinsError(
+                "PinTracker.restrict",
+                wanted="ids of two or more pins that are being followed",
+                found=f"{wanted.tolist()}",
+                do=f"Use row numbers below {self._n} of the pins that start() returned.",
+            )
+        rows = np.flatnonzero(np.isin(self._ids, wanted))
+        rows = np.union1d(rows, self._beside[rows])
+        self._ids, self._wanted = self._ids[rows], wanted
+        self._place_px, self._move_px = self._place_px[rows], self._move_px[rows]
+        self._area_px, self._lost = self._area_px[rows], self._lost[rows]
+        self._link()
+
     def step(self, image: NDArray[Any]) -> Points:
-        """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost.
+        """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost or not followed.
 
         Raises PinsError before ``start`` or for a frame of another size, ImageError as ``as_grey``.
         """
@@ -75,14 +95,27 @@ class PinTracker:
         if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
             self._frame = grey.copy()
             self._advance(grey)
-        return reported_px(np.where(self._lost[:, None], np.nan, self._place_px), self._settings)
+        positions = np.full((self._n, 2), np.nan)
+        positions[self._ids[~self._lost]] = self._place_px[~self._lost]
+        reported = np.full_like(positions, np.nan)
+        reported[self._wanted] = reported_px(positions[self._wanted], self._settings)
+        return reported
+
+    def _link(self) -> None:
+        """Who is beside whom, how far, and how bright against them."""
+        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
+        self._links = links_of(self._beside)
+        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
+        self._shine = self._shine_of(measure_spots(self._frame, self._place_px, reach_px(self._spacing_px)))
 
     def _advance(self, grey: Grey) -> None:
         """Find all pins in the next frame and keep places, motions and areas for the one after."""
         before, expected = self._place_px, self._place_px + self._move_px
         place, area, seen = self._look(grey, expected)
         if (~seen & ~self._lost).any() or _median_length(place - expected) > LONGEST_LOOK * self.pitch_px:
-            place, area, seen = self._search(grey, expected)
+            # a part of the lattice fits itself one pitch further with no edge to tell: if most are in place, none jumped
+            in_place = len(seen) < self._n and seen.sum() > MOST * (~self._lost).sum()
+            place, area, seen = self._search(grey, expected, in_place)
         self._place_px = np.where(seen[:, None], place, before + neighbour_mean(place - before, seen, self._links))
         self._move_px = self._place_px - before
         self._area_px = np.where(seen, area, self._area_px)
@@ -109,21 +142,25 @@ class PinTracker:
         rank = np.lexsort((np.hypot(*(place - expected).T), self._lost)).argsort()
         return np.asarray((same & (rank[:, None] > rank[self._beside])).any(axis=1))
 
-    def _search(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
+    def _search(self, grey: Grey, expected: Points, in_place: bool) -> tuple[Points, NDArray[np.float64], Mask]:
         """Place, area and whether seen, of each pin, from all pins of the frame."""
         try:
             pins = find_pins(grey, self._settings)
         except PinsError:
             return expected, self._area_px, np.zeros(len(expected), bool)
-        rows = follow_neighbours(self._place_px, expected, pins.centroids_px, self._links, self._spacing_px)
+        guesses = [expected]
+        if not in_place:
+            pitch_px = float(np.median(self._spacing_px))
+            guesses += [self._place_px, self._place_px + common_shift_px(self._place_px, pins.centroids_px, pitch_px)]
+        rows = follow_neighbours(self._place_px, guesses, pins.centroids_px, self._links, self._spacing_px)
         seen = rows >= 0
         place = np.where(seen[:, None], pins.centroids_px[rows], expected)
         seen &= ~self._in_glare(measure_spots(grey, place, reach_px(self._spacing_px)))
         return place, np.where(seen, pins.area_px[rows], self._area_px), seen
 
     def _in_glare(self, spots: Spots) -> Mask:
-        """Pins that outshine those beside them more than in the first frame: a reflection draws them to itself."""
-        return np.asarray(self._shine_of(spots) > BRIGHTER * self._shine)
+        """Pins that outshine those beside them far more than at first: a reflection draws their centroids to itself."""
+        return np.asarray(self._shine_of(spots) > self._settings.max_brightness_ratio * self._shine)
 
     def _shine_of(self, spots: Spots) -> NDArray[np.float64]:
         """Contrast of each pin over that of the pins beside it."""

@@ -10,7 +10,6 @@ from typing import Any
 
 import tifffile
 
-from casr.camera import Camera
 from casr.errors import FramesError
 from casr.synthetic.press import SimulatedPress
 from casr.synthetic.timeline import Timeline
@@ -36,7 +35,7 @@ def write_press(press: SimulatedPress, folder: Path, *, overwrite: bool = False)
         new.mkdir()
         _write_frames(press, new / "frames.tif")
         (new / "force.csv").write_text(_force_csv(press.timeline), encoding="utf-8")
-        (new / "camera.toml").write_text(_camera_toml(press.settings.camera), encoding="utf-8")
+        (new / "camera.toml").write_text(press.settings.camera.to_toml(), encoding="utf-8")
         (new / "truth.json").write_text(_truth_json(press), encoding="utf-8")
         replaced = folder.exists()
         if replaced:
@@ -74,11 +73,6 @@ def _write_frames(press: SimulatedPress, path: Path) -> None:
 def _force_csv(timeline: Timeline) -> str:
     rows = zip(timeline.log_time_s, timeline.log_force_n, timeline.log_frame_index, strict=True)
     return "time_s,force_n,frame_index\n" + "".join(f"{time:.4f},{force:.6f},{frame}\n" for time, force, frame in rows)
-
-
-def _camera_toml(camera: Camera) -> str:
-    values = asdict(camera) | {"distortion": list(camera.distortion)}
-    return "[camera]\n" + "".join(f"{key} = {value}\n" for key, value in values.items())
 
 
 def _truth_json(press: SimulatedPress) -> str:

@@ -36,7 +36,7 @@ STAGES = {
             ("numpy", "scipy", "edfio", "ezc3d", "pandas", "pymatreader"),
         ),
         Stage("fits", ("trials",), "recording", ("emg2vsa.fits", "emg2vsa.trials.session"), ("numpy", "scipy")),
-        Stage("hypotheses", ("fits",), "study", ("emg2vsa.hypotheses",), ("numpy", "scipy")),
+        Stage("hypotheses", ("fits",), "study", ("emg2vsa.hypotheses",), ("numpy", "scipy", "statsmodels")),
         Stage("profiles", ("fits",), "study", ("emg2vsa.profiles",), ("numpy", "scipy")),
         Stage("schedules", ("profiles",), "study", ("emg2vsa.schedules",), ("numpy", "scipy")),
         Stage("pages", ("trials", "fits"), "participant", ("emg2vsa.report.session_page",), ("numpy",)),

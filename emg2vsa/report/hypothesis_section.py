@@ -11,11 +11,11 @@ from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.report import html
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.outcome_text import said, statistic_said
+from emg2vsa.report.p_bounds import dunn_bounds
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Table
 from emg2vsa.report.wording import NO_BREAK, activity, bounded, listed, number, p_text, percent
-from emg2vsa.stats.dunn import smallest_worst_p
 from emg2vsa.stats.ks_exact import ks_survival
 
 
@@ -138,17 +138,16 @@ def _pairs(tested: Hypotheses, found: Mapping[str, Quantity], tables: Mapping[st
 
 
 def _rank_bound(tested: Hypotheses) -> str:
-    """What p the mean-rank comparison can reach at all."""
-    counts = tested.tests.between_groups.anova.count
-    most = counts[int(np.argmax(np.sum(counts, axis=1)))]
-    bounds = [smallest_worst_p(most[most > 0], adjustment) for adjustment in ("none", "bonferroni")]
-    if np.isnan(bounds).any():
+    """What p the mean-rank comparison can reach at all, for the usual participant."""
+    usual = np.full(tested.specimens.size, np.max(tested.count))
+    bounds = dunn_bounds(usual)
+    if bounds is None:
         return ""
-    sizes = listed([str(n) for n in most[most > 0].tolist()])
+    uncorrected, corrected = (bounded(bound, 4) for bound in bounds)
     return (
-        f"Dunn's test pools the ranks of all specimens. Even if groups of {sizes} do not overlap, its worst pair has "
-        f"p = {bounded(bounds[0], 4)} or more, {bounded(min(bounds[1], 1.0), 4)} with Bonferroni: a larger p there "
-        "says nothing against a difference."
+        f"Dunn's test pools the ranks of all specimens. Even if {usual.size} groups of {usual[0]} do not overlap, its "
+        f"worst pair has p = {uncorrected} or more, {corrected} with Bonferroni: a large p there says nothing against "
+        "a difference."
     )
 
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.origin import origin
+from emg2vsa.report.p_bounds import dunn_bounds
 from emg2vsa.report.quantities import activity_suffix
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Cell, Column, Table
 from emg2vsa.report.wording import activity, bounded, listed, number, percent
-from emg2vsa.stats.dunn import smallest_worst_p
 
 
 def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Table:
@@ -65,12 +65,14 @@ def _tests(results: StudyResults, found: Mapping[str, Quantity]) -> list[tuple[C
 
 def _reach() -> list[tuple[Cell, ...]]:
     """p that the paper prints in section VI beside what its test can give at all with three groups of ten."""
-    least = {adjustment: _p(smallest_worst_p([10, 10, 10], adjustment)) for adjustment in ("none", "bonferroni")}
+    bounds = dunn_bounds(np.array([10, 10, 10]))
+    assert bounds is not None
+    uncorrected, corrected = map(_p, bounds)
     mind = (
-        "three groups of ten compared by pooled mean ranks, as MATLAB's multcompare does: .0034, .0037 and .0018 cannot "
-        "come from this test; .0111 is its uncorrected bound for groups that do not overlap"
+        "three groups of ten compared by pooled mean ranks, as MATLAB's multcompare does: .0034, .0037 and .0018 "
+        "cannot come from this test; .0111 is its uncorrected bound for groups that do not overlap"
     )
-    here = f"the worst pair cannot have less than {least['none']}, or {least['bonferroni']} with Bonferroni"
+    here = f"the worst pair cannot have less than {uncorrected}, or {corrected} with Bonferroni"
     return [("worst p of CASR between specimens (section VI)", ".0111, .0034, .0037 and .0018", here, mind)]
 
 

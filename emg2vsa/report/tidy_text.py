@@ -12,10 +12,10 @@ import numpy as np
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import COLUMNS, Row, group_rows, normality_rows, pair_rows, variance_row
 from emg2vsa.report.outcome_text import Style, p_said, said
+from emg2vsa.report.p_bounds import dunn_bounds
 from emg2vsa.report.people_rows import equality_rows, over_people_rows
 from emg2vsa.report.verdicts import decided, how_many
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
-from emg2vsa.stats.dunn import smallest_worst_p
 from emg2vsa.stats.outcome import Outcome
 
 _WIDTHS = (28, 36, 30, 22)
@@ -56,10 +56,8 @@ def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
         if blocks
         else "All rows are taken as independent. If several come from one person or object, name it with --block.",
     )
-    floor = smallest_worst_p(found.count)
-    bound = (
-        "" if np.isnan(floor) else f" With groups of this size Dunn's worst pair has p = {min(floor, 1.0):.2g} or more."
-    )
+    floor = dunn_bounds(found.count)
+    bound = f" With groups of this size Dunn's worst pair has p = {floor[1]:.2g} or more, untied." if floor else ""
     yield Hypothesis(
         "Which groups differ?",
         pair_rows(tests.pairs, alpha, style),

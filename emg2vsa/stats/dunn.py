@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import permutations
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
@@ -14,8 +13,6 @@ from emg2vsa.stats.kruskal import KruskalWallis
 from emg2vsa.stats.multiplicity import NAMES, Adjustment, adjust
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.pair_differences import pair_numbers
-
-_MOST_GROUPS = 7
 
 
 @dataclass(frozen=True)
@@ -55,18 +52,16 @@ def dunn(found: KruskalWallis, adjustment: Adjustment = "bonferroni") -> RankPai
     return RankPairs(adjustment, first, second, difference, z, p, found.count[:, first] + found.count[:, second])
 
 
-def smallest_worst_p(counts: ArrayLike, adjustment: Adjustment = "bonferroni") -> float:
-    """Smallest value that the largest p of all pairs can take with groups of ``counts`` (k,) untied values.
+def smallest_worst_p(groups: int, count: int, adjustment: Literal["none", "bonferroni"] = "bonferroni") -> float:
+    """Smallest value that the largest p of all pairs can take with ``groups`` of ``count`` untied values each.
 
-    Groups that do not overlap at all are the best case: neighbours then differ by half the sum of their sizes. A
-    smaller p than this cannot come from this test (statistics notes 4.5). NaN for fewer than two groups or more than 7.
+    Mean ranks of equal groups span at most (groups - 1) count, so some neighbours lie no farther apart than count: the
+    best case is groups that do not overlap at all. A smaller p cannot come from this test (statistics notes 4.5). NaN
+    for fewer than two groups. With unequal groups no such simple bound holds.
     """
-    sizes = np.asarray(counts, dtype=np.float64)
-    if not 2 <= sizes.size <= _MOST_GROUPS:
+    if groups < 2 or count < 1:
         return float("nan")
-    variance = np.sum(sizes) * (np.sum(sizes) + 1) / 12
-    orders = np.array(list(permutations(sizes)))
-    first, second = pair_numbers(sizes.size)
-    centre = np.cumsum(orders, axis=1) - orders / 2
-    z = (centre[:, second] - centre[:, first]) / np.sqrt(variance * (1 / orders[:, first] + 1 / orders[:, second]))
-    return float(np.min(np.max(adjust(2 * special.ndtr(-z), adjustment), axis=1)))
+    total = groups * count
+    gap = np.subtract(*np.triu_indices(groups, 1)[::-1]) * float(count)
+    z = gap / np.sqrt(total * (total + 1) / 12 * 2 / count)
+    return float(np.max(adjust(2 * special.ndtr(-z), adjustment)))

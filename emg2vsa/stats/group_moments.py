@@ -55,4 +55,4 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     design_start = start[design, (count > 0).argmax(axis=1)[:, None]]
     offset = np.where(count > 0, start - design_start + inner, 0.0)
     at = np.ldexp(np.where(count > 0, design_start + offset, np.nan), unit[:, None])
-    return GroupMoments(count, offset, np.vecdot(deviation, deviation), deviation, valid, unit, origin[:, None] + at)
+    return GroupMoments(count, offset, (deviation**2).sum(axis=2), deviation, valid, unit, origin[:, None] + at)

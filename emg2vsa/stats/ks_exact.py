@@ -12,7 +12,7 @@ from emg2vsa.arrays import Floats, Ints
 
 _LIMIT_LAW_FROM = 5000
 _TAIL = 5.0  # n d^2 beyond which both one-sided events together are rarer than 1e-17
-_WIDTHS_TOGETHER = 8  # values of k whose matrices are padded to one size
+_WIDTHS_TOGETHER = 3  # bits of k: matrices of up to 8 values of k are padded to one size
 _PLAIN_UP_TO = 400  # rows of the matrix sum to less than 4: its powers up to here stay below 2^800
 _LARGE_EXPONENT = 200  # of two; powers are scaled down beyond, long before their squares overflow
 
@@ -25,18 +25,19 @@ def ks_survival(d: ArrayLike, n: ArrayLike) -> Floats:
     """
     d, n = np.broadcast_arrays(np.asarray(d, dtype=np.float64), np.asarray(n, dtype=np.int64))
     p = np.full(d.shape, np.nan)
-    p[d * n <= 0.5] = 1.0
-    left = d * n > 0.5
-    tail = left & ((d >= 0.5) | (n * d * d > _TAIL))
+    reach = n * d
+    p[reach <= 0.5] = 1.0
+    left = reach > 0.5
+    tail = left & ((d >= 0.5) | (reach * d > _TAIL))
     p[tail] = np.minimum(1.0, 2 * special.smirnov(n[tail], d[tail]))
     large = left & ~tail & (n > _LIMIT_LAW_FROM)
     p[large] = special.kolmogorov(np.sqrt(n[large]) * d[large])
     body = left & ~tail & ~large
-    half_width = np.where(body, np.floor(n * np.where(body, d, 0.0)).astype(np.int64) + 1, 0)
-    step = -(-half_width // _WIDTHS_TOGETHER)
-    for size, alike in set(zip(n[body].tolist(), step[body].tolist(), strict=True)):
-        same = (n == size) & (step == alike)
-        p[same] = 1 - _cdf(d[same], size, half_width[same])
+    k = np.floor(np.where(body, reach, 0.0)).astype(np.int64) + 1
+    width = k >> _WIDTHS_TOGETHER
+    for size, alike in set(zip(n[body].tolist(), width[body].tolist(), strict=True)):
+        same = body & (n == size) & (width == alike)
+        p[same] = 1 - _cdf(d[same], size, k[same])
     return p
 
 
@@ -51,19 +52,23 @@ def _cdf(d: Floats, n: int, k: Ints) -> Floats:
 
 
 def _matrix(h: Floats, k: Ints) -> Floats:
-    """The band matrices H of the paper, m by m with m = 2 k - 1, one per h = k - n d; zeros around the smaller ones."""
+    """The band matrices H of the paper, m by m with m = 2 k - 1, one per h = k - n d.
+
+    Smaller ones sit in the upper left with zeros to their right: what is below does not enter their powers.
+    """
     m = 2 * k - 1
     order = np.arange(1, np.max(m) + 1)
-    inside = order <= m[:, None]
     inverse = 1 / special.gamma(order + 1.0)  # of order!, underflows to the 0 that it is
     # 1 / (i - j + 1)!, zero above the first diagonal over the main one
-    band = np.concatenate([np.zeros(order.size), [1.0], inverse])[order.size + 1 + order[:, None] - order]
-    matrix = np.where(inside[:, :, None] & inside[:, None, :], band, 0.0)
-    edge = np.where(inside, (1 - h[:, None] ** order) * inverse, 0.0)
-    row = np.arange(m.size)
+    by_distance = np.concatenate([np.zeros(order.size), [1.0], inverse])
+    matrix = np.empty((m.size, order.size, order.size))
+    matrix[:] = by_distance[order.size + 1 + order[:, None] - order]
+    row, last = np.arange(m.size), m - 1
+    powers = h[:, None] ** order
+    edge = (1 - powers) * inverse
     matrix[:, :, 0] = edge
-    matrix[row, m - 1] = np.where(inside, edge[row[:, None], m[:, None] - order], 0.0)
-    matrix[row, m - 1, 0] = (1 - 2 * h**m + np.maximum(2 * h - 1, 0.0) ** m) * inverse[m - 1]
+    matrix[row, last] = np.where(order <= m[:, None], edge[row[:, None], m[:, None] - order], 0.0)
+    matrix[row, last, 0] = (1 - 2 * powers[row, last] + np.maximum(2 * h - 1, 0.0) ** m) * inverse[last]
     return matrix
 
 

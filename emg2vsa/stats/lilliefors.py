@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
 from emg2vsa.stats.lilliefors_table import LARGE, LARGER, LEVELS, SMALL, SMALLEST, largest_d, reach
-from emg2vsa.stats.normality import ks_normal
+from emg2vsa.stats.normality import largest_gap
 from emg2vsa.stats.outcome import Outcome
 
 _LOG_LEVELS = np.log(LEVELS)
@@ -49,8 +49,8 @@ def lilliefors(values: ArrayLike) -> Lilliefors:
     D is that of the standardised Kolmogorov-Smirnov test, p comes from ``lilliefors_survival``. A row of fewer than
     four values, or without spread, has no test (NaN).
     """
-    tests = ks_normal(values, standardise=True)
-    return Lilliefors(tests.d, lilliefors_survival(tests.d, tests.n), tests.n)
+    d, n = largest_gap(values, standardise=True)
+    return Lilliefors(d, lilliefors_survival(d, n), n)
 
 
 def lilliefors_survival(d: ArrayLike, n: ArrayLike) -> Floats:

@@ -11,6 +11,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.stats.exact_shift import shifted_doubles
+from emg2vsa.stats.hodges_lehmann import differences_at
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.pair_differences import pair_numbers
 from emg2vsa.stats.rank_sum_law import MOST_EXACT, rank_sum_p, shift_reach
@@ -112,15 +113,9 @@ def _exact_p(p: Floats, ranks: Floats, rank_sum: Floats, n1: Ints, n2: Ints) -> 
 
 def _shift(left: Floats, right: Floats, n1: Ints, n2: Ints, confidence: float) -> tuple[Floats, Floats, Floats]:
     """Median of all differences, and the differences between which the interval lies (Hodges and Lehmann 1963)."""
-    d, q, n = left.shape
-    differences = np.sort((left[..., :, None] - right[..., None, :]).reshape(d, q, n * n), axis=2)  # NaN last
     count = n1 * n2
-    there = count > 0
-
-    def at(place: Ints) -> Floats:
-        index = np.clip(place, 0, max(n * n - 1, 0))[..., None]
-        return np.where(there, np.take_along_axis(differences, index, axis=2)[..., 0], np.nan)
-
-    middle = (at((count - 1) // 2) + at(count // 2)) / 2
     reach = shift_reach(n1, n2, confidence)
-    return middle, np.where(reach >= 0, at(reach), -np.inf), np.where(reach >= 0, at(count - 1 - reach), np.inf)
+    places = np.stack([(count - 1) // 2, count // 2, reach, count - 1 - reach]).astype(np.int64)
+    found = np.where(count > 0, differences_at(left, right, places), np.nan)
+    low, high = np.where(reach >= 0, found[2], -np.inf), np.where(reach >= 0, found[3], np.inf)
+    return (found[0] + found[1]) / 2, low, high

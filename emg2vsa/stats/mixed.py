@@ -12,12 +12,13 @@ the lambdas. This is exact also where a variance is zero, the case in which iter
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import DataError
 from emg2vsa.stats.outcome import Outcome
 
@@ -81,16 +82,17 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
     """
     y, unit, origin = _checked(values)
     n_p, n_s, n_r = y.shape[1:]
-    cell = np.mean(y, axis=3)
-    specimen, person, grand = np.mean(cell, axis=1), np.mean(cell, axis=2), np.mean(cell, axis=(1, 2))
-    ms_specimen = n_p * n_r * np.sum((specimen - grand[:, None]) ** 2, axis=1) / (n_s - 1)
+    cell = y.sum(axis=3) / n_r
+    specimen, person = cell.sum(axis=1) / n_p, cell.sum(axis=2) / n_s
+    grand = specimen.sum(axis=1) / n_s
+    ms_specimen = n_p * n_r * ((specimen - grand[:, None]) ** 2).sum(axis=1) / (n_s - 1)
     inner = cell - specimen[:, None] - person[..., None] + grand[:, None, None]
     df = np.array([n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1])
     squares = np.stack(
         [
-            np.sum((y - cell[..., None]) ** 2, axis=(1, 2, 3)),
-            n_r * np.sum(inner**2, axis=(1, 2)),
-            n_s * n_r * np.sum((person - grand[:, None]) ** 2, axis=1),
+            ((y - cell[..., None]) ** 2).sum(axis=(1, 2, 3)),
+            n_r * (inner**2).sum(axis=(1, 2)),
+            n_s * n_r * ((person - grand[:, None]) ** 2).sum(axis=1),
         ],
         axis=1,
     )
@@ -147,7 +149,7 @@ def _checked(values: ArrayLike) -> tuple[Floats, np.ndarray, Floats]:
     return scaled - scaled[:, :1, :1, :1], unit, origin
 
 
-def _in_order(ms: Floats, df: np.ndarray) -> Floats:
+def _in_order(ms: Floats, df: Ints) -> Floats:
     """Mean squares (d, 3) pooled by their df until they do not fall: isotonic regression of three values."""
     a, b, c = ms.T
     ab = (df[0] * a + df[1] * b) / (df[0] + df[1])
@@ -159,7 +161,7 @@ def _in_order(ms: Floats, df: np.ndarray) -> Floats:
     return np.stack([first, middle, last], axis=1)
 
 
-def _log_likelihood(level: Floats, squares: Floats, df: np.ndarray, shape: tuple[int, int, int]) -> Floats:
+def _log_likelihood(level: Floats, squares: Floats, df: Ints, shape: tuple[int, int, int]) -> Floats:
     """Restricted log-likelihood with the specimens' means as fixed effects."""
     n_p, n_s, n_r = shape
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -168,30 +170,34 @@ def _log_likelihood(level: Floats, squares: Floats, df: np.ndarray, shape: tuple
     return np.asarray(-(terms + constant) / 2)
 
 
-def _variance_intervals(ms: Floats, df: np.ndarray, scale: np.ndarray, confidence: float) -> tuple[Floats, Floats]:
+def _variance_intervals(ms: Floats, df: Ints, scale: Floats, confidence: float) -> tuple[Floats, Floats]:
     """(d, 3) intervals of the variances of participants, participants by specimens, repetitions."""
     tail = (1 - confidence) / 2
-    error_low, error_high = (df[0] * ms[:, 0] / special.chdtri(df[0], p) for p in (tail, 1 - tail))
-    ends = [_difference_interval(ms[:, i], ms[:, i - 1], df[i], df[i - 1], tail) for i in (2, 1)]
+    quantiles = special.chdtri(df[0], [tail, 1 - tail])
+    error_low, error_high = df[0] * ms[:, 0] / quantiles[0], df[0] * ms[:, 0] / quantiles[1]
+    ends = [
+        _difference_interval(ms[:, i], ms[:, i - 1], _graybill_wang(int(df[i]), int(df[i - 1]), tail)) for i in (2, 1)
+    ]
     low = np.stack([ends[0][0], ends[1][0], error_low], axis=1) / scale
     high = np.stack([ends[0][1], ends[1][1], error_high], axis=1) / scale
     return low, high
 
 
-def _difference_interval(upper: Floats, lower: Floats, df1: int, df2: int, tail: float) -> tuple[Floats, Floats]:
+def _difference_interval(upper: Floats, lower: Floats, constants: tuple[float, ...]) -> tuple[Floats, Floats]:
     """Graybill and Wang's interval of E(upper) - E(lower), two independent mean squares; cut at 0."""
-
-    def f_quantile(a: int, b: float, probability: float) -> float:
-        return float(special.fdtri(a, b, probability))
-
-    def chi_quantile(a: int, probability: float) -> float:
-        return float(special.chdtri(a, 1 - probability) / a)
-
-    g1, h2 = 1 - 1 / chi_quantile(df1, 1 - tail), 1 / chi_quantile(df2, tail) - 1
-    h1, g2 = 1 / chi_quantile(df1, tail) - 1, 1 - 1 / chi_quantile(df2, 1 - tail)
-    at_high, at_low = f_quantile(df1, df2, 1 - tail), f_quantile(df1, df2, tail)
-    g12 = ((at_high - 1) ** 2 - g1**2 * at_high**2 - h2**2) / at_high
-    h12 = ((1 - at_low) ** 2 - h1**2 * at_low**2 - g2**2) / at_low
+    g1, h2, g12, h1, g2, h12 = constants
     below = np.sqrt(np.maximum((g1 * upper) ** 2 + (h2 * lower) ** 2 + g12 * upper * lower, 0.0))
     above = np.sqrt(np.maximum((h1 * upper) ** 2 + (g2 * lower) ** 2 + h12 * upper * lower, 0.0))
     return np.maximum(upper - lower - below, 0.0), np.maximum(upper - lower + above, 0.0)
+
+
+@cache
+def _graybill_wang(df1: int, df2: int, tail: float) -> tuple[float, ...]:
+    """Constants of the interval of a difference of mean squares with df1 and df2 degrees of freedom."""
+    low1, high1 = (special.chdtri(df1, 1 - p) / df1 for p in (tail, 1 - tail))
+    low2, high2 = (special.chdtri(df2, 1 - p) / df2 for p in (tail, 1 - tail))
+    at_low, at_high = special.fdtri(df1, df2, tail), special.fdtri(df1, df2, 1 - tail)
+    g1, h2, h1, g2 = 1 - 1 / high1, 1 / low2 - 1, 1 / low1 - 1, 1 - 1 / high2
+    g12 = ((at_high - 1) ** 2 - g1**2 * at_high**2 - h2**2) / at_high
+    h12 = ((1 - at_low) ** 2 - h1**2 * at_low**2 - g2**2) / at_low
+    return tuple(float(constant) for constant in (g1, h2, g12, h1, g2, h12))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats, exponent_of
+from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.stats.ks_exact import ks_survival
 from emg2vsa.stats.outcome import Outcome
 
@@ -29,7 +29,7 @@ class KsTests:
 
     d: Floats
     p: Floats
-    n: NDArray[np.int64]
+    n: Ints
     standardised: bool
 
     def outcome(self, i: int = 0) -> Outcome:
@@ -51,20 +51,26 @@ def ks_normal(values: ArrayLike, *, standardise: bool) -> KsTests:
 
     A constant row, or one with a single value, has no standardised test (NaN).
     """
+    d, n = largest_gap(values, standardise=standardise)
+    return KsTests(d, ks_survival(d, n), n, standardise)
+
+
+def largest_gap(values: ArrayLike, *, standardise: bool) -> tuple[Floats, Ints]:
+    """D (k,) of ``ks_normal`` alone, and the values (k,) that entered."""
     rows = np.atleast_2d(np.asarray(values, dtype=np.float64))
     valid = np.isfinite(rows)
-    n = np.count_nonzero(valid, axis=1)
+    n = valid.sum(axis=1)
     z = _standardised(rows, valid, n) if standardise else rows
     cdf = special.ndtr(np.sort(np.where(valid, z, np.inf), axis=1))
     rank = np.arange(rows.shape[1])
     count = np.maximum(n, 1)[:, None]
     gap = np.where(rank < n[:, None], np.maximum((rank + 1) / count - cdf, cdf - rank / count), 0.0)
     d = gap.max(axis=1, initial=0.0)
-    d[(n == 0) | np.any(valid & np.isnan(z), axis=1)] = np.nan
-    return KsTests(d, ks_survival(d, n), n, standardise)
+    d[(n == 0) | np.isnan(z).all(axis=1)] = np.nan
+    return d, n
 
 
-def _standardised(rows: Floats, valid: NDArray[np.bool_], n: NDArray[np.int64]) -> Floats:
+def _standardised(rows: Floats, valid: NDArray[np.bool_], n: Ints) -> Floats:
     """(x - mean) / SD, SD with n - 1; NaN in rows that have no spread. Shifted by a value of the row first."""
     filled = np.where(valid, rows, 0.0)
     exponent = exponent_of(filled) + 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -60,16 +61,17 @@ def shapiro_wilk(values: ArrayLike) -> ShapiroWilk:
     rows = row_moments(values)
     deviation = np.sort(np.where(rows.valid, rows.deviation, np.inf), axis=1)
     lack, p = np.full(rows.count.shape, np.nan), np.full(rows.count.shape, np.nan)
-    for n in np.unique(rows.count[rows.count >= 3]):
+    for n in set(rows.count[rows.count >= 3].tolist()):
         same = (rows.count == n) & (rows.squares > 0)
-        lack[same] = _lack(deviation[same, :n], int(n))
-        p[same] = _p(lack[same], int(n))
+        lack[same] = _lack(deviation[same, :n], n)
+        p[same] = _p(lack[same], n)
     repeated = (deviation[:, 1:] == deviation[:, :-1]) & np.isfinite(deviation[:, 1:])
-    return ShapiroWilk(1 - lack, p, rows.count, np.any(repeated, axis=1))
+    return ShapiroWilk(1 - lack, p, rows.count, repeated.any(axis=1))
 
 
+@cache
 def _weights(n: int) -> Floats:
-    """The weights (n,) of the ordered values: antisymmetric, squares sum to 1."""
+    """The weights (n,) of the ordered values: antisymmetric, sum 0; squares sum to 1 but for rounding."""
     if n == 3:
         return np.array([-np.sqrt(0.5), 0.0, np.sqrt(0.5)])
     m = special.ndtri((np.arange(1, n + 1) - 0.375) / (n + 0.25))
@@ -83,13 +85,12 @@ def _weights(n: int) -> Floats:
     weights = np.asarray(m / np.sqrt(scale))
     weights[-e:] = ends[::-1]
     weights[:e] = -np.array(ends)
-    return weights
+    return np.asarray(weights - np.mean(weights))
 
 
 def _lack(ordered: Floats, n: int) -> Floats:
     """1 - W of centred, sorted rows (j, n), without the cancellation of taking W from 1."""
     weights = _weights(n)
-    weights = weights - np.mean(weights)
     size = np.sqrt(np.sum(weights**2) * np.sum(ordered**2, axis=1))
     fit = ordered @ weights
     return np.asarray(np.maximum((size - fit) * (size + fit) / size**2, 0.0))
@@ -110,4 +111,7 @@ def _p(lack: Floats, n: int) -> Floats:
 
 
 def _polynomial(coefficients: tuple[float, ...], x: float) -> float:
-    return float(np.polynomial.polynomial.polyval(x, coefficients))
+    value = 0.0
+    for coefficient in reversed(coefficients):
+        value = value * x + coefficient
+    return value

@@ -8,17 +8,20 @@ W(w) = k integral phi(z) (Phi(z)^(k-1) - (Phi(z) - Phi(z - w))^(k-1)) dz.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats
 
-_Z, _Z_WEIGHT = np.polynomial.legendre.leggauss(96)
+_Z, _Z_WEIGHT = np.polynomial.legendre.leggauss(256)
 _S, _S_WEIGHT = np.polynomial.legendre.leggauss(128)
 _REACH = 9.0
 _WIDTH = 13.0  # standard deviations of s that are integrated over
 _CHUNK = 64
+_STRETCH, _STRETCHES, _DEGREE = 1.0, 30, 24
 _STEPS = 30
 _CLOSE = 1e-12
 
@@ -73,6 +76,37 @@ def _survival(q: Floats, k: Floats, df: Floats) -> Floats:
 
 def _spread_survival(w: Floats, k: Floats) -> Floats:
     """Probability that k standard normal values spread by more than w; w (j, s), k (j, 1)."""
+    answer = np.empty_like(w)
+    for groups in np.unique(k):
+        same = k[:, 0] == groups
+        answer[same] = _interpolated(w[same], _log_spread(int(groups)))
+    return answer
+
+
+def _interpolated(w: Floats, coefficients: Floats) -> Floats:
+    """exp of the Chebyshev series of the stretch that each w lies in (Clenshaw); 0 beyond the last."""
+    at = w / _STRETCH
+    stretch = np.minimum(at.astype(np.int64), len(coefficients) - 1)
+    x = np.minimum(2 * (at - stretch) - 1, 1.0)
+    last, before = np.zeros_like(x), np.zeros_like(x)
+    for row in coefficients.T[:0:-1]:
+        last, before = row[stretch] + 2 * x * last - before, last
+    beyond = at >= len(coefficients)
+    return np.where(beyond, 0.0, np.exp(np.where(beyond, 0.0, coefficients[stretch, 0] + x * last - before)))
+
+
+@cache
+def _log_spread(k: int) -> Floats:
+    """Chebyshev coefficients (stretches, degree) of log W of k groups; log W is smooth: they hold all digits."""
+    angle = np.pi * (np.arange(_DEGREE) + 0.5) / _DEGREE
+    w = _STRETCH * (np.arange(_STRETCHES)[:, None] + (np.cos(angle) + 1) / 2)
+    series = np.cos(np.arange(_DEGREE)[:, None] * angle) * (2 / _DEGREE)
+    series[0] /= 2
+    return np.asarray(np.log(_spread_quadrature(w, k)) @ series.T)
+
+
+def _spread_quadrature(w: Floats, k: int) -> Floats:
+    """W of any w by quadrature over the largest value."""
     z = _REACH * _Z
     largest = special.ndtr(z)
     density = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * _REACH * _Z_WEIGHT
@@ -80,8 +114,7 @@ def _spread_survival(w: Floats, k: Floats) -> Floats:
     inside = np.maximum(largest - left_out, 0.0)
     # a^m - b^m = (a - b) (a^(m-1) + ... + b^(m-1)) with a - b = left_out: nothing cancels
     total, power_of_largest = np.zeros_like(left_out), np.ones_like(largest)
-    most = int(np.max(k)) - 1
-    for order in range(1, most + 1):
-        total = np.where(order <= k[..., None] - 1, total * inside + power_of_largest, total)
+    for _ in range(k - 1):
+        total = total * inside + power_of_largest
         power_of_largest = power_of_largest * largest
     return np.asarray(k * np.sum(density * left_out * total, axis=-1))
