@@ -33,6 +33,7 @@ def curve_tasks(n_fits: int = 700, n_points: int = 131, n_resamples: int = 2000)
             lambda x=grid if one_grid else force, v=v: _ours(x, v),
             tuple(_grid_peers(grid, v) if one_grid else _log_peers(rows, v)),
             lambda rows=rows, v=v: _exact_rows(exact_log_fit, rows, v, LOG_NUMBERS),
+            None if one_grid else 1.6,
         )
     x = CASR[:, None] * (1 + REPETITION_CV * rng.standard_normal((3, 10)))
     drawn = x[np.arange(3)[:, None], rng.integers(0, 10, (n_resamples, 3, 10))]
@@ -70,14 +71,14 @@ def _log_peers(force: np.ndarray, v: np.ndarray) -> Iterator[Peer]:
         (a, b), covariance = optimize.curve_fit(lambda z, p, q: p + q * z, x, y)
         return a, b, np.sqrt(covariance[1, 1])
 
-    yield Peer("np.polyfit, loop", each(lambda x, y: tuple(np.polyfit(x, y, 1)[::-1]), "a", "b"), 36)
-    yield Peer("scipy linregress, loop", each(linregress), 376)
-    yield Peer("scipy curve_fit, loop", each(curve_fit, "a", "b", "SE(b)"), 237)
+    yield Peer("np.polyfit, loop", each(lambda x, y: tuple(np.polyfit(x, y, 1)[::-1]), "a", "b"), (36, 58))
+    yield Peer("scipy linregress, loop", each(linregress), (376, 599))
+    yield Peer("scipy curve_fit, loop", each(curve_fit, "a", "b", "SE(b)"), (237, 378))
     if statsmodels_api is not None:
-        yield Peer("statsmodels OLS, loop", each(_ols), 366)
-        yield Peer("statsmodels formula ols, loop", each(_formula_ols), 2994)
+        yield Peer("statsmodels OLS, loop", each(_ols), (366, 583))
+        yield Peer("statsmodels formula ols, loop", each(_formula_ols), (2994, 4767))
     if pingouin is not None:
-        yield Peer("pingouin linear_regression, loop", each(_pingouin), 586)
+        yield Peer("pingouin linear_regression, loop", each(_pingouin), (586, 933))
 
 
 def _ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
@@ -124,5 +125,5 @@ def _refits(title: str, x: np.ndarray, y: np.ndarray) -> Task:
             rows.append((p, q, np.sqrt(covariance[1, 1])))
         return _columns(rows, names)
 
-    peers = (Peer("scipy curve_fit, good start, loop", curve_fit, 75),)
-    return Task(title, ours, peers, lambda: _exact_rows(exact_exponential, x, np.broadcast_to(y, x.shape), names))
+    peers = (Peer("scipy curve_fit, good start, loop", curve_fit, (75, 948)),)
+    return Task(title, ours, peers, lambda: _exact_rows(exact_exponential, x, np.broadcast_to(y, x.shape), names), 12.6)

@@ -27,7 +27,10 @@ def worst(found: Iterable[float], certified: tuple[str, ...], cap: float = 15.0)
 def linear_table() -> DigitTable | None:
     """Digits of the worst coefficient and of the worst standard error."""
     rows = {path.stem: _linear_row(read_regression(path)) for path in files("nist_linear")}
-    title = "NIST linear regressions: digits of the worst coefficient, and of the worst standard error (SE)"
+    title = (
+        "NIST linear regressions: digits of the worst coefficient, and of the worst standard error (SE)\n"
+        "text: emg2vsa in extended precision from decimal text; pinv, qr: statsmodels OLS"
+    )
     return DigitTable(title, {name: rows[name] for name in LINEAR_DEGREE}) if rows else None
 
 
@@ -41,15 +44,15 @@ def _linear_row(data: Regression) -> dict[str, float]:
     design = np.column_stack([np.ones(y.size), x]) if intercept else x
     found = {
         "emg2vsa": (ours.coefficients[0], data.estimates),
-        "SE": (ours.se[0], data.errors),
-        "extended, from text": (from_text.coefficients[0], data.estimates),
-        "SE ": (from_text.se[0], data.errors),
+        "emg2vsa SE": (ours.se[0], data.errors),
+        "text": (from_text.coefficients[0], data.estimates),
+        "text SE": (from_text.se[0], data.errors),
         "lstsq": (np.linalg.lstsq(design, y, rcond=None)[0], data.estimates),
     }
     if statsmodels_api is not None:
-        for method, blank in (("pinv", "  "), ("qr", "   ")):
+        for method in ("pinv", "qr"):
             fit = statsmodels_api.OLS(y, design).fit(method=method)
-            found |= {f"statsmodels {method}": (fit.params, data.estimates), f"SE{blank}": (fit.bse, data.errors)}
+            found |= {method: (fit.params, data.estimates), f"{method} SE": (fit.bse, data.errors)}
     return {name: worst(*pair) for name, pair in found.items()}
 
 
@@ -81,8 +84,8 @@ def exponential_digits() -> dict[str, float]:
     """Digits of p and q, the worse, of the two sets that are exponentials: DanWood in ln x, MGH10 with b3 given."""
     found: dict[str, float] = {}
     paths: dict[str, Path] = {path.stem: path for path in files("nist_nonlinear")}
-    for name in ("DanWood", "MGH10") if paths else ():
-        data = read_regression(paths[name])
+    for name in ("DanWood", "MGH10 with b3 given") if paths else ():
+        data = read_regression(paths[name.split()[0]])
         x, y = nonlinear_data(data)
         z = np.log(x) if name == "DanWood" else 1 / (x + float(data.estimates[2]))
         fit = fit_exponential(z, y)

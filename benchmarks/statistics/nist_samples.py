@@ -68,7 +68,7 @@ def univariate_table() -> DigitTable | None:
 def _univariate_row(path: Path) -> dict[str, float]:
     head, data = re.split(r"Data: Y\s*-+\s*", path.read_text())
     text = data.split()
-    mean, sd, r1 = (re.findall(rf"{name}: +(\S+)", head)[0] for name in ("ybar", "s", r"r\(1\)"))
+    mean, sd, r1 = re.findall(r"^Sample .*: +(\S+)", head, re.MULTILINE)
     y = np.array(text, dtype=np.float64)
     exact = np.array([[[Decimal(value) for value in text]]], dtype=object)
     (own_mean, own_sd), (text_mean, text_sd) = _moments(y[None, None]), _moments(exact)

@@ -36,7 +36,8 @@ def add_to(commands: Commands) -> None:
     add_frames(parser)
     parser.add_argument(
         "--frames", type=frame_pair, metavar="I,J",
-        help="rest and first-contact frame (default: from the force log; without one 0 and the first in which three pins have moved)",
+        help="rest and first-contact frame (default: from the force log; without one frame 0 and the first in which "
+        "three pins have moved)",
     )  # fmt: skip
     parser.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"

@@ -113,7 +113,7 @@ class PinTracker:
         before, expected = self._place_px, self._place_px + self._move_px
         place, area, seen = self._look(grey, expected)
         if (~seen & ~self._lost).any() or _median_length(place - expected) > LONGEST_LOOK * self.pitch_px:
-            # a part of the lattice fits itself one pitch further with no edge to tell: if most are in place, none jumped
+            # part of a lattice, without its edge, fits itself one pitch further: if most are in place, none has jumped
             in_place = len(seen) < self._n and seen.sum() > MOST * (~self._lost).sum()
             place, area, seen = self._search(grey, expected, in_place)
         self._place_px = np.where(seen[:, None], place, before + neighbour_mean(place - before, seen, self._links))

@@ -140,10 +140,11 @@ def find_reply(heard: bytes, expected: Wanted) -> Search:
 def flushing(request: bytes) -> bytes:
     """Bytes that end a frame of which a device has lost some, without ever completing it to a valid one.
 
-    A device waits for a lost byte without limit. So many equal bytes end any frame; they are chosen so that neither
-    ``request`` cut short at any place nor ``request`` without any one of its bytes gets a right checksum from them.
+    A device waits for a lost byte without limit. Zeros leave a running checksum as it is, so one byte before them, equal
+    to no checksum on the way, keeps it wrong: for ``request`` cut short anywhere, or without any one of its bytes, or
+    with too large a LEN.
     """
     body = request[4:]
-    completing = {lrc(body[:kept]) * ((len(body) - kept) % 2) for kept in range(1, len(body))}
-    harmless = (byte for byte in range(256) if byte not in completing | set(body) | set(HEADER))
-    return bytes((next(harmless),)) * LONGEST_BODY
+    completing = {lrc(body[: kept + 1]) for kept in range(len(body))} | set(body) | set(HEADER)
+    harmless = next(byte for byte in range(256) if byte not in completing)
+    return bytes((harmless,)) + bytes(LONGEST_BODY - 1)

@@ -117,9 +117,3 @@ def test_schedules_are_exported_and_read_back(study: Path, tmp_path: Path, capsy
     for path in files:
         schedule = (read_csv if path.suffix == ".csv" else read_json)(path)
         assert 20 <= schedule.stiffness_percent.min() <= schedule.stiffness_percent.max() <= 80
-
-
-def test_casr_answers(capsys: pytest.CaptureFixture[str]) -> None:
-    done = subprocess.run([sys.executable, "-c", "from casr.cli import main; main([])"], capture_output=True, text=True)
-    assert done.returncode == 0
-    assert "usage: casr" in done.stdout
