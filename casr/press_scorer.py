@@ -98,6 +98,7 @@ class PressScorer:
         """The score of the frames of ``phase``, whose forces are ``force_n`` (T,), or None without a force log."""
         steps = self._steps[: len(phase.frames) - 1]
         rate = None if force_n is None else self.rate(force_n)
+        of_steps = notes_by_frame(phase.frames[1:].tolist(), steps)
         return Score(
             name=name,
             settings=self._settings,
@@ -113,12 +114,7 @@ class PressScorer:
             area_unit=self.area_unit,
             rate=rate,
             regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
-            notes=_once(
-                *phase.notes,
-                *self._notes,
-                *notes_by_frame(phase.frames[1:].tolist(), steps),
-                *(rate.notes if rate else ()),
-            ),
+            notes=_once(*phase.notes, *self._notes, *of_steps, *(rate.notes if rate else ())),
         )
 
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:

@@ -19,9 +19,20 @@ Line = tuple[str, str, str, bool]
 
 def acceptance(tasks: Sequence[Measured], tables: NistTables) -> None:
     """Print the list."""
-    print(f"\n{'wanted (statistics notes 6)':66}{'wanted':>12}{'found':>18}  met")
-    for what, wanted, found, met in (*_nist(tables), *_digits(tasks), _power(), *_speed(tasks)):
-        print(f"{what:66}{wanted:>12}{found:>18}  {'yes' if met else 'NO'}")
+    print(f"\n{'acceptance (statistics notes 6)':66}{'wanted':>15}{'found':>16}  met")
+    _show(*_nist(tables), *_digits(tasks), _power())
+    print(
+        "\ntimes slower than ours: half of what the notes (3e) found on another machine; compare ms with noted ms above"
+    )
+    for one in tasks:
+        if lines := list(_speed(one)):
+            print(one.task.title)
+            _show(*lines)
+
+
+def _show(*lines: Line) -> None:
+    for what, wanted, found, met in lines:
+        print(f"{what:66}{wanted:>15}{found:>16}  {'yes' if met else 'NO'}")
 
 
 def _at_least(what: str, wanted: float, found: float) -> Line:
@@ -75,10 +86,8 @@ def _power() -> Line:
     return "power of n = 14, m = 10 (error against the 40-digit series)", f"{POWER}", f"{found:.12f}", met
 
 
-def _speed(tasks: Sequence[Measured]) -> Iterator[Line]:
+def _speed(one: Measured) -> Iterator[Line]:
     """Ratios of section 3e: each wanted one, halved, beside the one found."""
-    for one in tasks:
-        for peer in one.task.peers:
-            if peer.wanted is not None:
-                wanted, found = f">= {peer.wanted:.0f}x", f"{one.ratio(peer):.0f}x"
-                yield f"speed: {one.task.title.split(',')[0][:24]} / {peer.name}"[:65], wanted, found, one.met(peer)
+    for peer in one.task.peers:
+        if peer.wanted is not None:
+            yield f"  {peer.name}", f">= {peer.wanted:.0f}x", f"{one.ratio(peer):.0f}x", one.met(peer)

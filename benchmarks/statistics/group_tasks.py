@@ -18,32 +18,31 @@ from emg2vsa.stats.lsd import lsd
 from emg2vsa.stats.mann_whitney import mann_whitney
 from emg2vsa.stats.tukey import tukey
 
-N = 10
 TUKEY_NOTE = "The notes have no ratio for equal work; theirs is tukey_hsd beside our LSD, in the table above."
 TIED_NOTE = "scipy's exact method does not know of ties; its permutations do."
 
 
-def group_tasks(n_people: int = 14, n_angles: int = 8) -> Iterator[Task]:
-    """Designs of five specimens (means) and of three (ranks), ten values each."""
+def group_tasks(n_people: int = 14, n_angles: int = 8, n: int = 10) -> Iterator[Task]:
+    """Designs of five specimens (means) and of three (ranks), n values each."""
     rng = np.random.default_rng(3)
-    b = rng.standard_normal((n_people, 5, N)) + 0.4 * np.arange(5)[:, None]
+    b = rng.standard_normal((n_people, 5, n)) + 0.4 * np.arange(5)[:, None]
     yield Task(
-        f"{n_people} analyses of variance of 5 x {N}, 10 LSD pairs each with intervals",
+        f"{n_people} analyses of variance of 5 x {n}, 10 LSD pairs each with intervals",
         lambda: _anova(b),
         tuple(mean_peers.anova_and_lsd(b)),
         lambda: _exact_designs(exact_anova, b[:5]),
         0.22,
     )
     yield Task(
-        f"{n_people} analyses of variance of 5 x {N}, 10 Tukey pairs each with intervals",
+        f"{n_people} analyses of variance of 5 x {n}, 10 Tukey pairs each with intervals",
         lambda: _tukey(b),
         tuple(mean_peers.anova_and_tukey(b)),
         lambda: {"p Tukey": {(0, pair): exact_tukey(b[0], pair) for pair in (0, 3, 7)}},
         note=TUKEY_NOTE,
     )
-    scores = rng.standard_normal((n_angles, 3, N)) + np.arange(3)[:, None]
+    scores = rng.standard_normal((n_angles, 3, n)) + np.arange(3)[:, None]
     yield Task(
-        f"{n_angles} Kruskal-Wallis tests of 3 x {N}, Dunn with Bonferroni",
+        f"{n_angles} Kruskal-Wallis tests of 3 x {n}, Dunn with Bonferroni",
         lambda: _kruskal(scores),
         tuple(rank_peers.kruskal_and_pairs(scores)),
         lambda: _exact_designs(exact_kruskal, scores),
@@ -54,7 +53,7 @@ def group_tasks(n_people: int = 14, n_angles: int = 8) -> Iterator[Task]:
         ("with ties", np.round(2 * scores[:1]), rank_peers.mann_whitney_tied),
     ):
         yield Task(
-            f"{len(values)} x 3 exact Mann-Whitney tests of {N} and {N}, {title}",
+            f"{len(values)} x 3 exact Mann-Whitney tests of {n} and {n}, {title}",
             lambda values=values: {"p": mann_whitney(values).p},
             tuple(peers(values)),
             lambda values=values: _exact_mann_whitney(values),

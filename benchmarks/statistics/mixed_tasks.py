@@ -64,10 +64,16 @@ def _statsmodels(y: np.ndarray) -> Iterator[Peer]:
         return statsmodels_formula.mixedlm("y ~ C(specimen)", table, groups="person", **random).fit(reml=True)
 
     def simple() -> Numbers:
-        return {"mean": _means(fit())}
+        try:
+            return {"mean": _means(fit())}
+        except np.linalg.LinAlgError:
+            return {"mean": np.full(y.shape[1], np.nan)}
 
     def nested() -> Numbers:
-        found = fit(re_formula="1", vc_formula={"cell": "0 + C(specimen)"})
+        try:
+            found = fit(re_formula="1", vc_formula={"cell": "0 + C(specimen)"})
+        except np.linalg.LinAlgError:
+            return {"mean": np.full(y.shape[1], np.nan)}
         se = np.sqrt(found.cov_params().to_numpy()[1, 1])
         numbers = {"var people": found.cov_re.to_numpy()[0], "var cells": found.vcomp, "var rep": [found.scale]}
         return {"mean": _means(found), "SE": [se], "log-lik": [found.llf], **numbers}

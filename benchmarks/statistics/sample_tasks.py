@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ def sample_tasks(n_samples: int = 70, n: int = 10, simulated: int = SIMULATED) -
         lambda: _ours(lilliefors(rows), "D"),
         tuple(_lilliefors_peers(rows)),
         lambda: _exact_rows(exact_ks, rows, ("D",)) | _simulated_p(rows, simulated),
-        note=f"p against {simulated} simulated samples, to three digits at most. Wanted: what the notes have beside KS.",
+        note=f"p against {simulated} simulated samples, to 3 digits at most. Wanted: as the notes have it beside KS.",
     )
     yield Task(
         f"{n_samples} Shapiro-Wilk tests of {n} values",
@@ -79,8 +80,9 @@ def _standardised(rows: np.ndarray) -> np.ndarray:
     return np.asarray((rows - rows.mean(axis=1, keepdims=True)) / rows.std(axis=1, ddof=1, keepdims=True))
 
 
-def _pairs(found: list[Any], statistic: str) -> Numbers:
-    return dict(zip((statistic, "p"), np.array(found).T, strict=True))
+def _each(test: Callable[[np.ndarray], Any], statistic: str, rows: np.ndarray) -> Numbers:
+    """A test that returns its statistic and p, row by row."""
+    return dict(zip((statistic, "p"), np.array([test(row) for row in rows]).T, strict=True))
 
 
 def _ks_peers(rows: np.ndarray) -> Iterator[Peer]:
@@ -89,15 +91,14 @@ def _ks_peers(rows: np.ndarray) -> Iterator[Peer]:
         return {"D": found.statistic, "p": found.pvalue}
 
     yield Peer("scipy ks_1samp, axis-aware", axis_aware, (39, 11.7))
-    yield Peer(
-        "scipy kstest, loop", lambda: _pairs([stats.kstest(z, "norm") for z in _standardised(rows)], "D"), (240, 72)
-    )
+    looped = partial(_each, lambda z: stats.kstest(z, "norm"), "D")
+    yield Peer("scipy kstest, loop", lambda: looped(_standardised(rows)), (240, 72))
 
 
 def _lilliefors_peers(rows: np.ndarray) -> Iterator[Peer]:
     if statsmodels_api is not None:
-        peer = statsmodels_api.stats.lilliefors
-        yield Peer("statsmodels lilliefors, loop", lambda: _pairs([peer(row) for row in rows], "D"), (253, 76))
+        looped = partial(_each, statsmodels_api.stats.lilliefors, "D", rows)
+        yield Peer("statsmodels lilliefors, loop", looped, (253, 76))
 
 
 def _shapiro_peers(rows: np.ndarray) -> Iterator[Peer]:
@@ -106,7 +107,7 @@ def _shapiro_peers(rows: np.ndarray) -> Iterator[Peer]:
         return {"W": found.statistic, "p": found.pvalue}
 
     yield Peer("scipy shapiro, axis given", axis_aware)
-    yield Peer("scipy shapiro, loop", lambda: _pairs([stats.shapiro(row) for row in rows], "W"), (77, 23))
+    yield Peer("scipy shapiro, loop", partial(_each, stats.shapiro, "W", rows), (77, 23))
     if pingouin is not None:
         table = pd.DataFrame({"y": rows.ravel(), "row": np.repeat(np.arange(len(rows)), rows.shape[1])})
 

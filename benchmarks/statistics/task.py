@@ -64,20 +64,20 @@ class Measured:
         return peer.wanted is None or self.ratio(peer) >= peer.wanted
 
 
-def measured(task: Task) -> Measured:
+def measured(task: Task, repeats: int = REPEATS) -> Measured:
     """Time and digits of every way, printed."""
     runs = {"": task.ours} | {peer.name: peer.run for peer in task.peers}
-    seconds = best_times(runs)
+    seconds = best_times(runs, repeats)
     exact = task.exact()
     found = Measured(task, seconds, {name: digits(run(), exact) for name, run in runs.items()})
     _show(found, list(exact))
     return found
 
 
-def best_times(runs: dict[str, Run]) -> dict[str, float]:
+def best_times(runs: dict[str, Run], repeats: int) -> dict[str, float]:
     """Smallest processor time of each run, repeats interleaved; short runs are repeated more often."""
     best, spent = dict.fromkeys(runs, float("inf")), dict.fromkeys(runs, 0.0)
-    for _ in range(REPEATS):
+    for _ in range(repeats):
         for name, run in runs.items():
             for _ in range(20 if best[name] < 0.02 else int(spent[name] < SECONDS_EACH)):
                 start = time.process_time()

@@ -102,5 +102,5 @@ def _too_few(found: str) -> PinsError:
         "affine fit",
         wanted=f"{FEWEST_PINS} or more pins that are not on one line",
         found=found,
-        do="Widen the region or look at why pins are lost.",
+        do="Widen the region, or see why pins are lost: are the frames one press, in order?",
     )

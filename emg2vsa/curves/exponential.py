@@ -24,7 +24,7 @@ PROBLEMS = (
     "undefined: a value that is not positive has no logarithm",
 )
 _WHERE = "exponential fit"
-_POINTS_AT_ONCE = 8_000  # keeps the temporaries of a block inside the processor's cache
+_POINTS_AT_ONCE = 16_000  # keeps the temporaries of a block inside the processor's cache
 
 
 @dataclass(frozen=True)

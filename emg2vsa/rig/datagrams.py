@@ -125,7 +125,8 @@ def _age_s(extras: list[tuple[int, int, bytes]]) -> float:
     for level, kind, data in extras:
         if (level, kind) == (socket.SOL_SOCKET, _SO_TIMESTAMPNS):
             seconds, nanoseconds = _TIMESPEC.unpack(data)
-            return max(0.0, (time.time_ns() - seconds * 1_000_000_000 - nanoseconds) * 1e-9)
+            age_ns: int = time.time_ns() - seconds * 1_000_000_000 - nanoseconds
+            return max(0.0, age_ns * 1e-9)
     return 0.0
 
 

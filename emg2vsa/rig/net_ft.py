@@ -17,15 +17,23 @@ FIRST_S = 1.0
 "Time in which a started stream must bring its first record."
 QUIET_S = 0.02
 "Time in which the records of an older stream run out."
+STALE_S = 0.05
+FROZEN_S = 0.25
 _POLL_S = 1e-3
 
 
 def open_net_ft(
-    host: str, clock: Clock, *, rdt_port: int = PORT, http_port: int = 80, buffered: bool = False
+    host: str,
+    clock: Clock,
+    *,
+    rdt_port: int = PORT,
+    http_port: int = 80,
+    buffered: bool = False,
+    stale_s: float = STALE_S,
 ) -> NetFt:
-    """The sensor at ``host``, with the scales and units its own web page gives. Raises DeviceError."""
+    """The sensor at ``host``, with the scales and units its own web page gives; see `NetFt`. Raises DeviceError."""
     config = fetch_config(host, http_port)
-    return NetFt(UdpLine(host, rdt_port), config, clock, buffered=buffered)
+    return NetFt(UdpLine(host, rdt_port), config, clock, buffered=buffered, stale_s=stale_s)
 
 
 class NetFt:
@@ -49,8 +57,8 @@ class NetFt:
         clock: Clock,
         *,
         buffered: bool = False,
-        stale_s: float = 0.05,
-        frozen_s: float = 0.25,
+        stale_s: float = STALE_S,
+        frozen_s: float = FROZEN_S,
     ) -> None:
         self.name = f"{config.product or 'Net F/T'} at {line.name}"
         self.config = config

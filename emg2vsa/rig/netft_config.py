@@ -62,9 +62,9 @@ def parse_config(page: bytes, where: object = PATH) -> NetFtConfig:
     try:
         tags = {element.tag: (element.text or "").strip() for element in ElementTree.fromstring(page).iter()}
     except ElementTree.ParseError as error:
-        raise DeviceError(where, wanted="the box's configuration as XML", found=str(error), do="Is it a Net F/T?") from (
-            error
-        )
+        raise DeviceError(
+            where, wanted="the box's configuration as XML", found=str(error), do="Is it a Net F/T?"
+        ) from (error)
     if tags.get("comrdte", "Enabled") in ("Disabled", "0"):
         raise DeviceError(
             where, wanted="raw data transfer enabled", found="disabled", do="Enable RDT on the Communications page."

@@ -31,7 +31,7 @@ def parameter_list(generation: Generation, device_id: int) -> Wanted:
     """The list of all parameters."""
     commands = frozenset((Command.GET_PARAM_LIST,))
     if generation == "v6":
-        return Wanted(device_id, commands, _V6_PARAMETER_LIST, lrc_over=_BYTE_ARGUMENT)
+        return Wanted(device_id, commands, _V6_PARAMETER_LIST, lrc_modulo=_BYTE_ARGUMENT)
     return Wanted(device_id, commands, _V7_LONG)
 
 

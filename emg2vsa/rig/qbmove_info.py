@@ -32,16 +32,19 @@ def parse_info(text: str, where: str) -> QbmoveInfo:
     """The text of GET_INFO, read. DeviceError at the first line that is absent."""
 
     def line(name: str, pattern: str) -> tuple[str, ...]:
-        match = re.search(rf"^{name}{pattern}\s*$", text, re.MULTILINE)
+        match = re.search(rf"^{re.escape(name)}{pattern}\s*$", text, re.MULTILINE)
         if match is None:
             heard = f"{len(text)} characters without it" if text else "nothing"
             raise DeviceError(
-                f"{where}, info", wanted=f"a line '{name}: ...'", found=heard, do="Check power, baud rate and generation."
+                f"{where}, info",
+                wanted=f"a line '{name}: ...'",
+                found=heard,
+                do="Check power, baud rate and generation.",
             )
         return match.groups()
 
     def number(name: str) -> int:
-        return int(line(re.escape(name), r": (-?\d+)")[0])
+        return int(line(name, r": (-?\d+)")[0])
 
     limits = [tuple(map(int, line(f"Position limit motor {k}", r": inf -> (-?\d+)  sup -> (-?\d+)"))) for k in (1, 2)]
     resolutions = line("Sensor resolution", r":\s+1 -> (\d+)\s+2 -> (\d+)\s+3 -> (\d+)")

@@ -1,7 +1,7 @@
 """Frames of the qbmove protocol, as pure functions.
 
-A frame is ``:: id LEN command payload LRC``, numbers big-endian. LEN counts what follows it; the LRC is the exclusive or
-of command and payload. Source: interruptions.c and command_processing.c of NMMI/qbmove-maker-pro (v6.1.0) and
+A frame is ``:: id LEN command payload LRC``, numbers big-endian. LEN counts what follows it; the LRC is the exclusive
+or of command and payload. Source: interruptions.c and command_processing.c of NMMI/qbmove-maker-pro (v6.1.0) and
 NMMI/qbmove-advanced (v6.1.6); generation 7 by the client qbrobotics_driver 7.2.8, for its firmware is not public.
 """
 
@@ -75,8 +75,8 @@ class Wanted:
     commands: frozenset[int]
     body_bytes: Mapping[int, int]
     "LEN as sent to the bytes that really follow it: long replies do not fit in the one byte."
-    lrc_over: int | None = None
-    "The LRC covers as many bytes less one, modulo 256, as this; None: all of them."
+    lrc_modulo: int | None = None
+    "The LRC covers the bytes before it only up to their number modulo this; None: all of them."
 
     @property
     def shortest(self) -> int:
@@ -92,7 +92,7 @@ class Wanted:
 
     def is_good(self, body: bytes) -> bool:
         """True when the checksum, the last byte of ``body``, is right."""
-        covered = (len(body) - 1) % self.lrc_over if self.lrc_over else len(body) - 1
+        covered = (len(body) - 1) % self.lrc_modulo if self.lrc_modulo else len(body) - 1
         return lrc(body[:covered]) == body[-1]
 
 
@@ -119,7 +119,9 @@ def find_reply(heard: bytes, expected: Wanted) -> Search:
     corrupt, waiting = 0, None
     start = heard.find(HEADER)
     while start >= 0:
-        size = expected.size_after_length(heard[start : start + 5]) if start + 5 <= len(heard) else expected.shortest - 4
+        size = (
+            expected.size_after_length(heard[start : start + 5]) if start + 5 <= len(heard) else expected.shortest - 4
+        )
         if size is not None:
             body = heard[start + 4 : start + 4 + size]
             if len(body) < size:
@@ -140,9 +142,9 @@ def find_reply(heard: bytes, expected: Wanted) -> Search:
 def flushing(request: bytes) -> bytes:
     """Bytes that end a frame of which a device has lost some, without ever completing it to a valid one.
 
-    A device waits for a lost byte without limit. Zeros leave a running checksum as it is, so one byte before them, equal
-    to no checksum on the way, keeps it wrong: for ``request`` cut short anywhere, or without any one of its bytes, or
-    with too large a LEN.
+    A device waits for a lost byte without limit. Zeros leave a running checksum as it is, so one byte before them,
+    equal to no checksum on the way, keeps it wrong: for ``request`` cut short anywhere, or without any one of its
+    bytes, or with too large a LEN.
     """
     body = request[4:]
     completing = {lrc(body[: kept + 1]) for kept in range(len(body))} | set(body) | set(HEADER)

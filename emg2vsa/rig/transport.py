@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
 import serial
 
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.clock import Clock
 
 T = TypeVar("T")
 
@@ -44,6 +46,9 @@ class SerialLine:
                 found=str(error),
                 do="Check cable, power and permission, or the port's name.",
             ) from error
+        # an FTDI bridge otherwise holds bytes back for 16 ms; a virtual port cannot and need not
+        with contextlib.suppress(AttributeError, NotImplementedError, ValueError, OSError):
+            self._port.set_low_latency_mode(True)
 
     def write(self, data: bytes) -> None:
         self._guard(lambda: self._port.write(data))
@@ -56,7 +61,8 @@ class SerialLine:
         return self._guard(take)
 
     def drop_input(self) -> None:
-        self._guard(self._port.reset_input_buffer)
+        # not reset_input_buffer: on a port that is gone it raises termios.error, known to no other system
+        self._guard(lambda: self._port.read(self._port.in_waiting) if self._port.in_waiting else b"")
 
     def close(self) -> None:
         self._port.close()
@@ -71,11 +77,14 @@ class SerialLine:
 
 
 class LoopbackLine:
-    """A line to a device emulated in this process: what is written is answered at once, on the emulator's clock."""
+    """A line to a device emulated in this process: what is written is answered at once, on the emulator's clock.
 
-    def __init__(self, name: str, device: Callable[[bytes], bytes]) -> None:
+    Waiting in vain takes its time on ``clock``; without one it takes none.
+    """
+
+    def __init__(self, name: str, device: Callable[[bytes], bytes], clock: Clock | None = None) -> None:
         self.name = name
-        self._device = device
+        self._device, self._clock = device, clock
         self._unread = bytearray()
 
     def write(self, data: bytes) -> None:
@@ -84,6 +93,8 @@ class LoopbackLine:
     def read(self, count: int, timeout_s: float) -> bytes:
         taken = bytes(self._unread[:count])
         del self._unread[:count]
+        if len(taken) < count and self._clock:
+            self._clock.sleep_until(self._clock.now_s() + timeout_s)
         return taken
 
     def drop_input(self) -> None:

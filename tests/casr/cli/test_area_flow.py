@@ -32,6 +32,15 @@ def test_area_decodes_two_frames_only(presses: Path, monkeypatch: pytest.MonkeyP
     assert read == [0, 12]
 
 
+def test_area_without_force_finds_the_first_contact(presses: Path, capsys: Captured) -> None:
+    folder = presses / "S5_00deg_01"
+    assert main(["area", str(folder / "frames.tif"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    truth = json.loads((folder / "truth.json").read_text())["truth"]
+    assert found["rest_frame"] == 0
+    assert 0.1 < truth["force_n"][found["contact_frame"]] < 0.7
+
+
 def test_two_rest_frames_show_no_contact(presses: Path, capsys: Captured) -> None:
     assert main(["area", str(presses / "S5_00deg_01"), "--frames", "0,1", "--json"]) in (0, 1)
     assert json.loads(capsys.readouterr().out)["areas"]["hexagon"] is None
@@ -63,6 +72,15 @@ def test_flow_picture(engine: str, name: str, presses: Path, tmp_path: Path) -> 
     words = ["flow", str(presses / "S5_00deg_01"), "--frames", "20,24", "--engine", engine, "--figures", str(tmp_path)]
     assert main(words) == 0
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("engine", ["dis", "horn-schunck"])
+def test_a_region_of_no_size_is_said_in_one_line(engine: str, presses: Path, capsys: Captured) -> None:
+    words = ["flow", str(presses / "S5_00deg_01"), "--frames", "9,11", "--engine", engine, "--region", "150,150,0.1"]
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert "region: wanted 3 or more rows" in error
+    assert len(error.splitlines()) == 1
 
 
 def test_a_frame_that_is_not_there(presses: Path, capsys: Captured) -> None:

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from functools import cache
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from casr.errors import ImageError, PinsError, SettingError
-from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
+from casr.flow.estimate import ENGINES, FlowSettings, FlowStep, FlowTracker
 from casr.flow.region import Region
+from casr.flow.step import notes_by_frame
 from casr.synthetic import SPECIMENS, Appearance, ContactEllipse, PressSettings, linear_pair, simulate_press
 
 WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
 "Share of the total log growth; the smallest contact, of stiff specimens at 45 degrees, is the hardest for dense flow."
 
 
+@cache
 def press(specimen: str, angle_deg: float, **look: float) -> tuple[list[NDArray[np.uint8]], list[ContactEllipse]]:
     made = simulate_press(
         PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle_deg, appearance=Appearance(**look))  # type: ignore[arg-type]
@@ -53,6 +56,12 @@ def test_total_growth_and_tracked_region(engine: str, angle_deg: float, specimen
     assert region.area_px2 == pytest.approx(region_of(contacts[0]).area_px2 * np.exp(found), rel=1e-9)
     assert np.hypot(*(region.centre_px - contacts[-1].centre_px)) < (0.3 if engine == "pin-affine" else 6)
     assert not notes
+
+
+def test_a_note_of_many_steps_is_said_once() -> None:
+    region = Region.circle(0, 0, 1)
+    steps = [FlowStep(0.0, 0.0, region, 3, notes) for notes in ((), ("lost",), ("lost", "jump"), ("lost",))]
+    assert notes_by_frame([9, 8, 7, 6], steps) == ["3 frames from 6 to 8: lost", "frame 7: jump"]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

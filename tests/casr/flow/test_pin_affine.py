@@ -52,14 +52,14 @@ def test_order_and_place_of_the_image_do_not_matter(seed):
 
 
 @pytest.mark.parametrize("n_wrong", [1, 5])
-def test_a_pin_taken_for_its_neighbour_is_left_out_and_named(n_wrong):
+def test_a_pin_taken_for_its_neighbour_is_left_out_with_a_note(n_wrong):
     after = PINS * 1.02 + np.random.default_rng(0).normal(0, 0.01, PINS.shape)
     good = fit_affine(PINS[n_wrong:], after[n_wrong:])
     after[:n_wrong] += (20.0, 0.0)
     fit = fit_affine(PINS, after)
     assert fit.divergence == pytest.approx(good.divergence, abs=1e-12)
     assert fit.n == 127 - n_wrong
-    assert fit.notes == (f"{n_wrong} of 127 pins left out: mistaken for another",)
+    assert fit.notes == ("pins mistaken for others are left out",)
 
 
 def test_a_skin_that_bulges_in_part_loses_no_pin():
@@ -67,22 +67,12 @@ def test_a_skin_that_bulges_in_part_loses_no_pin():
     assert fit_affine(PINS, PINS + bulge).n == 127
 
 
-def test_lost_pins_and_weights_of_zero_count_alike():
-    after = PINS * 1.03
-    weights = np.ones(127)
-    weights[:20] = 0
+def test_lost_pins_are_as_if_they_had_never_been():
+    after = PINS * 1.03 + np.random.default_rng(0).normal(0, 0.01, PINS.shape)
     lost = after.copy()
     lost[:20] = np.nan
-    after[:20] += 1.0
-    assert fit_affine(PINS, after, weights).matrix == pytest.approx(fit_affine(PINS, lost).matrix, abs=1e-13)
+    assert fit_affine(PINS, lost).matrix == pytest.approx(fit_affine(PINS[20:], after[20:]).matrix, abs=1e-13)
     assert fit_affine(PINS, lost).n == 107
-
-
-def test_weights_pull_the_fit():
-    before = np.array([[0.0, 0], [10, 0], [0, 10], [10, 10]])
-    after = before + np.array([[0.0, 0], [0, 0], [0, 0], [0.4, 0]])
-    heavy = fit_affine(before, after, np.array([1.0, 1, 1, 1e6]))
-    assert heavy.displacement_px(before)[3] == pytest.approx([0.4, 0], abs=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,7 @@ def test_distortion_and_frame_rate_may_be_left_out(tmp_path):
     [
         (REQUIRED + "depht_mm = 2.0\n", r"\[camera\] depht_mm: .* Did you mean depth_mm\?"),
         (REQUIRED + "serial = 2\n", r"found the unknown key serial. Remove it"),
+        (REQUIRED.replace("fx_px", "fx"), r"found the unknown key fx. Did you mean fx_px\?"),
         (REQUIRED.replace("depth_mm = 22", ""), r"wanted the keys depth_mm; "),
         (REQUIRED.replace("22", "'22'"), r"camera.toml, camera.depth_mm: wanted a number above 0; found '22'"),
         (REQUIRED.replace("640", "640.0"), r"camera.width_px: wanted a whole number above 0; found 640.0"),

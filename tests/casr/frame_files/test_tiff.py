@@ -99,6 +99,17 @@ def test_a_file_cut_short_gives_the_frames_that_are_whole(tmp_path, frames):
         sequence[11]
 
 
+def test_a_file_cut_short_before_its_second_page_says_so_in_the_error_alone(tmp_path, capfd):
+    path = tmp_path / "press.tif"
+    with tifffile.TiffWriter(path) as file:
+        for _ in range(3):
+            file.write(np.ones((24, 32), np.uint8), photometric="minisblack", contiguous=True, metadata=None)
+    path.write_bytes(path.read_bytes()[:1500])
+    with pytest.raises(FramesError, match="found one frame; the file is damaged or incomplete"):
+        open_frames(path)
+    assert capfd.readouterr().err == ""
+
+
 def test_a_page_of_another_size_is_named(tmp_path, frames):
     with tifffile.TiffWriter(tmp_path / "press.tif") as file:
         file.write(frames[0], metadata=None)

@@ -29,8 +29,8 @@ def test_a_touch_well_below_the_start_is_no_rest():
 
 
 def test_a_pull_of_the_leaving_skin_is_no_rest():
-    two = [0, 0, 0.3, 5, 7, 4, 0.1, -0.3, -0.2, -0.1, 0, 0.01, 0, -0.01, 0.2, 0.7, 6, 7, 0]
-    assert loading_phase(two, press=1).rest == 13
+    light_touch_first = [0, 0, 0.3, 2, 3, 1, 0.1, -0.3, -0.2, -0.1, 0, 0.01, 0, -0.01, 0.2, 0.7, 6, 7, 0]
+    assert loading_phase(light_touch_first).rest == 13
 
 
 def test_a_recording_without_rest_uses_the_lightest_touch_and_says_so():
@@ -54,12 +54,6 @@ def test_of_several_presses_the_first_is_taken_with_a_note():
     phase = loading_phase(two)
     np.testing.assert_array_equal(phase.frames, [6, 7, 8, 9])
     assert phase.notes == ("2 presses in the sequence; the first is used",)
-    second = loading_phase(two, press=1)
-    np.testing.assert_array_equal(second.frames, [17, 18, 19])
-    assert second.rest == 15
-    assert second.notes == ()
-    with pytest.raises(FramesError, match="wanted a press from 0 to 1; found 2"):
-        loading_phase(two, press=2)
 
 
 def test_frames_without_force_are_skipped_with_a_note():

@@ -132,6 +132,34 @@ def test_only_wanted_pins_are_followed_and_to_the_same_places(draw, hexagon_px):
         assert np.isnan(np.delete(some_px, wanted, axis=0)).all()
 
 
+def with_reflection(frame, at_px, radius_px=8):
+    y, x = np.ogrid[:300, :300]
+    return np.where(np.hypot(x - at_px[0], y - at_px[1]) <= radius_px, np.uint8(220), frame)
+
+
+def test_a_reflection_on_one_of_few_pins_does_not_move_the_others_by_a_pitch(draw, hexagon_px):
+    tracker, ids = started(draw(hexagon_px), hexagon_px)
+    few = np.flatnonzero(np.hypot(*(hexagon_px - hexagon_px[63]).T) < 30)
+    tracker.restrict(ids[few])
+    leftmost = few[hexagon_px[few, 0].argmin()]
+    beside = np.hypot(*(hexagon_px - hexagon_px[leftmost]).T).argsort()[1:]
+    outside = next(row for row in beside if hexagon_px[row, 0] < hexagon_px[leftmost, 0] - 15)
+    for _ in range(2):
+        now = tracker.step(with_reflection(draw(hexagon_px), hexagon_px[outside] + 3))[ids]
+        assert worst_px(now[few], hexagon_px[few]) < 0.1
+
+
+def test_a_pin_that_slides_under_a_reflection_is_lost_and_not_held_by_it(draw, hexagon_px):
+    tracker, ids = started(draw(hexagon_px), hexagon_px)
+    reflection_px = hexagon_px[63] + (16.0, 10.0)
+    for k in range(1, 20):
+        true_px = hexagon_px + np.array([0.8 * k, 0.0])
+        now = tracker.step(with_reflection(draw(true_px), reflection_px))[ids]
+        seen = np.isfinite(now[:, 0])
+        assert worst_px(now[seen], true_px[seen]) < 1.0
+    assert not seen[63]
+
+
 def test_whole_pixels_are_reported_but_do_not_mislead_the_tracker(draw, hexagon_px):
     tracker, ids = started(draw(hexagon_px), hexagon_px, PinSettings(integer_centroids=True))
     for k in range(1, 6):

@@ -1,0 +1,81 @@
+"""The 1 kHz loop of a qbmove against a clock: references handed on turn by turn, motors, watchdog."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.emulated.qbmove_memory import Memory
+from emg2vsa.rig.emulated.qbmove_motors import Motors, Pair
+from emg2vsa.rig.emulated.qbmove_switches import Switches
+
+_WATCHDOG_COUNT_S = 0.04096
+_NEVER_MS = 1 << 62
+
+
+class Shaft(Protocol):
+    """What the motors pull at: springs, shaft, and whatever the shaft touches."""
+
+    def shaft_rad(self, time_s: float, motors_rad: tuple[float, float]) -> float:
+        """Angle of the shaft, rad, with the motors there since ``time_s``; times never go back."""
+
+
+@dataclass(frozen=True)
+class References:
+    """Where the motors are to go, internal ticks, and whether they are on."""
+
+    ticks: Pair = (0, 0)
+    on: int = 0
+
+
+class Loop:
+    """Motors and references of one device."""
+
+    def __init__(self, switches: Switches, shaft: Shaft, clock: Clock, motors_rad: tuple[float, float]) -> None:
+        self._switches, self._shaft, self._clock = switches, shaft, clock
+        start_s = clock.now_s()
+        self.motors = Motors(switches, (*motors_rad, shaft.shaft_rad(start_s, motors_rad)))
+        self._now_ms = int(start_s * 1000)
+        self.new = self.current = self.old = References()
+        self._watchdog_ms = _NEVER_MS
+
+    def advance(self, current: Memory, shadow: Memory) -> None:
+        """Run up to the clock. ``current`` settings move the motors, ``shadow`` ones scale and shift the encoders."""
+        until_ms = int(self._clock.now_s() * 1000 + 1e-6)
+        if until_ms <= self._now_ms:
+            return
+        while self._now_ms < until_ms:
+            if self._now_ms >= self._watchdog_ms:
+                self.new, self._watchdog_ms = replace(self.new, on=0), _NEVER_MS
+            resting = self._turn(current, shadow)
+            # nothing moves and nothing is on its way: only the watchdog can change that
+            self._now_ms = max(self._now_ms + 1, min(until_ms, self._watchdog_ms)) if resting else self._now_ms + 1
+        self.motors.turn_shaft(self._shaft.shaft_rad(self._now_ms / 1000, self.motors.angles_rad()))
+
+    def feed_watchdog(self, counts: int) -> None:
+        """Something was heard. Periods of 0 counts are taken as no watchdog: what they mean is unknown."""
+        self._watchdog_ms = self._now_ms + int(counts * _WATCHDOG_COUNT_S * 1000) if counts else _NEVER_MS
+
+    def restart(self, on: int) -> None:
+        """Power comes back: references 0."""
+        self.new = self.current = self.old = References(on=on)
+        self.motors.pwm = [0, 0]
+
+    def _turn(self, current: Memory, shadow: Memory) -> bool:
+        ticks = self.current.ticks
+        if current.input_mode:
+            shaft = self.motors.measured(shadow)[2]
+            ticks = limited(shaft, 0, current), limited(shaft, 1, current)
+        on = self.current.on
+        powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
+        still = self.motors.step(ticks, current, shadow, powered)
+        settled = self.old == self.current == self.new
+        self.old, self.current = self.current, self.new
+        return still and settled
+
+
+def limited(ticks: int, motor: int, memory: Memory) -> int:
+    """Clamped to the position limits of motor 0 or 1, when those are on."""
+    low, high = memory.limits[2 * motor : 2 * motor + 2]
+    return max(low, min(high, ticks)) if memory.limits_active else ticks

@@ -1,0 +1,71 @@
+"""In what the Maker Pro and the Advanced differ, as their sources of generation 6 do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from emg2vsa.rig.emulated.qbmove_memory import Memory, fixed
+
+
+@dataclass(frozen=True)
+class Switches:
+    """One model."""
+
+    version: str
+    counts_backwards: bool
+    "Encoders count against the wire: offsets and references are negated on the way in, GET_INPUTS not on the way out."
+    parameters: int
+    parameter_bytes: int
+    "The list without command and checksum."
+    watchdog_counts: int
+    "At the factory, and after each start."
+    position_gains: tuple[float, float, float]
+    current_gains: tuple[float, float, float]
+    pwm_limit: int
+    supply_mv: int
+    motor_speed_rad_per_s: float
+    has_counters: bool
+    max_pwm_rate: int
+    both_motors_or_none: bool
+    "ACTIVATE with any bit switches both on."
+
+    def factory(self) -> Memory:
+        """Settings after INIT_MEM."""
+        return Memory(
+            position_pid=fixed(*self.position_gains),
+            current_pid=fixed(*self.current_gains),
+            watchdog_counts=self.watchdog_counts,
+            max_pwm_rate=self.max_pwm_rate,
+        )
+
+
+MAKER_PRO = Switches(
+    version="QBMMP v6.1.0",
+    counts_backwards=False,
+    parameters=13,
+    parameter_bytes=1199,
+    watchdog_counts=0,
+    position_gains=(0.1, 0.0, 0.8),
+    current_gains=(5.0, 0.0, 0.0),
+    pwm_limit=43,  # the firmware's table at 24 V, for a motor of 8 V
+    supply_mv=24000,
+    motor_speed_rad_per_s=3.75,  # nickparnenzini/qbmove_plugin, qbmove_project.pdf
+    has_counters=False,
+    max_pwm_rate=0,
+    both_motors_or_none=False,
+)
+ADVANCED = Switches(
+    version="QBADV v6.1.6",
+    counts_backwards=True,
+    parameters=14,
+    parameter_bytes=1199,
+    watchdog_counts=122,  # 5 s: the factory setting is the longest; which period runs before the first SET is unknown
+    position_gains=(-0.1, 0.0, -0.8),
+    current_gains=(3.0, 0.0, 0.0),
+    pwm_limit=100,
+    supply_mv=24000,
+    motor_speed_rad_per_s=6.0,  # default of the Gazebo plugin of NMMI, a simulation's number
+    has_counters=True,
+    max_pwm_rate=0,
+    both_motors_or_none=True,
+)

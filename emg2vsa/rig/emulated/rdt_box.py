@@ -1,0 +1,183 @@
+"""An ATI Net F/T box or Ethernet Axia up to its sockets: requests in, records out as time goes on.
+
+Behaviour after ATI manuals 9620-05 and 9610-05: one client, the newest request wins; rates are whole fractions of 7000
+a second; bias is not answered. The noise is a guess.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from emg2vsa.rig.rdt_packets import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
+
+INTERNAL_RATE_HZ = 7000
+NETBOX_SATURATED = 0x80020000
+AXIA_OUT_OF_RANGE = 0xC0000000
+Client = Callable[[bytes, float], None]
+
+
+@dataclass(frozen=True)
+class BoxSettings:
+    """How the box is set up.
+
+    rate_hz : records a second asked for; the box takes the next whole fraction of 7000 that is not below.
+    counts_per_force, counts_per_torque, force_unit, torque_unit : scales and units as on the box's page.
+    n_per_unit, nm_per_unit : size of these units, N and N·m.
+    buffer : records a datagram in buffered mode, 1 to 40.
+    rating : largest force and torque along x, y, z in these units; beyond, the status says so. Mini45 SI-145-5.
+    noise : standard deviation of force and torque in these units.
+    axia : an Ethernet Axia, else a Net F/T box.
+    """
+
+    rate_hz: float = 1000.0
+    counts_per_force: int = 1_000_000
+    counts_per_torque: int = 1_000_000
+    force_unit: str = "N"
+    torque_unit: str = "Nm"
+    n_per_unit: float = 1.0
+    nm_per_unit: float = 1.0
+    buffer: int = 10
+    rating: tuple[float, ...] = (145.0, 145.0, 290.0, 5.0, 5.0, 5.0)
+    noise: tuple[float, float] = (0.005, 0.0001)
+    axia: bool = False
+    seed: int = 0
+
+    @property
+    def divisor(self) -> int:
+        """Internal samples from record to record."""
+        return max(1, math.floor(INTERNAL_RATE_HZ / self.rate_hz))
+
+
+@dataclass
+class BoxFaults:
+    """What goes wrong, changed while the box runs.
+
+    lose, repeat, swap : the next so many datagrams are lost, sent twice, or sent after the one that follows.
+    skip : the box leaves out so many internal samples once, without a gap in rdt_sequence.
+    mute : sends nothing. stuck : the counts stay. saturated : the status says so.
+    """
+
+    lose: int = 0
+    repeat: int = 0
+    swap: int = 0
+    skip: int = 0
+    mute: bool = False
+    stuck: bool = False
+    saturated: bool = False
+
+
+@dataclass
+class _Stream:
+    client: Client
+    left: float
+    per_datagram: int
+    next_s: float
+    rdt_sequence: int = 0
+    waiting: list[bytes] = field(default_factory=list)
+
+
+class RdtBox:
+    """The box.
+
+    Parameters
+    ----------
+    wrench : (6,) force, N, and torque, N·m, on the sensor at a time, s; asked at times that never go back.
+    settings : how it is set up.
+    """
+
+    def __init__(self, wrench: Callable[[float], ArrayLike], settings: BoxSettings | None = None) -> None:
+        self.settings = s = settings or BoxSettings()
+        self.faults = BoxFaults()
+        self._wrench = wrench
+        self._size = np.repeat([s.n_per_unit, s.nm_per_unit], 3)
+        self._counts_per_unit = np.repeat([s.counts_per_force, s.counts_per_torque], 3).astype(np.float64)
+        self._noise = np.repeat(s.noise, 3)
+        self._rng = np.random.default_rng(s.seed)
+        self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
+        self._bias = np.zeros(6)
+        self._skipped = 0
+        self._stream: _Stream | None = None
+        self._held: bytes | None = None
+        self._counts: tuple[int, ...] = (0,) * 6
+
+    @property
+    def next_s(self) -> float:
+        """Time of the next record, s; inf when nothing streams."""
+        return self._stream.next_s if self._stream else math.inf
+
+    def request(self, data: bytes, client: Client, time_s: float) -> None:
+        """A datagram came for RDT; ``client`` takes the datagrams for its sender."""
+        parsed = parse_request(data)
+        if parsed is None:
+            return
+        self.run_until(time_s)
+        command, count = parsed
+        if command == Command.STOP:
+            self._stream = None
+        elif command in (Command.STREAM, Command.BUFFERED):
+            per_datagram = min(self.settings.buffer, LARGEST_BUFFER) if command == Command.BUFFERED else 1
+            first = math.floor(time_s * INTERNAL_RATE_HZ) + 1
+            self._stream = _Stream(client, count or math.inf, per_datagram, first / INTERNAL_RATE_HZ)
+            self._held = None
+        elif command == Command.BIAS:
+            self._bias = self._load(time_s)
+
+    def run_until(self, time_s: float) -> None:
+        """Send every record that is due."""
+        while (stream := self._stream) and stream.next_s <= time_s + 1e-9:
+            self._measure(stream)
+            stream.left -= 1
+            if len(stream.waiting) == stream.per_datagram or not stream.left:
+                self._send(stream)
+            if not stream.left:
+                self._stream = None
+            sample = round(stream.next_s * INTERNAL_RATE_HZ) + self.settings.divisor
+            stream.next_s = sample / INTERNAL_RATE_HZ
+
+    def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
+        """Status word and the six counts at a time."""
+        load = self._load(time_s)
+        out_of_range = self.faults.saturated or any(map(operator.gt, map(abs, load), self.settings.rating))
+        if not self.faults.stuck:
+            noisy = load - self._bias + self._noise * self._rng.standard_normal(6)
+            whole = np.rint(noisy * self._counts_per_unit)
+            # beyond 32 bits means far out of range, which the status tells
+            self._counts = tuple(np.clip(whole, -(2**31), 2**31 - 1).astype(int).tolist())
+        return self._alarm if out_of_range else 0, self._counts
+
+    def _load(self, time_s: float) -> NDArray[np.float64]:
+        """(6,) load in the box's units, before bias."""
+        load: NDArray[np.float64] = np.asarray(self._wrench(time_s), dtype=np.float64) / self._size
+        return load
+
+    def _measure(self, stream: _Stream) -> None:
+        self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
+        stream.rdt_sequence = (stream.rdt_sequence + 1) % 2**32
+        ft_sequence = (round(stream.next_s * INTERNAL_RATE_HZ) + self._skipped) % 2**32
+        record = Record(stream.rdt_sequence, ft_sequence, *self.reading(stream.next_s))
+        stream.waiting.append(record_bytes(record))
+
+    def _send(self, stream: _Stream) -> None:
+        data = b"".join(stream.waiting)
+        stream.waiting.clear()
+        faults = self.faults
+        if faults.mute:
+            return
+        if faults.lose:
+            faults.lose -= 1
+        elif faults.swap and self._held is None:
+            self._held = data
+        else:
+            stream.client(data, stream.next_s)
+            if faults.repeat:
+                faults.repeat -= 1
+                stream.client(data, stream.next_s)
+            if self._held is not None:
+                stream.client(self._held, stream.next_s)
+                self._held, faults.swap = None, faults.swap - 1
