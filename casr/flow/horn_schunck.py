@@ -43,7 +43,7 @@ class HornSchunck:
 
     def __init__(self, settings: HornSchunckSettings | None = None) -> None:
         self.settings = settings or HornSchunckSettings()
-        self._dtype = np.dtype(np.float32 if self.settings.precision == "single" else np.float64)
+        self._dtype = np.dtype(np.float32 if self.settings.single else np.float64)
         self._pyramid = Pyramid(self.settings, self._dtype)
         # two pixels for the derivatives; two standard deviations hold 95 % of the Gaussian
         self._margin = max(2, math.ceil(2 * self.settings.presmoothing_px))

@@ -7,6 +7,8 @@ from typing import Literal
 
 from casr.errors import SettingError
 
+SINGLE_FROM_ALPHA = 1.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class HornSchunckSettings:
@@ -23,7 +25,8 @@ class HornSchunckSettings:
     warps : linearisations per pyramid level.
     median_px : width of the median filter over the flow after each of them, 3 or 5; 0 for none.
     support_px : border around a region of interest that is solved with it.
-    precision : "single" or "double".
+    precision : "single", "double", or "auto": single from ``SINGLE_FROM_ALPHA`` on, where it is 1e-5 px off at most;
+        below, the gaps between pins hang on so little smoothness that its rounding decides the flow.
 
     Raises
     ------
@@ -40,7 +43,7 @@ class HornSchunckSettings:
     warps: int = 2
     median_px: int = 0
     support_px: int = 24
-    precision: Literal["single", "double"] = "single"
+    precision: Literal["auto", "single", "double"] = "auto"
 
     def __post_init__(self) -> None:
         self._check("alpha", 1e-6 <= self.alpha <= 1e6, "1e-6 to 1e6")
@@ -53,7 +56,12 @@ class HornSchunckSettings:
         self._check("warps", 1 <= self.warps <= 1000, "1 to 1000")
         self._check("median_px", self.median_px in (0, 3, 5), "0, 3 or 5")
         self._check("support_px", 0 <= self.support_px <= 10_000, "0 to 10000")
-        self._check("precision", self.precision in ("single", "double"), '"single" or "double"')
+        self._check("precision", self.precision in ("auto", "single", "double"), '"auto", "single" or "double"')
+
+    @property
+    def single(self) -> bool:
+        """Whether the flow is computed in single precision."""
+        return self.precision == "single" or (self.precision == "auto" and self.alpha >= SINGLE_FROM_ALPHA)
 
     def _check(self, name: str, good: bool, wanted: str) -> None:
         if not good:

@@ -107,6 +107,12 @@ def test_saturated_frames_stay_finite():
     assert np.isfinite(horn_schunck(first, second)).all()
 
 
+def test_precision_follows_alpha():
+    pair = contact_pair(1.0, 3)
+    for alpha, dtype in ((1.0, np.float32), (0.5, np.float64)):
+        assert horn_schunck(pair.first, pair.second, settings=HornSchunckSettings(alpha=alpha)).dtype == dtype
+
+
 def test_single_precision_is_enough():
     pair = contact_pair(1.0)
     single = horn_schunck(pair.first, pair.second)
