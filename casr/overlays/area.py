@@ -9,6 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from casr.contact_area.hexagons import hexagon_radius_px
 from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, legend_below, photo, styled, view_of
 from casr.pins import pin_pitch_px
 
@@ -110,7 +111,7 @@ def hexagons(centres_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.flo
     The sides face the nearest neighbours, as in the lattice: its direction is the one most pairs of neighbours share.
     """
     angle = _lattice_angle(centres_px, pitch_px) + np.deg2rad(30 + 60 * np.arange(6))
-    corners = pitch_px / np.sqrt(3) * np.column_stack([np.cos(angle), np.sin(angle)])
+    corners = hexagon_radius_px(pitch_px) * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.asarray(centres_px[:, None, :] + corners)
 
 

@@ -19,7 +19,7 @@ from casr.pins.spots import Spots, measure_spots
 
 NEIGHBOURS = 6  # in a hexagonal lattice
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
-MOST = 0.5
+IN_PLACE = 0.8  # share of the pins seen where they are expected, from which on the others are lost and not displaced
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
 
 Points = NDArray[np.float64]
@@ -114,7 +114,7 @@ class PinTracker:
         place, area, seen = self._look(grey, expected)
         if (~seen & ~self._lost).any() or _median_length(place - expected) > LONGEST_LOOK * self.pitch_px:
             # part of a lattice, without its edge, fits itself one pitch further: if most are in place, none has jumped
-            in_place = len(seen) < self._n and seen.sum() > MOST * (~self._lost).sum()
+            in_place = len(seen) < self._n and seen.mean() > IN_PLACE
             place, area, seen = self._search(grey, expected, in_place)
         self._place_px = np.where(seen[:, None], place, before + neighbour_mean(place - before, seen, self._links))
         self._move_px = self._place_px - before

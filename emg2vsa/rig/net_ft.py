@@ -117,7 +117,8 @@ class NetFt:
         while (datagram := self._line.receive()) is not None:
             records = parse_records(datagram.data)
             self.malformed += not records
-            time_s = self._clock.now_s() - datagram.age_s
+            # two clocks are read, so that a record could seem older than the one before
+            time_s = max(self._clock.now_s() - datagram.age_s, self._newest[1] if self._newest else 0.0)
             for record in records:
                 lost = self.sequence.arrived(record.rdt_sequence)
                 if lost is not None:

@@ -49,6 +49,7 @@ class NiVolts:
             self._task.ai_channels.add_ai_voltage_chan(
                 self.name, terminal_config=constants.TerminalConfiguration.DIFF, min_val=low_v, max_val=high_v
             )
+            self._check_six()
             self._task.timing.cfg_samp_clk_timing(
                 self.rate_hz,
                 sample_mode=constants.AcquisitionType.CONTINUOUS,
@@ -72,6 +73,15 @@ class NiVolts:
         if self._task is not None:
             self._task.close()
             self._task = None
+
+    def _check_six(self) -> None:
+        if (found := self._task.number_of_channels) != 6:
+            raise DeviceError(
+                self.name,
+                wanted="six channels",
+                found=f"{found}",
+                do="Name them in the order of the gages: Dev1/ai0:5.",
+            )
 
     def _trouble(self, error: Exception) -> DeviceError:
         return DeviceError(

@@ -27,7 +27,6 @@ MAINTENANCE = frozenset(
     (Command.STORE_DEFAULT_PARAMS, Command.RESTORE_PARAMS, Command.BOOTLOADER, Command.INIT_MEM, Command.CALIBRATE)
 )
 """What moves the motors by itself, forgets the device's settings, or leaves it in its bootloader."""
-_REPLY_S = 0.02
 _LONG_REPLY_S = 0.2
 _STORE_S = 1.0
 _SETTLE_S = 0.005
@@ -57,15 +56,20 @@ class Qbmove:
         clock: Clock,
         stiffness_percent: tuple[float, float] = (20.0, 80.0),
         watchdog_s: float = 0.5,
+        reply_s: float = 0.02,
     ) -> None:
-        """``stiffness_percent``: the study's range, of the maximum preset. DeviceError for an id that cannot be."""
+        """DeviceError for an id or a watchdog that cannot be.
+
+        ``stiffness_percent``: the study's range, of the maximum preset. ``watchdog_s``: how long the device waits for a
+        word before it lets go. ``reply_s``: how long each of three attempts waits for a short reply.
+        """
         if not 1 <= device_id <= 255:
             raise DeviceError(line.name, wanted="a device id of 1 to 255", found=str(device_id), do="See rig scan.")
         self.device_id, self.generation, self.model = device_id, generation, model
         self.where = f"{line.name}, qbmove {device_id}"
         self._talk = Conversation(line, clock)
         self.counts = self._talk.counts
-        self._clock, self._stiffness_percent = clock, stiffness_percent
+        self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
         self._watchdog = watchdog_on_wire(watchdog_s, self.where)
         self._limits: QbmoveLimits | None = None
 
@@ -247,18 +251,16 @@ class Qbmove:
     def _wanted(self, command: Command, payload_bytes: int) -> Wanted:
         return wanted(self.device_id, command, payload_bytes)
 
-    def _ask(self, command: Command, expected: Wanted, payload: bytes = b"", timeout_s: float = _REPLY_S) -> bytes:
-        reply = self._hear(command, expected, payload, timeout_s)
+    def _ask(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes:
+        reply = self._hear(command, expected, payload, least_s)
         if reply is None:
-            found = f"none in {_ATTEMPTS} attempts of {timeout_s:g} s"
+            found = f"none in {_ATTEMPTS} attempts of {max(least_s, self._reply_s):g} s"
             raise self._trouble(f"a reply to {command.name}", found, "Check power, cable, id and baud rate.")
         return reply
 
-    def _hear(
-        self, command: Command, expected: Wanted, payload: bytes = b"", timeout_s: float = _REPLY_S
-    ) -> bytes | None:
+    def _hear(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes | None:
         request = frame(self.device_id, command, payload)
-        reply = self._talk.ask(request, expected, timeout_s=timeout_s, attempts=_ATTEMPTS)
+        reply = self._talk.ask(request, expected, timeout_s=max(least_s, self._reply_s), attempts=_ATTEMPTS)
         return None if reply is None else reply.payload
 
     def _trouble(self, wanted_text: str, found: str, do: str) -> DeviceError:

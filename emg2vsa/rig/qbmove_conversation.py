@@ -51,7 +51,7 @@ class Conversation:
         """The bare text that follows ``request``, until the line falls silent."""
         self.line.drop_input()
         self.tell(request)
-        heard = part = self.line.read(_TEXT_BYTES, timeout_s)
+        heard = part = self.line.read(1, timeout_s)
         while part:
             part = self.line.read(_TEXT_BYTES, _QUIET_S)
             heard += part

@@ -14,7 +14,6 @@ from functools import reduce
 from operator import xor
 
 HEADER = b"::"
-BROADCAST_ID = 0
 LONGEST_BODY = 128
 """Bytes after LEN that a device takes; more, and it goes back to looking for a header."""
 
@@ -126,7 +125,7 @@ def find_reply(heard: bytes, expected: Wanted) -> Search:
             body = heard[start + 4 : start + 4 + size]
             if len(body) < size:
                 # a later frame may still be whole: this header may be chance
-                waiting = waiting or (start, size - len(body))
+                waiting = waiting or (start, start + 4 + size - len(heard))
             elif expected.is_good(body):
                 reply = Reply(heard[start + 2], body[0], body[1:-1])
                 return Search(reply, heard[start + 4 + size :], 0, corrupt)

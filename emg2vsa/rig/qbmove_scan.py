@@ -15,7 +15,6 @@ from emg2vsa.rig.transport import ByteLine
 
 _FTDI_VENDOR = 0x0403
 _MANUFACTURER = "QB Robotics"
-_REPLY_S = 0.005
 _ATTEMPTS = 2
 
 
@@ -37,13 +36,15 @@ def qbmove_ports(also: Iterable[str] = ()) -> list[str]:
     return list(dict.fromkeys((*also, *real)))
 
 
-def scan(line: ByteLine, clock: Clock, ids: Iterable[int] = range(1, 256)) -> list[FoundQbmove]:
-    """Ping every id and list who answers. About 3 s for all ids."""
+def scan(
+    line: ByteLine, clock: Clock, ids: Iterable[int] = range(1, 256), *, reply_s: float = 0.005
+) -> list[FoundQbmove]:
+    """Ping every id and list who answers within ``reply_s``. About 3 s for all ids."""
     talk = Conversation(line, clock)
     found = []
     for device_id in ids:
         request = frame(device_id, Command.PING)
-        reply = talk.ask(request, ping_reply(device_id), timeout_s=_REPLY_S, attempts=_ATTEMPTS)
+        reply = talk.ask(request, ping_reply(device_id), timeout_s=reply_s, attempts=_ATTEMPTS)
         if reply:
             number = f"{int.from_bytes(reply.payload):010d}" if reply.payload else ""
             found.append(FoundQbmove(line.name, device_id, number))

@@ -146,19 +146,23 @@ class FakeNi:
                 start=lambda: self.calls.append("start"),
                 read=read,
                 close=lambda: self.calls.append("close"),
+                number_of_channels=len(self.rows),
             )
 
         return types.SimpleNamespace(Task=task, errors=types.SimpleNamespace(Error=Error))
 
 
-def test_an_ni_card(monkeypatch):
-    fake = FakeNi([[1.0, 2.0], [3.0, 4.0], [0, 0], [0, 0], [0, 0], [5.0, 6.0]])
-    constants = types.SimpleNamespace(
+def constants():
+    return types.SimpleNamespace(
         TerminalConfiguration=types.SimpleNamespace(DIFF="diff"),
         AcquisitionType=types.SimpleNamespace(CONTINUOUS="continuous"),
     )
+
+
+def test_an_ni_card(monkeypatch):
+    fake = FakeNi([[1.0, 2.0], [3.0, 4.0], [0, 0], [0, 0], [0, 0], [5.0, 6.0]])
     monkeypatch.setitem(sys.modules, "nidaqmx", fake.module())
-    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants)
+    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())
     volts = NiVolts("Dev1/ai0:5", (-10, 10), rate_hz=2000)
     with pytest.raises(DeviceError, match="Start the sensor"):
         volts.read_volts()
@@ -176,3 +180,10 @@ def test_an_ni_card(monkeypatch):
         "start",
         "close",
     ]
+
+
+def test_five_channels_are_not_six(monkeypatch):
+    monkeypatch.setitem(sys.modules, "nidaqmx", FakeNi([[]] * 5).module())
+    monkeypatch.setitem(sys.modules, "nidaqmx.constants", constants())
+    with pytest.raises(DeviceError, match="six channels"):
+        NiVolts("Dev1/ai0:4", (-10, 10)).start()

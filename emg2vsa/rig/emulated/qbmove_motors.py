@@ -86,7 +86,7 @@ class Motors:
             wanted = reference >> memory.resolutions[motor]
         elif memory.control_mode in (_POSITION, _DEFLECTION):
             shaft = self._reading(_SHAFT, memory) if memory.control_mode == _DEFLECTION else 0
-            proportional, _, derivative = (self._sign * gain for gain in memory.position_pid)
+            proportional, derivative = self._sign * memory.position_pid[0], self._sign * memory.position_pid[2]
             wanted = (proportional * (reference + shaft - seen) >> 16) + (derivative * (self._seen[motor] - seen) >> 16)
         else:
             wanted = 0

@@ -1,0 +1,83 @@
+"""A tactile camera that sees a rendered skin pressed with the world's force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from casr.synthetic import Scene
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.camera import LOST_S, RATE_HZ, Frame
+from emg2vsa.rig.clock import Clock
+
+
+@dataclass
+class CameraFaults:
+    """What goes wrong, changed while the camera runs. drop : the next so many frames. mute : all from now on."""
+
+    drop: int = 0
+    mute: bool = False
+
+
+class EmulatedCamera:
+    """Frames on the clock, drawn when they are asked for.
+
+    Parameters
+    ----------
+    scene : sensor and specimen.
+    force_n : normal force on the skin at a time, s; asked at times that never go back.
+    clock : the rig's time.
+    """
+
+    def __init__(
+        self, scene: Scene, force_n: Callable[[float], float], clock: Clock, *, rate_hz: float = RATE_HZ
+    ) -> None:
+        self.name = "emulated camera"
+        self.shape = (scene.settings.camera.height_px, scene.settings.camera.width_px)
+        self.faults = CameraFaults()
+        self.dropped = 0
+        self._scene, self._force_n, self._clock, self._rate_hz = scene, force_n, clock, rate_hz
+        self._started_s = self._newest_s = 0.0
+        self._exposed = self._missing = 0
+
+    def start(self) -> None:
+        """Begin; the first frame is taken now."""
+        self._started_s = self._newest_s = self._clock.now_s()
+        self._exposed = self._missing = 0
+
+    def frames(self) -> list[Frame]:
+        """Frames since the last call, oldest first. DeviceError when there was none for too long."""
+        frames = self.exposed()
+        silent_s = self._clock.now_s() - self._newest_s
+        if silent_s > LOST_S:
+            raise DeviceError(
+                self.name,
+                wanted=f"a camera that gives {self._rate_hz:g} frames a second",
+                found=f"no frame for {silent_s:.1f} s",
+                do="End the fault.",
+            )
+        return frames
+
+    def exposed(self) -> list[Frame]:
+        """Frames since the last call, oldest first, if any."""
+        now_s = self._clock.now_s()
+        frames = []
+        while (time_s := self._started_s + self._exposed / self._rate_hz) <= now_s + 1e-9:
+            if self._is_lost():
+                self._missing += 1
+            else:
+                image = self._scene.image(self._force_n(time_s), self._exposed)
+                frames.append(Frame(time_s, image, self._missing))
+                self.dropped += self._missing
+                self._newest_s, self._missing = time_s, 0
+            self._exposed += 1
+        return frames
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _is_lost(self) -> bool:
+        if self.faults.drop:
+            self.faults.drop -= 1
+            return True
+        return self.faults.mute

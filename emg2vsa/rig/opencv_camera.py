@@ -1,0 +1,129 @@
+"""The tactile camera behind OpenCV."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.images import as_grey
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.camera import LOST_S, RATE_HZ, SHAPE, Frame
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.frame_pace import FramePace
+
+FIRST_S = 5.0
+"Time in which a started camera must bring its first frame; webcams set their exposure first."
+_POLL_S = 5e-3
+
+
+def open_capture(source: int | str) -> Any:
+    """OpenCV's capture of a device number, path or URL."""
+    return cv2.VideoCapture(source)
+
+
+class OpenCvCamera:
+    """A `Camera` behind OpenCV: a device number, or the address of a network camera.
+
+    A thread of its own waits for frames, so that the control loop never does. Frames are made grey, cut to the centre
+    of the wanted proportions and shrunk to the wanted size; faster cameras are thinned out.
+
+    Parameters
+    ----------
+    source : device number, path or URL.
+    clock : the rig's time; a frame's is taken when it arrives.
+    shape : (height, width), px.
+    rate_hz : frames a second.
+    open_capture : what opens the source.
+    """
+
+    def __init__(
+        self,
+        source: int | str,
+        clock: Clock,
+        *,
+        shape: tuple[int, int] = SHAPE,
+        rate_hz: float = RATE_HZ,
+        open_capture: Callable[[int | str], Any] = open_capture,
+    ) -> None:
+        self.name, self.shape, self.rate_hz = f"camera {source}", shape, rate_hz
+        self.dropped = 0
+        self._source, self._clock, self._open = source, clock, open_capture
+        self._pace = FramePace(rate_hz)
+        self._waiting: deque[Frame] = deque()
+        self._newest_s: float | None = None
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+        self._capture: Any = None
+
+    def start(self) -> None:
+        self._capture = self._open(self._source)
+        if not self._capture.isOpened():
+            raise self._lost("none that opens")
+        self._capture.set(cv2.CAP_PROP_FPS, self.rate_hz)
+        # one frame in the driver's queue: an older one would be taken for new
+        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+        self._thread.start()
+        end_s = self._clock.now_s() + FIRST_S
+        while not self._waiting:
+            if self._clock.now_s() >= end_s or not self._thread.is_alive():
+                raise self._lost("no frame")
+            self._clock.sleep_until(self._clock.now_s() + _POLL_S)
+
+    def frames(self) -> list[Frame]:
+        # asked before the frames are taken, or the last ones of a camera that ends would be lost
+        alive = self._thread.is_alive()
+        frames = [self._waiting.popleft() for _ in range(len(self._waiting))]
+        if frames:
+            self._newest_s = frames[-1].time_s
+            self.dropped += sum(frame.dropped for frame in frames)
+            return frames
+        if self._newest_s is None:
+            raise self._lost("one that was not started")
+        silent_s = self._clock.now_s() - self._newest_s
+        if silent_s > LOST_S or not alive:
+            raise self._lost(f"no frame for {silent_s:.1f} s")
+        return []
+
+    def close(self) -> None:
+        self._ended.set()
+        if self._thread.is_alive():
+            # a dead network camera keeps the thread waiting; it gives the device back when it comes to
+            self._thread.join(LOST_S)
+
+    def _watch(self) -> None:
+        while not self._ended.is_set() and self._capture.grab():
+            time_s = self._clock.now_s()
+            dropped = self._pace.take(time_s)
+            if dropped is not None:
+                taken, image = self._capture.retrieve()
+                if not taken:
+                    break
+                self._waiting.append(Frame(time_s, fitted(image, self.shape), dropped))
+        self._capture.release()
+
+    def _lost(self, found: str) -> DeviceError:
+        return DeviceError(
+            self.name,
+            wanted=f"a camera that gives {self.rate_hz:g} frames a second",
+            found=found,
+            do="Check its cable and number, and that no other program uses it.",
+        )
+
+
+def fitted(image: NDArray[Any], shape: tuple[int, int]) -> NDArray[np.uint8]:
+    """(height, width) grey levels: the largest centred part of the image with these proportions, shrunk by areas."""
+    height, width = shape
+    grey: NDArray[Any] = as_grey(image)
+    scale = min(grey.shape[0] / height, grey.shape[1] / width)
+    rows, columns = round(height * scale), round(width * scale)
+    top, left = (grey.shape[0] - rows) // 2, (grey.shape[1] - columns) // 2
+    part = grey[top : top + rows, left : left + columns]
+    if part.shape != shape:
+        part = cv2.resize(part, (width, height), interpolation=cv2.INTER_AREA)
+    return np.ascontiguousarray(part, dtype=np.uint8)

@@ -1,0 +1,65 @@
+"""One press on disk as it happens: frames.tif and force.csv, as `casr.frame_files.open_frames` reads them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.append_file import AppendFile
+from emg2vsa.rig.tiff_pages import TiffPages
+
+BIG_FROM_BYTES = 2**31
+"Presses expected to be larger are BigTIFF; half of what a TIFF holds, as presses overrun."
+
+
+class PressRecorder:
+    """Writes a press; readable at any moment, also after the program was killed.
+
+    A frame is on disk before the first force row that carries its index.
+
+    Parameters
+    ----------
+    folder : made when missing; must hold no press.
+    shape : (height, width) of the frames, px.
+    frames_expected : chooses between TIFF and BigTIFF.
+
+    Raises
+    ------
+    DeviceError : there is a press already, or no place to write.
+    """
+
+    def __init__(self, folder: Path, shape: tuple[int, int], *, frames_expected: int = 0) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DeviceError(
+                folder, wanted="a folder to record to", found=error.strerror or str(error), do="Choose another."
+            ) from error
+        self.folder = folder
+        self._force = AppendFile(folder / "force.csv")
+        self._force.append(b"time_s,force_n,frame_index\n")
+        self._frames = TiffPages(
+            folder / "frames.tif", shape, big=frames_expected * shape[0] * shape[1] > BIG_FROM_BYTES
+        )
+
+    @property
+    def n_frames(self) -> int:
+        """Frames saved."""
+        return self._frames.n_pages
+
+    def frame(self, image: NDArray[np.uint8]) -> int:
+        """Save a frame; its index, from 0. Raises DeviceError, as `force`, when the disk is full."""
+        self._frames.append(image)
+        return self.n_frames - 1
+
+    def force(self, time_s: float, force_n: float) -> None:
+        """Save a force row with the index of the last frame saved, -1 before the first."""
+        self._force.append(f"{time_s:.6f},{force_n:.6f},{self.n_frames - 1}\n".encode())
+
+    def close(self) -> None:
+        """Give the files back."""
+        self._frames.close()
+        self._force.close()
