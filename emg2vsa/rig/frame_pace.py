@@ -4,6 +4,8 @@ from __future__ import annotations
 
 EARLY = 0.1
 "Part of a period by which a frame may be early."
+SHORT = 0.2
+"A gap this part of a period short of two periods still means that a frame is missing."
 CATCH_UP = 0.25
 "After a late frame the next is due at least this part of a period later."
 
@@ -31,7 +33,7 @@ class FramePace:
             return 0
         if time_s < self._due_s - EARLY * self._period_s:
             return None
-        missing = max(0, round((time_s - self._taken_s) / self._period_s) - 1)
+        missing = max(0, int((time_s - self._taken_s) / self._period_s + SHORT) - 1)
         next_s = max(self._due_s + self._period_s, time_s + CATCH_UP * self._period_s)
         self._taken_s, self._due_s = time_s, min(next_s, time_s + self._period_s)
         return missing

@@ -125,7 +125,7 @@ from pathlib import Path
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.press_recorder import PressRecorder
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (5 * 900 + 600, resource.RLIM_INFINITY))
+resource.setrlimit(resource.RLIMIT_FSIZE, (5100, resource.RLIM_INFINITY))
 recorder = PressRecorder(Path(sys.argv[1]), (30, 30))
 for index in range(10):
     recorder.force(index / 20, index)
@@ -143,10 +143,10 @@ def test_a_full_disk_is_told_and_costs_nothing_recorded(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", FULL, str(tmp_path / "press")], capture_output=True, text=True, check=True
     )
-    assert "room for 1016 bytes" in done.stdout
+    assert "room for 1014 bytes" in done.stdout
     press = open_frames(tmp_path / "press")
-    assert [int(frame[0, 0]) for frame in press] == [0, 1, 2, 3]
-    assert read_force_log(tmp_path / "press" / "force.csv").frame_index[-1] == 3
+    assert [int(frame[0, 0]) for frame in press] == [0, 1, 2, 3, 4]
+    assert read_force_log(tmp_path / "press" / "force.csv").frame_index[-1] == 4
 
 
 def test_a_press_is_never_written_over(tmp_path):
@@ -180,6 +180,6 @@ def test_long_presses_are_bigtiff(tmp_path):
 def test_a_full_tiff_is_told(tmp_path):
     pages = TiffPages(tmp_path / "frames.tif", SHAPE)
     # a hole stands for the pages before
-    pages._file.size_bytes = 2**32 - 900
+    pages._file.size_bytes = 2**32 - 800
     with pytest.raises(DeviceError, match="BigTIFF"):
         pages.append(images(1)[0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import socket
 import struct
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -53,7 +54,7 @@ def test_ft_sequence_counts_internal_samples():
     data = b"".join(heard(quiet_box(), "1234000200000000"))
     numbers = [(rdt, ft) for rdt, ft, *_ in struct.iter_unpack(">III6i", data)]
     assert [rdt for rdt, _ in numbers] == list(range(1, 11))
-    assert {after[1] - before[1] for before, after in zip(numbers, numbers[1:], strict=False)} == {7}
+    assert {after[1] - before[1] for before, after in pairwise(numbers)} == {7}
 
 
 def test_buffered_mode_and_its_last_datagram():
