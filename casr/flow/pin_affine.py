@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,21 +77,23 @@ def _fit(before: NDArray[np.float64], after: NDArray[np.float64]) -> tuple[Affin
     move = after - before
     centre, offset = before.mean(axis=0), move.mean(axis=0)
     arm, rest = before - centre, move - offset
-    spread = arm.T @ arm
-    narrow, wide = np.linalg.eigvalsh(spread)
-    if narrow <= ROUND_ENOUGH**2 * wide:
+    (xx, xy), (_, yy) = (arm.T @ arm).tolist()
+    # eigenvalues and inverse of two by two numbers written out: the library's cost more than the whole fit
+    half, apart = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
+    if not half - apart > ROUND_ENOUGH**2 * (half + apart):
         raise _too_few(f"{len(before)} on one line")
-    matrix = np.linalg.solve(spread, arm.T @ rest).T
+    inverse = np.array([[yy, -xy], [-xy, xx]]) / (xx * yy - xy * xy)
+    matrix = (inverse @ (arm.T @ rest)).T
     error = rest - arm @ matrix.T
-    squared = (error**2).sum(axis=1)
-    rms = float(np.sqrt(squared.mean() / 2))
+    squared = np.einsum("ij,ij->i", error, error)
+    rms = math.sqrt(float(squared.mean()) / 2)
     return Affine(matrix, offset, centre, rms, len(before)), np.sqrt(squared)
 
 
 def _mistaken(before: NDArray[np.float64], residual: NDArray[np.float64]) -> int | None:
     """The pin that was taken for another one, if there is any."""
     worst = int(residual.argmax())
-    scatter = float(np.median(residual)) / MEDIAN_OF_RAYLEIGH
+    scatter = float(np.partition(residual, len(residual) // 2)[len(residual) // 2]) / MEDIAN_OF_RAYLEIGH
     # the pitch costs more than the fit, so it comes last
     if residual[worst] <= max(OUTLIER_SIGMA * scatter, LEAST_OUTLIER_PX) or len(residual) <= FEWEST_PINS + 1:
         return None

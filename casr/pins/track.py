@@ -164,7 +164,7 @@ class PinTracker:
 
     def _shine_of(self, spots: Spots) -> NDArray[np.float64]:
         """Contrast of each pin over that of the pins beside it."""
-        beside = np.median(spots.contrast[self._beside], axis=1)
+        beside = np.sort(spots.contrast[self._beside], axis=1)[:, self._beside.shape[1] // 2]
         return np.asarray(spots.contrast / np.maximum(beside, self._settings.contrast))
 
     def _need_start(self) -> None:
@@ -181,4 +181,5 @@ def _gaps_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
 
 
 def _median_length(vectors: Points) -> float:
-    return float(np.median(np.hypot(vectors[:, 0], vectors[:, 1])))
+    lengths = np.hypot(vectors[:, 0], vectors[:, 1])
+    return float(np.partition(lengths, len(lengths) // 2)[len(lengths) // 2])
