@@ -1,4 +1,4 @@
-"""ATI .cal files: from the six gage voltages of a DAQ transducer to force and torque."""
+"""ATI .cal files: from the six gauge voltages of a DAQ transducer to force and torque."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 
 
 @dataclass(frozen=True, eq=False)
-class GageCalibration:
+class GaugeCalibration:
     """A transducer's calibration.
 
     serial, part_number : as in the file.
-    wrench_per_volt : (6, 6) Fx, Fy, Fz in N and Tx, Ty, Tz in N·m for a volt on each gage.
+    wrench_per_volt : (6, 6) Fx, Fy, Fz in N and Tx, Ty, Tz in N·m for a volt on each gauge.
     largest : (6,) calibrated range of Fx to Tz, N and N·m.
-    range_v : (least, greatest) voltage of a gage, V.
+    range_v : (least, greatest) voltage of a gauge, V.
     """
 
     serial: str
@@ -33,7 +33,7 @@ class GageCalibration:
     range_v: tuple[float, float]
 
 
-def read_calibration(path: Path | str) -> GageCalibration:
+def read_calibration(path: Path | str) -> GaugeCalibration:
     """The calibration in a .cal file of version 1.0 or 1.1, in N and N·m whatever its units.
 
     Version 1.1 gives the matrix (``UserAxis``). Version 1.0 gives ``Axis`` rows to be divided by their ``scale`` and
@@ -42,7 +42,7 @@ def read_calibration(path: Path | str) -> GageCalibration:
 
     Raises
     ------
-    DeviceError : not readable, not such a file, a number or unit missing, six gages not, a rotated basic transform in
+    DeviceError : not readable, not such a file, a number or unit missing, six gauges not, a rotated basic transform in
         a file of version 1.0 (none is known to exist, so its sense of rotation is not either).
     """
     path = Path(path)
@@ -62,7 +62,7 @@ def read_calibration(path: Path | str) -> GageCalibration:
         matrix = _to_origin(matrix / [[_number(axis, "scale", path)] for axis in axes], calibration, path)
     span_v = _number(calibration, "OutputRange", path)
     bipolar = _text(calibration, "OutputBipolar", path).lower() == "true"
-    return GageCalibration(
+    return GaugeCalibration(
         serial=_text(sensor, "Serial", path),
         part_number=calibration.get("PartNumber", ""),
         wrench_per_volt=matrix,
@@ -100,7 +100,7 @@ def _root(path: Path) -> ElementTree.Element:
     if root.tag != "FTSensor" or root.get("NumGages") != "6":
         raise DeviceError(
             path,
-            wanted="an FTSensor with six gages",
+            wanted="an FTSensor with six gauges",
             found=f"{root.tag} with NumGages {root.get('NumGages')}",
             do="Give the file that came with the transducer.",
         )

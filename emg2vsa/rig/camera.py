@@ -17,7 +17,12 @@ LOST_S = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """time_s : when it was taken, on the rig's clock. image : (H, W) grey levels. dropped : frames missing before it."""
+    """One picture.
+
+    time_s : when it was taken, on the rig's clock.
+    image : (H, W) grey levels.
+    dropped : frames missing before it.
+    """
 
     time_s: float
     image: NDArray[np.uint8]

@@ -1,4 +1,4 @@
-"""Force from a DAQ transducer: six gage voltages and its .cal file."""
+"""Force from a DAQ transducer: six gauge voltages and its .cal file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.cal_file import GageCalibration
+from emg2vsa.rig.cal_file import GaugeCalibration
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.force_sensor import ForceSample, SensorStatus
 
@@ -39,14 +39,14 @@ class VoltageSource(Protocol):
 
 
 class DaqFt:
-    """A `ForceSensor` on gage voltages: wrench = matrix (V - bias).
+    """A `ForceSensor` on gauge voltages: wrench = matrix (V - bias).
 
-    The bias is 0 V until `bias` is called. A gage at the end of its range is a fault of that sample: its force is
+    The bias is 0 V until `bias` is called. A gauge at the end of its range is a fault of that sample: its force is
     wrong however harmless it looks.
     """
 
     def __init__(
-        self, source: VoltageSource, calibration: GageCalibration, clock: Clock, *, stale_s: float = 0.05
+        self, source: VoltageSource, calibration: GaugeCalibration, clock: Clock, *, stale_s: float = 0.05
     ) -> None:
         self.name = f"{calibration.serial} on {source.name}"
         self.calibration = calibration
@@ -115,5 +115,5 @@ class DaqFt:
         railed = (volts < low_v + margin_v) | (volts > high_v - margin_v) | ~np.isfinite(volts)
         if not railed.any():
             return SensorStatus()
-        gages = np.flatnonzero(railed)
-        return SensorStatus(int((1 << gages).sum()), tuple(f"gage {gage} saturated" for gage in gages))
+        gauges = np.flatnonzero(railed)
+        return SensorStatus(int((1 << gauges).sum()), tuple(f"gauge {gauge} saturated" for gauge in gauges))

@@ -1,4 +1,4 @@
-"""Gage voltages from a National Instruments card."""
+"""Gauge voltages from a National Instruments card."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class NiVolts:
 
     Parameters
     ----------
-    channels : in the order of the gages, e.g. ``"Dev1/ai0:5"``.
+    channels : in the order of the gauges, e.g. ``"Dev1/ai0:5"``.
     range_v : (least, greatest) voltage, from the calibration.
 
     Raises
@@ -80,7 +80,7 @@ class NiVolts:
                 self.name,
                 wanted="six channels",
                 found=f"{found}",
-                do="Name them in the order of the gages: Dev1/ai0:5.",
+                do="Name them in the order of the gauges: Dev1/ai0:5.",
             )
 
     def _trouble(self, error: Exception) -> DeviceError:

@@ -45,10 +45,10 @@ MONITOR_CONDITION = 1 << 16
 AXIA = {
     0: "temperature out of range",
     1: "supply voltage out of range",
-    2: "broken gage",
+    2: "broken gauge",
     3: "busy",
     5: "another error",
-    27: "gage out of range",
+    27: "gauge out of range",
     28: "force is simulated",
     29: "calibration checksum error",
     30: "force or torque out of range",

@@ -8,7 +8,7 @@ import pytest
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.cal_file import AXES, read_calibration
 
-# Two gages of a Mini40 (SI-20-1, serial FT35366, published in NavidFeizi/ATI-FTsensor_NI-DAQ): Axis values, their
+# Two gauges of a Mini40 (SI-20-1, serial FT35366, published in NavidFeizi/ATI-FTsensor_NI-DAQ): Axis values, their
 # scales, and the UserAxis values the same file gives for them.
 AXIS = {
     "Fx": (0.29841, 31.42187),
@@ -38,7 +38,7 @@ TRANSFORM = {"Dx": "0", "Dy": "0", "Dz": "0.0053594", "Rx": "0", "Ry": "0", "Rz"
 UNITS = {"ForceUnits": "N", "TorqueUnits": "N-m", "DistUnits": "m", "OutputRange": "20", "OutputBipolar": "True"}
 
 
-def written(path, *, user=USER, axis=AXIS, transform=TRANSFORM, gages="6", **changes):
+def written(path, *, user=USER, axis=AXIS, transform=TRANSFORM, gauges="6", **changes):
     """A calibration file of the published form."""
 
     def row(tag, name, values, more=""):
@@ -51,7 +51,7 @@ def written(path, *, user=USER, axis=AXIS, transform=TRANSFORM, gages="6", **cha
     rows += [row("UserAxis", name, user[name]) for name in user]
     path.write_text(
         f'<?xml version="1.0" encoding="utf-8"?>\n<!-- a comment -->\n<FTSensor  Serial="FT35366" BodyStyle="Mini40" '
-        f'Family="DAQ" NumGages="{gages}" CalFileVersion="1.1">\n<Calibration PartNumber="SI-20-1" {attributes}>\n'
+        f'Family="DAQ" NumGages="{gauges}" CalFileVersion="1.1">\n<Calibration PartNumber="SI-20-1" {attributes}>\n'
         + "\n".join(rows)
         + "\n</Calibration></FTSensor>\n"
     )
@@ -112,7 +112,7 @@ def test_unipolar_outputs(tmp_path):
         ({"ForceUnits": None}, "ForceUnits"),
         ({"TorqueUnits": "stone-m"}, "stone-m"),
         ({"OutputRange": "wide"}, "OutputRange"),
-        ({"gages": "8"}, "six gages"),
+        ({"gauges": "8"}, "six gauges"),
         ({"user": {name: USER[name] for name in AXES if name != "Tz"}}, "UserAxis Tz"),
         ({"user": USER | {"Fy": (1.0, float("nan"))}}, "UserAxis Fy values"),
         ({"user": USER | {"Fy": (1.0,)}}, "six numbers"),

@@ -84,7 +84,7 @@ class Capture:
 
     def grab(self):
         self.taken.release()
-        self.allowed.acquire()
+        self.allowed.acquire(timeout=5)
         return not self.fails
 
     def retrieve(self):
@@ -96,11 +96,11 @@ class Capture:
 
     def give(self, fails=False):
         """Let a frame come, and return when it was taken and the camera waits for the next."""
-        self.taken.acquire()
+        self.taken.acquire(timeout=5)
         self.fails = fails
         self.allowed.release()
         if not fails:
-            self.taken.acquire()
+            self.taken.acquire(timeout=5)
             self.taken.release()
 
 
@@ -124,7 +124,7 @@ def camera(hand, capture):
     capture.allowed.release()
     camera = OpenCvCamera(3, hand, open_capture=lambda source: capture)
     camera.start()
-    capture.taken.acquire()
+    capture.taken.acquire(timeout=5)
     yield camera
     camera._ended.set()
     capture.fails = True

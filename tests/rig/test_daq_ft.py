@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.cal_file import GageCalibration
+from emg2vsa.rig.cal_file import GaugeCalibration
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.daq_ft import DaqFt
 from emg2vsa.rig.ni_volts import NiVolts
 
-CALIBRATION = GageCalibration("FT1", "SI-145-5", np.diag([1.0, 2, 3, 4, 5, 6]), np.ones(6), (-10.0, 10.0))
+CALIBRATION = GaugeCalibration("FT1", "SI-145-5", np.diag([1.0, 2, 3, 4, 5, 6]), np.ones(6), (-10.0, 10.0))
 
 
 class Volts:
@@ -83,11 +83,11 @@ def test_bias_only_when_asked(clock, volts, sensor):
 
 
 @pytest.mark.parametrize("rail_v", [10.0, -10.0, 9.99, 10.4, np.nan])
-def test_a_gage_at_its_rail_is_a_fault(clock, volts, sensor, rail_v):
+def test_a_gauge_at_its_rail_is_a_fault(clock, volts, sensor, rail_v):
     volts.slope, volts.base_v = 0.0, np.array([0, 0, rail_v, 0, 0, 9.8])
     clock.sleep_until(0.01)
     status = sensor.read().status
-    assert status.faults == ("gage 2 saturated",)
+    assert status.faults == ("gauge 2 saturated",)
     assert status.code == 0b100
 
 

@@ -151,7 +151,7 @@ def test_a_full_disk_is_told_and_costs_nothing_recorded(tmp_path):
 
 def test_a_press_is_never_written_over(tmp_path):
     record(tmp_path / "press", images(2)).close()
-    with pytest.raises(DeviceError, match="force.csv"):
+    with pytest.raises(DeviceError, match=r"force\.csv"):
         PressRecorder(tmp_path / "press", SHAPE)
 
 

@@ -147,7 +147,6 @@ def test_the_newest_client_wins_over_udp(server):
     first.start()
     second.start()
     second.read()
-    first.read_all()
     clock.sleep_until(clock.now_s() + 0.06)
     with pytest.raises(DeviceError, match="another program"):
         first.read()

@@ -21,8 +21,8 @@ NETBOX = [
 AXIA = [
     (0x00000000, ()),
     (0x80000001, ("temperature out of range",)),
-    (0x80000004, ("broken gage",)),
-    (0x88000000, ("gage out of range",)),
+    (0x80000004, ("broken gauge",)),
+    (0x88000000, ("gauge out of range",)),
     (0x90000000, ("force is simulated",)),
     (0xC0000000, ("force or torque out of range",)),
     (0x80010000, ("status bit 16",)),

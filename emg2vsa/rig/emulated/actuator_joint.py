@@ -1,0 +1,84 @@
+"""How the shaft follows the motors: through springs, with friction, or rigidly.
+
+Quasi-static: at rest the springs (``emg2vsa.actuator``), the specimen and the friction are in balance. On its way there
+the shaft comes nearer by a first-order law, which is exact for any duration and never passes its rest.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+from emg2vsa.actuator import Springs
+from emg2vsa.rig.emulated.probe import Probe
+
+Motors = tuple[float, float]
+
+_ARRIVED_RAD = 1e-9
+_STEPS = 200
+_SOLVED_RAD = 1e-13
+
+
+class Joint(Protocol):
+    """Between motors and shaft."""
+
+    def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        """Shaft angle, rad, that long after it was at ``shaft_rad``, with the motors where they are; the same angle
+        when it rests."""
+
+
+class RigidJoint:
+    """The shaft is motor 1's, and no load moves it."""
+
+    def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        return motors_rad[0]
+
+
+@dataclass(frozen=True)
+class SpringJoint:
+    """Two springs between motors and shaft.
+
+    friction_nm : Coulomb friction of the shaft. settling_s : time constant on the way to rest; 0 is at once.
+    """
+
+    springs: Springs
+    friction_nm: float
+    settling_s: float
+
+    def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        torque_nm, _ = self._needed(shaft_rad, motors_rad, probe)
+        if abs(torque_nm) <= self.friction_nm:
+            return shaft_rad
+        # friction holds the rest, so the shaft stops where springs and specimen still ask for that much
+        rest_rad = self._angle_at(math.copysign(self.friction_nm, torque_nm), shaft_rad, motors_rad, probe)
+        if abs(rest_rad - shaft_rad) < _ARRIVED_RAD:
+            return shaft_rad
+        left = math.exp(-duration_s / self.settling_s) if self.settling_s else 0.0
+        return rest_rad + (shaft_rad - rest_rad) * left
+
+    def _needed(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> tuple[float, float]:
+        """Torque that would hold the shaft there against springs and specimen, N m, and its growth, N m/rad."""
+        s = self.springs
+        first, second = s.a1_per_rad * (shaft_rad - motors_rad[0]), s.a2_per_rad * (shaft_rad - motors_rad[1])
+        load_nm, load_growth = probe.torque_nm(shaft_rad)
+        torque_nm = s.k1_nm * math.sinh(first) + s.k2_nm * math.sinh(second) + load_nm
+        growth = s.a1_per_rad * s.k1_nm * math.cosh(first) + s.a2_per_rad * s.k2_nm * math.cosh(second) + load_growth
+        return torque_nm, growth
+
+    def _angle_at(self, torque_nm: float, start_rad: float, motors_rad: Motors, probe: Probe) -> float:
+        """Shaft angle at which that torque is needed: Newton's steps, within a bracket that always holds the root."""
+        s = self.springs
+        # the growth is nowhere less than that of both springs at rest
+        margin = abs(torque_nm) / (s.a1_per_rad * s.k1_nm + s.a2_per_rad * s.k2_nm)
+        low, high = min(*motors_rad, probe.touch_rad) - margin, max(motors_rad) + margin
+        angle = min(max(start_rad, low), high)
+        for _ in range(_STEPS):
+            needed_nm, growth = self._needed(angle, motors_rad, probe)
+            low, high = (low, angle) if needed_nm > torque_nm else (angle, high)
+            before, angle = angle, angle - (needed_nm - torque_nm) / growth
+            if not low <= angle <= high:
+                angle = (low + high) / 2
+            if abs(angle - before) < _SOLVED_RAD:
+                break
+        return angle

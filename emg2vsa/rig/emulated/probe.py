@@ -1,0 +1,47 @@
+"""The moving part of the rig: a cogwheel on the shaft drives the sensor down onto the specimen."""
+
+from __future__ import annotations
+
+import math
+
+from emg2vsa.rig.emulated.specimen_contact import SpecimenContact
+from emg2vsa.rig.emulated.world_settings import WorldSettings
+
+Force = tuple[float, float, float]
+
+
+class Probe:
+    """Where the probe is with the shaft at an angle, and what pushes back. A larger angle is further down."""
+
+    def __init__(self, settings: WorldSettings) -> None:
+        self._contact = SpecimenContact(settings.contact, settings.stiffness_n_per_mm)
+        self._gap_mm = settings.gap_mm
+        self._mm_per_rad = math.degrees(settings.mm_per_degree)
+        tilt = math.radians(settings.angle_deg)
+        self._sin, self._cos = math.sin(tilt), math.cos(tilt)
+        self.touch_rad = settings.gap_mm / self._mm_per_rad
+        "Shaft angle at first contact."
+
+    def position_mm(self, shaft_rad: float) -> float:
+        """Way down from where the shaft is at 0."""
+        return shaft_rad * self._mm_per_rad
+
+    def normal_force_n(self, shaft_rad: float) -> float:
+        """Force along the normal of the specimen's surface; exactly 0 without contact."""
+        return self._contact.force_n(self._depth_mm(shaft_rad))
+
+    def force_n(self, shaft_rad: float) -> Force:
+        """Force on the specimen: x the way its surface falls off, y, and z down the probe's axis, so pressing is +."""
+        normal_n = self.normal_force_n(shaft_rad)
+        return normal_n * self._sin, 0.0, normal_n * self._cos
+
+    def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
+        """What holds the shaft back, N m, and its growth, N m/rad. The tilted guide takes the force across it."""
+        depth_mm = self._depth_mm(shaft_rad)
+        # work along the axis is work along the normal: both the force and the indentation take a cosine
+        lever_m_per_rad = self._cos * self._mm_per_rad / 1000
+        growth = self._contact.stiffness_n_per_mm(depth_mm) * self._cos * self._mm_per_rad
+        return self._contact.force_n(depth_mm) * lever_m_per_rad, growth * lever_m_per_rad
+
+    def _depth_mm(self, shaft_rad: float) -> float:
+        return (shaft_rad - self.touch_rad) * self._mm_per_rad * self._cos

@@ -1,0 +1,94 @@
+"""The one physical world that all emulated devices share: motors, springs, shaft, probe, sensor and specimen.
+
+The actuator's firmware tells where its motors are; the force sensor and the camera ask for the force. They come in any
+order, from any thread, and with times of their own. A time that the actuator has not reached yet is answered with its
+motors held still, so whoever joins the devices lets the firmware ``advance`` first.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.emulated.actuator_joint import Joint, Motors, RigidJoint, SpringJoint
+from emg2vsa.rig.emulated.probe import Probe
+from emg2vsa.rig.emulated.shaft_path import ShaftPath
+from emg2vsa.rig.emulated.world_settings import WorldSettings
+
+STEP_S = 1e-3
+"""Longest step while something moves."""
+
+
+class World:
+    """Begins at the clock's time, shaft at 0; the first motors that are told find the shaft at rest between them."""
+
+    def __init__(self, clock: Clock, settings: WorldSettings | None = None) -> None:
+        self.settings = settings or WorldSettings()
+        self._probe = Probe(self.settings)
+        self._joint = _joint(self.settings)
+        self._path = ShaftPath(clock.now_s(), 0.0)
+        self._motors_rad: Motors | None = None
+        self._lock = threading.Lock()
+
+    def shaft_rad(self, time_s: float, motors_rad: Motors) -> float:
+        """Shaft angle, rad, with the motors, rad, there at ``time_s`` after an even motion since they were last told."""
+        with self._lock:
+            if self._motors_rad is None:
+                start_rad = self._joint.moved(sum(motors_rad) / 2, math.inf, motors_rad, self._probe)
+                self._motors_rad, self._path = motors_rad, ShaftPath(self._path.end_s, start_rad)
+            self._run(time_s, motors_rad)
+            return self._path.end_rad
+
+    def advance(self, time_s: float) -> None:
+        """Let time pass with the motors where they are; nothing when it has passed."""
+        with self._lock:
+            self._run(time_s, self._motors_rad)
+
+    def probe_mm(self, time_s: float) -> float:
+        """Way of the probe from where the shaft is at 0, mm, down is positive."""
+        return self._probe.position_mm(self._shaft_at(time_s))
+
+    def force_n(self, time_s: float) -> NDArray[np.float64]:
+        """(3,) force on the specimen and on the sensor under it, N: x the way the surface falls off, z down."""
+        return np.array(self._probe.force_n(self._shaft_at(time_s)))
+
+    def normal_force_n(self, time_s: float) -> float:
+        """Force along the normal of the surface, N, from which the camera's scene is drawn."""
+        return self._probe.normal_force_n(self._shaft_at(time_s))
+
+    def _shaft_at(self, time_s: float) -> float:
+        self.advance(time_s)
+        with self._lock:
+            return self._path.angle_rad(time_s)
+
+    def _run(self, until_s: float, motors_rad: Motors | None) -> None:
+        before_rad, start_s = self._motors_rad, self._path.end_s
+        self._motors_rad = motors_rad
+        if until_s <= start_s:
+            return
+        if before_rad is None or motors_rad is None:
+            self._path.append(until_s, self._path.end_rad)
+            return
+        steps = math.ceil((until_s - start_s) / STEP_S - 1e-6)
+        step_s = (until_s - start_s) / steps
+        for k in range(1, steps + 1):
+            now_rad = _between(before_rad, motors_rad, k / steps)
+            angle_rad = self._joint.moved(self._path.end_rad, step_s, now_rad, self._probe)
+            if angle_rad == self._path.end_rad and before_rad == motors_rad:
+                self._path.append(until_s, angle_rad)
+                return
+            self._path.append(until_s if k == steps else start_s + k * step_s, angle_rad)
+
+
+def _joint(settings: WorldSettings) -> Joint:
+    if settings.springs is None:
+        return RigidJoint()
+    return SpringJoint(settings.springs, settings.friction_nm, settings.settling_s)
+
+
+def _between(before: Motors, after: Motors, share: float) -> Motors:
+    return before[0] + share * (after[0] - before[0]), before[1] + share * (after[1] - before[1])
