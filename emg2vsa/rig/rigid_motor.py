@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from types import TracebackType
 from typing import Self
 
-from emg2vsa.actuator import TICKS_PER_TURN
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.qbmove import Qbmove
+from emg2vsa.rig.qbmove import Measurements, Qbmove
 
 
 class RigidMotor:
-    """The probe's position through the rig's gear. As a context manager it switches the motor off at the end.
+    """An actuator without springs. As a context manager it switches the motor off at the end.
 
     Parameters
     ----------
-    board : the board, with watchdog, limits and read-back of every qbmove.
-    mm_per_degree : way of the probe per turn of the motor, from the rig file; negative when it turns the other way.
-    travel_mm : (highest, lowest) position of the probe, down is positive; DeviceError beyond them.
+    board : the board, with watchdog, limits and read-back of every qbmove; motor 2 is not connected.
     """
 
-    def __init__(self, board: Qbmove, *, mm_per_degree: float, travel_mm: tuple[float, float]) -> None:
-        self._board, self._travel_mm = board, travel_mm
+    def __init__(self, board: Qbmove) -> None:
+        self._board = board
         self.where = f"{board.where}, rigid motor"
-        if not (math.isfinite(mm_per_degree) and mm_per_degree):
-            do = "Measure the rig's gear."
-            raise DeviceError(self.where, wanted="mm per degree other than 0", found=repr(mm_per_degree), do=do)
-        self._mm_per_tick = mm_per_degree * 360 / TICKS_PER_TURN
 
     def __enter__(self) -> Self:
         self._board.__enter__()
@@ -46,16 +38,22 @@ class RigidMotor:
         """Motor off, read back. DeviceError when the board does not confirm."""
         self._board.deactivate()
 
-    def go_to(self, position_mm: float) -> None:
-        """Send the probe there, to the nearest tick. DeviceError outside the travel or the board's own limits."""
-        highest, lowest = self._travel_mm
-        if not highest <= position_mm <= lowest:
-            do = "Correct the schedule, or the travel it was made for."
-            raise DeviceError(
-                self.where, wanted=f"a position of {highest:g} to {lowest:g} mm", found=f"{position_mm:g} mm", do=do
-            )
-        self._board.set_inputs(round(position_mm / self._mm_per_tick), 0)
+    def is_active(self) -> bool:
+        """Motor on? The question also feeds the watchdog."""
+        return self._board.is_active()
 
-    def position_mm(self) -> float:
-        """Where the encoder has the probe, in steps of its 12 bits."""
-        return self._board.measurements().motor_1 * self._mm_per_tick
+    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
+        """Send the motor there. DeviceError outside the board's limits, or for a preset other than 0."""
+        if preset_ticks != 0:
+            do = "Use the qbmove for a schedule of stiffness."
+            raise DeviceError(self.where, wanted="preset 0: it has no springs", found=f"{preset_ticks} ticks", do=do)
+        self._board.set_inputs(position_ticks, 0)
+
+    def measurements(self) -> Measurements:
+        """Encoders in ticks, 8 to a step of the 12 bits; the shaft is motor 1's."""
+        at = self._board.measurements()
+        return Measurements(at.motor_1, at.motor_2, at.motor_1)
+
+    def currents_ma(self) -> tuple[int, int]:
+        """Motor currents, mA."""
+        return self._board.currents_ma()

@@ -1,8 +1,8 @@
 """Force of the soft dome on a specimen: the contact radius that the camera shows decides it.
 
 An axisymmetric contact of radius a resists a further approach with dF/dd = 2 E* a (Sneddon 1965, Int. J. Eng. Sci. 3,
-47; Pharr, Oliver and Brotzen 1992, J. Mater. Res. 7, 613). With the radius law of ``casr.synthetic.ContactWorld``,
-a = R (c F)^n with c = 3/(4 E* R^2), this integrates to
+47; Pharr, Oliver and Brotzen 1992, Journal of Materials Research 7, 613). With the radius law of
+``casr.synthetic.ContactWorld``, a = R (c F)^n with c = 3/(4 E* R^2), this integrates to
 
     d = F^(1 - n) / (2 (1 - n) E* R c^n)
 

@@ -35,7 +35,7 @@ class World:
         self._lock = threading.Lock()
 
     def shaft_rad(self, time_s: float, motors_rad: Motors) -> float:
-        """Shaft angle, rad, with the motors, rad, there at ``time_s`` after an even motion since they were last told."""
+        """Shaft angle, rad, with the motors there at ``time_s``, after an even motion from where they last were."""
         with self._lock:
             if self._motors_rad is None:
                 start_rad = self._joint.moved(sum(motors_rad) / 2, math.inf, motors_rad, self._probe)
@@ -61,8 +61,8 @@ class World:
         return self._probe.normal_force_n(self._shaft_at(time_s))
 
     def _shaft_at(self, time_s: float) -> float:
-        self.advance(time_s)
         with self._lock:
+            self._run(time_s, self._motors_rad)
             return self._path.angle_rad(time_s)
 
     def _run(self, until_s: float, motors_rad: Motors | None) -> None:
@@ -73,7 +73,7 @@ class World:
         if before_rad is None or motors_rad is None:
             self._path.append(until_s, self._path.end_rad)
             return
-        steps = math.ceil((until_s - start_s) / STEP_S - 1e-6)
+        steps = max(1, math.ceil((until_s - start_s) / STEP_S - 1e-6))
         step_s = (until_s - start_s) / steps
         for k in range(1, steps + 1):
             now_rad = _between(before_rad, motors_rad, k / steps)

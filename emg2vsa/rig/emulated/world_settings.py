@@ -22,7 +22,7 @@ class WorldSettings:
     springs : of the actuator (source: in ``emg2vsa.actuator``); None is a rigid motor, the paper's high stiffness.
     friction_nm : Coulomb friction of the shaft (source: nickparnenzini/qbmove_plugin, qbmove_project.pdf); 0 is none.
     settling_s : time constant with which the shaft comes to rest, 0 is at once (guess).
-    mm_per_degree : of the probe per turn of the shaft: a cogwheel of 10 mm pitch radius (guess; the paper shows none).
+    mm_per_degree : of the probe per turn of the shaft: a cogwheel of 11.5 mm pitch radius (guess; the paper is silent).
     gap_mm : from the probe with the shaft at 0 to first contact, along the probe's axis (guess).
     """
 
@@ -32,7 +32,7 @@ class WorldSettings:
     springs: Springs | None = SPRINGS["qbmove-maker-pro"]
     friction_nm: float = 0.01
     settling_s: float = 0.01
-    mm_per_degree: float = 0.175
+    mm_per_degree: float = 0.2
     gap_mm: float = 5.0
 
     def __post_init__(self) -> None:

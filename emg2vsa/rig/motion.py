@@ -1,0 +1,80 @@
+"""From one turn of the loop to the next: phase, depth and force step, decided by the filtered force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from emg2vsa.rig.plan import RunPlan
+
+Phase = Literal["home", "approach", "contact", "load", "retract", "pause", "done", "escape"]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where a run is."""
+
+    phase: Phase
+    since_s: float
+    "When the phase began."
+    depth_mm: float
+    repetition: int = 0
+    "From 1; 0 on the way home before the first."
+    step: int = 0
+    "Force step whose stiffness is commanded."
+
+
+def advance(motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed_s: float) -> Motion:
+    """The motion ``elapsed_s`` later, at ``now_s``.
+
+    Loading never goes back to an earlier force step: a softer spring lowers the force, and a step that followed it
+    down would come and go at every edge. Retraction keeps the step that loading has reached.
+    """
+    moved_mm = plan.ramp_mm_per_s * elapsed_s
+    match motion.phase:
+        case "home" | "retract":
+            return _back(motion, moved_mm, now_s)
+        case "approach":
+            if force_n >= plan.f_contact_n:
+                return replace(motion, phase="contact", since_s=now_s)
+            return replace(motion, depth_mm=motion.depth_mm + moved_mm)
+        case "contact":
+            return _in_contact(motion, plan, force_n, now_s)
+        case "load":
+            step = max(motion.step, plan.step_at(force_n))
+            if force_n >= plan.f_max_n:
+                return replace(motion, phase="retract", since_s=now_s, step=step)
+            return replace(motion, depth_mm=motion.depth_mm + moved_mm, step=step)
+        case "pause":
+            return _after_pause(motion, plan, now_s)
+    return motion
+
+
+def towards_home(depth_mm: float, moved_mm: float) -> float:
+    """Depth after moving by ``moved_mm`` towards 0, from either side, and not beyond."""
+    return max(0.0, depth_mm - moved_mm) if depth_mm > 0 else min(0.0, depth_mm + moved_mm)
+
+
+def _back(motion: Motion, moved_mm: float, now_s: float) -> Motion:
+    depth_mm = towards_home(motion.depth_mm, moved_mm)
+    if depth_mm != 0:
+        return replace(motion, depth_mm=depth_mm)
+    if motion.phase == "home":
+        return Motion("approach", now_s, 0.0, repetition=1)
+    return Motion("pause", now_s, 0.0, motion.repetition)
+
+
+def _in_contact(motion: Motion, plan: RunPlan, force_n: float, now_s: float) -> Motion:
+    if force_n < plan.f_contact_n:
+        return replace(motion, phase="approach", since_s=now_s)
+    if now_s - motion.since_s < plan.contact_s:
+        return motion
+    return replace(motion, phase="load", since_s=now_s)
+
+
+def _after_pause(motion: Motion, plan: RunPlan, now_s: float) -> Motion:
+    if now_s - motion.since_s < plan.pause_s:
+        return motion
+    if motion.repetition == plan.repetitions:
+        return replace(motion, phase="done", since_s=now_s)
+    return Motion("approach", now_s, 0.0, motion.repetition + 1)

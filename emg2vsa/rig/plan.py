@@ -1,0 +1,46 @@
+"""The plan of a run: one specimen, angle and condition, pressed a number of times. Data; ``execute`` carries it out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from emg2vsa.schedules import Schedule
+
+Condition = Literal["high-stiffness", "modular", "constant-min", "constant-mean", "constant-max"]
+RIGID: Condition = "high-stiffness"
+
+
+@dataclass(frozen=True, eq=False)
+class RunPlan:
+    """What to do to one specimen (paper, section V)."""
+
+    specimen: str
+    angle_deg: float
+    condition: Condition
+    repetitions: int
+    schedule: Schedule | None
+    "Force to stiffness; None under high-stiffness, where a rigid motor presses."
+    f_max_n: float
+    "The press turns back here."
+    f_contact_n: float = 0.5
+    contact_s: float = 0.05
+    "The probe rests until the force has stayed at ``f_contact_n`` for so long: one noisy sample is no contact."
+    ramp_mm_per_s: float = 5.0
+    travel_mm: float = 15.0
+    "Length of the ramp."
+    pause_s: float = 2.0
+    "Between two repetitions."
+
+    def step_at(self, force_n: float) -> int:
+        """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""
+        if self.schedule is None:
+            return 0
+        edges = self.schedule.step_force_n
+        return int(np.clip(np.searchsorted(edges, force_n, side="right") - 1, 0, edges.size - 2))
+
+    def preset_ticks(self, step: int) -> int:
+        """Stiffness preset of a force step; 0 for a rigid motor."""
+        return 0 if self.schedule is None else int(self.schedule.preset_ticks[step])

@@ -1,0 +1,79 @@
+"""May this rig do this plan? Asked before any byte is sent; nothing is clipped to fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from emg2vsa.actuator import ticks_of_percent
+from emg2vsa.errors import ScheduleError, SettingError
+from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.schedules import CONDITIONS, Schedule, check
+
+Rule = tuple[str, bool, str, object]
+
+
+def check_plan(plan: RunPlan, rig: RigSettings) -> None:
+    """SettingError or ScheduleError at the first thing that does not make sense or that the rig must not do."""
+    for name, holds, wanted, found in _plan_rules(plan, rig):
+        if not holds:
+            raise SettingError(f"plan, {name}", wanted=wanted, found=str(found), do="Correct the plan or rig.toml.")
+    if plan.schedule is not None:
+        check(plan.schedule)
+        where = f"schedule of {plan.schedule.specimen}, {plan.schedule.condition}"
+        for name, holds, wanted, found in _schedule_rules(plan, plan.schedule, rig):
+            if not holds:
+                do = "Export the schedule for this rig, or choose the one that belongs to the plan."
+                raise ScheduleError(f"{where}, {name}", wanted=wanted, found=str(found), do=do)
+
+
+def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
+    yield "specimen", bool(plan.specimen), "a name", repr(plan.specimen)
+    yield "angle_deg", 0 <= plan.angle_deg < 90, "0 to below 90 degrees", plan.angle_deg
+    yield (
+        "condition",
+        plan.condition in (RIGID, *CONDITIONS),
+        f"one of {', '.join((RIGID, *CONDITIONS))}",
+        plan.condition,
+    )
+    rigid = plan.condition == RIGID
+    given = "a schedule" if plan.schedule else "no schedule"
+    yield "schedule", rigid == (plan.schedule is None), "no schedule" if rigid else "a schedule", given
+    yield "repetitions", plan.repetitions >= 1, "1 or more", plan.repetitions
+    for name, value in (
+        ("ramp_mm_per_s", plan.ramp_mm_per_s), ("travel_mm", plan.travel_mm), ("f_contact_n", plan.f_contact_n)
+    ):  # fmt: skip
+        yield name, 0 < value < math.inf, "a number above 0", value
+    for name, value in (("pause_s", plan.pause_s), ("contact_s", plan.contact_s)):
+        yield name, 0 <= value < math.inf, "0 s or more", value
+    low, high = plan.f_contact_n, rig.guards.force_n
+    yield (
+        "f_max_n",
+        low < plan.f_max_n < high,
+        f"above contact, {low:g} N, and below the guard, {high:g} N",
+        plan.f_max_n,
+    )
+    yield "travel_mm", plan.travel_mm <= rig.travel_mm, f"at most {rig.travel_mm:g} mm, the rig's", plan.travel_mm
+    first, last = rig.position_ticks
+    for depth_mm in (0.0, plan.travel_mm):
+        ticks = rig.ticks_at(depth_mm)
+        yield f"position at {depth_mm:g} mm", first <= ticks <= last, f"{first} to {last} ticks, the device's", ticks
+
+
+def _schedule_rules(plan: RunPlan, schedule: Schedule, rig: RigSettings) -> Iterator[Rule]:
+    yield "specimen", schedule.specimen == plan.specimen, plan.specimen, schedule.specimen
+    yield "condition", schedule.condition == plan.condition, plan.condition, schedule.condition
+    for name, wanted, found in (
+        ("ramp.gear_mm_per_degree", rig.gear_mm_per_degree, schedule.ramp.gear_mm_per_degree),
+        ("ramp.speed_mm_per_s", plan.ramp_mm_per_s, schedule.ramp.speed_mm_per_s),
+        ("ramp.travel_mm", plan.travel_mm, schedule.ramp.travel_mm),
+    ):
+        yield name, math.isclose(wanted, found), f"{wanted:g}, as on the rig and in the plan", found
+    last_n = float(schedule.step_force_n[-1])
+    yield "last force step", plan.f_max_n <= last_n * (1 + 1e-9), f"steps up to F_max, {plan.f_max_n:g} N", last_n
+    low, high = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
+    percent = "{:g} to {:g} %".format(*rig.stiffness_percent)
+    text = f"{low} to {high} ticks, {percent} of the device's maximum {rig.max_preset_ticks}"
+    for ticks in (int(schedule.preset_ticks.min()), int(schedule.preset_ticks.max())):
+        yield "preset_ticks", bool(low <= ticks <= high), text, ticks

@@ -1,0 +1,94 @@
+"""The log of a run: a row per turn of the loop, as CSV, readable at any moment and after any end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.rig.append_file import AppendFile
+
+
+class Row(NamedTuple):
+    """One turn. None, an empty field, is what was not measured or not yet commanded."""
+
+    time_s: float
+    repetition: int
+    phase: str
+    force_n: float | None
+    filtered_n: float | None
+    position_ticks: int | None
+    "Commanded, as is the preset."
+    preset_ticks: int | None
+    motor_1_ticks: int | None
+    motor_2_ticks: int | None
+    shaft_ticks: int | None
+    current_1_ma: int | None
+    current_2_ma: int | None
+    frame_index: int
+    "Last frame saved in this repetition; -1 before the first."
+
+
+_HEADER = ",".join(Row._fields)
+_INTEGERS = {name for name in Row._fields if name.endswith(("_ticks", "_ma")) or name in ("repetition", "frame_index")}
+
+
+class RunLog:
+    """A new log. Each row goes to the system at once, so that not even kill -9 takes one.
+
+    Nothing waits for the disk itself: that can take seconds, and the watchdog of the motors less than one. So a loss of
+    power may take the newest rows.
+
+    DeviceError, also from ``append``: the file is there already, or the disk is full.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.rows = path, 0
+        self._file = AppendFile(path)
+        self._file.append(f"{_HEADER}\n".encode())
+
+    def append(self, row: Row) -> None:
+        """Write one row."""
+        self._file.append((",".join(map(_text, row)) + "\n").encode())
+        self.rows += 1
+
+    def close(self) -> None:
+        """Give the file back."""
+        self._file.close()
+
+
+def read_log(path: Path) -> list[Row]:
+    """All whole rows; a last line cut off by a crash is left out. RecordingError for anything else that is no row."""
+    try:
+        text = path.read_text(encoding="ascii")
+    except (OSError, UnicodeDecodeError) as error:
+        raise _unreadable(path, "a log of a run", str(error)) from error
+    lines = text.split("\n")[:-1]
+    if not lines or lines[0] != _HEADER:
+        raise _unreadable(path, f"the header {_HEADER}", lines[0] if lines else "none")
+    return [_row(line, f"{path}, line {number}") for number, line in enumerate(lines[1:], start=2)]
+
+
+def _row(line: str, where: str) -> Row:
+    try:
+        return Row(*(_value(n, text) for n, text in zip(Row._fields, line.split(","), strict=True)))  # type: ignore[arg-type]
+    except ValueError as error:
+        raise _unreadable(where, f"{len(Row._fields)} fields of a row", repr(line)) from error
+
+
+def _value(name: str, text: str) -> str | float | int | None:
+    if name == "phase":
+        return text
+    if not text:
+        return None
+    return int(text) if name in _INTEGERS else float(text)
+
+
+def _text(value: str | float | int | None) -> str:
+    if value is None:
+        return ""
+    return f"{value:.6f}" if isinstance(value, float) else str(value)
+
+
+def _unreadable(where: object, wanted: str, found: str) -> RecordingError:
+    return RecordingError(where, wanted=wanted, found=found, do="Choose the log.csv of a run, unedited.")

@@ -1,0 +1,93 @@
+"""The folder of a run: plan.json, log.csv, ended.json, and press-001, press-002 ... where there is a camera."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.append_file import AppendFile
+from emg2vsa.rig.ended import Ended, EndedFile
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.press_recorder import PressRecorder
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_log import Row, RunLog
+from emg2vsa.schedules.document import document_of
+
+_KILLED = Ended("killed", "", "the program was killed; log.csv tells how far it came", "", 0, 0.0, "")
+
+
+class RunRecord:
+    """Writes it. DeviceError, here and in every method: a run is there already, or the disk is full.
+
+    ``started`` : date and time at 0 s of the log's clock. ``frame_shape`` : (height, width) px; None without a camera.
+    """
+
+    def __init__(self, folder: Path, started: datetime, frame_shape: tuple[int, int] | None) -> None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            do = "Choose another."
+            raise DeviceError(folder, wanted="a folder to record to", found=str(error), do=do) from error
+        self._folder, self._started, self._frame_shape = folder, started, frame_shape
+        self._ended = EndedFile(folder / "ended.json", replace(_KILLED, at=started.isoformat()))
+        self.log = RunLog(folder / "log.csv")
+        self._press: PressRecorder | None = None
+        self.presses_done = 0
+
+    def plan(self, plan: RunPlan, rig: RigSettings) -> None:
+        """Write plan.json."""
+        schedule = None if plan.schedule is None else document_of(plan.schedule)
+        document = {"plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule}, "rig": asdict(rig)}
+        file = AppendFile(self._folder / "plan.json")
+        file.append((json.dumps(document, indent=2) + "\n").encode())
+        file.close()
+
+    def begin_press(self, repetition: int) -> None:
+        """From here on frames and forces are kept as one press."""
+        if self._frame_shape is not None:
+            self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape)
+
+    def frame(self, image: NDArray[np.uint8]) -> None:
+        """Keep a frame; between presses nobody wants it."""
+        if self._press is not None:
+            self._press.frame(image)
+
+    @property
+    def frame_index(self) -> int:
+        """Last frame kept of this press; -1 for none."""
+        return -1 if self._press is None else self._press.n_frames - 1
+
+    def row(self, row: Row) -> None:
+        """Log a row; its raw force belongs to the press as well."""
+        self.log.append(row)
+        if self._press is not None and row.force_n is not None:
+            self._press.force(row.time_s, row.force_n)
+
+    def end_press(self) -> None:
+        """The press is over: its files are given back."""
+        self._close_press()
+        self.presses_done += 1
+
+    def end(self, ended: Ended) -> Ended:
+        """Write ended.json and close everything; ``ended`` with what only the record knows."""
+        at = (self._started + timedelta(seconds=ended.time_s)).isoformat()
+        ended = replace(ended, at=at, rows=self.log.rows, repetitions_done=self.presses_done)
+        try:
+            self._ended.write(ended)
+        except DeviceError as error:
+            ended = replace(ended, notes=(*ended.notes, str(error)))
+        self._close_press()
+        self.log.close()
+        self._ended.close()
+        return ended
+
+    def _close_press(self) -> None:
+        if self._press is not None:
+            self._press.close()
+            self._press = None

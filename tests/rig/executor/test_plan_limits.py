@@ -1,0 +1,57 @@
+"""Limits and dry run of a plan, before anything is sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from emg2vsa.errors import InputError
+from emg2vsa.rig.dry_run import dry_run
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.plan_limits import check_plan
+from emg2vsa.rig.rig_settings import RigSettings
+
+
+@pytest.mark.parametrize(
+    ("plan", "rig_changes", "place"),
+    [
+        ({"repetitions": 0}, {}, "repetitions"),
+        ({"angle_deg": 90.0}, {}, "angle_deg"),
+        ({"f_max_n": 0.5}, {}, "f_max_n"),
+        ({"f_max_n": 10.0}, {}, "f_max_n"),
+        ({"f_max_n": 7.5}, {}, "last force step"),
+        ({"f_max_n": float("nan")}, {}, "f_max_n"),
+        ({"pause_s": -1.0}, {}, "pause_s"),
+        ({"ramp_mm_per_s": 0.0}, {}, "ramp_mm_per_s"),
+        ({"ramp_mm_per_s": 6.0}, {}, "ramp.speed"),
+        ({"schedule": None}, {}, "schedule"),
+        ({"specimen": "S9"}, {}, "specimen"),
+        ({}, {"travel_mm": 14.0}, "travel_mm"),
+        ({}, {"home_ticks": 9000}, "position at 15 mm"),
+        ({}, {"push_sign": -1, "position_ticks": (-6000, 6000)}, "position at 15 mm"),
+        ({}, {"gear_mm_per_degree": 0.3}, "ramp.gear"),
+        ({}, {"max_preset_ticks": 2900}, "preset_ticks"),
+        ({}, {"stiffness_percent": (30.0, 80.0)}, "preset_ticks"),
+    ],
+)
+def test_refused(
+    plan: dict[str, Any], rig_changes: dict[str, Any], place: str, plan_of: Callable[..., RunPlan], rig: RigSettings
+) -> None:
+    check_plan(plan_of(), rig)
+    with pytest.raises(InputError) as caught:
+        check_plan(plan_of(**plan), replace(rig, **rig_changes))
+    assert place in caught.value.where
+
+
+def test_dry_run_tells_positions_stiffness_and_times(plan_of: Callable[..., RunPlan], rig: RigSettings) -> None:
+    plan = plan_of(repetitions=10, pause_s=2.0)
+    told = dry_run(plan, rig)
+    load = [leg for leg in told.legs if leg.phase == "load"]
+    assert [leg.preset_ticks for leg in load] == plan.schedule.preset_ticks.tolist()
+    assert np.array([leg.force_n for leg in load])[:, 1] == pytest.approx(plan.schedule.step_force_n[1:])
+    assert told.legs[0].position_ticks == (0, 6827)  # 15 mm at 0.2 mm per degree: 75 degrees of 32768/360 ticks
+    assert told.at_most_s == pytest.approx(10 * (3 + 3 + 0.05 + 2))

@@ -1,0 +1,42 @@
+"""The log on disk, whole or cut off."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.rig.run_log import Row, RunLog, read_log
+
+ROWS = [Row(n / 200, 1, "load", 0.25 * n, None, 100 + n, 600, None, None, n, -3, None, n // 10 - 1) for n in range(40)]
+
+
+def written(path: Path) -> bytes:
+    log = RunLog(path)
+    for row in ROWS:
+        log.append(row)
+        assert read_log(path)[-1] == row  # without closing: nothing waits in the program
+    log.close()
+    return path.read_bytes()
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    written(tmp_path / "log.csv")
+    assert read_log(tmp_path / "log.csv") == ROWS
+
+
+def test_cut_off_anywhere_whole_rows_are_read(tmp_path: Path) -> None:
+    content, cut = written(tmp_path / "log.csv"), tmp_path / "cut.csv"
+    for size in range(content.index(b"\n") + 1, len(content)):
+        cut.write_bytes(content[:size])
+        assert read_log(cut) == ROWS[: content[:size].count(b"\n") - 1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [(b"load", b"load,1"), (b"100", b"1x0"), (b"time_s", b"time"), (b"load", b"\xff")]
+)
+def test_anything_else_is_refused(tmp_path: Path, old: bytes, new: bytes) -> None:
+    (tmp_path / "bad.csv").write_bytes(written(tmp_path / "log.csv").replace(old, new, 1))
+    with pytest.raises(RecordingError, match=r"bad\.csv"):
+        read_log(tmp_path / "bad.csv")

@@ -1,0 +1,99 @@
+"""The shaft between springs, specimen and friction."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, stiffness_nm_per_rad, unloaded_deflection_rad
+from emg2vsa.rig.emulated.actuator_joint import RigidJoint, SpringJoint
+from emg2vsa.rig.emulated.probe import Probe
+from emg2vsa.rig.emulated.world_settings import WorldSettings
+
+LIMIT_RAD = 15000 * RAD_PER_TICK
+FREE = Probe(WorldSettings(gap_mm=1e6))
+S3 = Probe(WorldSettings())
+MODELS = sorted(SPRINGS)
+
+
+def rest(model: str, motors: tuple[float, float], probe: Probe, friction_nm: float = 0.0, start: float = 0.0) -> float:
+    return SpringJoint(SPRINGS[model], friction_nm, 0.01).moved(start, math.inf, motors, probe)
+
+
+def held_nm(model: str, shaft: float, motors: tuple[float, float], probe: Probe) -> float:
+    s, (first, second) = SPRINGS[model], motors
+    springs_nm = s.k1_nm * math.sinh(s.a1_per_rad * (shaft - first)) + s.k2_nm * math.sinh(
+        s.a2_per_rad * (shaft - second)
+    )
+    return springs_nm + probe.torque_nm(shaft)[0]
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("preset", [0.0, 0.1, 0.5, 1.0])
+def test_without_load_the_shaft_rests_where_the_springs_balance(model: str, preset: float) -> None:
+    expected = 0.3 + float(unloaded_deflection_rad(np.float64(preset), SPRINGS[model]))
+    assert rest(model, (0.3 + preset, 0.3 - preset), FREE) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_little_load_gives_way_by_the_stiffness_of_the_preset(model: str) -> None:
+    for ticks in (600, 1500, 2400):
+        preset = ticks * RAD_PER_TICK
+        # the motors stand so that the free shaft is at first contact
+        free = float(unloaded_deflection_rad(np.float64(preset), SPRINGS[model]))
+        centre = S3.touch_rad - free + 1e-4
+        shaft = rest(model, (centre + preset, centre - preset), S3)
+        load_nm = S3.torque_nm(shaft)[0]
+        assert load_nm > 0
+        stiffness = float(stiffness_nm_per_rad(ticks, model))
+        assert load_nm / (S3.touch_rad + 1e-4 - shaft) == pytest.approx(stiffness, rel=1e-3)
+
+
+@pytest.mark.parametrize("friction_nm", [0.0, 0.01])
+@pytest.mark.parametrize("model", MODELS)
+def test_any_motors_within_their_limits_find_a_rest(model: str, friction_nm: float) -> None:
+    for first in np.linspace(-LIMIT_RAD, LIMIT_RAD, 13):
+        for second in np.linspace(-LIMIT_RAD, LIMIT_RAD, 13):
+            motors = (float(first), float(second))
+            for start in (-3.0, 0.0, 3.0):
+                shaft = rest(model, motors, S3, friction_nm, start)
+                growth_nm = held_nm(model, shaft + 1e-8, motors, S3) - held_nm(model, shaft - 1e-8, motors, S3)
+                # in balance, up to friction and to what a hundred-millionth of a radian makes
+                assert abs(held_nm(model, shaft, motors, S3)) <= friction_nm + growth_nm + 1e-12
+                assert min(motors) - 1 <= shaft <= max(motors) + 1e-9 + friction_nm / 0.03
+
+
+def test_friction_holds_the_shaft_and_stops_it_early() -> None:
+    motors = (0.4, -0.4)
+    free = rest("qbmove-maker-pro", motors, FREE)
+    stiffness = float(stiffness_nm_per_rad(0.4 / RAD_PER_TICK, "qbmove-maker-pro"))
+    for side in (-1, 1):
+        near = free + side * 0.009 / stiffness
+        assert rest("qbmove-maker-pro", motors, FREE, 0.01, near) == near
+        stopped = rest("qbmove-maker-pro", motors, FREE, 0.01, free + side * 1.0)
+        assert stopped - free == pytest.approx(side * 0.01 / stiffness, rel=1e-3)
+        # and there it stays
+        assert rest("qbmove-maker-pro", motors, FREE, 0.01, stopped) == stopped
+
+
+def test_the_way_to_rest_is_first_order_for_any_step() -> None:
+    joint = SpringJoint(SPRINGS["qbmove-maker-pro"], 0.0, 0.02)
+    motors = (0.8, 0.4)
+    end = joint.moved(0.0, math.inf, motors, FREE)
+    at_once = joint.moved(0.0, 0.02, motors, FREE)
+    assert at_once == pytest.approx(end * (1 - math.exp(-1)), rel=1e-9)
+    shaft = 0.0
+    for _ in range(20):
+        shaft = joint.moved(shaft, 0.001, motors, FREE)
+    assert shaft == pytest.approx(at_once, rel=1e-9)
+
+
+def test_settling_at_once() -> None:
+    slow, quick = (SpringJoint(SPRINGS["qbmove-maker-pro"], 0.0, settling_s) for settling_s in (0.01, 0.0))
+    assert quick.moved(0.0, 1e-3, (0.8, 0.4), S3) == slow.moved(0.0, math.inf, (0.8, 0.4), S3)
+
+
+def test_the_rigid_joint_ignores_the_load_and_motor_2() -> None:
+    assert RigidJoint().moved(0.0, 0.001, (2.5, -1.0), S3) == 2.5
