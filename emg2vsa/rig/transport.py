@@ -47,7 +47,7 @@ class SerialLine:
                 do="Check cable, power and permission, or the port's name.",
             ) from error
         # an FTDI bridge otherwise holds bytes back for 16 ms; a virtual port cannot and need not
-        with contextlib.suppress(AttributeError, NotImplementedError, ValueError, OSError):
+        with contextlib.suppress(AttributeError, RuntimeError, ValueError, OSError):
             self._port.set_low_latency_mode(True)
 
     def write(self, data: bytes) -> None:
