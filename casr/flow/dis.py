@@ -66,7 +66,7 @@ class Dis:
 
     def start(self, image: Grey) -> None:
         """Take the first frame."""
-        self._before = image
+        self._before = image.copy()  # a camera may write its next frame into the same memory
 
     def step(self, image: Grey, roi: tuple[int, int, int, int]) -> NDArray[np.float32]:
         """(H, W, 2) flow from the frame before, px, in the box (x0, y0, x1, y1) and some support; NaN elsewhere."""
@@ -74,7 +74,7 @@ class Dis:
         x1, y1 = (edge + SUPPORT_PX for edge in roi[2:])
         flow = np.full((*image.shape, 2), np.nan, np.float32)
         flow[y0:y1, x0:x1] = dis_flow(self._before[y0:y1, x0:x1], image[y0:y1, x0:x1], preset=self._preset)
-        self._before = image
+        self._before = image.copy()
         return flow
 
 

@@ -58,19 +58,6 @@ def region_growth(flow: NDArray[np.float32], region: Region) -> tuple[float, flo
     return float((share * divergence(inside)).sum()), float(np.log((share * growth(inside)).sum()))
 
 
-def flow_at(flow: NDArray[np.float32], points_px: Points) -> Points:
-    """(N, 2) flow at (N, 2) points (x, y), bilinear, px; points outside take the nearest border pixel."""
-    height, width = flow.shape[:2]
-    points_px = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
-    x, y = np.clip(points_px[:, 0], 0, width - 1), np.clip(points_px[:, 1], 0, height - 1)
-    left, top = np.floor(x).astype(int), np.floor(y).astype(int)
-    right, below = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
-    across, down = (x - left)[:, None], (y - top)[:, None]
-    upper = (1 - across) * flow[top, left] + across * flow[top, right]
-    lower = (1 - across) * flow[below, left] + across * flow[below, right]
-    return np.asarray((1 - down) * upper + down * lower, dtype=np.float64)
-
-
 def _along_x(field: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(np.gradient(field, axis=1))
 

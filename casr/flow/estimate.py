@@ -40,7 +40,7 @@ class FlowTracker:
         SettingError : the region lies outside the image.
         ImageError : not an image.
         """
-        grey = as_grey(image).copy()  # a camera may write its next frame into the same memory
+        grey = as_grey(image)
         self._shape = grey.shape
         self._engine.start(grey, region)
 
@@ -52,7 +52,7 @@ class FlowTracker:
         PinsError : too few of the region's pins are left (``pin-affine``).
         ImageError : not an image, another size than the first, or nothing was started.
         """
-        grey = as_grey(image).copy()
+        grey = as_grey(image)
         if grey.shape != self._shape:
             wanted = "a first frame: call start" if self._shape is None else f"frames of one shape, {self._shape}"
             raise ImageError("frame", wanted=wanted, found=f"shape {grey.shape}", do="Give frames of one recording.")

@@ -17,6 +17,7 @@ from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Table
 from emg2vsa.report.wording import NO_BREAK, activity, bounded, listed, number, p_text, percent
 from emg2vsa.stats.ks_exact import ks_survival
+from emg2vsa.stats.power import MEANING
 
 
 def hypotheses(results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table]) -> str:
@@ -183,10 +184,6 @@ def _power(tables: Mapping[str, Table]) -> str:
         html.heading("Was the sample large enough?")
         + html.paragraph("Claim: 14 participants with ten movements give a power of .80 at f = 0.25 and α = .05.")
         + tables["verdict_power"].html()
-        + html.paragraph(
-            "The claim holds for repeated measures with m = 10, ρ = .5 and ε = 1: that is the power to tell the ten "
-            "repetitions apart, .819. For five specimens the same assumptions give 14 people a power of .604, and 21 "
-            "are needed. No computation was made for the equality of participants."
-        )
+        + html.paragraph(MEANING)
         + html.details("If correlation and sphericity were otherwise", tables["power_sensitivity"].html())
     )

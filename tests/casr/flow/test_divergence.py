@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from casr.flow.divergence import divergence, flow_at, growth, mean_divergence, region_growth, region_mask
+from casr.flow.divergence import divergence, growth, mean_divergence, region_growth, region_mask
 from casr.flow.field_fit import fit_field
 from casr.flow.region import Region
 
@@ -57,13 +57,6 @@ def test_mask_outside_the_image_is_empty_there() -> None:
     mask = region_mask(Region.circle(0, 10, 8).polygon_px, (20, 20))
     assert mask[10, 0] == 1
     assert mask[10, 12] == 0
-
-
-def test_flow_between_pixels() -> None:
-    flow = field([[0.1, 0.2], [0.3, 0.4]], (10, 12), at=(0, 0))
-    points = np.array([[3.25, 4.5], [0, 0], [10.9, 8.75]])
-    np.testing.assert_allclose(flow_at(flow, points), points @ np.array([[0.1, 0.3], [0.2, 0.4]]), atol=1e-5)
-    np.testing.assert_allclose(flow_at(flow, np.array([[-5.0, 99.0]])), flow[9:10, 0], atol=1e-6)
 
 
 def test_fit_finds_the_affine_motion() -> None:
