@@ -1,0 +1,97 @@
+"""The runs of a whole experiment: which specimens, angles and conditions, and how each press goes (paper, section V)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from annotated_types import Ge, Gt, MinLen
+
+from emg2vsa.errors import ScheduleError
+from emg2vsa.rig.plan import RIGID, Condition, RunPlan
+from emg2vsa.schedules import Schedule
+from emg2vsa.settings import FORBID_UNKNOWN_KEYS
+
+Angles = tuple[Annotated[float, Ge(0)], ...]
+
+
+def _paper_angles() -> dict[Condition, Angles]:
+    # constant stiffness was pressed along the normal only (paper, section V)
+    return {
+        "high-stiffness": (0.0, 30.0, 45.0),
+        "modular": (0.0, 30.0, 45.0),
+        "constant-min": (0.0,),
+        "constant-mean": (0.0,),
+        "constant-max": (0.0,),
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExperimentSettings:
+    """What is pressed, and how."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    specimens: Annotated[tuple[str, ...], MinLen(1)]
+    "Names, as the schedules have them."
+    angles_deg: dict[Condition, Angles] = field(default_factory=_paper_angles)
+    "Angles between probe and surface normal for each condition; a condition that is left out is not run."
+    repetitions: Annotated[int, Ge(1)] = 10
+    "Presses of each run."
+    f_max_n: Annotated[float, Gt(0)] = 7.0
+    "The press turns back here."
+    f_contact_n: Annotated[float, Gt(0)] = 0.5
+    "Force of first contact."
+    contact_s: Annotated[float, Ge(0)] = 0.05
+    "How long the force must stay at f_contact_n."
+    ramp_mm_per_s: Annotated[float, Gt(0)] = 5.0
+    "Speed of the probe."
+    travel_mm: Annotated[float, Gt(0)] = 15.0
+    "Length of the ramp."
+    pause_s: Annotated[float, Ge(0)] = 2.0
+    "Between two presses."
+
+
+def run_name(specimen: str, angle_deg: float, condition: str) -> str:
+    """Name of a run and of its folder."""
+    return f"{specimen}_{angle_deg:g}_{condition}"
+
+
+def plans(experiment: ExperimentSettings, schedules: Sequence[Schedule]) -> tuple[RunPlan, ...]:
+    """A plan for every run: condition by condition, angle by angle, specimen by specimen.
+
+    ScheduleError : a specimen has no schedule for a condition.
+    """
+    known = {(schedule.specimen, schedule.condition): schedule for schedule in schedules}
+    return tuple(
+        RunPlan(
+            specimen=specimen,
+            angle_deg=angle_deg,
+            condition=condition,
+            repetitions=experiment.repetitions,
+            schedule=None if condition == RIGID else _found(known, specimen, condition),
+            f_max_n=experiment.f_max_n,
+            f_contact_n=experiment.f_contact_n,
+            contact_s=experiment.contact_s,
+            ramp_mm_per_s=experiment.ramp_mm_per_s,
+            travel_mm=experiment.travel_mm,
+            pause_s=experiment.pause_s,
+        )
+        for condition, angles in experiment.angles_deg.items()
+        for angle_deg in angles
+        for specimen in experiment.specimens
+    )
+
+
+def _found(known: dict[tuple[str, str], Schedule], specimen: str, condition: str) -> Schedule:
+    schedule = known.get((specimen, condition))
+    if schedule is None:
+        there = ", ".join(sorted({name for name, _ in known})) or "none"
+        raise ScheduleError(
+            f"{specimen}, {condition}",
+            wanted="a schedule for every specimen of the experiment",
+            found=f"schedules of {there}",
+            do="Export it with emg2vsa schedule, or take the specimen out of rig.toml.",
+        )
+    return schedule

@@ -1,0 +1,71 @@
+"""What is known of a run once it is scored: one specimen, angle and condition, pressed a number of times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats, Ints
+
+ALGORITHMS = ("edge", "hexagon", "circle", "paper")
+"""Vision algorithms: initial area by the edge of contact (default), by hexagons (paper, new), by a circle (previous
+work), each with the consistent area law and the slope rate; and the paper's equations to the letter on hexagons."""
+
+
+@dataclass(frozen=True, eq=False)
+class PressCurve:
+    """The loading phase of one press.
+
+    force_n, area_mm2 : (T,) per frame, by the run's first algorithm; area in px2 without a camera file.
+    indent_force_n, indent_mm : (K,) force and shaft travel since contact, from the log; empty without one.
+    """
+
+    force_n: Floats
+    area_mm2: Floats
+    indent_force_n: Floats
+    indent_mm: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPicture:
+    """The frame of first contact of one press, for people to look at.
+
+    image : (H, W) uint8. pins_px : (N, 2) at rest. contact_px : (M, 2) pins counted as in contact. area_mm2 : A_c0.
+    """
+
+    image: NDArray[np.uint8]
+    pins_px: Floats
+    contact_px: Floats
+    area_mm2: float
+
+
+@dataclass(frozen=True, eq=False)
+class RunScores:
+    """R presses of one run; a press that could not be scored has NaN numbers and its reason.
+
+    repetitions : (R,). verdicts : "ok" or "rejected". reasons : empty where ok.
+    a_c0, casr : algorithm to (R,), in ``area_unit`` and ``area_unit``/N. indent_n_per_mm : (R,) slope of force over
+    shaft travel, the kinesthetic cue; NaN without a log. simulated : the run was emulated. notes : once each.
+    """
+
+    specimen: str
+    angle_deg: float
+    condition: str
+    simulated: bool
+    repetitions: Ints
+    verdicts: tuple[str, ...]
+    reasons: tuple[str, ...]
+    area_unit: str
+    a_c0: dict[str, Floats]
+    casr: dict[str, Floats]
+    indent_n_per_mm: Floats
+    curves: tuple[PressCurve, ...]
+    picture: ContactPicture | None
+    notes: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Specimen, angle and condition in one word, as the run's folder is called."""
+        return f"{self.specimen}_{self.angle_deg:g}_{self.condition}"
