@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
-from annotated_types import Ge, Gt, Le, MinLen
+from annotated_types import Ge, Gt, Le, Lt, MinLen
 
 Positive = Annotated[float, Gt(0)]
 NonNegative = Annotated[float, Ge(0)]
@@ -265,9 +265,71 @@ class SimulationSettings:
     "Shortest and longest rest between presses, seconds."
 
 
+@dataclass(frozen=True, kw_only=True)
+class RunSettings:
+    """How the presses of the rig are scored (paper III.A, IV.A)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
+    "Initial area: edge of the contact; hexagons (the paper's new one); circle (previous work); paper: to the letter."
+    force_n: tuple[Positive, Positive] = (0.5, 7.0)
+    "Loading phase that is scored, lower and upper force in newtons."
+    threshold_px: Positive = 2.0
+    "A pin that moved further than this from rest is in contact (hexagon, paper)."
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscriminationSettings:
+    """The tests of the presses of the rig (paper VI)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
+    "Significance level."
+    new_specimen: str = "S_new"
+    "The specimen whose stiffness is to be estimated; it enters no test of the known specimens."
+    algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
+    "Vision algorithm whose scores are tested (see the runs)."
+    old_algorithm: Literal["edge", "hexagon", "circle", "paper"] = "circle"
+    "Vision algorithm that it is compared with."
+    equivalence_margin: Positive = 0.05
+    "Areas, or rates, that differ by less than this share of their mean count as equal."
+    resamples: Annotated[int, Ge(2)] = 2000
+    "Of the bootstrap over presses."
+    seed: Annotated[int, Ge(0)] = 0
+    "Same seed, same intervals."
+
+
+Law = Literal["compliance", "exponential", "power", "linear-log"]
+Minimise = Literal["casr", "kappa", "ln kappa"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibrationSettings:
+    """From scores to stiffness: which law, how it is fitted, and how its intervals are made (paper VI)."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    law: Law = "compliance"
+    "compliance: 1/kappa = a + b CASR^1.5 (Hertz); exponential (paper): p exp(q CASR); power: p CASR^q; linear-log."
+    minimise: Minimise = "casr"
+    "Errors of CASR (errors in x: the noise is in the score), of kappa (paper), or of ln kappa; see the law."
+    points: Literal["means", "repetitions"] = "means"
+    "means: one point a specimen; repetitions: every press, which are repeats and not more specimens."
+    confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
+    "Of all intervals."
+    resamples: Annotated[int, Ge(1)] = 2000
+    "Of the bootstrap over repetitions."
+    seed: Annotated[int, Ge(0)] = 0
+    "Same seed, same bootstrap."
+
+
 PAPER: dict[str, dict[str, Any]] = {
     "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": "native"},
     "fit": {"points": "samples", "weights": "none", "robust": False},
     "profile": {"interpolation": "paper"},
+    "runs": {"algorithm": "paper"},
+    "calibration": {"law": "exponential", "minimise": "kappa"},
 }
 """What ``mode = "paper"`` sets, unless the study says otherwise (method notes 1 and 3)."""

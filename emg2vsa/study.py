@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from emg2vsa.settings import (
+    CalibrationSettings,
     ChannelSettings,
     CocontractionSettings,
+    DiscriminationSettings,
     FilterSettings,
     FitSettings,
     HypothesisSettings,
     ProfileSettings,
+    RunSettings,
     ScheduleSettings,
     SimulationSettings,
     WindowSettings,
@@ -44,6 +47,32 @@ class RecordingEntry:
 
 
 @dataclass(frozen=True)
+class RunEntry:
+    """A specimen pressed at an angle under a condition; without folders the run is yet to be emulated."""
+
+    specimen: str
+    angle_deg: float
+    condition: str
+    folders: tuple[Path, ...]
+
+    @property
+    def key(self) -> str:
+        return f"{self.specimen}_{self.angle_deg:g}_{self.condition}"
+
+
+@dataclass(frozen=True)
+class RunsSource:
+    """Where the runs of a study come from. ``rig``: the rig file whose emulated rig makes them; None: measured runs.
+
+    root : folder of the runs. camera : camera file of measured runs that have none of their own.
+    """
+
+    root: Path
+    rig: Path | None
+    camera: Path | None
+
+
+@dataclass(frozen=True)
 class Study:
     """A whole study. ``path`` is its study file; ``results`` and ``reports`` are where outcomes go."""
 
@@ -66,8 +95,22 @@ class Study:
     "Folder of the recordings; a simulation writes there."
     window: WindowSettings
     "The study's force window; all recordings share its forces, and may differ in the rest."
+    scoring: RunSettings = field(default_factory=RunSettings)
+    "How the rig's presses are scored."
+    discrimination: DiscriminationSettings = field(default_factory=DiscriminationSettings)
+    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
+    runs_source: RunsSource | None = None
+    "Where the rig's runs come from; None: the study has none."
+    runs: tuple[RunEntry, ...] = ()
+    "The rig's runs, once they have been looked up."
 
     @property
     def stiffness_n_per_mm(self) -> dict[str, float]:
         """Specimen name to stiffness, for the specimens whose stiffness is known."""
         return {s.name: s.stiffness_n_per_mm for s in self.specimens if s.stiffness_n_per_mm is not None}
+
+    @property
+    def pressed_n_per_mm(self) -> dict[str, float]:
+        """The same for whatever the rig may press: the new specimen as well."""
+        new, stiffness = self.profile.new_specimen, self.profile.new_stiffness_n_per_mm
+        return self.stiffness_n_per_mm | ({new: stiffness} if new and stiffness else {})

@@ -6,7 +6,10 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from emg2vsa.runs import ContactPicture, PressCurve, RunScores
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("EMG2VSA_TEST_DATA", ROOT.parent / "shared" / "data"))
@@ -23,3 +26,85 @@ def shared_data() -> Callable[[str], Path]:
         return path
 
     return find
+
+
+KAPPA_N_PER_MM = {"S1": 7.63, "S_new": 5.32, "S3": 3.35, "S5": 1.11}
+_ANGLES_DEG = {"high-stiffness": (0.0, 30.0, 45.0), "modular": (0.0, 30.0, 45.0)} | {
+    f"constant-{level}": (0.0,) for level in ("min", "mean", "max")
+}
+_TILTED = {0.0: 1.0, 30.0: 1.15, 45.0: 1.41}
+"""How much too large the previous algorithm's circle is."""
+
+
+def area_mm2(specimen: str, angle_deg: float, force_n: np.ndarray | float) -> np.ndarray:
+    """The larger the softer, and in the image plane the smaller the more it is tilted."""
+    compliance = 1 / 0.4 + 10 / KAPPA_N_PER_MM[specimen]
+    return np.asarray(15 * np.sqrt(compliance * force_n) * np.cos(np.radians(angle_deg)))
+
+
+def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10) -> RunScores:
+    """Rates vary by 2 % from press to press (12 % at the lowest constant stiffness), initial areas by 1 %."""
+    rng = np.random.default_rng([*f"{specimen}{angle_deg}{condition}".encode()])
+    force = np.linspace(0.5, 7, 25)
+    rate = np.polyfit(force, area_mm2(specimen, angle_deg, force), 1)[0]
+    noise = 1 + (0.12 if condition == "constant-min" else 0.02) * rng.standard_normal(presses)
+    area = area_mm2(specimen, angle_deg, 0.5) * (1 + 0.01 * rng.standard_normal(presses))
+    wide = _TILTED[angle_deg] * (1 + 0.05 * rng.standard_normal(presses))
+    step = 6.0  # a hexagon
+    curves = tuple(
+        PressCurve(force, area_mm2(specimen, angle_deg, force) * n + rng.normal(0, 0.3, force.size), force, force / 2)
+        for n in noise
+    )
+    return RunScores(
+        specimen=specimen,
+        angle_deg=angle_deg,
+        condition=condition,
+        simulated=True,
+        repetitions=np.arange(1, presses + 1),
+        verdicts=("ok",) * presses,
+        reasons=("",) * presses,
+        area_unit="mm2",
+        a_c0={"edge": area, "hexagon": step * np.round(area / step), "circle": area * wide, "paper": area * 1.1},
+        casr={"edge": rate * noise, "hexagon": rate * noise, "circle": rate * noise * wide, "paper": 3 * rate * noise},
+        indent_n_per_mm=np.full(presses, 1.5),
+        curves=curves,
+        picture=_picture(float(area[0])),
+        notes=("frames dropped: 0",),
+    )
+
+
+def _picture(area: float) -> ContactPicture:
+    pitch = 20.0
+    grid = np.stack(np.meshgrid(np.arange(-7, 8), np.arange(-7, 8)), axis=-1).reshape(-1, 2)
+    pins = 150 + pitch * grid @ np.array([[1.0, 0.0], [0.5, np.sqrt(0.75)]])
+    from_centre = np.linalg.norm(pins - 150, axis=1)
+    pins, from_centre = pins[from_centre < 125], from_centre[from_centre < 125]
+    rows, columns = np.mgrid[:300, :300]
+    image = np.full((300, 300), 12.0)
+    for x, y in pins:
+        image += 200 * np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / 18)
+    within = from_centre < 6 * np.sqrt(area / np.pi)
+    return ContactPicture(np.clip(image, 0, 255).astype(np.uint8), pins, pins[within], area)
+
+
+@pytest.fixture(scope="session")
+def run_of() -> Callable[..., RunScores]:
+    """``make_run``: one run of a specimen, angle and condition."""
+    return make_run
+
+
+@pytest.fixture(scope="session")
+def runs() -> tuple[RunScores, ...]:
+    """All 36 runs of the experiment."""
+    return tuple(
+        make_run(specimen, angle, condition)
+        for condition, angles in _ANGLES_DEG.items()
+        for angle in angles
+        for specimen in KAPPA_N_PER_MM
+    )
+
+
+@pytest.fixture(scope="session")
+def stiffness_n_per_mm() -> dict[str, float]:
+    """Of the specimens of ``runs``."""
+    return dict(KAPPA_N_PER_MM)

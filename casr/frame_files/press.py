@@ -16,7 +16,12 @@ from casr.frames import FrameSequence, force_per_frame
 
 
 def open_frames(
-    path: Path | str, *, force: Path | None = None, camera: Path | None = None, column: str = "force_n"
+    path: Path | str,
+    *,
+    force: Path | None = None,
+    camera: Path | None = None,
+    column: str = "force_n",
+    force_rule: str = "exposure",
 ) -> FrameSequence:
     """The frames of one press; opening decodes no more than the first.
 
@@ -28,6 +33,7 @@ def open_frames(
     force : force log, see `read_force_log`; without it ``force.csv`` in the folder, if there is one.
     camera : camera file, see `read_camera`; without it ``camera.toml`` in the folder, if there is one.
     column : the force column to take from the log.
+    force_rule : from the log to one force a frame, see `force_per_frame`.
 
     Raises
     ------
@@ -44,7 +50,7 @@ def open_frames(
         force, camera = force or _beside(path, FORCE_FILE), camera or _beside(path, CAMERA_FILE)
     forces = None
     if force is not None:
-        forces, force_notes = _forces(Path(force), len(frames), column)
+        forces, force_notes = _forces(Path(force), len(frames), column, force_rule)
         notes += force_notes
     return FrameSequence(frames, read_camera(camera) if camera is not None else None, forces, tuple(notes))
 
@@ -81,8 +87,8 @@ def _beside(path: Path, name: str) -> Path | None:
     return path / name if (path / name).exists() else None
 
 
-def _forces(path: Path, n_frames: int, column: str) -> tuple[NDArray[np.float64], list[str]]:
+def _forces(path: Path, n_frames: int, column: str, rule: str) -> tuple[NDArray[np.float64], list[str]]:
     log = read_force_log(path, column=column)
-    forces = force_per_frame(log.force_n, log.frame_index, n_frames, where=path)
+    forces = force_per_frame(log.force_n, log.frame_index, n_frames, rule=rule, where=path)
     without = int(np.isnan(forces).sum())
     return forces, [*log.notes, *([f"{without} of {n_frames} frames have no force"] if without else [])]

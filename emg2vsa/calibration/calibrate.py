@@ -1,23 +1,23 @@
-"""Calibration: kappa = p exp(q CASR), or another law, through specimens of known stiffness; many at once."""
+"""Calibration: a law from CASR to kappa through specimens of known stiffness; many at once."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-from annotated_types import Ge, Gt, Lt
 from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.laws import Law, LawFit, Minimise, fit_law
+from emg2vsa.calibration.laws import LawFit, fit_law
 from emg2vsa.calibration.presses import mean_of
 from emg2vsa.curves.weighted_rows import weighted_rows
 from emg2vsa.errors import DataError
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS
+from emg2vsa.settings import CalibrationSettings
 
 _EQUATIONS = {
+    "compliance": "1/kappa = {0:.4g} {1:+.4g} CASR^1.5",
     "exponential": "kappa = {0:.4g} exp({1:.4g} CASR)",
     "power": "kappa = {0:.4g} CASR^{1:.4g}",
     "linear-log": "kappa = {0:.4g} {1:+.4g} ln CASR",
@@ -26,29 +26,11 @@ ENOUGH_SPECIMENS = 6
 """Specimens below which the fit itself is all but untested (statistics notes 4.6)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CalibrationSettings:
-    """Which law, how it is fitted, and how its intervals are made."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
-    law: Law = "exponential"
-    "exponential (paper): kappa = p exp(q CASR); power: p CASR^q; linear-log: a + b ln CASR."
-    minimise: Minimise = "kappa"
-    "Errors of kappa (paper), of ln kappa, or of CASR (errors in x: the noise is in the score)."
-    points: Literal["means", "repetitions"] = "means"
-    "means: one point a specimen; repetitions: every press, which are repeats and not more specimens."
-    confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
-    resamples: Annotated[int, Ge(1)] = 2000
-    "Of the bootstrap over repetitions."
-    seed: int = 0
-
-
 @dataclass(frozen=True)
 class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
-    kappa : (d, S) N/mm, given. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S).
+    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S).
     fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
     left_out : (d, S) kappa of each specimen as the others predict it.
     """
@@ -57,6 +39,7 @@ class Calibration:
     specimens: tuple[str, ...]
     casr_unit: str
     kappa: Floats
+    kappa_se: Floats
     casr: Floats
     mean_casr: Floats
     fit: LawFit
@@ -80,7 +63,7 @@ class Calibration:
         notes = _about_specimens(n, self.settings)
         if np.isnan(self.fit.slope[i]):
             notes = ("undefined: the law cannot be fitted to these scores", *notes)
-        elif self.fit.slope[i] > 0:
+        elif self.fit.rises[i]:
             notes += ("kappa rises with CASR: softer specimens should have the larger score",)
         return notes
 
@@ -92,10 +75,12 @@ def calibrate(
     *,
     casr_unit: str,
     specimens: tuple[str, ...] = (),
+    kappa_se: ArrayLike = 0.0,
 ) -> Calibration:
     """Fit a law through specimens of known stiffness.
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
+    kappa_se : standard errors of kappa; they widen the interval from repeats and do not weigh the specimens.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -104,7 +89,7 @@ def calibrate(
     stiffness = _checked_kappa(kappa, d, s)
     scores = np.where(np.isfinite(scores), scores, np.nan)
     means = mean_of(scores)
-    x, y = (means, stiffness) if settings.points == "means" else _each_press(scores, stiffness)
+    x, y = fitted_points(scores, stiffness, settings.points)
     fit = fit_law(settings.law, settings.minimise, x, y)
     fitted = fit.at(x)
     rows = weighted_rows(np.where(np.isfinite(fitted), x, np.nan), y, None, where="calibration")
@@ -114,6 +99,7 @@ def calibrate(
         specimens=specimens or tuple(f"S{j + 1}" for j in range(s)),
         casr_unit=casr_unit,
         kappa=stiffness,
+        kappa_se=_checked_kappa_se(kappa_se, stiffness),
         casr=scores,
         mean_casr=means,
         fit=fit,
@@ -135,7 +121,10 @@ def _left_out(settings: CalibrationSettings, x: Floats, y: Floats, means: Floats
     return np.where(enough[:, None], predicted, np.nan)
 
 
-def _each_press(scores: Floats, kappa: Floats) -> tuple[Floats, Floats]:
+def fitted_points(scores: Floats, kappa: Floats, points: Literal["means", "repetitions"]) -> tuple[Floats, Floats]:
+    """Scores (d, n) and kappa (d, n) that a law is fitted to, of presses (d, S, R) and stiffnesses (d, S)."""
+    if points == "means":
+        return mean_of(scores), kappa
     d, s, r = scores.shape
     return scores.reshape(d, s * r), np.repeat(kappa, r, axis=1)
 
@@ -182,3 +171,16 @@ def _checked_kappa(kappa: ArrayLike, d: int, s: int) -> Floats:
     if not np.all((given > 0) & np.isfinite(given)):
         raise DataError("calibration, kappa", wanted="stiffness above 0", found=str(given.min()), do="Check the list.")
     return np.broadcast_to(given, (d, s))
+
+
+def _checked_kappa_se(kappa_se: ArrayLike, kappa: Floats) -> Floats:
+    given = np.asarray(kappa_se, dtype=np.float64)
+    fits = given.shape in ((), kappa.shape[1:], kappa.shape)
+    if not (fits and np.all(np.isfinite(given) & (given >= 0))):
+        raise DataError(
+            "calibration, standard errors of kappa",
+            wanted=f"0 or more for each of {kappa.shape[1]} specimens",
+            found=str(given.tolist()),
+            do="Give the standard error of each Hooke fit.",
+        )
+    return np.broadcast_to(given, kappa.shape)

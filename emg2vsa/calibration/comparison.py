@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.calibrate import CalibrationSettings, calibrate
-from emg2vsa.calibration.laws import LAWS, Law
+from emg2vsa.calibration.calibrate import calibrate
+from emg2vsa.calibration.laws import LAWS, WAYS
+from emg2vsa.settings import CalibrationSettings, Law
 
 
 @dataclass(frozen=True)
@@ -36,12 +37,12 @@ def compare_laws(
     """Leave one specimen out with every law; arguments as in ``calibrate``, the law in ``settings`` aside.
 
     Adjusted R2 cannot tell laws apart on few specimens; predictions of unseen ones can, a little. The outer
-    specimens are extrapolations, and weigh most. 'ln kappa' means 'kappa' for the linear-log law.
+    specimens are extrapolations, and weigh most. A law that is not fitted as asked is fitted to errors of CASR.
     """
     settings = settings or CalibrationSettings()
     errors = []
     for law in LAWS:
-        minimise = "kappa" if law == "linear-log" and settings.minimise == "ln kappa" else settings.minimise
+        minimise = settings.minimise if settings.minimise in WAYS[law] else "casr"
         chosen = dataclasses.replace(settings, law=law, minimise=minimise)
         errors.append(calibrate(kappa, casr, chosen, casr_unit=casr_unit).left_out_error)
     stacked = np.stack(errors)

@@ -37,7 +37,7 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_jobs(parser: argparse.ArgumentParser) -> None:
     """Number of processes."""
-    parser.add_argument("--jobs", type=_positive, metavar="N", help="processes to use (default: all cores)")
+    parser.add_argument("--jobs", type=positive, metavar="N", help="processes to use (default: all cores)")
 
 
 def jobs_of(arguments: argparse.Namespace) -> int:
@@ -68,7 +68,8 @@ def _finite(value: object) -> object:
     return value
 
 
-def _positive(text: str) -> int:
+def positive(text: str) -> int:
+    """A whole number from 1, for argparse."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
     return int(text)

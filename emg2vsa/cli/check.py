@@ -32,10 +32,11 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.steps import stages_for
     from emg2vsa.study_file import load_study
 
     study = _only(load_study(arguments.study), arguments.participants)
-    board = run_study(study, only="trials", jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
+    board = run_study(study, stages=stages_for("trials"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
     failures = {item: message for item, _, message in board.failures()}
     verdicts = [
         _judge(study, participant, board.done("trials", f"{participant}/"), failures) for participant in _people(study)

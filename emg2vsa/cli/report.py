@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from emg2vsa.cli.arguments import (
     Commands,
@@ -14,12 +17,23 @@ from emg2vsa.cli.arguments import (
     print_json,
     say_not_used,
 )
+from emg2vsa.errors import SettingError
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.plan import Board
 
 
 def add_to(commands: Commands) -> None:
     summary = "Bring the report of a study up to date (runs what is stale) and list its files."
     parser = add_command(commands, "report", run, summary)
     add_study(parser)
+    package = parser.add_argument_group("authors' package")
+    package.add_argument("--paper", action="store_true", help="write it: LaTeX tables, numbers, figures, supplement.zip")
+    package.add_argument("--out", type=Path, metavar="DIR", help="its folder (default: paper/ in the study's report)")
+    package.add_argument(
+        "--published", type=_date, metavar="DATE", help="date of publication for supplement.zip, YYYY-MM-DD"
+    )
+    package.add_argument("--licence", metavar="TEXT", help="licence for supplement.zip: an address, or a sentence")
     add_jobs(parser)
     add_json(parser)
 
@@ -28,18 +42,48 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.manifest import manifest_files
     from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.steps import stages_for
     from emg2vsa.study_file import load_study
 
+    _check_package(arguments)
     study = load_study(arguments.study)
-    board = run_study(study, only="report", jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
+    shown = progress(quiet=arguments.json)
+    board = run_study(study, stages=stages_for("report"), jobs=jobs_of(arguments), progress=shown)
     failed = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
     files = [] if failed else manifest_files(board.result("report/study"))
     pages = [file for page in board.done("pages") for file in manifest_files(page)]
+    package = _package(board, arguments) if arguments.paper and not failed else []
     if arguments.json:
-        print_json({"files": [str(path) for path in [*files, *pages]], "failed": failed})
+        paths = {"files": [*files, *pages], "paper": package}
+        print_json({name: [str(path) for path in of] for name, of in paths.items()} | {"failed": failed})
     else:
         say_not_used(board)
         for path in files:
             print(path)
         print(f"and {len(pages)} participant page{'s' if len(pages) != 1 else ''} beside it")
+        if package:
+            print(f"Authors' package: {len(package)} files; begin with {arguments.out or study.reports / 'paper'}/README.txt")
     return 1 if failed else 0
+
+
+def _package(board: Board, arguments: argparse.Namespace) -> list[Path]:
+    from emg2vsa.authors.crate import UNLICENSED, UNPUBLISHED, Publication
+    from emg2vsa.authors.package import write_package
+
+    publication = Publication(arguments.published or UNPUBLISHED, arguments.licence or UNLICENSED)
+    return write_package(board, arguments.out or board.study.reports / "paper", publication)
+
+
+def _check_package(arguments: argparse.Namespace) -> None:
+    for name in ("out", "published", "licence"):
+        if getattr(arguments, name) and not arguments.paper:
+            raise SettingError(
+                f"--{name}", wanted="--paper beside it", found="no --paper", do="It belongs to the authors' package."
+            )
+
+
+def _date(text: str) -> str:
+    try:
+        return datetime.date.fromisoformat(text).isoformat()
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"wanted a date as 2026-01-31; found {text!r}") from None

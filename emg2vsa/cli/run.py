@@ -17,7 +17,9 @@ from emg2vsa.cli.arguments import (
     say_not_used,
 )
 
-STAGE_NAMES = ("trials", "fits", "hypotheses", "profiles", "schedules", "pages", "report")
+STAGE_NAMES = (
+    "trials", "fits", "hypotheses", "profiles", "schedules", "runs", "discrimination", "calibration", "pages", "report",
+)  # fmt: skip
 
 
 def add_to(commands: Commands) -> None:
@@ -30,10 +32,21 @@ def add_to(commands: Commands) -> None:
         "out. Exit status 0: the study's own steps are done; 1: one of them failed; 2: the study file has problems.",
     )
     add_study(parser)
-    parser.add_argument("--only", choices=STAGE_NAMES, metavar="STAGE", help=f"stop after: {', '.join(STAGE_NAMES)}")
+    part = parser.add_mutually_exclusive_group()
+    part.add_argument("--only", choices=STAGE_NAMES, metavar="STAGE", help=f"stop after: {', '.join(STAGE_NAMES)}")
+    part.add_argument("--human-only", action="store_true", help="people only: no runs of the rig")
+    part.add_argument("--casr-only", action="store_true", help="the rig's runs only, with the schedules they need")
     parser.add_argument("--explain", action="store_true", help="say for every step why it runs")
     add_jobs(parser)
     add_json(parser)
+
+
+def _stages(arguments: argparse.Namespace) -> tuple[str, ...]:
+    from emg2vsa.pipeline.steps import CASR_STAGES, HUMAN_STAGES, stages_for
+
+    if arguments.human_only:
+        return HUMAN_STAGES
+    return CASR_STAGES if arguments.casr_only else stages_for(arguments.only)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -44,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     start = time.monotonic()
     study = load_study(arguments.study)
     board = run_study(
-        study, only=arguments.only, jobs=jobs_of(arguments), progress=progress(arguments.explain, arguments.json)
+        study, stages=_stages(arguments), jobs=jobs_of(arguments), progress=progress(arguments.explain, arguments.json)
     )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)

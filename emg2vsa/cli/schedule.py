@@ -49,11 +49,12 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.errors import ScheduleError
     from emg2vsa.pipeline.run import run_study
+    from emg2vsa.pipeline.steps import stages_for
     from emg2vsa.schedule_files import write_schedule
     from emg2vsa.study_file import load_study
 
     study = load_study(arguments.study)
-    board = run_study(study, only="schedules", jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
+    board = run_study(study, stages=stages_for("schedules"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
     made = board.done("schedules")
     if not made:
         message = "; ".join(text for item, _, text in board.failures() if item == "study")

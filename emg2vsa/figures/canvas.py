@@ -100,6 +100,11 @@ def pdf_bytes(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
+def width_pt(svg: str) -> float:
+    """Width of a drawing, in points of 1/72 inch."""
+    return float(re.search(r' width="([0-9.]+)pt"', svg)[1])  # type: ignore[index]
+
+
 def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
     """SVG text made part of a page: ids unique by ``prefix``, named and described for those who do not see it.
 
@@ -110,9 +115,9 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
     body = re.sub(r'(\bid="|xlink:href="#|url\(#)', rf"\g<1>{prefix}-", body)
     body = body.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "", 1)
     head, rest = body.split(">", 1)
-    width_pt = float(re.search(r' width="([0-9.]+)pt"', head)[1])  # type: ignore[index]
+    wide = width_pt(head)
     head = re.sub(r' (width|height)="[^"]*"', "", head)
-    widths = f"max-width:{_ON_SCREEN * width_pt:.0f}pt;min-width:{width_pt:.0f}pt"
+    widths = f"max-width:{_ON_SCREEN * wide:.0f}pt;min-width:{wide:.0f}pt"
     return (
         f'{head} style="{widths}" role="img" aria-labelledby="{prefix}-title {prefix}-desc">'
         f'<title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'

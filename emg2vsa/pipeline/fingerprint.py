@@ -20,8 +20,8 @@ from typing import Any
 
 from emg2vsa.atomic import write_text_atomic
 
-PACKAGE = "emg2vsa"
-NOT_CODE = frozenset({"emg2vsa", "emg2vsa.settings", "emg2vsa.errors", "emg2vsa.study"})
+PACKAGES = frozenset({"emg2vsa", "casr"})
+NOT_CODE = frozenset({"emg2vsa", "casr", "emg2vsa.settings", "emg2vsa.errors", "emg2vsa.study"})
 """Modules that only declare: a step's settings enter its key by value, and error texts change no result."""
 
 
@@ -128,15 +128,16 @@ class Fingerprints:
 
 
 @cache
-def _package_folder() -> Path:
-    spec = importlib.util.find_spec(PACKAGE)
+def _package_folder(package: str) -> Path:
+    spec = importlib.util.find_spec(package)
     assert spec is not None
     assert spec.origin is not None
     return Path(spec.origin).parent
 
 
 def _module_file(name: str) -> Path | None:
-    base = _package_folder().joinpath(*name.split(".")[1:])
+    package, *inner = name.split(".")
+    base = _package_folder(package).joinpath(*inner)
     for path in (base.with_suffix(".py"), base / "__init__.py"):
         if path.is_file():
             return path
@@ -159,7 +160,7 @@ def _normalised(source: bytes, package: str) -> list[Any]:
         body = getattr(node, "body", None)
         if isinstance(body, list):
             node.body = [s for s in body if not _is_text(s)]  # type: ignore[attr-defined]
-    own = sorted(name for name in imports if name.split(".")[0] == PACKAGE)
+    own = sorted(name for name in imports if name.split(".")[0] in PACKAGES)
     return [digest(ast.dump(tree)), own]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.fingerprint import Fingerprints
 from emg2vsa.pipeline.ledger import Entry, Ledger, differences
 from emg2vsa.pipeline.manifest import manifest_holds
@@ -30,17 +31,22 @@ class State:
 class Board:
     """The states of all steps so far; the one place that knows keys."""
 
-    study: Study
+    campaign: Campaign
     ledger: Ledger
     prints: Fingerprints
     states: dict[str, State] = field(default_factory=dict)
+
+    @property
+    def study(self) -> Study:
+        """The study, with its runs."""
+        return self.campaign.study
 
     def add_stage(self, stage: str) -> list[State]:
         """State of every step of a stage, given the states of the stages before it."""
         added = []
         for item in items(self.study, stage):
-            keys = {name: self._key(name) for name in upstream(self.study, stage, item)}
-            state = self._state(make_step(self.study, stage, item, keys, self.prints))
+            keys = {name: self._key(name) for name in upstream(self.study, stage, item) if name in self.states}
+            state = self._state(make_step(self.campaign, stage, item, keys, self.prints))
             self.states[state.step.id] = added_state = state
             added.append(added_state)
         return added
@@ -58,7 +64,8 @@ class Board:
     def done(self, stage: str, item_prefix: str = "") -> tuple[Path, ...]:
         """Results of a stage that are there, in order."""
         names = [step_id(stage, item) for item in items(self.study, stage) if item.startswith(item_prefix)]
-        return tuple(self.result(name) for name in names if self.states[name].status in {"fresh", "done"})
+        there = [name for name in names if name in self.states]
+        return tuple(self.result(name) for name in there if self.states[name].status in {"fresh", "done"})
 
     def failures(self, item_prefix: str = "") -> tuple[tuple[str, str, str], ...]:
         """(item, stage, message) of every failed step of the items."""
@@ -97,9 +104,14 @@ def _reasons(last: Entry | None, step: Step) -> tuple[str, ...]:
     return ("never ran",) if last is None else tuple(differences(last.parts, step.parts))
 
 
+def open_board(study: Study) -> Board:
+    """The board of a study, with its runs looked up. Raises as ``campaign``."""
+    return Board(campaign(study), Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
+
+
 def survey(study: Study, stages: Sequence[str]) -> Board:
     """The state of all steps of the stages; nothing is computed, nothing but the fingerprint memory is written."""
-    board = Board(study, Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
+    board = open_board(study)
     for stage in stages:
         board.add_stage(stage)
     board.prints.save()

@@ -41,6 +41,9 @@ def report(
             failures=tuple(Failure(*failure) for failure in failures),
             provenance=provenance,
             truth=read_truth(truth, fits) if truth else None,
+            runs=tuple(artifacts.load(path) for path in inputs["runs"]),
+            discrimination=_only(inputs["discrimination"]),
+            calibration=_only(inputs["calibration"]),
         )
         files = write_study_report(results, study.reports)
         for schedule in results.schedules:

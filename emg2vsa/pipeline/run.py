@@ -6,16 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emg2vsa.pipeline.fingerprint import Fingerprints
-from emg2vsa.pipeline.ledger import Ledger
-from emg2vsa.pipeline.plan import Board, State
+from emg2vsa.pipeline.campaign import Emulation
+from emg2vsa.pipeline.plan import Board, State, open_board
 from emg2vsa.pipeline.pool import Modules, run_tasks
-from emg2vsa.pipeline.steps import STAGES, stages_for, truth_files
+from emg2vsa.pipeline.steps import STAGES, truth_files
 from emg2vsa.pipeline.tasks import Ended, Task
 from emg2vsa.readers.formats import reader_module
 from emg2vsa.study import RecordingEntry, Study
 
-ALONE = {"recording": 8, "participant": 64, "study": 1}
+ALONE = {"recording": 8, "run": 1, "participant": 64, "study": 1}
 """Up to so many tasks run in the calling process: starting workers costs about a second of imports."""
 
 
@@ -31,10 +30,14 @@ class Progress:
     """The stages ended."""
 
 
-def run_study(study: Study, *, only: str | None, jobs: int, progress: Progress) -> Board:
-    """Bring the study up to the stage ``only`` (default: the report) and say how every step ended."""
-    board = Board(study, Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
-    stages = stages_for(only)
+def run_study(study: Study, *, stages: Sequence[str], jobs: int, progress: Progress) -> Board:
+    """Bring the ``stages`` of a study up to date and say how every step ended.
+
+    Raises
+    ------
+    StudyError, DataError : its rig file, or its table of measured runs, has problems; nothing was run.
+    """
+    board = open_board(study)
     try:
         for wave in _waves(stages, study.cocontraction.needs_session):
             _run_wave(board, wave, jobs, progress, stages)
@@ -75,6 +78,8 @@ def _tasks(board: Board, stages: Sequence[str], stale: Sequence[State]) -> list[
     kind = STAGES[stages[0]].per
     if kind == "recording":
         return _recording_tasks(board, stale)
+    if kind == "run":
+        return [_run_task(board, state) for state in stale]
     if kind == "participant":
         return [_page_task(board, state) for state in stale]
     return [_study_task(board, state) for state in stale]
@@ -86,7 +91,7 @@ def _modules(board: Board, stale: Sequence[State], all_stages: Sequence[str]) ->
     files = [entry.emg_file for entry in board.study.recordings if entry.key in items]
     workers = {module for path in files if (module := reader_module(path))}
     workers |= {_function(state.step.stage).partition(":")[0] for state in stale}
-    here = {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per != "recording"}
+    here = {_function(stage).partition(":")[0] for stage in all_stages if STAGES[stage].per not in ("recording", "run")}
     return Modules(tuple(sorted(workers)), tuple(sorted(here)))
 
 
@@ -94,6 +99,8 @@ def _function(stage: str) -> str:
     match STAGES[stage].per:
         case "recording":
             return "emg2vsa.pipeline.recording_work:run"
+        case "run":
+            return "emg2vsa.pipeline.rig_work:run"
         case "participant":
             return "emg2vsa.pipeline.page_work:run"
         case _:
@@ -123,6 +130,22 @@ def _recording_tasks(board: Board, stale: Sequence[State]) -> list[Task]:
 def _session(board: Board, entry: RecordingEntry) -> tuple[Path, ...]:
     """The trials that the activity of a recording depends on, besides its own."""
     return board.done("trials", f"{entry.participant}/") if board.study.cocontraction.needs_session else ()
+
+
+def _run_task(board: Board, state: State) -> Task:
+    study, rig = board.study, board.campaign.rig
+    emulation = None
+    if rig is not None and rig.emulated is not None:
+        schedules = next(iter(board.done("schedules")), None)
+        emulation = Emulation(rig.rig, rig.emulated, rig.experiment, schedules)
+    arguments = {
+        "entry": next(entry for entry in study.runs if entry.key == state.step.item),
+        "source": study.runs_source,
+        "scoring": study.scoring,
+        "emulation": emulation,
+        "result": board.result(state.step.id),
+    }
+    return Task((state.step.id,), _function("runs"), arguments)
 
 
 def _page_task(board: Board, state: State) -> Task:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from emg2vsa.pipeline.campaign import Campaign
 from emg2vsa.pipeline.fingerprint import Fingerprints, as_json, digest, library_versions
 from emg2vsa.pipeline.ledger import Parts
 from emg2vsa.readers.bids_sidecars import side_file_paths
 from emg2vsa.readers.formats import reader_module
-from emg2vsa.study import RecordingEntry, Study
+from emg2vsa.rig.plan import RIGID
+from emg2vsa.study import RecordingEntry, RunEntry, Study
 
 FAILED = "failed"
 """Stands for the key of an input that failed: the step runs without it, and again once it works."""
@@ -23,7 +25,7 @@ class Stage:
 
     name: str
     needs: tuple[str, ...]
-    per: str  # recording, participant or study
+    per: str  # recording, run, participant or study
     roots: tuple[str, ...]
     libraries: tuple[str, ...]
 
@@ -39,9 +41,14 @@ STAGES = {
         Stage("hypotheses", ("fits",), "study", ("emg2vsa.hypotheses",), ("numpy", "scipy", "statsmodels")),
         Stage("profiles", ("fits",), "study", ("emg2vsa.profiles",), ("numpy", "scipy")),
         Stage("schedules", ("profiles",), "study", ("emg2vsa.schedules",), ("numpy", "scipy")),
+        Stage("runs", ("schedules",), "run", ("emg2vsa.runs.score_run",), ("numpy", "opencv-contrib-python-headless")),
+        Stage("discrimination", ("runs",), "study", ("emg2vsa.discrimination",), ("numpy", "scipy")),
+        Stage("calibration", ("runs",), "study", ("emg2vsa.calibration",), ("numpy", "scipy")),
         Stage("pages", ("trials", "fits"), "participant", ("emg2vsa.report.session_page",), ("numpy",)),
         Stage(
-            "report", ("trials", "fits", "hypotheses", "profiles", "schedules", "pages"), "study",
+            "report",
+            ("trials", "fits", "hypotheses", "profiles", "schedules", "runs", "discrimination", "calibration", "pages"),
+            "study",
             ("emg2vsa.report.study_report", "emg2vsa.schedule_files", "emg2vsa.truth"), ("numpy", "matplotlib"),
         ),
     )
@@ -80,11 +87,24 @@ def stages_for(wanted: str | None) -> tuple[str, ...]:
     return tuple(name for name in STAGES if name in needed)
 
 
+_OF_RUNS = ("runs", "discrimination", "calibration")
+
+
+HUMAN_STAGES = tuple(name for name in STAGES if name not in _OF_RUNS)
+"""Everything about people, and its report."""
+CASR_STAGES = tuple(name for name in STAGES if name not in ("hypotheses", "pages"))
+"""The rig's runs with what they need, and their report."""
+
+
 def items(study: Study, stage: str) -> tuple[str, ...]:
     """The items of a stage, in the study's order."""
+    if stage in _OF_RUNS and not study.runs:
+        return ()
     match STAGES[stage].per:
         case "recording":
             return tuple(entry.key for entry in study.recordings)
+        case "run":
+            return tuple(entry.key for entry in study.runs)
         case "participant":
             return tuple(dict.fromkeys(entry.participant for entry in study.recordings))
         case _:
@@ -93,6 +113,9 @@ def items(study: Study, stage: str) -> tuple[str, ...]:
 
 def upstream(study: Study, stage: str, item: str) -> tuple[str, ...]:
     """Ids of the steps whose results this one takes."""
+    if STAGES[stage].per == "run":
+        condition = _run_entry(study, item).condition
+        return (step_id("schedules", "study"),) if _is_emulated(study) and condition != RIGID else ()
     if STAGES[stage].per == "recording" and not (stage == "fits" and study.cocontraction.needs_session):
         return tuple(step_id(need, item) for need in STAGES[stage].needs)
     prefix = "" if STAGES[stage].per == "study" else f"{item.partition('/')[0]}/"
@@ -107,8 +130,17 @@ def truth_files(study: Study) -> tuple[Path, ...]:
     return tuple(path for path in places if path.is_file())[:1]
 
 
-def make_step(study: Study, stage: str, item: str, keys: Mapping[str, str], prints: Fingerprints) -> Step:
+def _run_entry(study: Study, item: str) -> RunEntry:
+    return next(entry for entry in study.runs if entry.key == item)
+
+
+def _is_emulated(study: Study) -> bool:
+    return study.runs_source is not None and study.runs_source.rig is not None
+
+
+def make_step(campaign: Campaign, stage: str, item: str, keys: Mapping[str, str], prints: Fingerprints) -> Step:
     """The step with everything it depends on; ``keys`` holds the keys of its inputs (or FAILED)."""
+    study = campaign.study
     entries = {entry.key: entry for entry in study.recordings} if STAGES[stage].per == "recording" else {}
     entry = entries.get(item)
     files: tuple[Path, ...] = ()
@@ -116,19 +148,26 @@ def make_step(study: Study, stage: str, item: str, keys: Mapping[str, str], prin
     if stage == "trials" and entry is not None:
         files = _files(entry)
         roots |= _reader_modules(entry)
+    elif stage == "runs":
+        files = _run_files(study, _run_entry(study, item))
+        roots.add(_MADE if _is_emulated(study) else _READ)
     elif stage == "report":
         files = truth_files(study)
     parts = Parts(
-        settings=_settings(study, stage, entry),
+        settings=_settings(campaign, stage, item, entry),
         files={_shown(path, study): prints.file(path) for path in files},
-        inputs={name: keys[name] for name in upstream(study, stage, item)},
+        inputs=dict(keys),
         code=prints.code(sorted(roots)),
         libraries=library_versions(STAGES[stage].libraries),
     )
     return Step(stage, item, parts)
 
 
-def _settings(study: Study, stage: str, entry: RecordingEntry | None) -> dict[str, object]:
+_MADE, _READ = "emg2vsa.rig.emulated.virtual_run", "emg2vsa.run_folders.presses"
+
+
+def _settings(campaign: Campaign, stage: str, item: str, entry: RecordingEntry | None) -> dict[str, object]:
+    study = campaign.study
     used: dict[str, object] = {}
     if stage == "trials":
         assert entry is not None
@@ -150,6 +189,17 @@ def _settings(study: Study, stage: str, entry: RecordingEntry | None) -> dict[st
         }  # fmt: skip
     elif stage == "schedules":
         used = {"schedule": study.schedule, "study": study.name, "mode": study.mode}
+    elif stage == "runs":
+        used = {"runs": study.scoring}
+        if campaign.rig is not None:
+            # which other runs there are changes nothing in this one
+            used |= {"experiment": replace(campaign.rig.experiment, specimens=(item,), angles_deg={})}
+            used |= {"rig": campaign.rig.rig, "emulated": campaign.rig.emulated}
+    elif stage == "discrimination":
+        used = {"discrimination": study.discrimination, "specimens": study.pressed_n_per_mm}
+    elif stage == "calibration":
+        used = {"calibration": study.calibration, "specimens": study.pressed_n_per_mm}
+        used["new_specimen"] = study.profile.new_specimen
     elif stage == "pages":
         used = {"title": study.title, "specimens": study.specimens, "reports": study.reports.name}
     elif stage == "report":
@@ -158,7 +208,15 @@ def _settings(study: Study, stage: str, entry: RecordingEntry | None) -> dict[st
     return {name: as_json(value) for name, value in used.items()}
 
 
-_NOT_IN_REPORT = {"path", "recordings", "results", "reports"}
+_NOT_IN_REPORT = {"path", "recordings", "results", "reports", "data", "runs", "runs_source"}
+"""Where things lie changes nothing in a report: a project that was moved is as fresh as it was."""
+
+
+def _run_files(study: Study, entry: RunEntry) -> tuple[Path, ...]:
+    """What a measured run consists of."""
+    camera = study.runs_source.camera if study.runs_source else None
+    inside = (path for folder in entry.folders for path in sorted(folder.rglob("*")) if path.is_file())
+    return (*([camera] if camera else []), *inside)
 
 
 def _files(entry: RecordingEntry) -> tuple[Path, ...]:

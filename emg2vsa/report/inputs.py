@@ -10,9 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from emg2vsa.discrimination import Discrimination
 from emg2vsa.fits import Fits
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles
+from emg2vsa.runs import RunScores
 from emg2vsa.schedules import Schedule
 from emg2vsa.study import Study
 from emg2vsa.trials import Trials
@@ -43,6 +45,10 @@ class StudyResults:
     "Versions and digests by name."
     truth: Truth | None = None
     "Of a simulated study: (participant, specimen, repetition) to the true (a, b) in volts."
+    runs: tuple[RunScores, ...] = ()
+    "Scored runs of the rig; empty where the study has none."
+    discrimination: Discrimination | None = None
+    "What is tested of them."
 
     def verdict_counts(self) -> dict[str, int]:
         """Trials by verdict."""

@@ -9,7 +9,9 @@ from emg2vsa.report.table import Table
 
 _ONE_COLUMN, _TWO_COLUMNS = 45, 96
 """Characters that fit an IEEE column, and both, at the size of tables."""
-_HEAD = 11
+_WIDEST = 130
+"""What small type with narrow gaps fits; beyond, smaller type, and long tables across the page."""
+_HEAD = 8
 _LONG_TEXT = 28
 _LONG_TABLE = 45
 """Rows from which a table goes over pages."""
@@ -21,13 +23,19 @@ _LATEX = {
     "α": r"\ensuremath{\alpha}", "–": "--", "·": r"\ensuremath{\cdot}", "±": r"\ensuremath{\pm}",
     "ε": r"\ensuremath{\varepsilon}", "ρ": r"\ensuremath{\rho}", "χ": r"\ensuremath{\chi}", "₀": r"\ensuremath{_0}",
     "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "−": r"\ensuremath{-}",
-    "≤": r"\ensuremath{\le}", "\N{NO-BREAK SPACE}": "~",
+    "≤": r"\ensuremath{\le}", "≥": r"\ensuremath{\ge}", "×": r"\ensuremath{\times}", "°": r"\ensuremath{^\circ}",
+    "→": r"\ensuremath{\to}", "σ": r"\ensuremath{\sigma}", "\N{NO-BREAK SPACE}": "~",
 }  # fmt: skip
+
+
+_INDEX = re.compile(r"(?<=\^2\})\\_(\w)(?!\w)")
+"""Indices of effects, as in ε²_R."""
 
 
 def latex_text(text: str) -> str:
     """Plain text as LaTeX: special characters escaped, the few symbols of the tables as mathematics."""
-    return "".join(_LATEX.get(character, character) for character in text)
+    made = "".join(_LATEX.get(character, character) for character in text)
+    return _INDEX.sub(r"\\ensuremath{_\\mathrm{\1}}", made)
 
 
 def latex_number(shown: str) -> str:
@@ -59,6 +67,9 @@ def latex_table(table: Table) -> str:
         + r" \\"
         for row in cells
     ]
+    if any(texts):
+        # rows of several lines are told apart by a little space
+        lines[:-1] = [rf"{line} \addlinespace" for line in lines[:-1]]
     caption, top = rf"\caption{{{latex_text(table.caption)}}}", [r"\toprule", " & ".join(heads) + r" \\", r"\midrule"]
     label = rf"\label{{tab:{table.name}}}"
     size = _size(sum(length + 2 for length in lengths))
@@ -83,7 +94,9 @@ def _size(characters: int) -> str:
     """Type size and distance of columns of a table of so many characters across."""
     if characters <= _ONE_COLUMN:
         return ""
-    return r"\footnotesize" if characters <= _TWO_COLUMNS else r"\footnotesize\setlength{\tabcolsep}{3pt}"
+    if characters <= _TWO_COLUMNS:
+        return r"\footnotesize"
+    return (r"\footnotesize" if characters <= _WIDEST else r"\scriptsize") + r"\setlength{\tabcolsep}{3pt}"
 
 
 def _on_one_page(
@@ -102,8 +115,12 @@ def _on_one_page(
 
 def _over_pages(kinds: list[str], caption: str, label: str, top: list[str], lines: list[str], size: str) -> list[str]:
     columns = "".join(kinds).replace(_LONG, r"p{0.25\linewidth}")
+    packages, begin, end = "booktabs and longtable", "{", "}"
+    if r"\scriptsize" in size:
+        packages, begin, end = "booktabs, longtable and lscape", r"\begin{landscape}", r"\end{landscape}"
     return [
-        "% takes the packages booktabs and longtable, and text in one column", "{" + (size or r"\small"),
+        f"% takes the packages {packages}, and text in one column",
+        begin + (size or r"\small") + r"\setlength{\LTcapwidth}{\linewidth}",
         rf"\begin{{longtable}}{{{columns}}}", caption + label + r" \\", *top, r"\endfirsthead", *top, r"\endhead",
-        r"\bottomrule", r"\endfoot", *lines, r"\end{longtable}", "}",
+        r"\bottomrule", r"\endfoot", *lines, r"\end{longtable}", end,
     ]  # fmt: skip

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 
 from emg2vsa.report.latex import latex_number, latex_text
 from emg2vsa.report.quantity import Quantity
+from emg2vsa.report.units import is_p, unit_of
+from emg2vsa.report.wording import p_parts
 
 _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
 
@@ -20,18 +22,27 @@ def results_json(found: Mapping[str, Quantity]) -> str:
 
 
 def numbers_tex(found: Mapping[str, Quantity]) -> str:
-    r"""One ``\newcommand`` a quantity: ``fit.adj_r2.min`` is ``\FitAdjRTwoMin``; four significant digits."""
+    r"""One macro a quantity: ``fit.adj_r2.min`` is ``\emgFitAdjRTwoMin``.
+
+    Numbers have four significant digits and their unit; a p says its relation, as ``p < .001``.
+    """
     names = macro_names(list(found))
-    lines = [rf"\newcommand{{\{names[key]}}}{{{_latex(value)}}} % {key}" for key, value in found.items()]
-    return "\n".join(["% Written by emg2vsa from results.json; include with \\input.", *lines, ""])
+    lines = [rf"\newcommand{{\{names[key]}}}{{{_latex(key, value)}}} % {key}" for key, value in found.items()]
+    return "\n".join([_HEAD, *lines, ""])
 
 
-def macro_names(keys: list[str]) -> dict[str, str]:
+_HEAD = r"""% Written by emg2vsa; include with \input. After each macro: the key of its number in results.json.
+% Redefine the next two before this file to set units and p your way, e.g. \newcommand{\emgquantity}[2]{\SI{#1}{#2}}.
+\providecommand{\emgquantity}[2]{\mbox{#1\,#2}}
+\providecommand{\emgp}[2]{\ensuremath{p #1 #2}}"""
+
+
+def macro_names(keys: list[str], prefix: str = "emg") -> dict[str, str]:
     """Key to macro name: letters only, unique (keys that spell the same get X, XX, ...)."""
     names: dict[str, str] = {}
     taken: set[str] = set()
     for key in keys:
-        name = _macro(key)
+        name = prefix + _spelled(key)
         while name in taken:
             name += "X"
         taken.add(name)
@@ -39,18 +50,31 @@ def macro_names(keys: list[str]) -> dict[str, str]:
     return names
 
 
-def _macro(key: str) -> str:
+def _spelled(key: str) -> str:
     words = re.findall(r"[A-Za-z]+|[0-9]", key)
     return "".join(_DIGITS[int(word)] if word.isdigit() else word[0].upper() + word[1:] for word in words)
 
 
-def _latex(value: Quantity) -> str:
+def _latex(key: str, value: Quantity) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, str):
         return latex_text(value)
-    if isinstance(value, int):
-        return str(value)
     if math.isnan(value):
         return "--"
-    return latex_number(f"{value:.4g}")
+    if is_p(key):
+        relation, shown = p_parts(value)
+        return rf"\emgp{{{relation}}}{{{shown}}}"
+    shown, unit = _scaled(value, unit_of(key))
+    return rf"\emgquantity{{{shown}}}{{{latex_text(unit)}}}" if unit else shown
+
+
+def _scaled(value: float, unit: str) -> tuple[str, str]:
+    """The number in four digits, and its unit; volts as mV or µV where they are few."""
+    if unit == "V" and value:
+        factor, unit = next((f, u) for f, u, least in _VOLTS if abs(value) >= least)
+        value *= factor
+    return (str(value) if isinstance(value, int) else latex_number(f"{value:.4g}")), unit
+
+
+_VOLTS = ((1.0, "V", 1.0), (1e3, "mV", 1e-3), (1e6, "µV", 0.0))

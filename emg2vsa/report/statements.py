@@ -23,8 +23,8 @@ def statements(found: Hypotheses) -> Table:
 
 
 def statements_tex(table: Table) -> str:
-    r"""One ``\newcommand`` a statement, e.g. ``\OverPeopleFriedman``."""
-    names = macro_names([f"{row[0]}.{row[1]}" for row in table.rows])
+    r"""One ``\newcommand`` a statement, e.g. ``\emgTestOverPeopleFriedman``."""
+    names = macro_names([f"{row[0]}.{row[1]}" for row in table.rows], "emgTest")
     latex = [column.key for column in table.columns].index("latex")
     lines = [
         rf"\newcommand{{\{name}}}{{{row[latex]}}} % {row[0]}, {row[1]}"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations, pairwise
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.figures.boxes import PairBar, hazen_box
 from emg2vsa.figures.canvas import pdf_bytes, style, svg_text
-from emg2vsa.figures.cocontraction import PairBar, draw_cocontraction, hazen_box
+from emg2vsa.figures.cocontraction import draw_cocontraction
 from emg2vsa.figures.interpolation import draw_interpolation
 from emg2vsa.figures.palette import looks
 from emg2vsa.figures.schedule_map import draw_schedules
@@ -18,6 +18,7 @@ from emg2vsa.fits import usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.report.activity_column import activity_column
+from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Column, Table
@@ -27,19 +28,6 @@ _ALL_PAIRS_UP_TO = 4
 _MARKS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
     f",{NO_BREAK}", ", "
 )
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """One figure; ``description`` is what a reader who does not see it hears, ``table`` the numbers behind it."""
-
-    name: str
-    title: str
-    caption: str
-    description: str
-    svg: str
-    pdf: bytes
-    table: Table | None
 
 
 def study_figures(results: StudyResults) -> dict[str, Drawing]:

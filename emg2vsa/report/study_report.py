@@ -8,8 +8,9 @@ from html import escape
 from pathlib import Path
 
 from emg2vsa.atomic import write_bytes_atomic, write_text_atomic
-from emg2vsa.figures.canvas import inline_svg
 from emg2vsa.report import data_sections, html
+from emg2vsa.report.drawing import Drawing, shown
+from emg2vsa.report.figure_tex import figure_tex
 from emg2vsa.report.hypothesis_section import hypotheses
 from emg2vsa.report.inputs import StudyResults, with_short_paths
 from emg2vsa.report.latex import latex_table
@@ -18,15 +19,17 @@ from emg2vsa.report.numbers_files import numbers_tex, results_json
 from emg2vsa.report.paper_comparison import paper_comparison
 from emg2vsa.report.quantities import quantities
 from emg2vsa.report.quantity import Quantity
+from emg2vsa.report.runs_section import RunsReport, runs_sections
 from emg2vsa.report.statements import statements_tex
-from emg2vsa.report.study_figures import Drawing, study_figures
+from emg2vsa.report.study_figures import study_figures
 from emg2vsa.report.study_tables import study_tables
 from emg2vsa.report.table import Table
 
 _CONTENTS = (
     ("#paper", "Beside the paper"), ("#participants", "Participants"), ("#fits", "Fits"), ("#hypotheses", "Hypotheses"),
-    ("#profiles", "Profiles"), ("#schedules", "Schedules"), ("#methods", "Methods"), ("#provenance", "Provenance"),
+    ("#profiles", "Profiles"), ("#schedules", "Schedules"),
 )  # fmt: skip
+_LAST_CONTENTS = (("#methods", "Methods"), ("#provenance", "Provenance"))
 _TOO_LONG_FOR_PRINT = {"fits", "statements"}
 
 
@@ -36,23 +39,26 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
     The bytes depend on ``results`` alone. Participants' pages are written by ``write_session_page``.
     """
     results = replace(results, failures=with_short_paths(results.failures, results.study))
-    found = quantities(results)
+    runs = _runs(results)
+    found = dict(sorted((quantities(results) | runs.quantities).items()))
     tables = study_tables(results)
     comparison = paper_comparison(results, found)
     drawings = study_figures(results)
     texts = {
-        "index.html": _page(results, found, tables, comparison, drawings),
+        "index.html": _page(results, found, tables, comparison, drawings, runs),
         "results.json": results_json(found),
         "numbers.tex": numbers_tex(found),
         "methods.txt": _methods(results) + "\n",
     }
-    for table in [*tables.values(), comparison]:
+    drawings |= runs.drawings
+    for table in [*tables.values(), comparison, *runs.tables.values()]:
         texts[f"tables/{table.name}.csv"] = table.csv()
         if table.name not in _TOO_LONG_FOR_PRINT:
             texts[f"tables/{table.name}.tex"] = latex_table(table)
     if "statements" in tables:
         texts["statements.tex"] = statements_tex(tables["statements"])
-    texts |= {f"figures/{drawing.name}.svg": drawing.svg for drawing in drawings.values()}
+    for drawing in drawings.values():
+        texts |= {f"figures/{drawing.name}.svg": drawing.svg, f"figures/{drawing.name}.tex": figure_tex(drawing)}
     for name, text in texts.items():
         write_text_atomic(folder / name, text)
     for drawing in drawings.values():
@@ -66,12 +72,14 @@ def _page(
     tables: Mapping[str, Table],
     comparison: Table,
     drawings: Mapping[str, Drawing],
+    runs: RunsReport,
 ) -> str:
     study = results.study
+    rig = " Section VI: from the rig's presses to the stiffness of objects." if runs.body else ""
     header = (
         f"<h1>{escape(study.title)}</h1>"
         f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. Section IV.B: from palpation '
-        "EMG and force to stiffness schedules.</p>"
+        f"EMG and force to stiffness schedules.{rig}</p>"
     )
     body = (
         data_sections.glance(results, found),
@@ -81,10 +89,17 @@ def _page(
         hypotheses(results, found, tables),
         _profiles(results, tables, drawings),
         _schedules(results, tables, drawings),
+        runs.body,
         html.section("methods", "Methods", html.paragraph(_methods(results))),
         _provenance(results),
     )
-    return html.page(study.title, header, _CONTENTS, "".join(body), _FOOTER)
+    contents = (*_CONTENTS, *runs.contents, *_LAST_CONTENTS)
+    return html.page(study.title, header, contents, "".join(body), _FOOTER)
+
+
+def _runs(results: StudyResults) -> RunsReport:
+    specimens = [specimen.name for specimen in results.study.specimens]
+    return runs_sections(results.runs, results.discrimination, specimens, results.why_absent("discrimination"))
 
 
 _FOOTER = (
@@ -99,14 +114,14 @@ def _profiles(results: StudyResults, tables: Mapping[str, Table], drawings: Mapp
         return html.section("profiles", title, html.paragraph(results.why_absent("profiles")))
     left_out = tables["leave_one_out"]
     new = (
-        _figure(drawings["fig11_interpolation"])
+        shown(drawings["fig11_interpolation"])
         if "fig11_interpolation" in drawings
         else html.paragraph("The study names no new specimen, so nothing is interpolated.")
     )
     return html.section(
         "profiles",
         title,
-        _figure(drawings["fig04_cocontraction"]),
+        shown(drawings["fig04_cocontraction"]),
         tables["profiles"].html(),
         new,
         left_out.html() if left_out.rows else html.paragraph("Too few specimens of known stiffness to leave one out."),
@@ -127,13 +142,7 @@ def _schedules(results: StudyResults, tables: Mapping[str, Table], drawings: Map
     short = [s.specimen for s in results.schedules if s.last_step_short and s.condition == "modular"]
     remark = html.paragraph("The last force step is shorter than the others; it is kept.", "small") if short else ""
     data = html.details("Every schedule in numbers", tables["schedules"].html())
-    return html.section("schedules", title, _figure(drawings["fig05_schedules"]), html.paragraph(text), remark, data)
-
-
-def _figure(drawing: Drawing) -> str:
-    svg = inline_svg(drawing.svg, drawing.name.split("_")[0], escape(drawing.title), escape(drawing.description))
-    data = html.details("The numbers of this figure", drawing.table.html()) if drawing.table else ""
-    return html.figure(svg, drawing.caption, data)
+    return html.section("schedules", title, shown(drawings["fig05_schedules"]), html.paragraph(text), remark, data)
 
 
 def _methods(results: StudyResults) -> str:

@@ -11,7 +11,7 @@ from html import escape
 
 import numpy as np
 
-from emg2vsa.report.wording import UNDEFINED, number
+from emg2vsa.report.wording import UNDEFINED, number, p_parts
 
 Cell = str | int | float | bool | None
 
@@ -20,7 +20,7 @@ Cell = str | int | float | bool | None
 class Column:
     """key : what is shown, and its name in CSV with its unit, unless ``name`` is that. head : for people.
 
-    factor, digits : how a number is shown to people.
+    factor, digits : how a number is shown to people. A key ``p`` or ``p_...`` is a p: three decimals, or ``< .001``.
     """
 
     key: str
@@ -36,6 +36,8 @@ class Column:
             return "yes" if value else "no"
         if isinstance(value, str):
             return value
+        if self.key == "p" or self.key.startswith("p_"):
+            return " ".join(p_parts(value)).removeprefix("= ")
         return number(value * self.factor if self.factor != 1 else value, self.digits)
 
 

@@ -30,8 +30,13 @@ def p_text(p: float) -> str:
     """``p = .039``, ``p < .001``, ``p > .999``."""
     if math.isnan(p):
         return f"p{NO_BREAK}not defined"
+    return f"p{NO_BREAK}{NO_BREAK.join(p_parts(p))}"
+
+
+def p_parts(p: float) -> tuple[str, str]:
+    """Relation and value: ``=`` ``.039``, ``<`` ``.001``, ``>`` ``.999``; NaN is ``=`` ``–``."""
     relation, value = ("<", 0.001) if p < 0.001 else (">", 0.999) if p > 0.9995 else ("=", p)
-    return f"p{NO_BREAK}{relation}{NO_BREAK}{bounded(value)}"
+    return relation, bounded(value)
 
 
 def percent(share: float, digits: int = 3) -> str:

@@ -98,7 +98,7 @@ class ControlCycle:
             frames = self._devices.camera.frames()
         with ending("recording"):
             for frame in frames:
-                self._record.frame(frame.image)
+                self._record.frame(frame)
                 self._frame_s = frame.time_s
 
     def _ask(self, now_s: float) -> None:

@@ -8,15 +8,13 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 
 
-@dataclass(frozen=True)
-class Datagram:
+class Datagram(NamedTuple):
     """What arrived, and how long ago, s."""
 
     data: bytes

@@ -71,7 +71,9 @@ def _press_all(cycle: ControlCycle, beat: Beat, record: RunRecord, stop: Callabl
         motion = cycle.turn(now_s, late_s)
         if motion.phase == "done":
             return
-        if motion.phase == "pause" and motion.since_s == now_s:
+        if motion.since_s == now_s and motion.phase == "retract":
+            record.end_loading()
+        elif motion.since_s == now_s and motion.phase == "pause":
             record.end_press()
 
 

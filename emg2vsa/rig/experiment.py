@@ -1,4 +1,4 @@
-"""The runs of a whole experiment: which specimens, angles and conditions, and how each press goes (paper, section V)."""
+"""The runs of an experiment: which specimens, angles and conditions, and how each press goes (paper, section V)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class ExperimentSettings:
     specimens: Annotated[tuple[str, ...], MinLen(1)]
     "Names, as the schedules have them."
     angles_deg: dict[Condition, Angles] = field(default_factory=_paper_angles)
-    "Angles between probe and surface normal for each condition; a condition that is left out is not run."
+    "Angles between probe and surface normal for each condition run; omitted: the paper's runs, rigid motor included."
     repetitions: Annotated[int, Ge(1)] = 10
     "Presses of each run."
     f_max_n: Annotated[float, Gt(0)] = 7.0
@@ -63,35 +63,50 @@ def plans(experiment: ExperimentSettings, schedules: Sequence[Schedule]) -> tupl
 
     ScheduleError : a specimen has no schedule for a condition.
     """
-    known = {(schedule.specimen, schedule.condition): schedule for schedule in schedules}
+    return tuple(plan_of(experiment, *run, schedules) for run in runs_of(experiment))
+
+
+def runs_of(experiment: ExperimentSettings) -> tuple[tuple[str, float, Condition], ...]:
+    """Specimen, angle and condition of every run, in their order."""
     return tuple(
-        RunPlan(
-            specimen=specimen,
-            angle_deg=angle_deg,
-            condition=condition,
-            repetitions=experiment.repetitions,
-            schedule=None if condition == RIGID else _found(known, specimen, condition),
-            f_max_n=experiment.f_max_n,
-            f_contact_n=experiment.f_contact_n,
-            contact_s=experiment.contact_s,
-            ramp_mm_per_s=experiment.ramp_mm_per_s,
-            travel_mm=experiment.travel_mm,
-            pause_s=experiment.pause_s,
-        )
+        (specimen, angle_deg, condition)
         for condition, angles in experiment.angles_deg.items()
         for angle_deg in angles
         for specimen in experiment.specimens
     )
 
 
-def _found(known: dict[tuple[str, str], Schedule], specimen: str, condition: str) -> Schedule:
-    schedule = known.get((specimen, condition))
-    if schedule is None:
-        there = ", ".join(sorted({name for name, _ in known})) or "none"
-        raise ScheduleError(
-            f"{specimen}, {condition}",
-            wanted="a schedule for every specimen of the experiment",
-            found=f"schedules of {there}",
-            do="Export it with emg2vsa schedule, or take the specimen out of rig.toml.",
-        )
-    return schedule
+def plan_of(
+    experiment: ExperimentSettings,
+    specimen: str,
+    angle_deg: float,
+    condition: Condition,
+    schedules: Sequence[Schedule],
+) -> RunPlan:
+    """The plan of one run. ScheduleError where the specimen has no schedule for its condition."""
+    return RunPlan(
+        specimen=specimen,
+        angle_deg=angle_deg,
+        condition=condition,
+        repetitions=experiment.repetitions,
+        schedule=None if condition == RIGID else _found(schedules, specimen, condition),
+        f_max_n=experiment.f_max_n,
+        f_contact_n=experiment.f_contact_n,
+        contact_s=experiment.contact_s,
+        ramp_mm_per_s=experiment.ramp_mm_per_s,
+        travel_mm=experiment.travel_mm,
+        pause_s=experiment.pause_s,
+    )
+
+
+def _found(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
+    for schedule in schedules:
+        if (schedule.specimen, schedule.condition) == (specimen, condition):
+            return schedule
+    there = ", ".join(sorted({schedule.specimen for schedule in schedules})) or "none"
+    raise ScheduleError(
+        f"{specimen}, {condition}",
+        wanted="a schedule for every specimen of the experiment",
+        found=f"schedules of {there}",
+        do="Export it with emg2vsa schedule, or take the specimen out of rig.toml.",
+    )

@@ -10,23 +10,26 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from emg2vsa.rig.camera import LOST_S
+from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
 
 
 @dataclass(frozen=True)
 class GuardSettings:
     """Limits beyond which a run ends."""
 
-    force_n: float = 10.0
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    force_n: Positive = 10.0
     "Largest force, of either sign, as measured and not filtered; above the F_max of 7 N."
-    force_rate_n_per_s: float = 300.0
+    force_rate_n_per_s: Positive = 300.0
     "Largest change of force; 5 mm/s into 20 N/mm is 100 N/s."
-    stale_s: float = 0.025
+    stale_s: Positive = 0.025
     "Largest age of a force sample: five periods."
-    camera_s: float = LOST_S
+    camera_s: Positive = LOST_S
     "Longest time without a frame."
-    late_s: float = 0.05
+    late_s: Positive = 0.05
     "How late a turn of the loop may begin; the probe goes 0.25 mm meanwhile."
-    motors_every_s: float = 0.1
+    motors_every_s: Positive = 0.1
     "How often the actuator is asked whether its motors are on."
 
 

@@ -59,8 +59,8 @@ class QbmoveLimits:
 
     def check_position(self, position_ticks: int) -> None:
         """DeviceError outside the positions that leave room for full stiffness: the firmware clips to them."""
-        (low, high), most = self.info.position_limits_ticks[0], self.info.max_stiffness_ticks
-        self._inside("position", position_ticks, low + most, high - most, "ticks, at which every stiffness has room")
+        low, high = roomy_positions(self.info)
+        self._inside("position", position_ticks, low, high, "ticks, at which every stiffness has room")
 
     def check_preset(self, preset_ticks: int) -> None:
         """DeviceError outside the study's range of stiffness."""
@@ -72,6 +72,12 @@ class QbmoveLimits:
         if not low <= value <= high:
             do = "Correct the schedule, or the limits it was made for."
             raise DeviceError(f"{self.where}, {what}", wanted=f"{low} to {high} {text}", found=str(value), do=do)
+
+
+def roomy_positions(info: QbmoveInfo) -> tuple[int, int]:
+    """First and last position, ticks, that leaves room for full stiffness."""
+    (low, high), most = info.position_limits_ticks[0], info.max_stiffness_ticks
+    return low + most, high - most
 
 
 def stiffness_on_wire(preset_ticks: int, max_stiffness_ticks: int) -> int:

@@ -5,9 +5,9 @@ ATI manuals 9620-05 (Net F/T) and 9610-05 (Ethernet Axia). All numbers are big-e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from struct import Struct
+from typing import NamedTuple
 
 PORT = 49152
 LARGEST_BUFFER = 40
@@ -31,8 +31,7 @@ class Command(IntEnum):
     "Present load becomes zero; not answered."
 
 
-@dataclass(frozen=True)
-class Record:
+class Record(NamedTuple):
     """One measurement as the box sends it.
 
     rdt_sequence : 1, 2, ... within one request.

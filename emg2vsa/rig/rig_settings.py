@@ -1,45 +1,51 @@
-"""What a rig is: gear, travel, device limits, loop and guards."""
+"""What a rig is: gear, travel, device limits, loop and guards; the table [rig] of rig.toml."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from annotated_types import Ge, Gt, Le
 
 from emg2vsa.actuator import TICKS_PER_TURN
 from emg2vsa.rig.force_sensor import ForceSample
 from emg2vsa.rig.guards import GuardSettings
+from emg2vsa.settings import FORBID_UNKNOWN_KEYS, NonNegative, Positive
 
 
 @dataclass(frozen=True)
 class RigSettings:
     """One rig. Depth is the travel of the probe from its retracted position towards the specimen, mm."""
 
-    gear_mm_per_degree: float = 0.2
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    gear_mm_per_degree: Positive = 0.2
     "Probe travel per degree of the output shaft."
-    travel_mm: float = 15.0
+    travel_mm: Positive = 15.0
     "As deep as the probe can go."
     home_ticks: int = 0
     "Position of the retracted probe."
     push_sign: Literal[1, -1] = 1
     "Whether more ticks push, or fewer."
     position_ticks: tuple[int, int] = (-12000, 12000)
-    "Positions the actuator takes at every stiffness; read from the device."
-    max_preset_ticks: int = 3000
-    "Preset at full stiffness; read from the device."
-    stiffness_percent: tuple[float, float] = (20.0, 80.0)
+    "Positions the actuator may take; before a run narrowed to those the device takes at every stiffness."
+    max_preset_ticks: Annotated[int, Gt(0)] = 3000
+    "Preset at full stiffness; the device's own is read before a run, and what both allow is kept."
+    stiffness_percent: tuple[NonNegative, Annotated[float, Gt(0), Le(100)]] = (20.0, 80.0)
     "The study's range, percent of the maximum preset."
     push_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     "Direction, in the sensor's axes, of the force that counts as pushing."
-    rate_hz: float = 200.0
-    filter_samples: int = 5
+    rate_hz: Annotated[float, Gt(0), Le(1000)] = 200.0
+    "Turns of the control loop per second."
+    filter_samples: Annotated[int, Ge(1)] = 5
     "Moving average of the force that chooses phase and stiffness."
-    escape_mm_per_s: float = 20.0
+    escape_mm_per_s: Positive = 20.0
     "Speed of the retraction that ends every run; a guess below the 43 mm/s of a Maker Pro at this gear."
-    settle_s: float = 0.3
+    settle_s: NonNegative = 0.3
     "From the last command of that retraction until the motors are switched off."
     guards: GuardSettings = field(default_factory=GuardSettings)
+    "Limits beyond which a run ends."
 
     @property
     def period_s(self) -> float:

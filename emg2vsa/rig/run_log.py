@@ -26,10 +26,11 @@ class Row(NamedTuple):
     current_1_ma: int | None
     current_2_ma: int | None
     frame_index: int
-    "Last frame saved in this repetition; -1 before the first."
+    "Last frame saved of the loading being recorded; -1 when there is none."
 
 
-_HEADER = ",".join(Row._fields)
+HEADER = ",".join(Row._fields)
+"""First line of a log."""
 _INTEGERS = {name for name in Row._fields if name.endswith(("_ticks", "_ma")) or name in ("repetition", "frame_index")}
 
 
@@ -45,7 +46,7 @@ class RunLog:
     def __init__(self, path: Path) -> None:
         self.path, self.rows = path, 0
         self._file = AppendFile(path)
-        self._file.append(f"{_HEADER}\n".encode())
+        self._file.append(f"{HEADER}\n".encode())
 
     def append(self, row: Row) -> None:
         """Write one row."""
@@ -64,12 +65,13 @@ def read_log(path: Path) -> list[Row]:
     except (OSError, UnicodeDecodeError) as error:
         raise _unreadable(path, "a log of a run", str(error)) from error
     lines = text.split("\n")[:-1]
-    if not lines or lines[0] != _HEADER:
-        raise _unreadable(path, f"the header {_HEADER}", lines[0] if lines else "none")
-    return [_row(line, f"{path}, line {number}") for number, line in enumerate(lines[1:], start=2)]
+    if not lines or lines[0] != HEADER:
+        raise _unreadable(path, f"the header {HEADER}", lines[0] if lines else "none")
+    return [row_of(line, f"{path}, line {number}") for number, line in enumerate(lines[1:], start=2)]
 
 
-def _row(line: str, where: str) -> Row:
+def row_of(line: str, where: str) -> Row:
+    """The row in a line of a log; RecordingError, naming ``where``, if it is none."""
     try:
         return Row(*(_value(n, text) for n, text in zip(Row._fields, line.split(","), strict=True)))  # type: ignore[arg-type]
     except ValueError as error:

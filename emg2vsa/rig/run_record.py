@@ -1,4 +1,7 @@
-"""The folder of a run: plan.json, log.csv, ended.json, and press-001, press-002 ... where there is a camera."""
+"""The folder of a run: plan.json, log.csv, ended.json, and press-001, press-002 ... where there is a camera.
+
+A press holds frames and forces from the approach to the end of loading, which is all that CASR needs; the log goes on.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,9 @@ from dataclasses import asdict, replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.append_file import AppendFile
+from emg2vsa.rig.camera import Frame
 from emg2vsa.rig.ended import Ended, EndedFile
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.press_recorder import PressRecorder
@@ -49,18 +50,18 @@ class RunRecord:
         file.close()
 
     def begin_press(self, repetition: int) -> None:
-        """From here on frames and forces are kept as one press."""
+        """From here on, to the end of loading, frames and forces are kept as one press."""
         if self._frame_shape is not None:
             self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape)
 
-    def frame(self, image: NDArray[np.uint8]) -> None:
-        """Keep a frame; between presses nobody wants it."""
+    def frame(self, frame: Frame) -> None:
+        """Keep a frame; outside of a loading nobody looks at it."""
         if self._press is not None:
-            self._press.frame(image)
+            self._press.frame(frame.image)
 
     @property
     def frame_index(self) -> int:
-        """Last frame kept of this press; -1 for none."""
+        """Last frame kept of the loading that is being recorded; -1 for none."""
         return -1 if self._press is None else self._press.n_frames - 1
 
     def row(self, row: Row) -> None:
@@ -69,9 +70,15 @@ class RunRecord:
         if self._press is not None and row.force_n is not None:
             self._press.force(row.time_s, row.force_n)
 
+    def end_loading(self) -> None:
+        """The press has turned back: its files are given back. What follows says nothing of how the contact spreads,
+        and is in the log."""
+        if self._press is not None:
+            self._press.close()
+            self._press = None
+
     def end_press(self) -> None:
-        """The press is over: its files are given back."""
-        self._close_press()
+        """The press is over."""
         self.presses_done += 1
 
     def end(self, ended: Ended) -> Ended:
@@ -82,12 +89,7 @@ class RunRecord:
             self._ended.write(ended)
         except DeviceError as error:
             ended = replace(ended, notes=(*ended.notes, str(error)))
-        self._close_press()
+        self.end_loading()
         self.log.close()
         self._ended.close()
         return ended
-
-    def _close_press(self) -> None:
-        if self._press is not None:
-            self._press.close()
-            self._press = None

@@ -8,8 +8,11 @@ piece, and only then linked by changing the one offset that ends the chain.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from os import SEEK_END
 from pathlib import Path
 from struct import Struct
+from struct import error as StructError
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +24,7 @@ _SHORT, _LONG = 3, 4
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
 _STRIP_OFFSETS, _SAMPLES, _ROWS_PER_STRIP, _STRIP_BYTES = 273, 277, 278, 279
 _NO_COMPRESSION = _BLACK_IS_ZERO = 1
+_N_ENTRIES = 9
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,15 @@ class _Format:
     offset: Struct
     offset_type: int
     largest_bytes: int
+
+    @property
+    def start(self) -> int:
+        """Where the first page begins."""
+        return len(self.header) + self.offset.size
+
+    def page_bytes(self, pixels: int) -> int:
+        """Length of a page, its directory included."""
+        return pixels + pixels % 2 + self.count.size + _N_ENTRIES * self.entry.size + self.offset.size
 
 
 _CLASSIC = _Format(b"II*\0", Struct("<H"), Struct("<HHII"), Struct("<I"), _LONG, 2**32 - 1)
@@ -104,3 +117,33 @@ class TiffPages:
         # little-endian: a short number stands at the start of its field, as it must
         rows = b"".join(form.entry.pack(tag, kind, 1, value) for tag, kind, value in entries)
         return form.count.pack(len(entries)) + rows + form.offset.pack(0)
+
+
+def newest_page(path: Path) -> NDArray[np.uint8] | None:
+    """(H, W) grey levels of the newest page of a file of `TiffPages` that may be growing; None before the first.
+
+    All pages have one length, so the place of the newest follows from that of the file, however many there are.
+    DeviceError when the file cannot be read or is another's.
+    """
+    try:
+        with path.open("rb") as file:
+            return _newest(file)
+    except (OSError, ValueError, StructError) as error:
+        do = "Choose the frames.tif of a press."
+        raise DeviceError(path, wanted="a TIFF of the rig", found=str(error), do=do) from error
+
+
+def _newest(file: BinaryIO) -> NDArray[np.uint8] | None:
+    head = file.read(_BIG.start)
+    form = _BIG if head.startswith(_BIG.header) else _CLASSIC
+    if not head.startswith(form.header):
+        raise ValueError("another file")
+    (directory_at,) = form.offset.unpack_from(head, len(form.header))
+    if directory_at == 0:
+        return None
+    file.seek(directory_at + form.count.size)
+    (*_, width), (*_, height) = form.entry.iter_unpack(file.read(2 * form.entry.size))
+    page_bytes = form.page_bytes(width * height)
+    n_pages = (file.seek(0, SEEK_END) - form.start) // page_bytes
+    file.seek(form.start + (n_pages - 1) * page_bytes)
+    return np.frombuffer(file.read(width * height), dtype=np.uint8).reshape(height, width)

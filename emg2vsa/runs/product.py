@@ -46,8 +46,9 @@ class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
     repetitions : (R,). verdicts : "ok" or "rejected". reasons : empty where ok.
-    a_c0, casr : algorithm to (R,), in ``area_unit`` and ``area_unit``/N. indent_n_per_mm : (R,) slope of force over
-    shaft travel, the kinesthetic cue; NaN without a log. simulated : the run was emulated. notes : once each.
+    a_c0, casr : algorithm to (R,), in ``area_unit`` and ``area_unit``/N. true_a_c0 : (R,) mm2, NaN unless simulated.
+    indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
+    simulated : the run was emulated. notes : once each.
     """
 
     specimen: str
@@ -60,6 +61,7 @@ class RunScores:
     area_unit: str
     a_c0: dict[str, Floats]
     casr: dict[str, Floats]
+    true_a_c0: Floats
     indent_n_per_mm: Floats
     curves: tuple[PressCurve, ...]
     picture: ContactPicture | None

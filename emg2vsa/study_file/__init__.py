@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import os
-import re
-import tomllib
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
-from emg2vsa.errors import StudyError
-from emg2vsa.study import RecordingEntry, Specimen, Study
+from emg2vsa.settings import RunSettings
+from emg2vsa.study import RecordingEntry, RunsSource, Specimen, Study
 from emg2vsa.study_file.check_names import name_problems
 from emg2vsa.study_file.check_recordings import recording_problems
 from emg2vsa.study_file.check_stages import stage_problems
 from emg2vsa.study_file.draft import Draft, read_draft
 from emg2vsa.study_file.entries import beside, data_folder, entries
-from emg2vsa.study_file.lines import key_lines, line_of
 from emg2vsa.study_file.problems import Problem
 from emg2vsa.study_file.schema import json_schema
+from emg2vsa.study_file.tables import RunsTable
+from emg2vsa.study_file.toml_file import placed, read_toml
 
 __all__ = ["json_schema", "load_study", "missing_files"]
 
@@ -34,13 +33,11 @@ def load_study(path: str | Path) -> Study:
         values out of range, missing keys, and keys that contradict each other.
     """
     path = Path(path)
-    text, raw = _toml(path)
+    text, raw = read_toml(path, "a study file")
     draft = read_draft(raw, Path(os.path.abspath(path)).parent)
     problems = _all_problems(draft)
     if problems:
-        lines = key_lines(text)
-        placed = sorted(((line_of(p.path, lines), str(p)) for p in problems), key=lambda item: item[0])
-        raise StudyError(tuple(f"{path}:{line}: {problem}" for line, problem in placed))
+        raise placed(path, text, problems)
     return _study(path, draft)
 
 
@@ -49,25 +46,6 @@ def missing_files(study: Study) -> tuple[RecordingEntry, ...]:
     return tuple(
         r for r in study.recordings if not r.emg_file.is_file() or (r.force_file and not r.force_file.is_file())
     )
-
-
-def _toml(path: Path) -> tuple[str, dict[str, Any]]:
-    try:
-        # line ends as TOML counts them, whatever the editor wrote
-        text = path.read_bytes().decode("utf-8").replace("\r\n", "\n")
-    except OSError as error:
-        raise StudyError((f"{path}: wanted a study file; found none to read ({error.strerror}).",)) from None
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise StudyError(
-            (f"{path}:{line}: wanted UTF-8 text; found byte 0x{error.object[error.start]:02x}.",)
-        ) from None
-    try:
-        return text, tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        what, _, at = str(error).rpartition(" (at ")
-        digits = re.findall(r"\d+", at) or [str(text.count("\n") + 1)]
-        raise StudyError((f"{path}:{':'.join(digits)}: wanted valid TOML; found: {what}.",)) from None
 
 
 def _all_problems(draft: Draft) -> list[Problem]:
@@ -99,8 +77,28 @@ def _study(path: Path, draft: Draft) -> Study:
         profile=file.profile,
         schedule=file.schedule,
         simulation=file.simulation,
+        scoring=_scoring(file.runs),
+        discrimination=file.discrimination,
+        calibration=file.calibration,
+        runs_source=_runs_source(draft.folder, file.runs),
         results=beside(draft.folder, file.study.results or f".emg2vsa/{file.study.name}"),
         reports=beside(draft.folder, file.study.reports or f"../../reports/{file.study.name}"),
         data=data_folder(draft),
         window=file.window,
+    )
+
+
+def _scoring(table: RunsTable | None) -> RunSettings:
+    if table is None:
+        return RunSettings()
+    return RunSettings(**{each.name: getattr(table, each.name) for each in fields(RunSettings)})
+
+
+def _runs_source(folder: Path, table: RunsTable | None) -> RunsSource | None:
+    if table is None:
+        return None
+    return RunsSource(
+        root=beside(folder, table.root),
+        rig=beside(folder, table.rig) if table.rig else None,
+        camera=beside(folder, table.camera) if table.camera else None,
     )

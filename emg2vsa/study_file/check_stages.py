@@ -28,6 +28,8 @@ def stage_problems(draft: Draft) -> Iterator[Problem]:
         yield from _new_specimen(draft, draft.profile)
     if draft.schedule:
         yield from _schedule(draft, draft.schedule)
+    if draft.runs:
+        yield from _rising(draft.runs.force_n, ("runs", "force_n"))
     if draft.simulation:
         yield from _simulation(draft, draft.simulation)
 

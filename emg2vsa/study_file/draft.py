@@ -10,8 +10,10 @@ from typing import Any, TypeVar, get_type_hints
 
 from emg2vsa.settings import (
     PAPER,
+    CalibrationSettings,
     ChannelSettings,
     CocontractionSettings,
+    DiscriminationSettings,
     FilterSettings,
     FitSettings,
     HypothesisSettings,
@@ -25,6 +27,7 @@ from emg2vsa.study_file.tables import (
     FileTable,
     ParticipantsTable,
     RecordingsTable,
+    RunsTable,
     SpecimenTable,
     StudyFile,
     StudyTable,
@@ -57,6 +60,9 @@ class Draft:
     hypotheses: HypothesisSettings | None = None
     profile: ProfileSettings | None = None
     schedule: ScheduleSettings | None = None
+    runs: RunsTable | None = None
+    discrimination: DiscriminationSettings | None = None
+    calibration: CalibrationSettings | None = None
     simulation: SimulationSettings | None = None
 
     @property

@@ -1,4 +1,4 @@
-"""What is wrong with a study file: the place, what was wanted, what was found, what to do."""
+"""What is wrong with a study file or a rig file: the place, what was wanted, what was found, what to do."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 
-def checked(kind: Any, value: object, at: KeyPath) -> tuple[Any, list[Problem]]:
-    """``value`` as ``kind``, and its problems.
+def checked(kind: Any, value: object, at: KeyPath, file: type = StudyFile) -> tuple[Any, list[Problem]]:
+    """``value`` as ``kind``, a table of ``file``, and its problems.
 
     With problems, what can be kept is kept: the faulty keys take their defaults, so that the checks across keys still
     see the rest. None where nothing can be kept.
@@ -66,7 +66,7 @@ def checked(kind: Any, value: object, at: KeyPath) -> tuple[Any, list[Problem]]:
         return _valid(kind, value), []
     except ValidationError as error:
         details = error.errors(include_url=False)
-    problems = _problems(kind, value, details, at)
+    problems = _problems(kind, value, details, at, file)
     if any(d["type"] == "missing" and isinstance(d["loc"][-1], str) for d in details):
         return None, problems
     try:
@@ -106,14 +106,14 @@ def _without(value: Any, paths: Iterable[KeyPath]) -> Any:
     return copy
 
 
-def _problems(kind: Any, value: Any, details: list[ErrorDetails], at: KeyPath) -> list[Problem]:
+def _problems(kind: Any, value: Any, details: list[ErrorDetails], at: KeyPath, file: type) -> list[Problem]:
     """One problem for each faulty key; the branches of a union are joined by "or"."""
     joined: dict[KeyPath, Problem] = {}
     for detail in details:
         inside = _in_data(value, detail["loc"])
         if detail["type"] == "missing":
             inside = tuple(detail["loc"])
-        problem = _problem(kind, detail, inside, at)
+        problem = _problem(kind, detail, inside, at, file)
         earlier = joined.get(problem.path)
         if earlier and earlier.wanted != problem.wanted:
             problem = Problem(problem.path, f"{earlier.wanted} or {problem.wanted}", problem.found, problem.do)
@@ -121,12 +121,12 @@ def _problems(kind: Any, value: Any, details: list[ErrorDetails], at: KeyPath) -
     return list(joined.values())
 
 
-def _problem(kind: Any, detail: ErrorDetails, inside: KeyPath, at: KeyPath) -> Problem:
+def _problem(kind: Any, detail: ErrorDetails, inside: KeyPath, at: KeyPath, file: type) -> Problem:
     path = (*at, *inside)
     if detail["type"] == "missing":
         return Problem(path, "one more entry" if isinstance(inside[-1], int) else f"a key {inside[-1]!r}", "nothing")
     if detail["type"] == "unexpected_keyword_argument":
-        return unknown_key(kind, inside, at)
+        return unknown_key(kind, inside, at, file)
     return Problem(path, _wanted(detail), shown(detail["input"]), _advice(detail))
 
 
@@ -143,12 +143,12 @@ def _advice(detail: ErrorDetails) -> str:
 _NUMBER = re.compile(r"\s*[+-]?\d+(\.\d+)?([eE][+-]?\d+)?\s*")
 
 
-def unknown_key(kind: Any, inside: KeyPath, at: KeyPath) -> Problem:
+def unknown_key(kind: Any, inside: KeyPath, at: KeyPath, file: type = StudyFile) -> Problem:
     """The problem of a key that its table does not have, with the nearest key, here or in another table."""
     key, path = str(inside[-1]), (*at, *inside)
     known = table_keys(kind, inside[:-1])
     hint = nearest(key, known, f"The keys are {', '.join(known)}.")
-    elsewhere = [table for table, keys in _keys_by_table().items() if key in keys and table not in path]
+    elsewhere = [table for table, keys in _keys_by_table(file).items() if key in keys and table not in path]
     return Problem(
         path, "a known key", repr(key), f"{hint} [{elsewhere[0]}] has a key of that name." if elsewhere else hint
     )
@@ -172,8 +172,8 @@ def _entry(kind: Any) -> Any:
 
 
 @cache
-def _keys_by_table() -> dict[str, tuple[str, ...]]:
-    kinds = {name: _bare(kind) for name, kind in get_type_hints(StudyFile).items()}
+def _keys_by_table(file: type) -> dict[str, tuple[str, ...]]:
+    kinds = {name: _bare(kind) for name, kind in get_type_hints(file).items()}
     return {name: table_keys(kind, ()) for name, kind in kinds.items() if is_dataclass(kind)}
 
 

@@ -10,14 +10,18 @@ from emg2vsa.study_file.schema import json_schema
 
 def reference() -> str:
     """The reference of the study file, as Markdown."""
-    schema = json_schema()
+    return markdown(json_schema(), _HEAD, PAPER)
+
+
+def markdown(schema: dict[str, Any], head: str, paper: dict[str, dict[str, Any]]) -> str:
+    """``head``, then every table of ``schema`` with its keys; ``paper``: what the mode of that name sets."""
     definitions = schema["definitions"]
-    lines = _HEAD.splitlines()
+    lines = head.splitlines()
     for name, described in schema["properties"].items():
         optional = "" if name in schema["required"] else " (may be left out)"
         many = described.get("type") == "array"
         lines += ["", f"## `{_heading(name, many)}`{optional}", "", described["description"], ""]
-        lines += _table(definitions, _target(described), PAPER.get(name, {}))
+        lines += _table(definitions, _target(described), paper.get(name, {}))
         lines += _inner(definitions, _target(described), name)
     return "\n".join(lines) + "\n"
 
@@ -109,6 +113,9 @@ def _kind(described: dict[str, Any]) -> str:
         each = [_kind(item) for item in items] if isinstance(items, list) else [_kind(items), "..."]
         return f"[{', '.join(each)}]"
     if kind == "object":
+        if "properties" in described:
+            names, kinds = zip(*described["properties"].items(), strict=True)
+            return f"name = {_kind(kinds[0])}, ..., with names out of {', '.join(f'`{name}`' for name in names)}"
         return f"name = {_kind(described['additionalProperties'])}, ..."
     return _KINDS[str(kind)] + _limits(described)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+from collections.abc import Sequence
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -15,13 +16,18 @@ from emg2vsa.study_file import tables
 
 
 def json_schema() -> dict[str, Any]:
-    """The schema of a study file, in Draft 4, the draft that TOML editors read."""
-    schema = TypeAdapter(tables.StudyFile).json_schema(ref_template="#/definitions/{model}")
+    """The schema of a study file."""
+    return schema_of(tables.StudyFile, (tables, settings))
+
+
+def schema_of(file: type, modules: Sequence[ModuleType]) -> dict[str, Any]:
+    """The schema of a file, in Draft 4, the draft that TOML editors read. ``modules``: where its tables are defined."""
+    schema = TypeAdapter(file).json_schema(ref_template="#/definitions/{model}")
     definitions = schema.pop("$defs")
-    docs = field_docs(settings) | field_docs(tables)
-    for name, definition in {**definitions, "StudyFile": schema}.items():
+    for name, definition in {**definitions, file.__name__: schema}.items():
+        kind = next(getattr(module, name) for module in modules if hasattr(module, name))
         for key, described in definition["properties"].items():
-            described["description"] = docs[name, key]
+            described["description"] = _doc(kind, key, modules)
     root = {"$schema": "http://json-schema.org/draft-04/schema#", **schema, "definitions": definitions}
     whole: dict[str, Any] = _draft_4(root)
     return whole
@@ -43,6 +49,12 @@ def field_docs(module: ModuleType) -> dict[tuple[str, str], str]:
     return docs
 
 
+def _doc(kind: type, key: str, modules: Sequence[ModuleType]) -> str:
+    """Text under the field, in the class itself or in the one it inherits the field from."""
+    docs = {place: text for module in modules for place, text in field_docs(module).items()}
+    return next(docs[of.__name__, key] for of in kind.__mro__ if (of.__name__, key) in docs)
+
+
 def _draft_4(node: Any) -> Any:
     """``node`` with the keywords of newer drafts written as Draft 4 has them."""
     if isinstance(node, list):
@@ -57,6 +69,11 @@ def _draft_4(node: Any) -> Any:
             new |= {bound: new[limit], limit: True}
     if "prefixItems" in node:
         new |= {"items": _draft_4(node["prefixItems"]), "additionalItems": False}
+    if "propertyNames" in node:
+        names = node["propertyNames"]["enum"]
+        del new["propertyNames"]
+        named["properties"] = dict.fromkeys(names, new["additionalProperties"])
+        new["additionalProperties"] = False
     if "const" in node:
         new["enum"] = [node["const"]]
     if "$ref" in new and len(new) > 1:

@@ -10,8 +10,10 @@ from pydantic import Field
 
 from emg2vsa.settings import (
     FORBID_UNKNOWN_KEYS,
+    CalibrationSettings,
     ChannelSettings,
     CocontractionSettings,
+    DiscriminationSettings,
     EmgChannelSettings,
     FilterSettings,
     FitSettings,
@@ -19,6 +21,7 @@ from emg2vsa.settings import (
     HypothesisSettings,
     Positive,
     ProfileSettings,
+    RunSettings,
     ScheduleSettings,
     SimulationSettings,
     WindowSettings,
@@ -128,6 +131,18 @@ class RecordingsTable:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunsTable(RunSettings):
+    """The rig's runs, and how their presses are scored. Paths are relative to the folder of the study file."""
+
+    root: Text = "runs"
+    "Folder of the runs: an emulated rig writes there, measured runs lie there."
+    rig: Text | None = None
+    "Rig file whose emulated rig makes the runs; omitted: the runs in root were measured."
+    camera: Text | None = None
+    "Camera file (camera.toml) of measured runs that have none of their own; without one areas are in pixels."
+
+
+@dataclass(frozen=True, kw_only=True)
 class StudyFile:
     """A whole study file."""
 
@@ -157,5 +172,11 @@ class StudyFile:
     "Mean trends and the new specimen."
     schedule: ScheduleSettings = field(default_factory=ScheduleSettings)
     "From co-contraction to actuator stiffness."
+    runs: RunsTable | None = None
+    "The rig's runs; omitted: the study ends with the schedules."
+    discrimination: DiscriminationSettings = field(default_factory=DiscriminationSettings)
+    "The tests on contact areas and spread rates."
+    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
+    "From spread rate to stiffness."
     simulation: SimulationSettings | None = None
     "The synthetic study; omitted: the study cannot be simulated."

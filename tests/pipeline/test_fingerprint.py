@@ -22,7 +22,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     )
     (folder / "deep.py").write_text("K = 2\n")
     (folder / "other.py").write_text("Y = 1\n")
-    monkeypatch.setattr(fingerprint, "_package_folder", lambda: folder)
+    monkeypatch.setattr(fingerprint, "_package_folder", lambda package: folder)
     return folder
 
 

@@ -17,7 +17,8 @@ Motors = tuple[float, float]
 
 _ARRIVED_RAD = 1e-9
 _STEPS = 200
-_SOLVED_RAD = 1e-13
+_SOLVED_RAD = 1e-8
+"""A step of Newton's so small is the last: as they converge, the one after it would be below 1e-13."""
 
 
 class Joint(Protocol):

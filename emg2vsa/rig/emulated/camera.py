@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
 
 from casr.synthetic import Scene
 from emg2vsa.errors import DeviceError
@@ -19,8 +23,25 @@ class CameraFaults:
     mute: bool = False
 
 
+class DrawnFrame(Frame):
+    """A frame that is drawn when its image is first looked at; what it shows is settled before.
+
+    scene, force_n, number : what is seen, under which normal force, and which frame it is.
+    """
+
+    def __init__(self, time_s: float, dropped: int, scene: Scene, force_n: float, number: int) -> None:
+        # a frozen dataclass; the image is left to the property below
+        self.__dict__.update(time_s=time_s, dropped=dropped, _drawn_from=(scene, force_n, number))
+
+    @cached_property
+    def image(self) -> NDArray[np.uint8]:  # type: ignore[override]
+        """(H, W) grey levels."""
+        scene, force_n, number = self.__dict__["_drawn_from"]
+        return scene.image(force_n, number)
+
+
 class EmulatedCamera:
-    """Frames on the clock, drawn when they are asked for.
+    """Frames on the clock, drawn when they are looked at.
 
     Parameters
     ----------
@@ -36,7 +57,9 @@ class EmulatedCamera:
         self.shape = (scene.settings.camera.height_px, scene.settings.camera.width_px)
         self.faults = CameraFaults()
         self.dropped = 0
-        self._scene, self._force_n, self._clock, self._rate_hz = scene, force_n, clock, rate_hz
+        self.scene = scene
+        "What it sees; may be exchanged between two frames."
+        self._force_n, self._clock, self._rate_hz = force_n, clock, rate_hz
         self._started_s = self._newest_s = 0.0
         self._exposed = self._missing = 0
 
@@ -61,13 +84,13 @@ class EmulatedCamera:
     def exposed(self) -> list[Frame]:
         """Frames since the last call, oldest first, if any."""
         now_s = self._clock.now_s()
-        frames = []
+        frames: list[Frame] = []
         while (time_s := self._started_s + self._exposed / self._rate_hz) <= now_s + 1e-9:
             if self._is_lost():
                 self._missing += 1
             else:
-                image = self._scene.image(self._force_n(time_s), self._exposed)
-                frames.append(Frame(time_s, image, self._missing))
+                force_n = self._force_n(time_s)
+                frames.append(DrawnFrame(time_s, self._missing, self.scene, force_n, self._exposed))
                 self.dropped += self._missing
                 self._newest_s, self._missing = time_s, 0
             self._exposed += 1

@@ -26,6 +26,10 @@ class Probe:
         """Way down from where the shaft is at 0."""
         return shaft_rad * self._mm_per_rad
 
+    def above_mm(self, shaft_rad: float) -> float:
+        """Way down from there to first contact."""
+        return (self.touch_rad - shaft_rad) * self._mm_per_rad
+
     def normal_force_n(self, shaft_rad: float) -> float:
         """Force along the normal of the specimen's surface; exactly 0 without contact."""
         return self._contact.force_n(self._depth_mm(shaft_rad))
@@ -38,10 +42,12 @@ class Probe:
     def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
         """What holds the shaft back, N m, and its growth, N m/rad. The tilted guide takes the force across it."""
         depth_mm = self._depth_mm(shaft_rad)
+        if depth_mm <= 0:
+            return 0.0, 0.0
         # work along the axis is work along the normal: both the force and the indentation take a cosine
         lever_m_per_rad = self._cos * self._mm_per_rad / 1000
-        growth = self._contact.stiffness_n_per_mm(depth_mm) * self._cos * self._mm_per_rad
-        return self._contact.force_n(depth_mm) * lever_m_per_rad, growth * lever_m_per_rad
+        force_n, growth_n_per_mm = self._contact.resistance(depth_mm)
+        return force_n * lever_m_per_rad, growth_n_per_mm * self._cos * self._mm_per_rad * lever_m_per_rad
 
     def _depth_mm(self, shaft_rad: float) -> float:
         return (shaft_rad - self.touch_rad) * self._mm_per_rad * self._cos

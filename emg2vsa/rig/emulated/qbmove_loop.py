@@ -70,7 +70,7 @@ class Loop:
         on = self.current.on
         powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
         still = self.motors.step(ticks, current, shadow, powered)
-        settled = self.old == self.current == self.new
+        settled = self.old is self.current is self.new
         self.old, self.current = self.current, self.new
         return still and settled
 

@@ -63,14 +63,15 @@ class Motors:
 
     def step(self, references: Pair, memory: Memory, scale: Memory, powered: tuple[bool, bool]) -> bool:
         """One millisecond; True when another would change nothing. ``scale``: the settings that encoders obey."""
-        before = (*self._seen, *self._at, *self.pwm)
+        still = True
         for motor in (0, 1):
             seen = self._reading(motor, scale)
             wanted = self._pwm(motor, references[motor], seen, memory) if powered[motor] else 0
-            self.pwm[motor] = self._rate_limited(wanted, self.pwm[motor], memory) if self._limits_rate else wanted
-            self._seen[motor] = seen
-            self._at[motor] += self._full_step * self.pwm[motor] / PWM_MOST
-        return before == (*self._seen, *self._at, *self.pwm)
+            pwm = self._rate_limited(wanted, self.pwm[motor], memory) if self._limits_rate else wanted
+            still = still and pwm == self.pwm[motor] == 0 and seen == self._seen[motor]
+            self.pwm[motor], self._seen[motor] = pwm, seen
+            self._at[motor] += self._full_step * pwm / PWM_MOST
+        return still
 
     def currents_ma(self) -> Pair:
         """Motor currents, with the sign of the PWM."""

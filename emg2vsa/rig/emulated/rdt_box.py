@@ -7,12 +7,12 @@ a second; bias is not answered. The noise is a guess.
 from __future__ import annotations
 
 import math
-import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import add, gt, mul, sub, truediv
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from emg2vsa.rig.rdt_packets import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
@@ -20,6 +20,9 @@ INTERNAL_RATE_HZ = 7000
 NETBOX_SATURATED = 0x80020000
 AXIA_OUT_OF_RANGE = 0xC0000000
 Client = Callable[[bytes, float], None]
+_LEAST, _MOST = -(2**31), 2**31 - 1
+_NOISE_BLOCK = 256
+"Draws made at once; the records come out the same for any number."
 
 
 @dataclass(frozen=True)
@@ -91,16 +94,16 @@ class RdtBox:
     settings : how it is set up.
     """
 
-    def __init__(self, wrench: Callable[[float], ArrayLike], settings: BoxSettings | None = None) -> None:
+    def __init__(self, wrench: Callable[[float], Sequence[float] | NDArray[np.float64]], settings: BoxSettings | None = None) -> None:
         self.settings = s = settings or BoxSettings()
         self.faults = BoxFaults()
         self._wrench = wrench
-        self._size = np.repeat([s.n_per_unit, s.nm_per_unit], 3)
-        self._counts_per_unit = np.repeat([s.counts_per_force, s.counts_per_torque], 3).astype(np.float64)
-        self._noise = np.repeat(s.noise, 3)
-        self._rng = np.random.default_rng(s.seed)
+        # plain numbers: six at a time are too few for arrays to pay
+        self._size = [s.n_per_unit] * 3 + [s.nm_per_unit] * 3
+        self._counts_per_unit = [s.counts_per_force] * 3 + [s.counts_per_torque] * 3
+        self._noise = _noise(s)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
-        self._bias = np.zeros(6)
+        self._bias = [0.0] * 6
         self._skipped = 0
         self._stream: _Stream | None = None
         self._held: bytes | None = None
@@ -143,18 +146,17 @@ class RdtBox:
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
         """Status word and the six counts at a time."""
         load = self._load(time_s)
-        out_of_range = self.faults.saturated or any(map(operator.gt, map(abs, load), self.settings.rating))
+        out_of_range = self.faults.saturated or True in map(gt, map(abs, load), self.settings.rating)
         if not self.faults.stuck:
-            noisy = load - self._bias + self._noise * self._rng.standard_normal(6)
-            whole = np.rint(noisy * self._counts_per_unit)
+            quiet = map(sub, load, self._bias)
+            noisy = map(mul, map(add, quiet, next(self._noise)), self._counts_per_unit)
             # beyond 32 bits means far out of range, which the status tells
-            self._counts = tuple(np.clip(whole, -(2**31), 2**31 - 1).astype(int).tolist())
+            self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
         return self._alarm if out_of_range else 0, self._counts
 
-    def _load(self, time_s: float) -> NDArray[np.float64]:
-        """(6,) load in the box's units, before bias."""
-        load: NDArray[np.float64] = np.asarray(self._wrench(time_s), dtype=np.float64) / self._size
-        return load
+    def _load(self, time_s: float) -> list[float]:
+        """Six loads in the box's units, before bias."""
+        return list(map(truediv, self._wrench(time_s), self._size))
 
     def _measure(self, stream: _Stream) -> None:
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
@@ -181,3 +183,11 @@ class RdtBox:
             if self._held is not None:
                 stream.client(self._held, stream.next_s)
                 self._held, faults.swap = None, faults.swap - 1
+
+
+def _noise(settings: BoxSettings) -> Iterator[list[float]]:
+    """Noise of the six counts, in the box's units, record by record."""
+    rng = np.random.default_rng(settings.seed)
+    size = np.repeat(settings.noise, 3)
+    while True:
+        yield from (size * rng.standard_normal((_NOISE_BLOCK, 6))).tolist()

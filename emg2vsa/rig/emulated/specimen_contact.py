@@ -37,4 +37,9 @@ class SpecimenContact:
 
     def stiffness_n_per_mm(self, depth_mm: float) -> float:
         """Growth of the force per indentation."""
-        return self._power * self.force_n(depth_mm) / depth_mm if depth_mm > 0 else 0.0
+        return self.resistance(depth_mm)[1]
+
+    def resistance(self, depth_mm: float) -> tuple[float, float]:
+        """Force and its growth."""
+        force_n = self.force_n(depth_mm)
+        return force_n, self._power * force_n / depth_mm if depth_mm > 0 else 0.0

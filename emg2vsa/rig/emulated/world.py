@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +22,26 @@ from emg2vsa.rig.emulated.world_settings import WorldSettings
 
 STEP_S = 1e-3
 """Longest step while something moves."""
+CLEAR_MM = 1.0
+"""A probe so far off the specimen has ended its press: nobody asks for times in contact any more."""
 
 
 class World:
     """Begins at the clock's time, shaft at 0; the first motors that are told find the shaft at rest between them."""
 
-    def __init__(self, clock: Clock, settings: WorldSettings | None = None) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        settings: WorldSettings | None = None,
+        *,
+        next_press: Callable[[int], WorldSettings] | None = None,
+    ) -> None:
+        """``next_press``: probe and specimen for press number 1, 2, ..., put in place as soon as the press before is
+        ``CLEAR_MM`` behind; actuator and gear stay. Without it all presses are alike."""
         self.settings = settings or WorldSettings()
+        self.press = 0
+        "Which press comes or goes on."
+        self._next_press, self._touched = next_press, False
         self._probe = Probe(self.settings)
         self._joint = _joint(self.settings)
         self._path = ShaftPath(clock.now_s(), 0.0)
@@ -73,6 +87,7 @@ class World:
         if before_rad is None or motors_rad is None:
             self._path.append(until_s, self._path.end_rad)
             return
+        self._change_press()
         steps = max(1, math.ceil((until_s - start_s) / STEP_S - 1e-6))
         step_s = (until_s - start_s) / steps
         for k in range(1, steps + 1):
@@ -82,6 +97,16 @@ class World:
                 self._path.append(until_s, angle_rad)
                 return
             self._path.append(until_s if k == steps else start_s + k * step_s, angle_rad)
+
+
+    def _change_press(self) -> None:
+        above_mm = self._probe.above_mm(self._path.end_rad)
+        if above_mm < 0:
+            self._touched = True
+        elif self._touched and above_mm > CLEAR_MM and self._next_press:
+            self.press, self._touched = self.press + 1, False
+            self.settings = self._next_press(self.press)
+            self._probe = Probe(self.settings)
 
 
 def _joint(settings: WorldSettings) -> Joint:

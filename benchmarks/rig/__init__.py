@@ -1,0 +1,1 @@
+"""The rig's fault matrix and the timing of its loop."""

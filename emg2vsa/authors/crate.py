@@ -1,0 +1,110 @@
+"""The package as a research object: RO-Crate 1.1 metadata (https://w3id.org/ro/crate/1.1)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from urllib.parse import quote, unquote
+
+import emg2vsa
+from emg2vsa.authors.contents import description, encoding_format
+
+METADATA = "ro-crate-metadata.json"
+SPECIFICATION = "https://w3id.org/ro/crate/1.1"
+CONTEXT = [f"{SPECIFICATION}/context", {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}]
+"""RO-Crate 1.1 has no word for a checksum; the one of Workflow Run RO-Crate is declared beside its own."""
+UNPUBLISHED = "1980-01-01"
+"""Stands for the date of publication, which the specification demands, until the author says it."""
+UNLICENSED = "No licence has been chosen yet; all rights remain with the authors."
+
+_RUN = "emg2vsa report --paper"
+
+Entity = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Publication:
+    """What only the author knows. date : YYYY-MM-DD. licence : an address, or a sentence."""
+
+    date: str = UNPUBLISHED
+    licence: str = UNLICENSED
+
+
+def metadata(
+    name: str,
+    about: str,
+    files: Mapping[str, bytes],
+    inputs: Mapping[str, str],
+    libraries: Mapping[str, str],
+    publication: Publication,
+) -> str:
+    """``ro-crate-metadata.json`` of ``files`` (name to content).
+
+    inputs : path of a recording, beside the study file, to its SHA-256. libraries : name to version.
+    """
+    parts = [_file(path, files[path]) for path in sorted(files)]
+    taken = [_input(path, sha256) for path, sha256 in sorted(inputs.items())]
+    software = [_software("emg2vsa", emg2vsa.__version__), *(_software(*item) for item in sorted(libraries.items()))]
+    run: Entity = {
+        "@id": "#run", "@type": "CreateAction", "name": _RUN,
+        "description": "From recordings to fits, tests, profiles, schedules, tables, figures and numbers; "
+        "provenance.json says step by step which number came from which step and inputs.",
+        "instrument": _links(software), "object": [*_links(taken), {"@id": "study.toml"}],
+        "result": [link for link in _links(parts) if link["@id"] != "study.toml"],
+    }  # fmt: skip
+    root: Entity = {
+        "@id": "./", "@type": "Dataset", "name": name, "description": about, "datePublished": publication.date,
+        "license": {"@id": publication.licence} if _is_address(publication.licence) else publication.licence,
+        "hasPart": _links(parts), "mentions": {"@id": "#run"},
+    }  # fmt: skip
+    graph = [_descriptor(), root, *_licence(publication.licence), *parts, run, *software, *taken]
+    return json.dumps({"@context": CONTEXT, "@graph": graph}, indent=1, ensure_ascii=False) + "\n"
+
+
+def parts_of(text: str) -> list[str]:
+    """Names of the files of a package with this metadata. ValueError, KeyError, TypeError : it is no such metadata."""
+    entities = {entity["@id"]: entity for entity in json.loads(text)["@graph"]}
+    if entities["#run"]["name"] != _RUN:
+        raise ValueError("the metadata of another research object")
+    return [METADATA, *(unquote(part["@id"]) for part in entities["./"]["hasPart"])]
+
+
+def _descriptor() -> Entity:
+    return {
+        "@id": METADATA, "@type": "CreativeWork", "conformsTo": {"@id": SPECIFICATION}, "about": {"@id": "./"},
+    }  # fmt: skip
+
+
+def _file(path: str, data: bytes) -> Entity:
+    return {
+        "@id": quote(path), "@type": "File", "name": path, "description": description(path),
+        "encodingFormat": encoding_format(path), "contentSize": str(len(data)),
+        "sha256": hashlib.sha256(data).hexdigest(),
+    }  # fmt: skip
+
+
+def _input(path: str, sha256: str) -> Entity:
+    # a recording is named, not packed: it is no File of the crate
+    return {
+        "@id": f"#input/{quote(path)}", "@type": "CreativeWork", "name": path,
+        "description": "Input of the run, beside the study file; not in this archive", "sha256": sha256,
+    }  # fmt: skip
+
+
+def _software(name: str, version: str) -> Entity:
+    return {"@id": f"#software/{name}", "@type": "SoftwareApplication", "name": name, "softwareVersion": version}
+
+
+def _licence(licence: str) -> list[Entity]:
+    said = "Licence of this package"
+    return [{"@id": licence, "@type": "CreativeWork", "name": licence, "description": said}] * _is_address(licence)
+
+
+def _is_address(text: str) -> bool:
+    return text.startswith(("https://", "http://"))
+
+
+def _links(entities: list[Entity]) -> list[dict[str, object]]:
+    return [{"@id": entity["@id"]} for entity in entities]

@@ -1,0 +1,99 @@
+"""The authors' package: what the report found, laid out for a paper and for a public archive."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from emg2vsa.atomic import write_bytes_atomic
+from emg2vsa.authors.archive import zip_bytes
+from emg2vsa.authors.crate import METADATA, Publication, metadata, parts_of
+from emg2vsa.authors.documents import proof, readme
+from emg2vsa.authors.lineage import Lineage, lineage
+from emg2vsa.errors import DataError
+from emg2vsa.pipeline.manifest import manifest_files
+from emg2vsa.pipeline.plan import Board
+from emg2vsa.report.numbers_files import macro_names
+from emg2vsa.report.units import unit_of
+from emg2vsa.study import Study
+
+SUPPLEMENT = "supplement.zip"
+_FOR_SCREENS = {".html", ".svg", ".png"}
+_SIMULATED = "The recordings were simulated: these numbers are no evidence about people."
+
+
+def write_package(board: Board, folder: Path, publication: Publication) -> list[Path]:
+    """Write the package of a study whose report is up to date into ``folder``; its files.
+
+    The bytes depend on the results and ``publication`` alone. Whatever the report offers enters: each of its numbers,
+    tables, figures and schedules. DataError : the folder holds something that is no such package.
+    """
+    old = _files_of_earlier(folder)
+    files = _files(board, publication)
+    files[SUPPLEMENT] = zip_bytes(files)
+    for name in old - set(files):
+        (folder / name).unlink(missing_ok=True)
+    for name, data in files.items():
+        write_bytes_atomic(folder / name, data)
+    return [folder / name for name in sorted(files)]
+
+
+def _files(board: Board, publication: Publication) -> dict[str, bytes]:
+    study, files = board.study, _from_report(board)
+    found = json.loads(files["results.json"])
+    traced = lineage(board, found)
+    files["study.toml"] = study.path.read_bytes()
+    files["results.csv"] = _results_csv(found, traced).encode()
+    files["provenance.json"] = traced.json().encode()
+    files["proof.tex"] = proof(study.title, files).encode()
+    about = _SIMULATED if found["study.truth_found"] else "The recordings are taken as made with people."
+    files["README.txt"] = readme(study.name, study.title, about, files).encode()
+    described = f"Numbers, tables, figures and schedules of the study {study.name}, for a paper. {about}"
+    inputs = _sha256(study, traced.inputs)
+    crate = metadata(study.title, described, files, inputs, traced.libraries, publication)
+    return files | {METADATA: crate.encode()}
+
+
+def _from_report(board: Board) -> dict[str, bytes]:
+    paths = [path for path in manifest_files(board.result("report/study")) if path.suffix not in _FOR_SCREENS]
+    return {Path(os.path.relpath(path, board.study.reports)).as_posix(): path.read_bytes() for path in paths}
+
+
+def _results_csv(found: Mapping[str, object], traced: Lineage) -> str:
+    text, names = io.StringIO(), macro_names(list(found))
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["key", "value", "unit", "macro", "steps"])
+    for key, value in found.items():
+        shown = "" if value is None else json.dumps(value) if not isinstance(value, str) else value
+        writer.writerow([key, shown, unit_of(key), f"\\{names[key]}", " ".join(traced.numbers[key])])
+    return text.getvalue()
+
+
+def _sha256(study: Study, paths: Mapping[str, str]) -> dict[str, str]:
+    found = {}
+    for path in paths:
+        file = study.path.parent / path
+        if file.is_file():
+            with file.open("rb") as opened:
+                found[path] = hashlib.file_digest(opened, "sha256").hexdigest()
+    return found
+
+
+def _files_of_earlier(folder: Path) -> set[str]:
+    """What an earlier package in this folder holds; a folder with anything but a package is left alone."""
+    if not folder.exists() or not any(folder.iterdir()):
+        return set()
+    try:
+        names = parts_of((folder / METADATA).read_text())
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DataError(
+            folder, wanted="an empty folder, or one that holds an earlier authors' package", found="other files",
+            do="Choose another with --out.",
+        ) from error  # fmt: skip
+    inside = folder.resolve()
+    return {name for name in names if (folder / name).resolve().is_relative_to(inside)}

@@ -1,0 +1,166 @@
+"""Two cues of one touch, weighed by their variances: how the contact spreads (CASR), and how the force rises as the
+probe goes in.
+
+The kinesthetic score of a press is the slope of force over indentation, N/mm. Its inverse, mm/N, goes as E*^(-2/3) in a
+Hertz contact, exactly as CASR does, so the compliance law calibrates both (``forms``).
+
+Both scores come from the same presses and the same force sensor, and are correlated. Estimates are combined as
+logarithms of kappa by the best linear unbiased weights for correlated errors,
+
+    w = (v_k - c) / (v_c + v_k - 2 c),
+
+with the variances v of the two estimates and their covariance c from the correlation of the two scores within specimens.
+With a strong correlation w can lie outside 0 to 1, where the fused value lies outside both cues on the strength of that
+correlation alone (Lyons, Gibaut and Clifford 1988, Nuclear Instruments and Methods A 270, 110): the better cue is taken
+then. The two cues must agree: their difference over its standard error is tested, chi-square of one degree of freedom for
+known variances and here, for estimated ones, the square of Student's t.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import special
+
+from emg2vsa.arrays import Floats
+from emg2vsa.calibration.calibrate import Calibration, calibrate
+from emg2vsa.calibration.forms import kappa_slope
+from emg2vsa.calibration.presses import mean_of
+from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval, side_by_side
+from emg2vsa.settings import CalibrationSettings
+
+DISAGREE_P = 0.05
+
+
+@dataclass(frozen=True)
+class Fusion:
+    """d fused estimates; (d,), NaN where undefined.
+
+    kappa, low, high : N/mm, the fused estimate and its interval. se : of ln kappa. df : of se.
+    weight : of the cutaneous cue, 0 to 1. correlation : of the two scores of a press, within specimens.
+    chi2, p : squared difference of the cues over its variance, and its p. cutaneous, kinesthetic : kappa by each alone.
+    """
+
+    kappa: Floats
+    low: Floats
+    high: Floats
+    se: Floats
+    df: Floats
+    weight: Floats
+    correlation: Floats
+    chi2: Floats
+    p: Floats
+    cutaneous: RepeatInterval
+    kinesthetic: RepeatInterval
+
+    def notes(self, i: int = 0) -> tuple[str, ...]:
+        """What must be known to read fusion ``i``; cues that disagree are said."""
+        if np.isnan(self.kappa[i]):
+            return ("undefined: one of the two cues gives no stiffness",)
+        notes: tuple[str, ...] = ()
+        if self.p[i] < DISAGREE_P:
+            notes += (
+                f"the cues disagree (p = {self.p[i]:.2g}): {self.cutaneous.kappa[i]:.3g} N/mm by contact area, "
+                f"{self.kinesthetic.kappa[i]:.3g} N/mm by indentation; a law does not hold, or a sensor drifts",
+            )
+        if self.weight[i] in (0.0, 1.0):
+            notes += ("the scores are so correlated that the better cue alone is taken",)
+        return notes
+
+
+def calibrate_indentation(
+    kappa: ArrayLike,
+    indent_n_per_mm: ArrayLike,
+    settings: CalibrationSettings | None = None,
+    *,
+    specimens: tuple[str, ...] = (),
+    kappa_se: ArrayLike = 0.0,
+) -> Calibration:
+    """The kinesthetic cue's calibration, 1/kappa over (mm/N)^(3/2); arguments as in ``calibrate``, scores in N/mm."""
+    chosen = CalibrationSettings() if settings is None else settings
+    compliance = CalibrationSettings(
+        confidence=chosen.confidence, resamples=chosen.resamples, seed=chosen.seed, points=chosen.points
+    )
+    return calibrate(
+        kappa, mm_per_n(indent_n_per_mm), compliance, casr_unit="mm/N", specimens=specimens, kappa_se=kappa_se
+    )
+
+
+def mm_per_n(indent_n_per_mm: ArrayLike) -> Floats:
+    """The score of the kinesthetic cue; NaN where the force does not rise."""
+    slope = np.asarray(indent_n_per_mm, dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(slope > 0, 1 / slope, np.nan)
+
+
+def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_n_per_mm: Floats) -> Fusion:
+    """kappa of a specimen by both cues; scores (R,) or (d, R), of the same presses in the same order."""
+    area, depth = np.atleast_2d(casr), np.atleast_2d(mm_per_n(indent_n_per_mm))
+    c, k = repeat_interval(cutaneous, area), repeat_interval(kinesthetic, depth)
+    correlation = _correlation(side_by_side(cutaneous.casr, area), side_by_side(kinesthetic.casr, depth))
+    g_c, g_k = _per_press(cutaneous, c), _per_press(kinesthetic, k)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shared = np.minimum(c.n, k.n)
+        of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n), axis=1)
+        logs = _log_slope(cutaneous, c) * _log_slope(kinesthetic, k)
+        covariance = of_presses + logs * np.sum(c.kappa_step * k.kappa_step, axis=1)
+        v_c, v_k = _of_log(cutaneous, c), _of_log(kinesthetic, k)
+        apart = v_c + v_k - 2 * covariance
+        weight = np.clip((v_k - covariance) / apart, 0.0, 1.0)
+        variance = weight**2 * v_c + (1 - weight) ** 2 * v_k + 2 * weight * (1 - weight) * covariance
+        df = np.minimum(c.df, k.df)
+        middle = weight * np.log(c.kappa) + (1 - weight) * np.log(k.kappa)
+        reach = special.stdtrit(df, 0.5 + 0.5 * cutaneous.settings.confidence) * np.sqrt(variance)
+        chi2 = np.log(c.kappa / k.kappa) ** 2 / apart
+        p = 2 * special.stdtr(df, -np.sqrt(chi2))
+    return Fusion(
+        kappa=np.exp(middle),
+        low=np.exp(middle - reach),
+        high=np.exp(middle + reach),
+        se=np.sqrt(variance),
+        df=df,
+        weight=weight,
+        correlation=correlation,
+        chi2=chi2,
+        p=p,
+        cutaneous=c,
+        kinesthetic=k,
+    )
+
+
+def _per_press(calibration: Calibration, found: RepeatInterval) -> Floats:
+    """How far one standard deviation of a single press of each specimen would move ln kappa (d, S + 1), with sign."""
+    return found.gradient * np.sqrt(found.press_variance) * _log_slope(calibration, found)[:, None]
+
+
+def _of_log(calibration: Calibration, found: RepeatInterval) -> Floats:
+    return (found.eta_se * _log_slope(calibration, found)) ** 2
+
+
+def _log_slope(calibration: Calibration, found: RepeatInterval) -> Floats:
+    """d ln kappa / d eta (d,)."""
+    return np.asarray(kappa_slope(calibration.settings.law, found.kappa) / found.kappa)
+
+
+def _correlation(first: Floats, second: Floats) -> Floats:
+    """Correlation (d,) of two scores (d, S, R) of the same presses about their specimens' means; 0 for fewer than four.
+
+    Every specimen counts alike: its deviations are taken in its own standard deviations.
+    """
+    both = np.isfinite(first) & np.isfinite(second)
+    a, b = (_standardised(np.where(both, scores, np.nan)) for scores in (first, second))
+    counted = np.isfinite(a) & np.isfinite(b)
+    total = np.sum(np.where(counted, a * b, 0.0), axis=(1, 2))
+    n = np.count_nonzero(counted, axis=(1, 2)) - np.count_nonzero(np.any(counted, axis=2), axis=1)
+    return np.where(n > 3, np.clip(total / np.maximum(n, 1), -1.0, 1.0), 0.0)
+
+
+def _standardised(scores: Floats) -> Floats:
+    deviation = scores - mean_of(scores)[..., None]
+    there = np.isfinite(deviation)
+    n = np.count_nonzero(there, axis=-1, keepdims=True)
+    squares = np.sum(np.where(there, deviation, 0.0) ** 2, axis=-1, keepdims=True)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(deviation / np.sqrt(np.where((n > 1) & (squares > 0), squares / (n - 1), np.nan)))

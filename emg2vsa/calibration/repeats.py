@@ -1,0 +1,114 @@
+"""An interval on kappa from the noise that repeated presses show, where the residuals of the fit are too few to tell.
+
+Three specimens and two parameters leave one residual, whose t quantile is 12.7. The noise is known far better than
+that: every specimen was pressed ten times. To first order the estimate on the axis of the law is
+
+    eta = sum over known specimens of g_s mean_s + g_new mean_new + sum of h_s kappa_s,
+
+with the slopes g, h of ``sensitivity``, so that
+
+    var(eta) = sum g_s^2 s_s^2 / n_s + g_new^2 s_new^2 / n_new + sum h_s^2 se(kappa_s)^2.
+
+s_s is the standard deviation of the presses of specimen s: soft specimens scatter less than stiff ones, and one pooled
+value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
+(1946). A law that does not hold is not in it; ``left_out`` tests that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.calibration.calibrate import Calibration
+from emg2vsa.calibration.forms import kappa_of, kappa_slope
+from emg2vsa.calibration.presses import mean_of
+from emg2vsa.calibration.sensitivity import by_kappa, by_mean_score
+from emg2vsa.settings import Law
+
+
+@dataclass(frozen=True)
+class RepeatInterval:
+    """d estimates; (d,), NaN where undefined.
+
+    kappa : N/mm. eta, eta_se : on the axis of the law. df : of eta_se. low, high : N/mm; high is infinite where the
+    interval on 1/kappa reaches 0: the specimen may be rigid for all that the score says.
+    gradient : (d, S + 1) d eta / d mean score, of the known specimens and the new one. press_variance : (d, S + 1) of
+    a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for one standard error of each known kappa.
+    """
+
+    kappa: Floats
+    eta: Floats
+    eta_se: Floats
+    df: Floats
+    low: Floats
+    high: Floats
+    gradient: Floats
+    press_variance: Floats
+    n: Ints
+    kappa_step: Floats
+
+    def p_of(self, law_eta: Floats) -> Floats:
+        """Two-sided p (d,) of the true eta being ``law_eta``."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(2 * special.stdtr(self.df, -np.abs(self.eta - law_eta) / self.eta_se))
+
+
+def within(scores: Floats) -> tuple[Floats, Ints]:
+    """Variance of a single press (d, S) from presses (d, S, R), NaN where it was not repeated, and presses (d, S)."""
+    there = np.isfinite(scores)
+    n = np.count_nonzero(there, axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        squares = np.sum(np.where(there, scores - mean_of(scores)[..., None], 0.0) ** 2, axis=-1)
+        return np.where(n > 1, squares / (n - 1), np.nan), n
+
+
+def repeat_interval(calibration: Calibration, scores: Floats, *, own_noise: bool = True) -> RepeatInterval:
+    """The estimate from scores (d, R) of the new specimen, NaN where there is none, and its interval.
+
+    own_noise : False takes the variance of the new specimen's presses from those of the known ones, pooled. That is done
+    anyway for a specimen that was pressed once.
+    """
+    law, confidence = calibration.settings.law, calibration.settings.confidence
+    variance, freedom, n = _noise(side_by_side(calibration.casr, scores), own_noise)
+    mean = mean_of(scores)
+    eta = calibration.fit.eta(mean[:, None])[:, 0]
+    kappa = kappa_of(law, eta)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        own = calibration.fit.steepness(mean[:, None]) / kappa_slope(law, kappa[:, None])
+        gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
+        of_presses = gradient**2 * variance / n
+        kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
+        eta_se = np.sqrt(np.sum(of_presses, axis=1) + np.sum(kappa_step**2, axis=1))
+        df = eta_se**4 / np.sum(of_presses**2 / freedom, axis=1)
+        reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
+    low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
+    return RepeatInterval(kappa, eta, eta_se, df, low, high, gradient, variance, n, kappa_step)
+
+
+def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
+    """Variance of a single press (d, S + 1), its degrees of freedom (d, S + 1), and presses; the new specimen is last."""
+    variance, n = within(scores)
+    known = np.isfinite(variance)
+    if not own_noise:
+        known[:, -1] = False
+    freedom = np.where(known, n - 1.0, 0.0)
+    total = np.sum(freedom, axis=1, keepdims=True)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        pooled = np.sum(np.where(known, freedom * variance, 0.0), axis=1, keepdims=True) / total
+    return np.where(known, variance, pooled), np.where(known, freedom, total), n
+
+
+def _end(law: Law, eta: Floats) -> Floats:
+    kappa = kappa_of(law, eta)
+    return np.where(eta <= 0, np.inf, kappa) if law == "compliance" else kappa
+
+
+def side_by_side(known: Floats, new: Floats) -> Floats:
+    """(d, S + 1, R), padded with NaN to as many presses as the longer one has."""
+    d, s, r = known.shape
+    whole = np.full((d, s + 1, max(r, new.shape[1])), np.nan)
+    whole[:, :s, :r], whole[:, s, : new.shape[1]] = known, new
+    return whole

@@ -1,0 +1,87 @@
+"""``emg2vsa rig dry-run``: may the rig do it, and what would it do? Nothing is sent."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
+
+if TYPE_CHECKING:
+    from emg2vsa.rig.dry_run import DryRun, Leg
+    from emg2vsa.rig.plan import RunPlan
+    from emg2vsa.rig.rig_settings import RigSettings
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "dry-run",
+        run,
+        "Check runs against the limits of the rig file, and list what they would send; no device is opened.",
+        "Exit status 0: the rig may do all of them; 1: some break a limit; 2: rig file or schedules are unusable. "
+        "The device has limits of its own, which emg2vsa rig run reads and checks before it moves.",
+    )
+    add_rig(parser)
+    add_choice(parser)
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.rig.experiment import run_name
+    from emg2vsa.rig_file import load_rig
+    from emg2vsa.rig_file.plans import plans_of
+
+    file = load_rig(arguments.rig)
+    runs = runs_chosen(arguments, file)
+    told = {run_name(*one): _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
+    if arguments.json:
+        print_json({"limits": _limits(file.rig), "runs": {name: _document(found) for name, found in told.items()}})
+    else:
+        print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
+        for name, found in told.items():
+            print(f"\n{name}: " + (f"not possible. {found}" if isinstance(found, str) else _table(found)))
+        seconds = sum(found.at_most_s for found in told.values() if not isinstance(found, str))
+        print(f"\n{len(told)} runs, at most {seconds / 60:.1f} min; nothing was sent")
+    return int(any(isinstance(found, str) for found in told.values()))
+
+
+def _tried(plan: RunPlan, rig: RigSettings) -> DryRun | str:
+    from emg2vsa.errors import InputError
+    from emg2vsa.rig.dry_run import dry_run
+
+    try:
+        return dry_run(plan, rig)
+    except InputError as error:
+        return str(error)
+
+
+def _limits(rig: RigSettings) -> dict[str, str]:
+    from emg2vsa.actuator import ticks_of_percent
+
+    low, high = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
+    percent = "{:g} to {:g} %".format(*rig.stiffness_percent)
+    return {
+        "positions": "{} to {} ticks".format(*rig.position_ticks),
+        "presets": f"{low} to {high} ticks, {percent} of {rig.max_preset_ticks}",
+        "travel": f"{rig.travel_mm:g} mm, {rig.ticks_at(rig.travel_mm) - rig.home_ticks:+d} ticks from home",
+        "force": f"{rig.guards.force_n:g} N, {rig.guards.force_rate_n_per_s:g} N/s",
+    }
+
+
+def _document(found: DryRun | str) -> dict[str, Any]:
+    return {"problem": found} if isinstance(found, str) else dataclasses.asdict(found)
+
+
+def _table(found: DryRun) -> str:
+    head = f"{found.repetitions} presses, at most {found.at_most_s:.1f} s"
+    columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
+    return "\n".join([head, columns, *map(_line, found.legs)])
+
+
+def _line(leg: Leg) -> str:
+    position = "{} to {}".format(*leg.position_ticks)
+    force = "" if leg.force_n is None else "{:g} to {:g}".format(*leg.force_n)
+    return f"  {leg.phase:<10}{position:>18}{leg.preset_ticks:>15}{force:>15}{leg.at_most_s:>12.2f}"

@@ -1,0 +1,39 @@
+"""``emg2vsa rig info``: ask every device of a rig file for what it knows."""
+
+from __future__ import annotations
+
+import argparse
+from functools import partial
+
+from emg2vsa.cli.arguments import Commands, add_command
+from emg2vsa.cli.rig.choice import add_rig
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "info",
+        run,
+        "Ask every device of a rig file for its firmware, limits, parameters and readings; the motors stay as they are.",
+        "Exit status 0: all devices can be used; 1: some cannot, and why; 2: the rig file has problems.",
+    )
+    add_rig(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.cli.rig.states import board_lines, camera_lines, force_lines, said
+    from emg2vsa.rig.clock import WallClock
+    from emg2vsa.rig_file import load_rig
+
+    file, clock = load_rig(arguments.rig), WallClock()
+    devices = file.devices
+    titled = {
+        f"[{name}] {board.port}, id {board.id}": partial(board_lines, board, file.rig, clock)
+        for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
+        if board
+    }
+    titled["[force]"] = partial(force_lines, devices.force, clock)
+    if devices.camera:
+        titled[f"[camera] {devices.camera.source}"] = partial(camera_lines, devices.camera, clock)
+    good = [said(title, lines) for title, lines in titled.items()]
+    return int(not all(good))

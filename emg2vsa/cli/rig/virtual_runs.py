@@ -1,0 +1,114 @@
+"""Any number of runs on the emulated rig, side by side, in virtual time."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from emg2vsa.cli.rig.ending import summary
+from emg2vsa.errors import Emg2vsaError, SettingError
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.ended import Ended
+from emg2vsa.rig.experiment import run_name
+from emg2vsa.rig.new_folder import completed_folder, new_folder
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.plan_limits import check_plan
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig_file import RigFile
+from emg2vsa.rig_file.plans import Run, plans_of
+
+_BEFORE = "done before"
+
+
+@dataclass(frozen=True)
+class _Job:
+    plan: RunPlan
+    rig: RigSettings
+    emulated: EmulatedSettings
+    folder: Path
+
+    def __call__(self) -> Ended:
+        return run_virtual(self.plan, self.rig, self.emulated, self.folder, started=datetime.now(UTC))
+
+
+def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None, jobs: int) -> int:
+    """All ``runs`` that have not been completed; exit status.
+
+    SettingError : the rig file has no emulated rig, or a plan breaks a limit. ScheduleError : as `plans_of`.
+    """
+    if file.emulated is None:
+        do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
+        raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
+    plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
+    for plan in plans.values():
+        check_plan(plan, file.rig)
+    start = time.monotonic()
+    results: dict[Run, Ended | str] = {run: _BEFORE for run in runs if completed_folder(root, run_name(*run))}
+    waiting = {
+        run: _Job(plan, file.rig, file.emulated, new_folder(root, run_name(*run)))
+        for run, plan in plans.items()
+        if run not in results
+    }
+    for run, result in _carried_out(waiting, jobs):
+        results[run] = result
+        line = result if isinstance(result, str) else summary(result, plans[run].repetitions)
+        print(f"{len(results)}/{len(runs)} {run_name(*run)}: {line}", file=sys.stderr, flush=True)
+        if isinstance(result, Ended) and result.how == "interrupted":
+            raise KeyboardInterrupt
+    print("\n".join(_table(results, plans)))
+    ends = [result for result in results.values() if isinstance(result, Ended)]
+    minutes = sum(ended.time_s for ended in ends) / 60
+    print(f"{len(ends)} runs of {minutes:.1f} min done in {(time.monotonic() - start) / 60:.1f} min, in {root}")
+    return int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
+
+
+def _carried_out(waiting: dict[Run, _Job], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
+    """Every run and how it ended, or why there is none, in the order of their ends."""
+    if jobs == 1 or len(waiting) < 2:
+        for run, job in waiting.items():
+            yield run, _outcome(job)
+        return
+    with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=multiprocessing.get_context("spawn")) as pool:
+        futures = {pool.submit(job): run for run, job in waiting.items()}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], _outcome(future.result)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _outcome(make: Callable[[], Ended]) -> Ended | str:
+    try:
+        return make()
+    except Emg2vsaError as error:
+        return f"not run. {error}"
+    except BrokenProcessPool:
+        return "not run: its process died (out of memory, or killed)"
+
+
+def _table(results: Mapping[Run, Ended | str], plans: Mapping[Run, RunPlan]) -> Iterator[str]:
+    """Presses done, condition and angle by specimen."""
+    specimens = list(dict.fromkeys(run[0] for run in plans))
+    rows = dict.fromkeys(run[1:] for run in plans)
+    yield f"{'presses done':<22}" + "".join(f"{specimen:>14}" for specimen in specimens)
+    for angle_deg, condition in rows:
+        cells = [_cell(results, plans, (specimen, angle_deg, condition)) for specimen in specimens]
+        yield f"{condition:<15}{angle_deg:>4g} deg".ljust(22) + "".join(f"{cell:>14}" for cell in cells)
+
+
+def _cell(results: Mapping[Run, Ended | str], plans: Mapping[Run, RunPlan], run: Run) -> str:
+    if run not in plans:
+        return ""
+    result = results[run]
+    if isinstance(result, str):
+        return "done before" if result == _BEFORE else "not run"
+    return f"{result.repetitions_done}" if result.how == "completed" else f"{result.repetitions_done}, {result.cause}"

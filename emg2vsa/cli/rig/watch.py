@@ -1,0 +1,54 @@
+"""``emg2vsa rig watch``: a page in the browser that follows a run, with a stop button."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from emg2vsa.cli.arguments import Commands, add_command
+from emg2vsa.errors import SettingError
+
+_PORT = 8420
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "watch",
+        run,
+        "Show a run in the browser while it runs, with a stop button.",
+        "The page belongs to this computer and to those who have its whole address. Ctrl-C ends the page, not the run.",
+    )
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of a run, or of runs: the newest is shown")
+    parser.add_argument("--port", type=_port, default=_PORT, metavar="N", help=f"port (default: {_PORT}; 0: any free)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    folder: Path = arguments.folder.resolve()
+    if folder.exists() and not folder.is_dir():
+        do = "Choose the folder of a run, or of runs."
+        raise SettingError(folder, wanted="a folder", found="a file", do=do)
+    try:
+        from emg2vsa.live.server import serve
+        from emg2vsa.live.watch_routes import watch_routes
+    except ModuleNotFoundError as error:
+        if error.name not in ("starlette", "uvicorn"):
+            raise
+        do = 'Install it: pip install "emg2vsa[web]".'
+        raise SettingError("rig watch", wanted="the extra for web pages", found=f"no {error.name}", do=do) from error
+
+    def ready(address: str) -> None:
+        print(f"Watching {folder}" + ("" if folder.exists() else ", which is not there yet"))
+        print(f"Open {address}\nCtrl-C ends the page, not the run.", flush=True)
+
+    try:
+        serve({"watch": watch_routes(folder)}, arguments.port, ready)
+    except KeyboardInterrupt:
+        print()
+    return 0
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"wanted a port from 0 to 65535; found {text!r}")
+    return int(text)

@@ -1,0 +1,133 @@
+"""The scores of all runs in one table: designs (a condition at an angle) by specimens by presses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.errors import DataError
+from emg2vsa.runs import RunScores
+from emg2vsa.stats.clusters import in_order
+
+CONDITIONS = ("high-stiffness", "modular", "constant-min", "constant-mean", "constant-max")
+"""Rigid motor, whole human profile, and its constant levels, as runs name them (paper, section V)."""
+RIGID, HUMAN_LIKE = CONDITIONS[:2]
+
+
+@dataclass(frozen=True, eq=False)
+class RunTable:
+    """D designs of S specimens, stiffest first, of up to R presses.
+
+    conditions, angles_deg : (D,), condition by condition and angle by angle. specimens, stiffness_n_per_mm : (S,).
+    new : place of the new specimen, -1 where it was not pressed. a_c0, casr : algorithm to (D, S, R), in ``area_unit``
+    and ``area_unit``/N; NaN where there is no score. true_a_c0 : (D, S, R), NaN where nobody knows it.
+    """
+
+    conditions: tuple[str, ...]
+    angles_deg: Floats
+    specimens: tuple[str, ...]
+    stiffness_n_per_mm: Floats
+    new: int
+    area_unit: str
+    a_c0: dict[str, Floats]
+    casr: dict[str, Floats]
+    true_a_c0: Floats
+
+    @property
+    def known(self) -> list[int]:
+        """Places of the specimens other than the new one."""
+        return [i for i in range(len(self.specimens)) if i != self.new]
+
+    def design(self, condition: str, angle_deg: float) -> int:
+        """Number of a design, -1 where there is none."""
+        designs = zip(self.conditions, self.angles_deg.tolist(), strict=True)
+        return next((i for i, design in enumerate(designs) if design == (condition, angle_deg)), -1)
+
+    def of_condition(self, condition: str) -> list[int]:
+        """Numbers of the designs of a condition, by rising angle."""
+        return [i for i, name in enumerate(self.conditions) if name == condition]
+
+
+def run_table(
+    runs: Sequence[RunScores],
+    stiffness_n_per_mm: Mapping[str, float],
+    new: str,
+    true_a_c0: Mapping[str, Floats] | None = None,
+) -> RunTable:
+    """Sort ``runs`` into a table; rejected presses have no score. true_a_c0 : name of a simulated run to (R,) areas.
+
+    DataError where there is no run, a run occurs twice, units of area differ, or a specimen's stiffness is unknown:
+    without it nobody can say which of two specimens is the softer.
+    """
+    _check(runs, stiffness_n_per_mm)
+    conditions = sorted({run.condition for run in runs}, key=_place)
+    designs = [
+        (condition, angle)
+        for condition in conditions
+        for angle in sorted({run.angle_deg for run in runs if run.condition == condition})
+    ]
+    names = in_order(np.array([run.specimen for run in runs])).tolist()
+    specimens = tuple(sorted(names, key=lambda name: -stiffness_n_per_mm[name]))
+    places = [(designs.index((run.condition, run.angle_deg)), specimens.index(run.specimen)) for run in runs]
+    shape = (len(designs), len(specimens), max(run.repetitions.size for run in runs))
+    algorithms = dict.fromkeys(name for run in runs for name in run.casr)
+
+    def sorted_in(scores: Sequence[Mapping[str, Floats]], key: str | None = None) -> Floats:
+        table = np.full(shape, np.nan)
+        for run, place, of_run in zip(runs, places, scores, strict=True):
+            table[place][: run.repetitions.size] = _accepted(run, of_run, key or run.name)
+        return table
+
+    return RunTable(
+        conditions=tuple(condition for condition, _ in designs),
+        angles_deg=np.array([angle for _, angle in designs]),
+        specimens=specimens,
+        stiffness_n_per_mm=np.array([stiffness_n_per_mm[name] for name in specimens]),
+        new=specimens.index(new) if new in specimens else -1,
+        area_unit=runs[0].area_unit,
+        a_c0={name: sorted_in([run.a_c0 for run in runs], name) for name in algorithms},
+        casr={name: sorted_in([run.casr for run in runs], name) for name in algorithms},
+        true_a_c0=sorted_in([true_a_c0 or {}] * len(runs)),
+    )
+
+
+def mean_of(values: Floats) -> Floats:
+    """Mean along the last axis of the values that are there; NaN where there is none."""
+    there = np.isfinite(values)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sum(values, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
+
+
+def _accepted(run: RunScores, scores: Mapping[str, Floats], key: str) -> Floats:
+    nothing = np.full(run.repetitions.size, np.nan)
+    accepted = np.array([verdict == "ok" for verdict in run.verdicts], dtype=np.bool_)
+    return np.where(accepted, scores.get(key, nothing), np.nan)
+
+
+def _place(condition: str) -> tuple[int, str]:
+    return (CONDITIONS.index(condition) if condition in CONDITIONS else len(CONDITIONS)), condition
+
+
+def _check(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]) -> None:
+    if not runs:
+        raise DataError("runs", wanted="scored runs", found="none", do="Run the rig, or import measured runs.")
+    names = [run.name for run in runs]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise DataError(
+            "runs", wanted="every run once", found=f"{', '.join(twice)} more than once", do="Keep one folder of each."
+        )
+    units = sorted({run.area_unit for run in runs})
+    if len(units) > 1:
+        raise DataError(
+            "runs, area", wanted="one unit of area", found=" and ".join(units), do="Give all runs a camera file."
+        )
+    unknown = sorted({run.specimen for run in runs} - set(stiffness_n_per_mm))
+    if unknown:
+        raise DataError(
+            "runs, specimens", wanted="specimens of known stiffness", found=", ".join(unknown),
+            do="State their stiffness in the study file; that of the new specimen is new_stiffness_n_per_mm.",
+        )  # fmt: skip

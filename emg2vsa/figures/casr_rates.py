@@ -1,0 +1,80 @@
+"""Figures 10, 12 and 13: contact area against force with its slope, and box plots of the slopes, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from emg2vsa.arrays import Floats
+from emg2vsa.figures.boxes import draw_box
+from emg2vsa.figures.canvas import show_zero
+from emg2vsa.figures.grid import panel_grid
+from emg2vsa.figures.palette import INK, Look
+
+_MARKS = 90
+
+
+@dataclass(frozen=True)
+class RateSeries:
+    """One specimen of a row. force_n, area : (M,) frames of all presses. casr : (n,) of the presses."""
+
+    name: str
+    look: Look
+    force_n: Floats
+    area: Floats
+    casr: Floats
+
+
+def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> Figure:
+    """rows : title and specimens, stiffest first; ``unit`` of the area."""
+    figure, panels = panel_grid(len(rows), (1.15, 1), 46, (13, 2, 11, 13), (17, 12))
+    for (raw, boxes), (title, specimens) in zip(panels, rows, strict=True):
+        for series in specimens:
+            _raw(raw, series)
+        for place, series in enumerate(specimens):
+            draw_box(boxes, place, series.casr, series.look)
+        raw.set(ylabel=f"Contact area ({unit})", xlim=(0, None))
+        show_zero(raw, np.concatenate([s.area for s in specimens]) if specimens else [])
+        boxes.set_xticks(range(len(specimens)), [series.name for series in specimens])
+        boxes.set(xlim=(-0.6, len(specimens) - 0.4), ylabel=f"CASR ({unit}/N)")
+        boxes.grid(axis="x", visible=False)
+        raw.set_title(title, loc="center")
+    panels[-1][0].set_xlabel("Force (N)")
+    named = {series.name: series.look for _, specimens in rows for series in specimens}
+    figure.legend(
+        handles=[_handle(name, look) for name, look in named.items()], loc="upper center", ncols=len(named) or 1
+    )
+    return figure
+
+
+def line_of(series: RateSeries) -> tuple[float, float]:
+    """Level at 0 N and slope of the line that is drawn: the mean rate, through the mean of the frames."""
+    slope = float(np.mean(series.casr[np.isfinite(series.casr)]))
+    return float(np.mean(series.area)) - slope * float(np.mean(series.force_n)), slope
+
+
+def _raw(axes: Axes, series: RateSeries) -> None:
+    if not series.force_n.size:
+        return
+    # a step prime to the frames of a press shows all presses and all forces alike
+    every = max(1, series.force_n.size // _MARKS) | 1
+    axes.plot(
+        series.force_n[::every], series.area[::every], linestyle="none", marker=series.look.marker, markersize=2.5,
+        color=series.look.colour, alpha=0.55, markeredgewidth=0,
+    )  # fmt: skip
+    if np.isfinite(series.casr).any():
+        level, slope = line_of(series)
+        ends = np.array([series.force_n.min(), series.force_n.max()])
+        axes.plot(ends, level + slope * ends, color=series.look.colour, linestyle=series.look.dash)
+
+
+def _handle(name: str, look: Look) -> Line2D:
+    return Line2D(
+        [], [], color=look.colour, linestyle=look.dash, marker=look.marker, markeredgecolor=INK, markeredgewidth=0.4,
+        label=name,
+    )  # fmt: skip

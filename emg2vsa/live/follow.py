@@ -1,0 +1,77 @@
+"""Follow the run in a folder, or the newest of the runs below it, as it grows."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.live.ending import read_ending
+from emg2vsa.live.log_tail import LogTail
+from emg2vsa.live.run_facts import PLAN_FILE, RunFacts, read_run
+from emg2vsa.live.snapshot import Curves, Snapshot, curves_of
+from emg2vsa.live.stop_button import stop_requested
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_log import Row
+
+
+def newest_run(folder: Path) -> Path | None:
+    """``folder`` when it holds a run, else the run directly below it that began last; None when there is none yet."""
+    if (folder / PLAN_FILE).exists():
+        return folder
+    try:
+        began = [(plan.stat().st_mtime_ns, plan.parent) for plan in folder.glob(f"*/{PLAN_FILE}")]
+    except OSError:
+        return None
+    return max(began, default=(0, None))[1]
+
+
+class Follower:
+    """What one page has been shown so far.
+
+    folder : of a run or of runs; it need not be there yet.
+    now_s : seconds since 1970.
+    """
+
+    def __init__(self, folder: Path, now_s: Callable[[], float] = time.time) -> None:
+        self._folder, self._now_s = folder, now_s
+        self._run: _Run | None = None
+
+    def look(self) -> Snapshot:
+        """The present moment; its curves begin where those of the last call ended, or anew with a new run."""
+        try:
+            path = newest_run(self._folder)
+            if path is None:
+                self._run = None
+                return Snapshot()
+            if self._run is None or self._run.path != path:
+                self._run = _Run(path, *read_run(path))
+            return self._run.look(self._now_s())
+        except RecordingError as error:
+            return Snapshot(run=self._run and self._run.facts, trouble=str(error))
+
+
+class _Run:
+    """One run of those that are followed."""
+
+    def __init__(self, path: Path, facts: RunFacts, rig: RigSettings) -> None:
+        self.path, self.facts, self._rig = path, facts, rig
+        self._tail = LogTail(path / "log.csv")
+        self._row: Row | None = None
+
+    def look(self, now_s: float) -> Snapshot:
+        ended = read_ending(self.path, self.facts.repetitions)  # before the log: nothing comes after the end
+        rows = self._tail.new_rows()
+        self._row = rows[-1] if rows else self._row
+        modified_s = self._tail.modified_s()
+        return Snapshot(
+            run=self.facts,
+            curves=curves_of(rows, self._rig) if rows else Curves(),
+            phase=self._row.phase if self._row else "",
+            repetition=self._row.repetition if self._row else 0,
+            frame=f"{self._row.repetition}-{self._row.frame_index}" if self._row and self._row.frame_index >= 0 else "",
+            age_s=None if modified_s is None else max(0.0, now_s - modified_s),
+            stop_requested=stop_requested(self.path),
+            ended=ended,
+        )

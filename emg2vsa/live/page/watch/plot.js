@@ -1,0 +1,93 @@
+// Curves over the last seconds on a canvas. A curve is {values, colour, width, dash}; a level is {at, text}.
+
+const FONT = '15px system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif';
+const LEFT = 46, RIGHT = 8, TOP = 8, BOTTOM = 22;
+
+export function draw(canvas, { time, windowS, low, high, ticks, levels = [], band = null, curves }) {
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(name);
+  const context = fitted(canvas);
+  const width = canvas.clientWidth - LEFT - RIGHT, height = canvas.clientHeight - TOP - BOTTOM;
+  const end = time.length ? time[time.length - 1] : 0;
+  const x = (t) => LEFT + width * (1 + (t - end) / windowS);
+  const y = (v) => TOP + height * (1 - (v - low) / (high - low));
+
+  context.font = FONT;
+  if (band) {
+    context.fillStyle = colour("--soft");
+    context.fillRect(LEFT, y(band[1]), width, y(band[0]) - y(band[1]));
+  }
+  context.lineWidth = 1;
+  context.strokeStyle = colour("--line");
+  context.fillStyle = colour("--muted");
+  context.textBaseline = "middle";
+  context.textAlign = "right";
+  for (const tick of ticks) {
+    line(context, LEFT, y(tick), LEFT + width, y(tick));
+    context.fillText(String(tick), LEFT - 7, y(tick));
+  }
+  context.textBaseline = "bottom";
+  for (let back = 0; back < windowS; back += 5) {
+    context.textAlign = back ? "center" : "right";
+    context.fillText(back ? `−${back} s` : "now", x(end - back), canvas.clientHeight);
+  }
+  drawLevels(context, levels, y, width, colour);
+  context.save();
+  context.beginPath();
+  context.rect(LEFT, 0, width, canvas.clientHeight - BOTTOM);
+  context.clip();
+  for (const curve of curves) trace(context, time, curve, x, y, colour);
+  context.restore();
+}
+
+export function ticksBetween(low, high, count) {
+  const rough = (high - low) / count, ten = 10 ** Math.floor(Math.log10(rough));
+  const step = ten * [1, 2, 5, 10].find((factor) => ten * factor >= rough);
+  const ticks = [];
+  for (let tick = Math.ceil(low / step) * step; tick <= high + step / 1e6; tick += step) ticks.push(Number(tick.toFixed(6)));
+  return ticks;
+}
+
+function fitted(canvas) {
+  const scale = window.devicePixelRatio || 1;
+  const width = Math.round(canvas.clientWidth * scale), height = Math.round(canvas.clientHeight * scale);
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  const context = canvas.getContext("2d");
+  context.setTransform(scale, 0, 0, scale, 0, 0);
+  context.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+  return context;
+}
+
+function drawLevels(context, levels, y, width, colour) {
+  context.strokeStyle = context.fillStyle = colour("--orange");
+  context.textAlign = "left";
+  for (const { at, text } of levels) {
+    context.setLineDash([7, 5]);
+    line(context, LEFT, y(at), LEFT + width, y(at));
+    context.setLineDash([]);
+    context.fillText(text, LEFT + 6, y(at) - 2);
+  }
+}
+
+function trace(context, time, { values, colour: name, width, dash = [] }, x, y, colour) {
+  context.strokeStyle = colour(name);
+  context.lineWidth = width;
+  context.lineJoin = "round";
+  context.setLineDash(dash);
+  context.beginPath();
+  let pen = false;
+  for (let i = 0; i < time.length; i++) {
+    if (values[i] === null) { pen = false; continue; }
+    if (pen) context.lineTo(x(time[i]), y(values[i])); else context.moveTo(x(time[i]), y(values[i]));
+    pen = true;
+  }
+  context.stroke();
+  context.setLineDash([]);
+}
+
+function line(context, x0, y0, x1, y1) {
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+  context.stroke();
+}

@@ -1,0 +1,81 @@
+"""What the page shows at one moment: the newest rows as curves, and where the run is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from emg2vsa.live.ending import Ending
+from emg2vsa.live.run_facts import RunFacts
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_log import Row
+
+WINDOW_S = 15.0
+"""Length of the curves."""
+Column = list[float | None]
+
+
+@dataclass(frozen=True)
+class Curves:
+    """New samples, (n,) each, oldest first; None where a turn of the loop had none."""
+
+    time_s: Column = field(default_factory=list)
+    raw_n: Column = field(default_factory=list)
+    filtered_n: Column = field(default_factory=list)
+    preset_ticks: Column = field(default_factory=list)
+    "Commanded."
+    measured_ticks: Column = field(default_factory=list)
+    "Half the difference of the two motors, equation (8)."
+    depth_mm: Column = field(default_factory=list)
+    "Commanded."
+    shaft_mm: Column = field(default_factory=list)
+    "Measured at the output shaft, behind the springs."
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One moment."""
+
+    run: RunFacts | None = None
+    "None while there is no run."
+    curves: Curves = field(default_factory=Curves)
+    phase: str = ""
+    repetition: int = 0
+    "From 1; 0 before the first press."
+    frame: str = ""
+    "Changes with every frame; empty when there is none."
+    age_s: float | None = None
+    "Since the log last grew; None without a log."
+    stop_requested: bool = False
+    ended: Ending | None = None
+    trouble: str = ""
+    "Why the folder cannot be shown."
+
+
+def curves_of(rows: Sequence[Row], rig: RigSettings) -> Curves:
+    """Curves of the rows within ``WINDOW_S`` of the last."""
+    recent = [row for row in rows if row.time_s >= rows[-1].time_s - WINDOW_S]
+    return Curves(
+        [round(row.time_s, 4) for row in recent],
+        [_rounded(row.force_n) for row in recent],
+        [_rounded(row.filtered_n) for row in recent],
+        [row.preset_ticks for row in recent],
+        [_half_difference(row) for row in recent],
+        [_depth(row.position_ticks, rig) for row in recent],
+        [_depth(row.shaft_ticks, rig) for row in recent],
+    )
+
+
+def _half_difference(row: Row) -> float | None:
+    if row.motor_1_ticks is None or row.motor_2_ticks is None:
+        return None
+    return (row.motor_1_ticks - row.motor_2_ticks) / 2
+
+
+def _depth(ticks: int | None, rig: RigSettings) -> float | None:
+    return None if ticks is None else round(rig.depth_at(ticks), 3)
+
+
+def _rounded(force_n: float | None) -> float | None:
+    return None if force_n is None or not math.isfinite(force_n) else round(force_n, 3)

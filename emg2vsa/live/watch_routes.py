@@ -1,0 +1,65 @@
+"""The addresses of the page that watches a run."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from dataclasses import asdict
+from pathlib import Path
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.routing import BaseRoute, Mount, Route
+from starlette.staticfiles import StaticFiles
+
+from emg2vsa.errors import Emg2vsaError
+from emg2vsa.live.ending import read_ending
+from emg2vsa.live.follow import Follower, newest_run
+from emg2vsa.live.newest_frame import newest_frame
+from emg2vsa.live.stop_button import request_stop
+
+_PERIOD_S = 0.05
+_PAGE = Path(__file__).parent / "page" / "watch"
+
+
+def watch_routes(folder: Path) -> list[BaseRoute]:
+    """Page, stream of moments, newest frame and stop button for the run, or the newest of the runs, in ``folder``."""
+
+    async def stream(request: Request) -> Response:
+        return StreamingResponse(moments(Follower(folder)), media_type="text/event-stream")
+
+    def frame(request: Request) -> Response:
+        run = newest_run(folder)
+        try:
+            jpeg = newest_frame(run) if run else None
+        except Emg2vsaError as error:
+            return Response(str(error), status_code=500)
+        return Response(jpeg, media_type="image/jpeg") if jpeg else Response(status_code=204)
+
+    def stop(request: Request) -> Response:
+        run = newest_run(folder)
+        if run is None or read_ending(run, 0):
+            return JSONResponse({"error": "nothing is running"}, status_code=409)
+        try:
+            request_stop(run)
+        except OSError as error:
+            return JSONResponse({"error": error.strerror or str(error)}, status_code=500)
+        return JSONResponse({"run": run.name})
+
+    return [
+        Route("/stream", stream),
+        Route("/frame", frame),
+        Route("/stop", stop, methods=["POST"]),
+        Mount("/", StaticFiles(directory=_PAGE, html=True)),
+    ]
+
+
+async def moments(follower: Follower, period_s: float = _PERIOD_S) -> AsyncIterator[str]:
+    """Server-sent events without end, each the `Snapshot` of a moment as JSON."""
+    yield "retry: 500\n\n"
+    while True:
+        snapshot = await run_in_threadpool(follower.look)
+        yield f"data: {json.dumps(asdict(snapshot), separators=(',', ':'))}\n\n"
+        await asyncio.sleep(period_s)

@@ -1,0 +1,78 @@
+"""The numbers the paper prints in section VI, beside ours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from emg2vsa.discrimination import Discrimination
+from emg2vsa.report import paper_runs
+from emg2vsa.report.p_bounds import dunn_bounds
+from emg2vsa.report.quantity import Quantity
+from emg2vsa.report.runs_wording import exact_p
+from emg2vsa.report.table import Cell, Column, Table
+from emg2vsa.report.wording import UNDEFINED, bounded
+
+_NAN = float("nan")
+
+
+def runs_comparison(found: Discrimination, numbers: Mapping[str, Quantity], simulated: bool) -> Table:
+    """Quantity, the paper's value, ours, and what to mind; ours is missing where nothing was pressed."""
+    columns = (Column("quantity", "Quantity"), Column("paper", "Paper"), Column("here", "Here"), Column("mind", "Mind"))
+    source = "simulated rig" if simulated else "measured runs"
+    rows = (*_areas(numbers), *_rates(found, numbers), *_new(found, numbers))
+    return Table("paper_comparison_runs", f"The paper's numbers of section VI beside ours ({source})", columns, rows)
+
+
+def _areas(numbers: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
+    rigid = "runs.high-stiffness"
+    rows: list[tuple[Cell, ...]] = [
+        (
+            f"A_c0 between specimens at {angle:g}°, Kruskal-Wallis", f"p = {bounded(p, 2)}",
+            _p(numbers, f"{rigid}.{angle:g}.area.specimens_p"), "a large p shows no difference, not equality",
+        )
+        for angle, p in paper_runs.AREA_SPECIMENS_P.items()
+    ]  # fmt: skip
+    angles = (
+        "A_c0 between angles, worst pair", f"p = {exact_p(paper_runs.AREA_ANGLES_WORST_P)}",
+        _p(numbers, f"{rigid}.area.angles.worst_p"), "all specimens pooled; Dunn on mean ranks, Bonferroni",
+    )  # fmt: skip
+    return [*rows, angles]
+
+
+def _rates(found: Discrimination, numbers: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
+    counts = found.spread.groups.kruskal.count
+    bounds = dunn_bounds(counts[0])
+    least = f"cannot be less than {exact_p(bounds[1])} in this test" if bounds else "Dunn on mean ranks, Bonferroni"
+    rows: list[tuple[Cell, ...]] = []
+    for (condition, angle), p in paper_runs.CASR_WORST_P.items():
+        key = f"runs.{condition}.{angle:g}.casr.worst_p"
+        holm = _p(numbers, f"{key}.holm")
+        rows.append(
+            (
+                f"CASR between specimens, {condition} at {angle:g}°, worst pair", f"p = {exact_p(p)}",
+                _p(numbers, key), f"{least}; exact Mann-Whitney, Holm: {holm}",
+            )
+        )  # fmt: skip
+    return rows
+
+
+def _new(found: Discrimination, numbers: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
+    if found.new is None:
+        return []
+    new, stiffer = found.new.name, found.new.neighbours[0]
+    least = f"runs.{'constant-min'}.0.new"
+    told = f"{numbers['runs.new.discriminated']} of {numbers['runs.new.designs']} designs"
+    return [
+        (
+            f"{new} against {stiffer}, lowest constant stiffness",
+            f"p = {exact_p(paper_runs.NEW_MIN_STIFFNESS_P)}: not told apart", _p(numbers, f"{least}.stiffer_p"),
+            f"exact Mann-Whitney, Holm over both neighbours; Dunn over all specimens "
+            f"{_p(numbers, f'{least}.stiffer_mean_rank_p')}",
+        ),
+        (f"{new} told from both neighbours", "all but the lowest constant stiffness", told, "see the table above"),
+    ]  # fmt: skip
+
+
+def _p(numbers: Mapping[str, Quantity], key: str) -> str:
+    p = float(numbers.get(key, _NAN))
+    return UNDEFINED if p != p else f"p = {exact_p(p)}"

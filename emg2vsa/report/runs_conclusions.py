@@ -1,0 +1,222 @@
+"""What the runs show, in sentences that are computed from the tests and not taken from the paper."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from emg2vsa.discrimination import Discrimination
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+from emg2vsa.report.runs_wording import design_name, interval
+from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
+from emg2vsa.stats.dunn import smallest_worst_p
+
+
+def area_and_specimens(found: Discrimination) -> str:
+    """Is A_c0 independent of the specimen? Neither word of the paper's claim is taken from a p above alpha."""
+    p, area, alpha = found.area.groups.kruskal.p, found.area, found.settings.alpha
+    tested, differ = int(np.isfinite(p).sum()), int((p < alpha).sum())
+    tost = area.equality.tost
+    equal = int(np.sum(np.all(tost.p < alpha, axis=1))) if tost is not None else 0
+    margin = percent(found.settings.equivalence_margin)
+    ratio = _range(area.softest_over_stiffest)
+    stiffest, softest = found.spread.specimens[0], found.spread.specimens[-1]
+    size = f"A_c0 on {softest}, the softest, is {ratio} times that on {stiffest}, the stiffest."
+    if not tested:
+        return "A_c0 could not be compared between specimens."
+    if differ == 0 and equal == tested:
+        return f"A_c0 is the same on all specimens within ± {margin} in all of {tested} designs. {size}"
+    if differ == 0:
+        return (
+            f"No difference of A_c0 between specimens was found in {count(tested, 'design')}, but equality within ± "
+            f"{margin} is shown in {equal} only. {size}"
+        )
+    return (
+        f"A_c0 differs between specimens in {differ} of {count(tested, 'design')}: the paper's claim that it does not "
+        f"depend on the specimen does not hold here. {size} Contact mechanics expects this: at the same force a softer "
+        "specimen is touched over a larger area."
+    )
+
+
+def area_and_angle(found: Discrimination) -> str:
+    """Does A_c0 change, and fall, with the angle?"""
+    of, alpha = found.area_by_angle, found.settings.alpha
+    if of is None:
+        return "No condition was pressed at two angles."
+    told = []
+    for i, (condition, specimen) in enumerate(zip(of.conditions, of.specimens, strict=True)):
+        if specimen:
+            continue
+        own = [j for j, name in enumerate(of.conditions) if name == condition and of.specimens[j]]
+        pooled = "all pairs of angles differ" if of.worst_p(i) < alpha else "not all pairs of angles differ"
+        each = sum(of.worst_p(j) < alpha for j in own)
+        falls = "falls" if all(of.falls(j) for j in (i, *own)) else "does not always fall"
+        mixed = "; pooling mixes specimens whose areas differ" if of.worst_p(i) >= alpha and each == len(own) else ""
+        told.append(
+            f"{condition.capitalize()}: with the specimens pooled {pooled} (worst pair {p_text(of.worst_p(i))}), for "
+            f"{each} of {len(own)} specimens alone all do, and the mean area {falls} with every larger angle{mixed}."
+        )
+    return " ".join(told)
+
+
+def specimens(found: Discrimination) -> str:
+    """Does CASR tell the known specimens apart, softer ones larger?"""
+    spread, alpha, n = found.spread, found.settings.alpha, len(found.table.conditions)
+    apart = spread.worst_p_holm < alpha
+    failed = [design_name(found.table, i) for i in range(n) if not (apart[i] and spread.rises[i])]
+    names = listed(spread.specimens)
+    if not failed:
+        return f"CASR tells {names} apart pair by pair in all of {n} designs, and every softer one has the larger."
+    return (
+        f"CASR tells {names} apart pair by pair, softer ones larger, in {n - len(failed)} of {n} designs; it does not "
+        f"in {listed(failed)}."
+    )
+
+
+def new_specimen(found: Discrimination) -> str:
+    """Is the new specimen told from its neighbours, and what could the paper's own test have said?"""
+    new, table = found.new, found.table
+    if new is None:
+        return "No new specimen was pressed."
+    n = new.discriminated.size
+    failed = [f"{design_name(table, i)} ({_why_not(found, i)})" for i in np.flatnonzero(~new.discriminated).tolist()]
+    between = f"between {' and '.join(filter(None, new.neighbours))}"
+    told = f"CASR of {new.name} lies {between} and is told from its neighbours in {n - len(failed)} of {n} designs"
+    return f"{told}; not in {listed(failed)}." if failed else f"{told}."
+
+
+def _why_not(found: Discrimination, design: int) -> str:
+    new = found.new
+    assert new is not None
+    if not new.between[design]:
+        return "it does not lie between"
+    same = [new.neighbours[side] for side in (0, 1) if not new.p[design, side] < found.settings.alpha]
+    side = new.neighbours.index(same[0])
+    return f"not told from {listed(same)}, {p_text(float(new.p[design, side]))}"
+
+
+def mean_rank_bound(found: Discrimination) -> str:
+    """What the paper's pairwise test can say of a specimen among all at the very best."""
+    counts = np.isfinite(found.table.casr[found.settings.algorithm]).sum(axis=2)
+    k, n = counts.shape[1], int(counts.max(initial=0))
+    bound = smallest_worst_p(k, n)
+    if not bound >= found.settings.alpha:
+        return ""
+    return (
+        f"The paper's pairwise test, Dunn's on the ranks of all specimens with Bonferroni's correction, cannot tell "
+        f"neighbours apart here: even if {k} groups of {n} do not overlap, the worst pair of neighbours has "
+        f"p = {bounded(bound)} or more. The .3799 that the paper prints for the lowest constant stiffness lies next to that "
+        "bound for four groups of ten, .335, and says little against a difference. The verdicts above rest on exact "
+        "Mann-Whitney tests."
+    )
+
+
+def vision(found: Discrimination) -> str:
+    """Old against new algorithm on the presses of the rigid condition, the most tilted last."""
+    compared, table, old = found.algorithms, found.table, found.settings.old_algorithm
+    designs = table.of_condition(RIGID) or table.of_condition(table.conditions[0])
+    if old not in compared.names[1:]:
+        return f"The runs have no scores by {old}, the old algorithm."
+    at = compared.names.index(old)
+    told = [
+        f"{table.angles_deg[i]:g}°: its area is {number(float(compared.area_ratio[at, i]))} times that of "
+        f"{compared.names[0]}{_errors(found, at, i)}, CASR of repeated presses varies by "
+        f"{percent(float(compared.casr_cv[at, i]))} against {percent(float(compared.casr_cv[0, i]))}, and the smallest "
+        f"gap between specimens is {number(compared.gap_of(at, i)[0])} against {number(compared.gap_of(0, i)[0])} SD"
+        for i in designs
+    ]
+    wins = sum(compared.gap_of(0, i)[0] > compared.gap_of(at, i)[0] for i in designs)
+    return (
+        f"{compared.names[0].capitalize()} (new) sets the specimens further apart than {old} (old) at {wins} of "
+        f"{len(designs)} angles, {table.conditions[designs[0]]}. {old.capitalize()} at {'; '.join(told)}."
+    )
+
+
+def _errors(found: Discrimination, algorithm: int, design: int) -> str:
+    error = found.algorithms.area_error[:, design]
+    if np.isnan(error[algorithm]):
+        return ""
+    return f" (error {percent(float(error[algorithm]))} against {percent(float(error[0]))} of the true area)"
+
+
+def actuators(found: Discrimination) -> str:
+    """Does the human-like condition set specimens further apart than the rigid one?"""
+    compared, table = found.conditions, found.table
+    against = [i for i, other in enumerate(compared.other.tolist()) if table.conditions[other] == RIGID]
+    if not against:
+        return f"The conditions {HUMAN_LIKE} and {RIGID} were not both pressed at the same angle."
+    better, worse = ([i for i in against if compared.wins(i) is verdict] for verdict in (True, False))
+    n = len(against)
+    if len(better) == n:
+        head = f"Human-like stiffness sets the specimens further apart than the rigid motor at all of {n} angles"
+    elif better or worse:
+        head = (
+            f"Human-like stiffness sets the specimens further apart than the rigid motor at {len(better)} of {n} "
+            f"angles and less far at {len(worse)}"
+        )
+    else:
+        head = (
+            f"Human-like stiffness does not win here: at none of {n} angles can its separation of the specimens be "
+            "told from that of the rigid motor"
+        )
+    return f"{head} ({'; '.join(_difference(found, i) for i in against)})."
+
+
+def constants(found: Discrimination) -> str:
+    """The same against the constant levels of the profile; "" where none was pressed."""
+    compared, table = found.conditions, found.table
+    verdicts: dict[bool | None, list[str]] = {True: [], False: [], None: []}
+    for i, other in enumerate(compared.other.tolist()):
+        if table.conditions[other] != RIGID:
+            verdicts[compared.wins(i)].append(design_name(table, other))
+    said = ((True, "better than"), (False, "worse than"), (None, "not to be told from"))
+    told = [f"{words} {listed(verdicts[which])}" for which, words in said if verdicts[which]]
+    return f"Beside the constant levels of the profile, human-like stiffness is {', '.join(told)}." if told else ""
+
+
+def why(found: Discrimination, simulated: bool) -> str:
+    """What stands behind the comparison with the rigid motor: the level of CASR, and the noise of repetitions."""
+    compared, margin = found.conditions, found.settings.equivalence_margin
+    against = [i for i, other in enumerate(compared.other.tolist()) if found.table.conditions[other] == RIGID]
+    low, high = compared.level_ratio.low[against], compared.level_ratio.high[against]
+    if not against or not np.isfinite([low, high]).all():
+        return ""
+    level = (
+        f"Mean CASR of the same specimens, human-like over rigid, is {_range(compared.level_ratio.estimate[against])}"
+    )
+    within = percent(margin)
+    if not np.all((low > 1 - margin) & (high < 1 + margin)):
+        other = "the actuator changes CASR itself" if np.any((low > 1) | (high < 1)) else "no difference is found"
+        return f"{level}: {other}, and equality within ± {within} is not shown at every angle."
+    noise = compared.cv_ratio
+    quiet = bool(np.all((noise.low[against] < 1) & (noise.high[against] > 1)))
+    scatter = (
+        "Their presses scatter alike, as far as can be told"
+        if quiet
+        else f"What differs is the scatter of presses (CV, human-like over rigid: {_range(noise.estimate[against])})"
+    )
+    built = (
+        " In the simulated world it could not be otherwise: the contact area follows from force alone, so that the "
+        "actuator's stiffness only changes how far the force steps from frame to frame."
+        if simulated
+        else ""
+    )
+    return f"{level}, the same within ± {within} at every angle: the actuator does not change CASR. {scatter}.{built}"
+
+
+def _difference(found: Discrimination, i: int) -> str:
+    """Smallest gaps of both, and their difference."""
+    compared, gaps = found.conditions, found.conditions.gap.estimate
+    human, other = int(compared.human[i]), int(compared.other[i])
+    of = compared.gap_difference
+    said = interval(float(of.estimate[i]), float(of.low[i]), float(of.high[i]))
+    return (
+        f"{found.table.angles_deg[human]:g}°: smallest gap between neighbours {number(float(gaps[human]))} SD against "
+        f"{number(float(gaps[other]))} SD, difference {said}"
+    )
+
+
+def _range(values: np.ndarray) -> str:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "not defined"
+    return " to ".join(dict.fromkeys(number(float(end)) for end in (known.min(), known.max())))

@@ -1,0 +1,103 @@
+"""Which devices a rig has and how they are reached: tables [actuator], [motor], [force] and [camera] of rig.toml."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le, MinLen
+
+from emg2vsa.rig.camera import RATE_HZ, SHAPE
+from emg2vsa.rig.qbmove import Model
+from emg2vsa.rig.qbmove_dialects import Generation
+from emg2vsa.rig.rdt_packets import PORT
+from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
+
+Text = Annotated[str, MinLen(1)]
+DeviceId = Annotated[int, Ge(1), Le(255)]
+WatchdogS = Annotated[float, Ge(0.06), Le(5)]
+NetPort = Annotated[int, Ge(1), Le(65535)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActuatorSettings:
+    """The qbmove."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    port: Text
+    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3."
+    id: DeviceId = 1
+    "Device id, as emg2vsa rig scan lists it."
+    generation: Generation = "v6"
+    "Of the firmware: the first digit of its version."
+    model: Model = "maker-pro"
+    "The Advanced counts its encoders the other way round."
+    watchdog_s: WatchdogS = 0.5
+    "The motors go off by themselves when the program has been silent for so long."
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorSettings:
+    """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    port: Text
+    "Serial port; may be the actuator's when the ids differ."
+    id: DeviceId = 1
+    "Device id."
+    generation: Generation = "v6"
+    "Of the firmware: the first digit of its version."
+    watchdog_s: WatchdogS = 0.5
+    "The motor goes off by itself when the program has been silent for so long."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceSettings:
+    """The force sensor under the specimen: an ATI Net F/T box, or an ATI transducer on a National Instruments card."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    kind: Literal["net-ft", "ni-daq"]
+    "net-ft: Net F/T box or Ethernet Axia; ni-daq: gauge voltages and the transducer's calibration."
+    host: Text | None = None
+    "net-ft: address of the box; 192.168.1.1 when it leaves the factory."
+    rdt_port: NetPort = PORT
+    "net-ft: UDP port of its raw data."
+    http_port: NetPort = 80
+    "net-ft: port of its web page, which tells scales and units."
+    buffered: bool = False
+    "net-ft: many records in a datagram; less work for both ends, and later by a buffer's time."
+    channels: Text | None = None
+    "ni-daq: six differential channels in the order of the gauges: Dev1/ai0:5."
+    cal_file: Text | None = None
+    "ni-daq: the transducer's .cal file, relative to the folder of the rig file."
+    bias: bool = False
+    "true: the load on the sensor when a run begins becomes its zero; needed where the sensor has no zero of its own."
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraSettings:
+    """The tactile camera."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    source: Annotated[int, Ge(0)] | Text
+    "Number of the camera (0 is the first), or the address of a network camera."
+    height: Annotated[int, Gt(0)] = SHAPE[0]
+    "Rows of the frames that are kept, pixels."
+    width: Annotated[int, Gt(0)] = SHAPE[1]
+    "Columns of the frames that are kept, pixels."
+    rate_hz: Positive = RATE_HZ
+    "Frames kept a second; a faster camera is thinned out."
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviceSettings:
+    """All devices of a rig. motor : None without a rigid motor. camera : None where no frames are wanted."""
+
+    actuator: ActuatorSettings
+    force: ForceSettings
+    motor: MotorSettings | None = None
+    camera: CameraSettings | None = None

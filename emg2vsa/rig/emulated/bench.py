@@ -1,0 +1,116 @@
+"""The whole emulated rig: one world, and the far ends of the wires that share it."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.datagrams import LoopbackDatagrams
+from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.rig.emulated.faults import FaultyWire
+from emg2vsa.rig.emulated.motor_board import motor_board
+from emg2vsa.rig.emulated.press_draws import PressDraws
+from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
+from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
+from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
+from emg2vsa.rig.emulated.rdt_pages import configuration_page
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.emulated.world import World
+from emg2vsa.rig.net_ft import NetFt
+from emg2vsa.rig.netft_config import parse_config
+from emg2vsa.rig.qbmove import Model, Qbmove
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rigid_motor import RigidMotor
+from emg2vsa.rig.transport import LoopbackLine
+
+DEVICE_ID = 1
+TORQUE_NOISE_NM_PER_N = 0.02
+"Noise of the torque over that of the force (guess)."
+# with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
+_ADVANCED = replace(ADVANCED, max_pwm_rate=10)
+
+
+class EmulatedRig:
+    """One specimen on the bench at one angle, and the devices around it, on ``clock``.
+
+    Parameters
+    ----------
+    emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
+    rig : gear and limits that the drivers are told. run : name of the run; other names, other draws.
+
+    Attributes
+    ----------
+    world : what is pressed. firmware : of the actuator.
+    wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the two others.
+    model : of the actuator.
+
+    Raises
+    ------
+    SettingError : the specimen is not known, or the contact would leave the image.
+    """
+
+    def __init__(
+        self,
+        emulated: EmulatedSettings,
+        specimen: str,
+        angle_deg: float,
+        rigid: bool,
+        clock: Clock,
+        *,
+        rig: RigSettings | None = None,
+        run: str = "",
+    ) -> None:
+        self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
+        self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" and not rigid else "maker-pro"
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig.gear_mm_per_degree, run)
+        self._press = 0
+        self._lock = threading.RLock()
+        self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
+        switches = _ADVANCED if self.model == "advanced" else MAKER_PRO
+        self.firmware = motor_board(self.world, clock) if rigid else QbmoveFirmware(switches, self.world, clock)
+        self.wire = FaultyWire(self.firmware)
+        noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
+        box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
+        self.box = RdtBox(self._wrench, box)
+        self.camera = EmulatedCamera(self._draws.scene(0), self._normal_force_n, clock)
+
+    def answer(self, data: bytes) -> bytes:
+        """What comes back over the actuator's wire; from any thread."""
+        with self._lock:
+            return self.wire(data)
+
+    def reset_actuator(self) -> None:
+        """Its power off and on; from any thread."""
+        with self._lock:
+            self.wire.reset()
+
+    def devices(self) -> Devices:
+        """The real drivers on lines within this process, force sensor and camera started."""
+        board = Qbmove(
+            LoopbackLine("emulated bus", self.answer, self.clock),
+            DEVICE_ID,
+            model=self.model,
+            clock=self.clock,
+            stiffness_percent=self.rig.stiffness_percent,
+        )
+        line = LoopbackDatagrams("emulated box", self.box, self.clock)
+        force = NetFt(line, parse_config(configuration_page(self.box)), self.clock)
+        force.start()
+        self.camera.start()
+        return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
+
+    def _wrench(self, time_s: float) -> tuple[float, ...]:
+        """Force and torque on the sensor; its origin is on the line of the force."""
+        with self._lock:
+            self.firmware.advance()
+            return (*self.world.force_n(time_s).tolist(), 0.0, 0.0, 0.0)
+
+    def _normal_force_n(self, time_s: float) -> float:
+        with self._lock:
+            self.firmware.advance()
+            if self.world.press != self._press:
+                self._press = self.world.press
+                self.camera.scene = self._draws.scene(self._press)
+            return self.world.normal_force_n(time_s)

@@ -1,0 +1,41 @@
+"""Settings of the emulated rig: table ``[emulated]`` of rig.toml. None has been tuned to a result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le
+
+from casr.synthetic import SPECIMENS
+from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmulatedSettings:
+    """The bench that stands in for a real one, and in what its presses differ from each other."""
+
+    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+
+    stiffness_n_per_mm: dict[str, Positive] = field(default_factory=lambda: dict(SPECIMENS))
+    "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B)."
+    springs: Literal["qbmove-maker-pro", "qbmove-advanced"] = "qbmove-maker-pro"
+    "Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md)."
+    gap_mm: Annotated[float, Ge(2), Le(100)] = 3.0
+    "From the retracted probe to the specimen's surface, mm (guess)."
+    force_noise_n: Annotated[float, Gt(0), Le(1)] = 0.01
+    "Standard deviation of the force sensor's noise in each record, N (guess). Without noise a sensor counts as dead."
+    force_rate_hz: Annotated[float, Ge(200), Le(7000)] = 500.0
+    "Records the force sensor sends a second, a whole fraction of 7000; well above the 200 turns of the control loop."
+    camera_noise_grey: Annotated[float, Ge(0), Le(50)] = 2.0
+    "Standard deviation of the camera's read noise, grey levels (guess)."
+    landing_sd_mm: Annotated[float, Ge(0), Le(2)] = 0.2
+    "Standard deviation of where a press meets the specimen, along each axis of the image, mm (guess: guide's play)."
+    gap_sd_mm: Annotated[float, Ge(0), Le(0.2)] = 0.1
+    "Standard deviation of the gap from press to press, mm (guess: specimen and sensor set back slowly)."
+    angle_sd_deg: Annotated[float, Ge(0), Le(5)] = 0.5
+    "Standard deviation of the angle from run to run, degrees (guess: set by hand on a protractor)."
+    stiffness_sd: Annotated[float, Ge(0), Le(0.2)] = 0.01
+    "Relative standard deviation of the specimen's stiffness from press to press (guess: temperature and creep)."
+    seed: Annotated[int, Ge(0)] = 0
+    "Same seed, same bytes."

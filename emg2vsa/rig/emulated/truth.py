@@ -1,0 +1,29 @@
+"""What is true of the presses of an emulated run, to hold their scores against."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from emg2vsa.rig.emulated.press_draws import PressDraws
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.experiment import run_name
+from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.rig_settings import RigSettings
+
+
+def true_areas_mm2(
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, force_n: ArrayLike
+) -> NDArray[np.float64]:
+    """(R,) true contact area in the image, mm2, of press r at ``force_n``[r], N along the probe's axis; NaN for NaN."""
+    name = run_name(plan.specimen, plan.angle_deg, plan.condition)
+    rigid = plan.condition == RIGID
+    draws = PressDraws(emulated, plan.specimen, plan.angle_deg, rigid, rig.gear_mm_per_degree, name)
+    areas = []
+    for press, force in enumerate(np.asarray(force_n, dtype=np.float64).tolist()):
+        world = draws.world(press)
+        normal_n = force / math.cos(math.radians(world.angle_deg))
+        areas.append(float(world.contact.area_mm2(normal_n, world.stiffness_n_per_mm, world.angle_deg)))
+    return np.where(np.isfinite(force_n), areas, np.nan)

@@ -1,0 +1,37 @@
+"""A run on the emulated rig in virtual time: minutes in seconds, and the same inputs give the same bytes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from datetime import datetime
+from pathlib import Path
+
+from casr.frame_files import write_camera
+from casr.frame_files.folder import CAMERA_FILE
+from emg2vsa.atomic import write_text_atomic
+from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.ended import Ended
+from emg2vsa.rig.execute import execute
+from emg2vsa.rig.experiment import run_name
+from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.rig_settings import RigSettings
+
+EMULATED_FILE = "emulated.json"
+
+
+def run_virtual(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime) -> Ended:
+    """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
+
+    ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what rendered its
+    frames. ``started`` : date and time to write to the run. Raises as `execute`, and SettingError as `EmulatedRig`.
+    """
+    clock = VirtualClock()
+    name = run_name(plan.specimen, plan.angle_deg, plan.condition)
+    bench = EmulatedRig(emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
+    write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
+    return execute(plan, rig, bench.devices(), folder, clock, started=started)

@@ -1,0 +1,44 @@
+"""Where a new run is recorded: no run is ever overwritten, and none that was completed is done twice by mistake."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+
+from emg2vsa.errors import DataError
+
+
+def new_folder(runs: Path, name: str) -> Path:
+    """Folder for run ``name`` in ``runs``, not made yet: ``name``; ``name-2``, ``-3`` after runs that ended early.
+
+    DataError : the run has been completed.
+    """
+    if done := completed_folder(runs, name):
+        do = "Move it away, or choose another folder with --out."
+        raise DataError(done, wanted="a run that is still to do", found="a completed one", do=do)
+    return next(folder for folder in _folders(runs, name) if not folder.exists())
+
+
+def completed_folder(runs: Path, name: str) -> Path | None:
+    """Folder of run ``name`` that was completed, if any."""
+    for folder in _folders(runs, name):
+        if not folder.exists():
+            return None
+        if how_ended(folder) == "completed":
+            return folder
+    return None
+
+
+def how_ended(folder: Path) -> str | None:
+    """``how`` of the folder's ended.json; None when there is none to read."""
+    try:
+        how = json.loads((folder / "ended.json").read_text(encoding="utf-8"))["how"]
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+    return str(how)
+
+
+def _folders(runs: Path, name: str) -> Iterator[Path]:
+    return (runs / (name if number == 1 else f"{name}-{number}") for number in count(1))

@@ -1,0 +1,127 @@
+"""Open the devices of a rig for a run, and close them again whatever happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+
+from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.rig.cal_file import read_calibration
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.daq_ft import DaqFt
+from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.force_sensor import ForceSensor
+from emg2vsa.rig.net_ft import open_net_ft
+from emg2vsa.rig.ni_volts import NiVolts
+from emg2vsa.rig.opencv_camera import OpenCvCamera
+from emg2vsa.rig.plan import RIGID, Condition
+from emg2vsa.rig.qbmove import BAUD, Qbmove
+from emg2vsa.rig.qbmove_info import QbmoveInfo
+from emg2vsa.rig.qbmove_limits import roomy_positions
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rigid_motor import RigidMotor
+from emg2vsa.rig.transport import SerialLine
+
+
+@dataclass(frozen=True)
+class OpenRig:
+    """Devices that answer, force sensor and camera started, motors off; ``rig`` keeps what the device allows."""
+
+    devices: Devices
+    rig: RigSettings
+    info: QbmoveInfo
+
+
+@contextmanager
+def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, clock: Clock) -> Iterator[OpenRig]:
+    """The rig for a run under ``condition``: with the rigid motor for high-stiffness, else with the qbmove.
+
+    At the end the motors are switched off and everything is closed.
+
+    Raises
+    ------
+    DeviceError : a device is absent, silent or not set up for runs; what was open is closed again.
+    SettingError : the rig has no rigid motor and needs one.
+    """
+    with ExitStack() as stack:
+        board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
+        stack.enter_context(board)
+        info = board.info()
+        force = open_force(settings.force, clock)
+        stack.callback(force.close)
+        force.start()
+        if settings.force.bias:
+            force.bias()
+        camera = None
+        if settings.camera:
+            camera = open_camera(settings.camera, clock)
+            stack.callback(camera.close)
+            camera.start()
+        rigid = condition == RIGID
+        devices = Devices(RigidMotor(board) if rigid else board, force, camera)
+        yield OpenRig(devices, within_device(rig, info, rigid), info)
+
+
+def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
+    """The actuator of a condition. SettingError where the rig has none."""
+    if condition != RIGID:
+        return settings.actuator
+    if settings.motor is None:
+        do = "Add it to the rig file, or choose another condition."
+        raise SettingError("motor", wanted=f"a table [motor] for {RIGID}", found="nothing", do=do)
+    return settings.motor
+
+
+@contextmanager
+def open_board(
+    settings: ActuatorSettings | MotorSettings, stiffness_percent: tuple[float, float], clock: Clock
+) -> Iterator[Qbmove]:
+    """The board behind its serial port. DeviceError when there is no such port or id; nothing is switched."""
+    line = SerialLine(settings.port, BAUD)
+    try:
+        board = Qbmove(
+            line,
+            settings.id,
+            generation=settings.generation,
+            model=settings.model if isinstance(settings, ActuatorSettings) else "maker-pro",
+            clock=clock,
+            stiffness_percent=stiffness_percent,
+            watchdog_s=settings.watchdog_s,
+        )
+        if not board.ping():
+            do = "Check power, cable, id and generation; emg2vsa rig scan lists who answers."
+            raise DeviceError(board.where, wanted="a device that answers", found="silence", do=do)
+        yield board
+    finally:
+        line.close()
+
+
+def open_force(settings: ForceSettings, clock: Clock) -> ForceSensor:
+    """The force sensor, not yet started. DeviceError when it is absent."""
+    if settings.kind == "net-ft":
+        ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
+        return open_net_ft(settings.host or "", clock, buffered=settings.buffered, **ports)
+    calibration = read_calibration(settings.cal_file or "")
+    return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock)
+
+
+def open_camera(settings: CameraSettings, clock: Clock) -> OpenCvCamera:
+    """The camera, not yet started."""
+    return OpenCvCamera(settings.source, clock, shape=(settings.height, settings.width), rate_hz=settings.rate_hz)
+
+
+def within_device(rig: RigSettings, info: QbmoveInfo, rigid: bool) -> RigSettings:
+    """``rig`` with the limits of the device, and of those no wider than its own."""
+    low, high = info.position_limits_ticks[0] if rigid else roomy_positions(info)
+    first, last = rig.position_ticks
+    # presets are ticks in the end: of both ranges, what they have in common, as percent of the device's maximum
+    share = rig.max_preset_ticks / info.max_stiffness_ticks
+    least, most = rig.stiffness_percent
+    return replace(
+        rig,
+        position_ticks=(max(first, low), min(last, high)),
+        max_preset_ticks=info.max_stiffness_ticks,
+        stiffness_percent=(least * max(1.0, share), most * min(1.0, share)),
+    )

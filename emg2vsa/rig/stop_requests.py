@@ -1,0 +1,56 @@
+"""What asks a run to stop: a signal of the system, Ctrl-C, or a file named ``stop`` in the folder of the run."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+STOP_FILE = "stop"
+_NAMES = ("SIGTERM", "SIGHUP", "SIGINT")  # not every system has SIGHUP
+_LONGEST_TEXT = 200
+
+
+class StopRequests:
+    """Called, tells the reason to stop, or None: the ``stop`` of `execute`. Signals are caught within a with statement.
+
+    The first Ctrl-C is a request like the others; after it the next one interrupts, as Ctrl-C does otherwise. To be
+    used in the main thread, which is where Python delivers signals.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """``folder`` : of the run; whoever makes a file ``stop`` there gives its text as the reason."""
+        self._file = folder / STOP_FILE
+        self._reason: str | None = None
+        self._before: dict[signal.Signals, Any] = {}
+
+    def __call__(self) -> str | None:
+        if self._reason is None:
+            self._reason = self._asked_by_file()
+        return self._reason
+
+    def __enter__(self) -> Self:
+        for name in _NAMES:
+            if number := getattr(signal, name, None):
+                self._before[number] = signal.signal(number, self._caught)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _caught(self, number: int, frame: FrameType | None) -> None:
+        if number == signal.SIGINT:
+            signal.signal(number, signal.default_int_handler)
+        name = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
+        self._reason = self._reason or name
+
+    def _asked_by_file(self) -> str | None:
+        try:
+            text = self._file.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return None
+        return " ".join(text.split())[:_LONGEST_TEXT] or f"file {STOP_FILE}"

@@ -1,0 +1,125 @@
+"""Checks across the keys of a rig file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from emg2vsa.rig.device_settings import ForceSettings
+from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.plan import RIGID
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.study_file.lines import KeyPath
+from emg2vsa.study_file.problems import Problem, nearest, shown
+
+_KEYS_OF_KIND = {
+    "net-ft": ("host", "rdt_port", "http_port", "buffered"),
+    "ni-daq": ("channels", "cal_file"),
+}
+_REQUIRED = {"net-ft": ("host",), "ni-daq": ("channels", "cal_file")}
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+
+
+def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterator[Problem]:
+    """``tables``: those of `RigTables` that could be made out. ``raw``: the file, which tells what was set in it."""
+    if rig := tables.get("rig"):
+        yield from _rig(rig)
+    if force := tables.get("force"):
+        yield from _force(force, raw["force"])
+    if experiment := tables.get("experiment"):
+        yield from _names(experiment)
+        yield from _angles(experiment)
+        if rig:
+            yield from _presses(experiment, rig)
+        yield from _motor(experiment, raw)
+        yield from _emulated(experiment, tables)
+    yield from _one_board_each(tables)
+
+
+def _rig(rig: RigSettings) -> Iterator[Problem]:
+    for key in ("position_ticks", "stiffness_percent"):
+        first, last = getattr(rig, key)
+        if first >= last:
+            yield Problem(("rig", key), "the smaller of two different numbers first", shown([first, last]))
+    length = math.hypot(*rig.push_axis)
+    if not math.isclose(length, 1, rel_tol=1e-3):
+        do = "Along z it is [0, 0, 1]."
+        yield Problem(("rig", "push_axis"), "a direction of length 1", f"one of length {length:.4g}", do)
+    first, last = rig.position_ticks
+    for key, depth_mm in (("home_ticks", 0.0), ("travel_mm", rig.travel_mm)):
+        ticks = rig.ticks_at(depth_mm)
+        if not first <= ticks <= last:
+            wanted = f"every depth within position_ticks, {first} to {last}"
+            yield Problem(("rig", key), wanted, f"{depth_mm:g} mm at {ticks} ticks")
+    if rig.guards.stale_s <= rig.period_s:
+        wanted = f"more than a period of the loop, {rig.period_s:g} s"
+        yield Problem(("rig", "guards", "stale_s"), wanted, f"{rig.guards.stale_s:g}")
+
+
+def _force(force: ForceSettings, given: Mapping[str, Any]) -> Iterator[Problem]:
+    for key in _REQUIRED[force.kind]:
+        if key not in given:
+            yield Problem(("force", key), f"a key {key!r} with kind = {force.kind!r}", "nothing")
+    for kind, keys in _KEYS_OF_KIND.items():
+        for key in keys:
+            if key in given and kind != force.kind:
+                found = f"{key!r} with kind = {force.kind!r}"
+                yield Problem(("force", key), f"keys of this kind only ({key!r} is of {kind!r})", found)
+
+
+def _names(experiment: ExperimentSettings) -> Iterator[Problem]:
+    for index, name in enumerate(experiment.specimens):
+        at = ("experiment", "specimens", index)
+        if not _NAME.fullmatch(name):
+            wanted = "letters, digits, - _ and dots only, the first a letter or digit"
+            yield Problem(at, wanted, shown(name))
+        if name in experiment.specimens[:index]:
+            yield Problem(at, "every name once", f"{name!r} again")
+
+
+def _angles(experiment: ExperimentSettings) -> Iterator[Problem]:
+    for condition, angles in experiment.angles_deg.items():
+        for index, angle_deg in enumerate(angles):
+            at: KeyPath = ("experiment", "angles_deg", condition, index)
+            if angle_deg >= 90:
+                yield Problem(at, "0 to below 90 degrees", f"{angle_deg:g}")
+            if angle_deg in angles[:index]:
+                yield Problem(at, "every angle once", f"{angle_deg:g} again")
+    if not any(experiment.angles_deg.values()):
+        yield Problem(("experiment", "angles_deg"), "an angle of one condition at least", "none")
+
+
+def _presses(experiment: ExperimentSettings, rig: RigSettings) -> Iterator[Problem]:
+    low, high = experiment.f_contact_n, rig.guards.force_n
+    if not low < experiment.f_max_n < high:
+        wanted = f"a force above contact, {low:g} N, and below the guard rig.guards.force_n, {high:g} N"
+        yield Problem(("experiment", "f_max_n"), wanted, f"{experiment.f_max_n:g}")
+    if experiment.travel_mm > rig.travel_mm:
+        wanted = f"at most rig.travel_mm, {rig.travel_mm:g}"
+        yield Problem(("experiment", "travel_mm"), wanted, f"{experiment.travel_mm:g}")
+
+
+def _motor(experiment: ExperimentSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    if experiment.angles_deg.get(RIGID) and "motor" not in raw:
+        do = f"Add it, or give angles_deg without {RIGID}."
+        yield Problem(("motor",), f"a table [motor], as the experiment has the condition {RIGID}", "nothing", do)
+
+
+def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iterator[Problem]:
+    emulated = tables.get("emulated")
+    if emulated is None:
+        return
+    at: KeyPath = ("emulated", "stiffness_n_per_mm")
+    for name in experiment.specimens:
+        if name not in emulated.stiffness_n_per_mm:
+            do = nearest(name, emulated.stiffness_n_per_mm)
+            yield Problem((*at, name), f"the stiffness of every specimen, {name} too", "nothing", do)
+
+
+def _one_board_each(tables: Mapping[str, Any]) -> Iterator[Problem]:
+    actuator, motor = tables.get("actuator"), tables.get("motor")
+    if actuator and motor and (actuator.port, actuator.id) == (motor.port, motor.id):
+        do = "Give one of them another id; emg2vsa rig scan lists who answers."
+        yield Problem(("motor", "id"), "a board of its own", f"id {motor.id} at {motor.port}, as for [actuator]", do)

@@ -1,0 +1,71 @@
+"""The plans of a rig file, all or some."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from emg2vsa.errors import ScheduleError, SettingError
+from emg2vsa.rig.experiment import plan_of, runs_of
+from emg2vsa.rig.plan import RIGID, Condition, RunPlan
+from emg2vsa.rig_file.rig_file import RigFile
+from emg2vsa.schedule_files import read_json
+from emg2vsa.schedules import Schedule
+from emg2vsa.study_file.problems import nearest
+
+Run = tuple[str, float, Condition]
+"""Specimen, angle in degrees, condition."""
+
+
+def chosen_runs(
+    file: RigFile, specimens: Sequence[str] = (), angles_deg: Sequence[float] = (), conditions: Sequence[str] = ()
+) -> tuple[Run, ...]:
+    """Runs of the experiment with these specimens, angles and conditions, in their order; none given is all.
+
+    SettingError : a name or an angle that the experiment has not, or no run with all of them.
+    """
+    keys = {
+        run: {"specimen": run[0], "angle": f"{run[1]:g}", "condition": run[2]} for run in runs_of(file.experiment)
+    }
+    asked = {"specimen": specimens, "angle": [f"{angle:g}" for angle in angles_deg], "condition": conditions}
+    for what, names in asked.items():
+        known = list(dict.fromkeys(of_run[what] for of_run in keys.values()))
+        for name in names:
+            if name not in known:
+                do = nearest(name, known if what != "angle" else (), "Add it to [experiment], or choose another.")
+                raise SettingError(f"{file.path}, {what}", wanted=", ".join(known), found=name, do=do)
+    chosen = tuple(
+        run
+        for run, of_run in keys.items()
+        if all(of_run[what] in names for what, names in asked.items() if names)
+    )
+    if not chosen:
+        choice = ", ".join(f"{what} {' or '.join(names)}" for what, names in asked.items() if names)
+        raise SettingError(file.path, wanted="a run of the experiment", found=choice, do="See [experiment.angles_deg].")
+    return chosen
+
+
+def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None) -> tuple[RunPlan, ...]:
+    """The plans of ``runs``, with the schedules in the file's folder. ``repetitions``: instead of the experiment's.
+
+    ScheduleError : a schedule is absent, or not as it was exported.
+    """
+    schedules = read_schedules(file.schedules, runs)
+    experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
+    return tuple(plan_of(experiment, *run, schedules) for run in runs)
+
+
+def read_schedules(folder: Path, runs: Sequence[Run]) -> tuple[Schedule, ...]:
+    """The schedules that ``runs`` need. ScheduleError names all files that are absent, or the first that is no good."""
+    stems = dict.fromkeys(f"{specimen}_{condition}" for specimen, _, condition in runs if condition != RIGID)
+    paths = [folder / f"{stem}.json" for stem in stems]
+    absent = [path.name for path in paths if not path.is_file()]
+    if absent:
+        raise ScheduleError(
+            folder,
+            wanted=f"a schedule for every specimen and condition, {len(paths)} files",
+            found=f"no {', '.join(absent[:3])}" + (f" and {len(absent) - 3} more" if len(absent) > 3 else ""),
+            do="Export them with emg2vsa schedule STUDY, or correct [experiment].",
+        )
+    return tuple(map(read_json, paths))

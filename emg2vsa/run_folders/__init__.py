@@ -1,0 +1,1 @@
+"""Runs on disk: which there are, and their presses; the rig's own, or anybody's with a table beside them."""

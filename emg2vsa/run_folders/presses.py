@@ -1,0 +1,115 @@
+"""The presses of a run from its folders; frames are decoded when they are scored."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from casr.camera import Camera
+from casr.errors import CasrError
+from casr.frame_files import find_presses, open_frames, read_camera
+from casr.frame_files.folder import CAMERA_FILE
+from emg2vsa.arrays import Floats
+from emg2vsa.errors import Emg2vsaError
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.run_folders.find import PLAN_FILE
+from emg2vsa.runs.press import Press
+
+EMULATED_FILE = "emulated.json"
+"""Marks a run that no hardware made."""
+_LOG = "log.csv"
+_NONE: Floats = np.empty(0)
+
+
+def is_simulated(folders: Sequence[Path]) -> bool:
+    """Did an emulated rig make any of it?"""
+    return any((folder / EMULATED_FILE).is_file() for folder in folders)
+
+
+def run_notes(folders: Sequence[Path]) -> tuple[str, ...]:
+    """What a reader of the scores should know of runs that were not completed."""
+    notes = []
+    for folder in folders:
+        ended = _json(folder / "ended.json")
+        if ended and ended.get("how") != "completed":
+            cause = ended.get("cause") or ended.get("why") or "unknown"
+            notes.append(f"{folder.name} ended early: {ended.get('how')}, {cause}")
+    return tuple(notes)
+
+
+def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterator[Press]:
+    """Presses of the folders, numbered on from folder to folder.
+
+    ``camera``: the camera file where neither the press nor its run has a camera.toml of its own. A press whose frames
+    cannot be read comes with the reason; a log that is missing or foreign leaves out the force over indentation.
+    """
+    repetition = 0
+    for folder in folders:
+        travel = _travel(folder)
+        own = folder / CAMERA_FILE
+        seen_by, trouble = _camera(own if own.is_file() else camera)
+        for number, path in enumerate(_press_folders(folder), start=1):
+            repetition += 1
+            force_n, depth_mm = travel.get(_number(path, number), (_NONE, _NONE))
+            try:
+                if trouble:
+                    raise trouble
+                frames = open_frames(path)
+                frames = frames if frames.camera or seen_by is None else replace(frames, camera=seen_by)
+                yield Press(repetition, frames, "", force_n, depth_mm)
+            except CasrError as error:
+                yield Press(repetition, None, str(error), force_n, depth_mm)
+
+
+def _press_folders(folder: Path) -> list[Path]:
+    try:
+        return find_presses(folder)
+    except CasrError:
+        return []
+
+
+def _number(path: Path, number: int) -> int:
+    """Repetition of a press as the log counts it."""
+    _, dash, digits = path.name.rpartition("-")
+    return int(digits) if dash and digits.isdecimal() else number
+
+
+def _camera(path: Path | None) -> tuple[Camera | None, CasrError | None]:
+    if path is None:
+        return None, None
+    try:
+        return read_camera(path), None
+    except CasrError as error:
+        return None, error
+
+
+def _travel(folder: Path) -> dict[int, tuple[Floats, Floats]]:
+    """Repetition to force, N, and depth of the shaft, mm, in its loading phase; empty without the rig's own log."""
+    plan = _json(folder / PLAN_FILE)
+    try:
+        log = pd.read_csv(folder / _LOG, usecols=["repetition", "phase", "force_n", "shaft_ticks"], on_bad_lines="skip")
+        rig = plan["rig"]
+        axis = RigSettings(
+            gear_mm_per_degree=rig["gear_mm_per_degree"], home_ticks=rig["home_ticks"], push_sign=rig["push_sign"]
+        )
+    except (OSError, ValueError, KeyError, TypeError, Emg2vsaError):
+        return {}
+    load = log[log["phase"] == "load"].dropna()
+    depth_mm = axis.depth_at(load["shaft_ticks"].to_numpy(dtype=np.float64))  # type: ignore[arg-type]
+    force_n, number = load["force_n"].to_numpy(dtype=np.float64), load["repetition"].to_numpy(dtype=np.int64)
+    depth = np.asarray(depth_mm, dtype=np.float64)
+    return {int(r): (force_n[number == r], depth[number == r]) for r in np.unique(number)}
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,76 @@
+"""Score every press of a run; one that cannot be scored stays with its reason and stops no other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from casr.errors import CasrError
+from casr.scored import ScoreSettings
+from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
+from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve, RunScores
+from emg2vsa.settings import RunSettings
+
+_NOTHING = PressCurve(*(np.empty(0) for _ in range(4)))
+
+
+def score_settings(settings: RunSettings) -> ScoreSettings:
+    """The same in casr's terms."""
+    return ScoreSettings(
+        area_rule="hexagon" if settings.algorithm == "paper" else settings.algorithm,
+        threshold_px=settings.threshold_px,
+        force_start_n=settings.force_n[0],
+        force_stop_n=settings.force_n[1],
+    )
+
+
+def score_run(
+    presses: Iterable[Press],
+    settings: RunSettings,
+    *,
+    specimen: str,
+    angle_deg: float,
+    condition: str,
+    simulated: bool,
+    notes: tuple[str, ...] = (),
+) -> RunScores:
+    """Scores of all presses, in their order; ``notes`` of the run go before those of its presses."""
+    how = score_settings(settings)
+    repetitions: list[int] = []
+    reasons: list[str] = []
+    scored: list[ScoredPress | None] = []
+    picture: ContactPicture | None = None
+    for press in presses:
+        found, reason = _tried(press, how)
+        if found and picture is None:
+            picture = picture_of(press, found)
+        repetitions.append(press.repetition)
+        reasons.append(reason)
+        scored.append(found)
+    return RunScores(
+        specimen=specimen,
+        angle_deg=angle_deg,
+        condition=condition,
+        simulated=simulated,
+        repetitions=np.array(repetitions, dtype=np.int64),
+        verdicts=tuple("ok" if found else "rejected" for found in scored),
+        reasons=tuple(reasons),
+        area_unit=next((found.area_unit for found in scored if found), "mm2"),
+        a_c0={name: np.array([found.a_c0[name] if found else np.nan for found in scored]) for name in ALGORITHMS},
+        casr={name: np.array([found.casr[name] if found else np.nan for found in scored]) for name in ALGORITHMS},
+        true_a_c0=np.full(len(scored), np.nan),
+        indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
+        curves=tuple(found.curve if found else _NOTHING for found in scored),
+        picture=picture,
+        notes=tuple(dict.fromkeys((*notes, *(note for found in scored if found for note in found.notes)))),
+    )
+
+
+def _tried(press: Press, how: ScoreSettings) -> tuple[ScoredPress | None, str]:
+    if press.frames is None:
+        return None, press.problem
+    try:
+        return score_press(press, how), ""
+    except CasrError as error:
+        return None, str(error)
