@@ -12,6 +12,10 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 
+Condition = Literal["high-stiffness", "modular", "constant-min", "constant-mean", "constant-max"]
+RIGID: Condition = "high-stiffness"
+"""How the rig presses (paper, section V): a rigid motor, or the actuator with a whole profile or one level of it."""
+
 Positive = Annotated[float, Gt(0)]
 NonNegative = Annotated[float, Ge(0)]
 Fraction = Annotated[float, Gt(0), Le(1)]

@@ -66,6 +66,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         area_unit="mm2",
         a_c0={"edge": area, "hexagon": step * np.round(area / step), "circle": area * wide, "paper": area * 1.1},
         casr={"edge": rate * noise, "hexagon": rate * noise, "circle": rate * noise * wide, "paper": 3 * rate * noise},
+        true_a_c0=np.full(presses, float(area_mm2(specimen, angle_deg, 0.5))),
         indent_n_per_mm=np.full(presses, 1.5),
         curves=curves,
         picture=_picture(float(area[0])),
@@ -83,7 +84,7 @@ def _picture(area: float) -> ContactPicture:
     image = np.full((300, 300), 12.0)
     for x, y in pins:
         image += 200 * np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / 18)
-    within = from_centre < 6 * np.sqrt(area / np.pi)
+    within = from_centre < 16 * np.sqrt(area / np.pi)
     return ContactPicture(np.clip(image, 0, 255).astype(np.uint8), pins, pins[within], area)
 
 

@@ -1,6 +1,6 @@
 """The emulated rig in a process of its own: ``python -m benchmarks.rig.served`` until its input ends.
 
-Its first line of output is JSON with where to find it: serial port, ports of the force sensor's box, camera's URL.
+The first line of output is JSON with where to find it, the last one the share of a processor that it took.
 """
 
 from __future__ import annotations
@@ -9,34 +9,32 @@ import json
 import sys
 import time
 
-from benchmarks.rig.parts import emulated_parts
+from benchmarks.rig.plans import SPECIMEN
 from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.emulated.camera_server import CameraServer
-from emg2vsa.rig.emulated.rdt_server import RdtServer
-from emg2vsa.rig.emulated.serial_port import VirtualSerialPort
+from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.servers import EmulatedServers
+from emg2vsa.rig.emulated.settings import EmulatedSettings
 
 
 def main() -> None:
-    """Serve until standard input is closed; the CPU time that took is the last line."""
-    # threads that answer within a millisecond must not wait 5 ms for one that draws a frame
+    """Serve until standard input is closed."""
+    # a thread that is to answer at once would else wait 5 ms for the one that draws a frame
     sys.setswitchinterval(2e-4)
-    clock = WallClock()
-    parts = emulated_parts(clock)
-
-    def actuator(data: bytes) -> bytes:
-        with parts.lock:
-            return parts.wire(data)
-
-    with (
-        VirtualSerialPort(actuator) as port,
-        RdtServer(parts.box, clock) as box,
-        CameraServer(parts.camera, clock) as camera,
-    ):
-        where = {"port": port.name, "host": box.host, "rdt_port": box.rdt_port, "http_port": box.http_port}
-        print(json.dumps(where | {"camera": camera.url}), flush=True)
-        started_s, before_s = clock.now_s(), time.process_time()
+    bench = EmulatedRig(EmulatedSettings(), SPECIMEN, 0.0, rigid=False, clock=WallClock())
+    with EmulatedServers(bench) as servers:
+        force = servers.force
+        print(
+            json.dumps(
+                {
+                    "port": servers.port, "host": force.host, "rdt_port": force.rdt_port, "http_port": force.http_port,
+                    "camera": servers.camera_url,
+                }
+            ),
+            flush=True,
+        )  # fmt: skip
+        started_s, before_s = time.perf_counter(), time.process_time()
         sys.stdin.read()
-        used = (time.process_time() - before_s) / (clock.now_s() - started_s)
+        used = (time.process_time() - before_s) / (time.perf_counter() - started_s)
         print(json.dumps({"cpu_share": used}), flush=True)
 
 

@@ -11,6 +11,10 @@ Points = tuple[NDArray[np.float64], NDArray[np.float64], tuple[str, ...]]
 """Area (n,), force (n,) in N, and what was done to get there."""
 
 
+DIP_N = 0.2
+"""Depth of a fall of force, N, up to which it is noise: four standard deviations of a frame at 0.05 N."""
+
+
 def frames_with_force(area: ArrayLike, force_n: ArrayLike) -> Points:
     """The frames whose force is known; NaN marks an unknown force."""
     area = np.asarray(area, dtype=np.float64).reshape(-1)
@@ -29,11 +33,24 @@ def frames_with_force(area: ArrayLike, force_n: ArrayLike) -> Points:
     return area[known], force[known], notes
 
 
+def outside_dips(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Points:
+    """The frames that lie no more than ``DIP_N`` below an earlier force.
+
+    When the force goes down and up again a contact keeps area that it had (hysteresis); from where the force was
+    before it grows on as if nothing had been. Falls within ``DIP_N`` are taken for noise and left to ``pooled``: to
+    keep rising frames only would choose those whose force reads too high.
+    """
+    kept = force_n >= np.maximum.accumulate(force_n) - DIP_N if force_n.size else np.ones(0, dtype=np.bool_)
+    lost = int(force_n.size - kept.sum())
+    notes = (f"{lost} of {force_n.size} frames in dips of the force deeper than {DIP_N:g} N are left out.",)
+    return area[kept], force_n[kept], notes if lost else ()
+
+
 def pooled(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Points:
     """Isotonic force: neighbouring frames whose force does not rise become one point, their mean force and mean area.
 
     The pools are those of the pool-adjacent-violators algorithm (Ayer et al. 1955), so the forces come out strictly
-    rising and nearest to the measured ones in the least-squares sense; a dip of force keeps the area it had there.
+    rising and nearest to the measured ones in the least-squares sense.
     """
     pools: list[tuple[float, float, int]] = []
     for f, a in zip(force_n.tolist(), area.tolist(), strict=True):

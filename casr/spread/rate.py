@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, SettingError
-from casr.spread.loading_points import frames_with_force, pooled
+from casr.spread.loading_points import frames_with_force, outside_dips, pooled
 from casr.spread.slope import force_slope, normal_quantile
 
 RATE_RULES = ("slope", "paper")
@@ -53,8 +53,9 @@ def spread_rate(
     ----------
     area : (T,) contact areas, the first one A_c0.
     force_n : (T,) force per frame, N; frames with NaN are left out.
-    rule : ``slope``: slope of the line through A(F) over the force axis; where the force does not rise, neighbouring
-        frames are pooled (``pooled``). ``paper``: eq. (2) as printed, the sum over frames of dA/dF with F_0 = 0.
+    rule : ``slope``: slope of the line through A(F) over the force axis; dips of the force are left out
+        (``outside_dips``), and where it does not rise, neighbouring frames are pooled (``pooled``).
+        ``paper``: eq. (2) as printed, the sum over frames of dA/dF with F_0 = 0.
     area_unit : ``mm2`` or ``px2``, for the unit of the result.
     min_step_n : ``paper`` divides only by steps of force this large, N; smaller ones are merged with the next, so no
         change of area is lost.
@@ -81,7 +82,8 @@ def spread_rate(
 
 def _slope(area: ArrayLike, force_n: ArrayLike, area_unit: str, confidence: float) -> SpreadRate:
     known_area, known_force, notes = frames_with_force(area, force_n)
-    rising_area, rising_force, more = pooled(known_area, known_force)
+    loading_area, loading_force, dips = outside_dips(known_area, known_force)
+    rising_area, rising_force, more = pooled(loading_area, loading_force)
     if rising_force.size < 2 or not rising_force[-1] - rising_force[0] > 1e-9 * np.abs(rising_force).max():
         raise _flat(known_force)
     value, error = force_slope(rising_area, rising_force)
@@ -91,7 +93,7 @@ def _slope(area: ArrayLike, force_n: ArrayLike, area_unit: str, confidence: floa
     else:
         half = normal_quantile(confidence) * error
         low, high = value - half, value + half
-    return SpreadRate(value, low, high, f"{area_unit}/N", "slope", known_force.size, notes + more)
+    return SpreadRate(value, low, high, f"{area_unit}/N", "slope", loading_force.size, notes + dips + more)
 
 
 def _summed_quotients(area: ArrayLike, force_n: ArrayLike, area_unit: str, min_step_n: float) -> SpreadRate:

@@ -54,12 +54,12 @@ def metadata(
         "instrument": _links(software), "object": [*_links(taken), {"@id": "study.toml"}],
         "result": [link for link in _links(parts) if link["@id"] != "study.toml"],
     }  # fmt: skip
+    licence = _licence(publication.licence)
     root: Entity = {
         "@id": "./", "@type": "Dataset", "name": name, "description": about, "datePublished": publication.date,
-        "license": {"@id": publication.licence} if _is_address(publication.licence) else publication.licence,
-        "hasPart": _links(parts), "mentions": {"@id": "#run"},
+        "license": {"@id": licence["@id"]}, "hasPart": _links(parts), "mentions": {"@id": "#run"},
     }  # fmt: skip
-    graph = [_descriptor(), root, *_licence(publication.licence), *parts, run, *software, *taken]
+    graph = [_descriptor(), root, licence, *parts, run, *software, *taken]
     return json.dumps({"@context": CONTEXT, "@graph": graph}, indent=1, ensure_ascii=False) + "\n"
 
 
@@ -97,13 +97,9 @@ def _software(name: str, version: str) -> Entity:
     return {"@id": f"#software/{name}", "@type": "SoftwareApplication", "name": name, "softwareVersion": version}
 
 
-def _licence(licence: str) -> list[Entity]:
-    said = "Licence of this package"
-    return [{"@id": licence, "@type": "CreativeWork", "name": licence, "description": said}] * _is_address(licence)
-
-
-def _is_address(text: str) -> bool:
-    return text.startswith(("https://", "http://"))
+def _licence(licence: str) -> Entity:
+    address = licence if licence.startswith(("https://", "http://")) else "#licence"
+    return {"@id": address, "@type": "CreativeWork", "name": licence, "description": "Licence of this package"}
 
 
 def _links(entities: list[Entity]) -> list[dict[str, object]]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from emg2vsa.atomic import write_bytes_atomic
 from emg2vsa.authors.archive import zip_bytes
-from emg2vsa.authors.crate import METADATA, Publication, metadata, parts_of
+from emg2vsa.authors.crate import METADATA, UNPUBLISHED, Publication, metadata, parts_of
 from emg2vsa.authors.documents import proof, readme
 from emg2vsa.authors.lineage import Lineage, lineage
 from emg2vsa.errors import DataError
@@ -54,6 +54,8 @@ def _files(board: Board, publication: Publication) -> dict[str, bytes]:
     about = _SIMULATED if found["study.truth_found"] else "The recordings are taken as made with people."
     files["README.txt"] = readme(study.name, study.title, about, files).encode()
     described = f"Numbers, tables, figures and schedules of the study {study.name}, for a paper. {about}"
+    if publication.date == UNPUBLISHED:
+        described += f" Not published yet: {UNPUBLISHED} stands for the date."
     inputs = _sha256(study, traced.inputs)
     crate = metadata(study.title, described, files, inputs, traced.libraries, publication)
     return files | {METADATA: crate.encode()}

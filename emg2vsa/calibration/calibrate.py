@@ -30,8 +30,9 @@ ENOUGH_SPECIMENS = 6
 class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
-    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S).
-    fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
+    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. casr : (d, S, R)
+    scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S). fit : the law. r2, adj_r2 : (d,) of kappa
+    about its mean, over the points that were fitted.
     left_out : (d, S) kappa of each specimen as the others predict it.
     """
 

@@ -19,8 +19,8 @@ The stiffness that a flat punch of radius p measures on the specimen is kappa = 
     1/kappa = a + b CASR^(3/2),  a = -1 / (2 p E_s) < 0,  b > 0.
 
 Two parameters: what the sensor itself gives way, and the scale of the score. The cosine of a tilted sensor and the
-unit of the score go into b. The exponent follows from Hertz and is not fitted; a contact that grows as F^(2/3) to F^(3/10)
-instead costs a few percent at most (decision 16). The indentation under a force goes as E*^(-2/3) too (Johnson,
+unit of the score go into b. The exponent follows from Hertz and is not fitted; a contact whose area grows as F^(3/10)
+in place of F^(2/3) costs 3 % at most (decision 16). The indentation under a force goes as E*^(-2/3) too (Johnson,
 eq. 4.23), which makes this the law of the kinesthetic cue, with millimetres per newton in place of CASR.
 """
 

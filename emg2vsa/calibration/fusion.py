@@ -9,11 +9,11 @@ logarithms of kappa by the best linear unbiased weights for correlated errors,
 
     w = (v_k - c) / (v_c + v_k - 2 c),
 
-with the variances v of the two estimates and their covariance c from the correlation of the two scores within specimens.
+with the variances v of the two estimates and their covariance c from the correlation of the scores within specimens.
 With a strong correlation w can lie outside 0 to 1, where the fused value lies outside both cues on the strength of that
 correlation alone (Lyons, Gibaut and Clifford 1988, Nuclear Instruments and Methods A 270, 110): the better cue is taken
-then. The two cues must agree: their difference over its standard error is tested, chi-square of one degree of freedom for
-known variances and here, for estimated ones, the square of Student's t.
+then. The two cues must agree: their difference over its standard error is tested, chi-square of one degree of freedom
+for known variances and here, for estimated ones, the square of Student's t.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The laws from CASR to stiffness, and three ways to fit each, all seen as one straight line (``forms``).
 
-A law is eta = level + slope (X - X0), and X0 is where level and slope are uncorrelated. What is made least square is the
-error of kappa (the paper), of ln kappa, or of CASR. The last is for errors in x: kappa of the calibration specimens is
-known far better than a score, which the other two take as exact.
+A law is eta = level + slope (X - X0), and X0 is where level and slope are uncorrelated. What is made least square is
+the error of kappa (the paper), of ln kappa, or of CASR. The last is for errors in x: kappa of the calibration specimens
+is known far better than a score, which the other two take as exact.
 """
 
 from __future__ import annotations

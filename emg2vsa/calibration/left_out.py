@@ -1,4 +1,4 @@
-"""Does the law hold? Every known specimen in turn estimated from the others, and its true kappa against the interval."""
+"""Does the law hold? Every known specimen estimated from the others, and its kappa held against the interval."""
 
 from __future__ import annotations
 

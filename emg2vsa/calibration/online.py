@@ -67,8 +67,8 @@ def calibrate_online(
 ) -> OnlineCalibration:
     """A calibration for every ``step_n`` of force, the first two steps above ``start_n``, the last at ``stop_n``.
 
-    kappa : (S,). curves : of each specimen its presses. start_n : where all slopes begin; every press must have been seen
-    from below it. DataError where no press reaches ``stop_n``.
+    kappa : (S,). curves : of each specimen its presses. start_n : where all slopes begin; a press must have been seen
+    from below it to count. DataError where no press reaches ``stop_n``.
     """
     forces = np.arange(start_n + 2 * step_n, stop_n + step_n / 1000, step_n)
     presses = max((len(each) for each in curves), default=0)

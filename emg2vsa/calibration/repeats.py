@@ -36,7 +36,7 @@ class RepeatInterval:
     kappa : N/mm. eta, eta_se : on the axis of the law. df : of eta_se. low, high : N/mm; high is infinite where the
     interval on 1/kappa reaches 0: the specimen may be rigid for all that the score says.
     gradient : (d, S + 1) d eta / d mean score, of the known specimens and the new one. press_variance : (d, S + 1) of
-    a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for one standard error of each known kappa.
+    a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for a standard error of each known kappa.
     """
 
     kappa: Floats
@@ -68,8 +68,8 @@ def within(scores: Floats) -> tuple[Floats, Ints]:
 def repeat_interval(calibration: Calibration, scores: Floats, *, own_noise: bool = True) -> RepeatInterval:
     """The estimate from scores (d, R) of the new specimen, NaN where there is none, and its interval.
 
-    own_noise : False takes the variance of the new specimen's presses from those of the known ones, pooled. That is done
-    anyway for a specimen that was pressed once.
+    own_noise : False takes the variance of the new specimen's presses from those of the known ones, pooled. That is
+    done anyway for a specimen that was pressed once.
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
     variance, freedom, n = _noise(side_by_side(calibration.casr, scores), own_noise)
@@ -89,7 +89,7 @@ def repeat_interval(calibration: Calibration, scores: Floats, *, own_noise: bool
 
 
 def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
-    """Variance of a single press (d, S + 1), its degrees of freedom (d, S + 1), and presses; the new specimen is last."""
+    """Variance of a single press, its degrees of freedom, and presses, each (d, S + 1); the new specimen is last."""
     variance, n = within(scores)
     known = np.isfinite(variance)
     if not own_noise:

@@ -54,7 +54,11 @@ class Estimate:
         low, high, how = {
             "repeats": (self.repeats.low, self.repeats.high, "noise of repeated presses"),
             "delta": (self.delta_low, self.delta_high, "delta method"),
-            "bootstrap": (self.bootstrap_low, self.bootstrap_high, f"{settings.resamples} bootstrap resamples of presses"),
+            "bootstrap": (
+                self.bootstrap_low,
+                self.bootstrap_high,
+                f"{settings.resamples} bootstrap resamples of presses",
+            ),
         }[interval]
         chosen = f"least squares of {settings.minimise}, {settings.points}"
         return Outcome(

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from emg2vsa.cli import COMMANDS, parser
+from emg2vsa.cli import parser
 
 PATH = Path(__file__).parents[2] / "docs" / "reference" / "commands.md"
 WIDTH = 100
@@ -34,16 +34,18 @@ def markdown() -> str:
 
 
 def _helps() -> Iterator[tuple[str, str]]:
-    whole = parser()
-    for one in (whole, *(_command(whole, name) for name in COMMANDS)):
+    for one in _with_commands(parser()):
         one.formatter_class = partial(argparse.HelpFormatter, width=WIDTH)  # type: ignore[assignment]
         yield one.prog, one.format_help()
 
 
-def _command(whole: argparse.ArgumentParser, name: str) -> argparse.ArgumentParser:
-    (commands,) = (action for action in whole._actions if isinstance(action, argparse._SubParsersAction))
-    made: argparse.ArgumentParser = commands.choices[name]
-    return made
+def _with_commands(whole: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    """``whole``, then its commands, each followed by its own."""
+    yield whole
+    for action in whole._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from _with_commands(command)
 
 
 if __name__ == "__main__":

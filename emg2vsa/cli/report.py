@@ -28,12 +28,12 @@ def add_to(commands: Commands) -> None:
     parser = add_command(commands, "report", run, summary)
     add_study(parser)
     package = parser.add_argument_group("authors' package")
-    package.add_argument("--paper", action="store_true", help="write it: LaTeX tables, numbers, figures, supplement.zip")
+    package.add_argument("--paper", action="store_true", help="write it: LaTeX tables, numbers, figures, an archive")
     package.add_argument("--out", type=Path, metavar="DIR", help="its folder (default: paper/ in the study's report)")
     package.add_argument(
-        "--published", type=_date, metavar="DATE", help="date of publication for supplement.zip, YYYY-MM-DD"
+        "--published", type=_date, metavar="DATE", help="date that the archive says it was published, YYYY-MM-DD"
     )
-    package.add_argument("--licence", metavar="TEXT", help="licence for supplement.zip: an address, or a sentence")
+    package.add_argument("--licence", metavar="TEXT", help="licence of the archive: an address, or a sentence")
     add_jobs(parser)
     add_json(parser)
 
@@ -52,7 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
     failed = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
     files = [] if failed else manifest_files(board.result("report/study"))
     pages = [file for page in board.done("pages") for file in manifest_files(page)]
-    package = _package(board, arguments) if arguments.paper and not failed else []
+    folder = arguments.out or study.reports / "paper"
+    package = _package(board, folder, arguments) if arguments.paper and not failed else []
     if arguments.json:
         paths = {"files": [*files, *pages], "paper": package}
         print_json({name: [str(path) for path in of] for name, of in paths.items()} | {"failed": failed})
@@ -62,16 +63,16 @@ def run(arguments: argparse.Namespace) -> int:
             print(path)
         print(f"and {len(pages)} participant page{'s' if len(pages) != 1 else ''} beside it")
         if package:
-            print(f"Authors' package: {len(package)} files; begin with {arguments.out or study.reports / 'paper'}/README.txt")
+            print(f"Authors' package, {len(package)} files: {folder}")
     return 1 if failed else 0
 
 
-def _package(board: Board, arguments: argparse.Namespace) -> list[Path]:
+def _package(board: Board, folder: Path, arguments: argparse.Namespace) -> list[Path]:
     from emg2vsa.authors.crate import UNLICENSED, UNPUBLISHED, Publication
     from emg2vsa.authors.package import write_package
 
     publication = Publication(arguments.published or UNPUBLISHED, arguments.licence or UNLICENSED)
-    return write_package(board, arguments.out or board.study.reports / "paper", publication)
+    return write_package(board, folder, publication)
 
 
 def _check_package(arguments: argparse.Namespace) -> None:

@@ -8,9 +8,8 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.discrimination.run_table import RunTable, mean_of
-from emg2vsa.discrimination.separation import pressed_everywhere, repetition_cv, smallest_gap
+from emg2vsa.discrimination.separation import Gaps, closest_pair, gaps_of, pressed_everywhere, repetition_cv
 from emg2vsa.settings import DiscriminationSettings
-from emg2vsa.stats.bootstrap import Bootstrap, bca
 
 
 @dataclass(frozen=True)
@@ -19,8 +18,8 @@ class AlgorithmComparison:
 
     names : (A,), the one that is tested first, then the old one. area : (A, D, S) mean A_c0. area_ratio : to that of
     the first, mean of presses. area_error, area_error_sd : A_c0 over its truth less 1, mean and SD of presses; NaN
-    where nobody knows the truth. area_cv, casr_cv : SD of repeated presses over their mean. gap : ``smallest_gap``
-    between specimens, its A D designs algorithm by algorithm.
+    where nobody knows the truth. area_cv, casr_cv : SD of repeated presses over their mean. gaps : of the ``pair`` of
+    specimens that lies closest, A D of them, algorithm by algorithm.
     """
 
     names: tuple[str, ...]
@@ -31,12 +30,13 @@ class AlgorithmComparison:
     area_error_sd: Floats
     area_cv: Floats
     casr_cv: Floats
-    gap: Bootstrap
+    pair: tuple[str, str]
+    gaps: Gaps
 
-    def gap_of(self, algorithm: int, design: int) -> tuple[float, float, float]:
-        """The smallest gap with its interval."""
+    def gap(self, algorithm: int, design: int) -> tuple[float, float, float]:
+        """The gap with its interval."""
         i = algorithm * self.area_ratio.shape[1] + design
-        return float(self.gap.estimate[i]), float(self.gap.low[i]), float(self.gap.high[i])
+        return float(self.gaps.gap[i]), float(self.gaps.low[i]), float(self.gaps.high[i])
 
 
 def compare_algorithms(table: RunTable, settings: DiscriminationSettings) -> AlgorithmComparison:
@@ -51,17 +51,17 @@ def compare_algorithms(table: RunTable, settings: DiscriminationSettings) -> Alg
         ratio = (area / area[0]).reshape(a, d, s * r)
         error = (area / table.true_a_c0[:, used] - 1).reshape(a, d, s * r)
     mean_error = mean_of(error)
+    specimens = tuple(table.specimens[i] for i in used)
+    pair = closest_pair(casr[0])
     return AlgorithmComparison(
         names=names,
-        specimens=tuple(table.specimens[i] for i in used),
+        specimens=specimens,
         area=mean_of(area),
         area_ratio=mean_of(ratio),
         area_error=mean_error,
         area_error_sd=np.sqrt(mean_of((error - mean_error[..., None]) ** 2)),
         area_cv=repetition_cv(area),
         casr_cv=repetition_cv(casr),
-        gap=bca(
-            casr.reshape(a * d, s, r), smallest_gap, settings.resamples, settings.seed, 1 - settings.alpha,
-            "smallest gap in SDs",
-        ),
-    )  # fmt: skip
+        pair=(specimens[pair], specimens[pair + 1]),
+        gaps=gaps_of(casr[:, :, pair : pair + 2].reshape(a * d, 2, r), 1 - settings.alpha),
+    )

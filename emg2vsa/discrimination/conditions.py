@@ -9,11 +9,13 @@ import numpy as np
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RunTable
 from emg2vsa.discrimination.separation import (
-    gap_difference,
+    Gaps,
+    closest_pair,
+    cv_ratio,
+    gaps_of,
     level_ratio,
     pressed_everywhere,
     repetition_cv,
-    smallest_gap,
 )
 from emg2vsa.settings import DiscriminationSettings
 from emg2vsa.stats.bootstrap import Bootstrap, Statistic, bca
@@ -24,25 +26,27 @@ from emg2vsa.stats.kruskal import KruskalWallis, kruskal
 class ConditionComparison:
     """Of D designs, over the ``specimens`` pressed in every one, the new one included.
 
-    ranks, gap, cv : (D,) Kruskal-Wallis, ``smallest_gap`` and ``repetition_cv``, intervals by bootstrap over presses.
+    ranks, cv : (D,) Kruskal-Wallis, and ``repetition_cv``. gaps : (D,) of the ``pair`` of specimens that lies closest.
     human, other : (q,) numbers of the designs compared, the human-like condition with another at the same angle.
-    gap_difference, level_ratio, cv_ratio : (q,) of their gaps, human-like less other; of their mean CASR and of their
-    CVs, human-like over other.
+    gap_differences : (q,) human-like less other. level_ratio, cv_ratio : (q,) of mean CASR and of CVs, human-like over
+    other. Intervals of gaps by the noncentral t, of ratios by bootstrap over presses.
     """
 
     specimens: tuple[str, ...]
+    pair: tuple[str, str]
     ranks: KruskalWallis
-    gap: Bootstrap
-    cv: Bootstrap
+    gaps: Gaps
+    cv: Floats
     human: Ints
     other: Ints
-    gap_difference: Bootstrap
+    gap_differences: Gaps
     level_ratio: Bootstrap
     cv_ratio: Bootstrap
+    confidence: float
 
     def wins(self, i: int) -> bool | None:
         """Whether the human-like condition of comparison ``i`` separates better; None where it cannot be said."""
-        low, high = self.gap_difference.low[i], self.gap_difference.high[i]
+        low, high = self.gap_differences.low[i], self.gap_differences.high[i]
         return True if low > 0 else False if high < 0 else None
 
 
@@ -51,36 +55,37 @@ def compare_conditions(table: RunTable, settings: DiscriminationSettings) -> Con
     values = table.casr[settings.algorithm]
     used = pressed_everywhere(values)
     values = values[:, used]
-    pairs = _pairs(table)
-    human, other = (np.array([pair[side] for pair in pairs], dtype=np.int64) for side in (0, 1))
+    specimens = tuple(table.specimens[i] for i in used)
+    human, other = _compared(table)
     both = np.concatenate([values[human], values[other]], axis=1)
+    pair = closest_pair(values)
+    gaps = gaps_of(values[:, pair : pair + 2], 1 - settings.alpha)
 
     def interval(samples: Floats, statistic: Statistic, name: str) -> Bootstrap:
         return bca(samples, statistic, settings.resamples, settings.seed, 1 - settings.alpha, name)
 
     return ConditionComparison(
-        specimens=tuple(table.specimens[i] for i in used),
+        specimens=specimens,
+        pair=(specimens[pair], specimens[pair + 1]),
         ranks=kruskal(values),
-        gap=interval(values, smallest_gap, "smallest gap in SDs"),
-        cv=interval(values, repetition_cv, "coefficient of variation"),
+        gaps=gaps,
+        cv=repetition_cv(values),
         human=human,
         other=other,
-        gap_difference=interval(both, gap_difference, "difference of smallest gaps in SDs"),
+        gap_differences=gaps.at(human).less(gaps.at(other)),
         level_ratio=interval(both, level_ratio, "ratio of CASR"),
-        cv_ratio=interval(both, _cv_ratio, "ratio of coefficients of variation"),
+        cv_ratio=interval(both, cv_ratio, "ratio of coefficients of variation"),
+        confidence=1 - settings.alpha,
     )
 
 
-def _pairs(table: RunTable) -> list[tuple[int, int]]:
-    return [
+def _compared(table: RunTable) -> tuple[Ints, Ints]:
+    """Numbers of the human-like design and of the other, for every comparison."""
+    pairs = [
         (human, other)
         for human in table.of_condition(HUMAN_LIKE)
         for other, condition in enumerate(table.conditions)
         if condition != HUMAN_LIKE and table.angles_deg[other] == table.angles_deg[human]
     ]
-
-
-def _cv_ratio(samples: Floats) -> Floats:
-    first, second = np.split(samples, 2, axis=-2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(repetition_cv(first) / repetition_cv(second))
+    human, other = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    return human, other

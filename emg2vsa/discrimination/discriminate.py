@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
 from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
@@ -38,16 +37,14 @@ def discriminate(
     runs: Sequence[RunScores],
     stiffness_n_per_mm: Mapping[str, float],
     settings: DiscriminationSettings | None = None,
-    true_a_c0: Mapping[str, Floats] | None = None,
 ) -> Discrimination:
     """Test ``runs``, one a specimen, angle and condition.
 
-    stiffness_n_per_mm : of every specimen, the new one included; only its order is used. true_a_c0 : name of a run to
-    the (R,) true initial areas of its presses, where a simulation knows them. DataError as ``run_table``, and where no
-    run was scored by the algorithm in ``settings`` or fewer than two known specimens were pressed.
+    stiffness_n_per_mm : of every specimen, the new one included; only its order is used. DataError as ``run_table``,
+    and where no run was scored by the algorithm in ``settings`` or fewer than two known specimens were pressed.
     """
     settings = settings or DiscriminationSettings()
-    table = run_table(runs, stiffness_n_per_mm, settings.new_specimen, true_a_c0)
+    table = run_table(runs, stiffness_n_per_mm, settings.new_specimen)
     _check(table, settings)
     return Discrimination(
         settings=settings,

@@ -23,7 +23,7 @@ class RunTable:
 
     conditions, angles_deg : (D,), condition by condition and angle by angle. specimens, stiffness_n_per_mm : (S,).
     new : place of the new specimen, -1 where it was not pressed. a_c0, casr : algorithm to (D, S, R), in ``area_unit``
-    and ``area_unit``/N; NaN where there is no score. true_a_c0 : (D, S, R), NaN where nobody knows it.
+    and ``area_unit``/N; NaN where there is no score. true_a_c0 : (D, S, R), mm2, NaN unless simulated.
     """
 
     conditions: tuple[str, ...]
@@ -51,13 +51,8 @@ class RunTable:
         return [i for i, name in enumerate(self.conditions) if name == condition]
 
 
-def run_table(
-    runs: Sequence[RunScores],
-    stiffness_n_per_mm: Mapping[str, float],
-    new: str,
-    true_a_c0: Mapping[str, Floats] | None = None,
-) -> RunTable:
-    """Sort ``runs`` into a table; rejected presses have no score. true_a_c0 : name of a simulated run to (R,) areas.
+def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float], new: str) -> RunTable:
+    """Sort ``runs`` into a table; rejected presses have no score.
 
     DataError where there is no run, a run occurs twice, units of area differ, or a specimen's stiffness is unknown:
     without it nobody can say which of two specimens is the softer.
@@ -75,10 +70,10 @@ def run_table(
     shape = (len(designs), len(specimens), max(run.repetitions.size for run in runs))
     algorithms = dict.fromkeys(name for run in runs for name in run.casr)
 
-    def sorted_in(scores: Sequence[Mapping[str, Floats]], key: str | None = None) -> Floats:
+    def sorted_in(scores: Sequence[Floats | None]) -> Floats:
         table = np.full(shape, np.nan)
-        for run, place, of_run in zip(runs, places, scores, strict=True):
-            table[place][: run.repetitions.size] = _accepted(run, of_run, key or run.name)
+        for run, place, found in zip(runs, places, scores, strict=True):
+            table[place][: run.repetitions.size] = _accepted(run, found)
         return table
 
     return RunTable(
@@ -88,9 +83,9 @@ def run_table(
         stiffness_n_per_mm=np.array([stiffness_n_per_mm[name] for name in specimens]),
         new=specimens.index(new) if new in specimens else -1,
         area_unit=runs[0].area_unit,
-        a_c0={name: sorted_in([run.a_c0 for run in runs], name) for name in algorithms},
-        casr={name: sorted_in([run.casr for run in runs], name) for name in algorithms},
-        true_a_c0=sorted_in([true_a_c0 or {}] * len(runs)),
+        a_c0={name: sorted_in([run.a_c0.get(name) for run in runs]) for name in algorithms},
+        casr={name: sorted_in([run.casr.get(name) for run in runs]) for name in algorithms},
+        true_a_c0=sorted_in([run.true_a_c0 if run.area_unit == "mm2" else None for run in runs]),
     )
 
 
@@ -101,10 +96,9 @@ def mean_of(values: Floats) -> Floats:
         return np.asarray(np.sum(values, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
 
 
-def _accepted(run: RunScores, scores: Mapping[str, Floats], key: str) -> Floats:
-    nothing = np.full(run.repetitions.size, np.nan)
+def _accepted(run: RunScores, scores: Floats | None) -> Floats:
     accepted = np.array([verdict == "ok" for verdict in run.verdicts], dtype=np.bool_)
-    return np.where(accepted, scores.get(key, nothing), np.nan)
+    return np.where(accepted, np.nan if scores is None else scores, np.nan)
 
 
 def _place(condition: str) -> tuple[int, str]:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from scipy.spatial import cKDTree
 
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.grid import panel_grid
@@ -39,10 +38,11 @@ def hexagons(at_px: Floats, pins_px: Floats) -> Floats:
     """
     if len(pins_px) < 2:
         return np.empty((0, 6, 2))
-    distance, nearest = cKDTree(pins_px).query(pins_px, k=2)
-    step = pins_px[nearest[:, 1]] - pins_px
+    distances = np.linalg.norm(pins_px[:, None] - pins_px, axis=2)
+    np.fill_diagonal(distances, np.inf)
+    step = pins_px[np.argmin(distances, axis=1)] - pins_px
     # the lattice's own direction, folded into one sixth of a turn
     direction = np.angle(np.mean(np.exp(6j * np.arctan2(step[:, 1], step[:, 0])))) / 6
     turn = direction + np.pi / 6 + np.arange(6) * np.pi / 3
-    radius = float(np.median(distance[:, 1])) / np.sqrt(3)
+    radius = float(np.median(np.min(distances, axis=1))) / np.sqrt(3)
     return np.asarray(at_px[:, None] + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))

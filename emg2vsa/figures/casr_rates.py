@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import draw_box
@@ -46,9 +45,12 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
         raw.set_title(title, loc="center")
     panels[-1][0].set_xlabel("Force (N)")
     named = {series.name: series.look for _, specimens in rows for series in specimens}
-    figure.legend(
-        handles=[_handle(name, look) for name, look in named.items()], loc="upper center", ncols=len(named) or 1
-    )
+    for name, look in named.items():
+        panels[0][0].plot(
+            [], [], color=look.colour, linestyle=look.dash, marker=look.marker, markeredgecolor=INK,
+            markeredgewidth=0.4, label=name,
+        )  # fmt: skip
+    figure.legend(loc="upper center", ncols=len(named) or 1)
     return figure
 
 
@@ -71,10 +73,3 @@ def _raw(axes: Axes, series: RateSeries) -> None:
         level, slope = line_of(series)
         ends = np.array([series.force_n.min(), series.force_n.max()])
         axes.plot(ends, level + slope * ends, color=series.look.colour, linestyle=series.look.dash)
-
-
-def _handle(name: str, look: Look) -> Line2D:
-    return Line2D(
-        [], [], color=look.colour, linestyle=look.dash, marker=look.marker, markeredgecolor=INK, markeredgewidth=0.4,
-        label=name,
-    )  # fmt: skip

@@ -40,10 +40,11 @@ def _ending(said: dict[str, Any], repetitions: int) -> Ending:
     title = _HOW[how] + (f": {said['cause']}" if said["cause"] else "")
     done = f"{said['repetitions_done']} of {repetitions} presses done"
     where = "" if how == "completed" else f", ended in phase {said['phase']}"
-    sentences = [f"{done}{where}", said["why"], *_safety(said), *said["notes"]]
+    why = "" if how == "stopped" else said["why"]  # the cause says it all
+    sentences = [f"{done}{where}", why, *_safety(said), *said["notes"]]
     safe = said["retracted"] and said["deactivated"]
     kind: Any = "danger" if not safe else {"completed": "good", "stopped": "stopped"}.get(how, "guard")
-    return Ending(kind, title, " ".join(f"{text.rstrip('.')}." for text in sentences if text))
+    return Ending(kind, title, " ".join(f"{text[0].upper()}{text[1:].rstrip('.')}." for text in sentences if text))
 
 
 def _safety(said: dict[str, Any]) -> tuple[str, str]:

@@ -44,12 +44,12 @@ class Follower:
             path = newest_run(self._folder)
             if path is None:
                 self._run = None
-                return Snapshot()
+                return Snapshot(str(self._folder))
             if self._run is None or self._run.path != path:
                 self._run = _Run(path, *read_run(path))
             return self._run.look(self._now_s())
         except RecordingError as error:
-            return Snapshot(run=self._run and self._run.facts, trouble=str(error))
+            return Snapshot(str(self._folder), run=self._run and self._run.facts, trouble=str(error))
 
 
 class _Run:
@@ -66,6 +66,7 @@ class _Run:
         self._row = rows[-1] if rows else self._row
         modified_s = self._tail.modified_s()
         return Snapshot(
+            folder=str(self.path),
             run=self.facts,
             curves=curves_of(rows, self._rig) if rows else Curves(),
             phase=self._row.phase if self._row else "",

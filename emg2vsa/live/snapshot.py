@@ -37,6 +37,8 @@ class Curves:
 class Snapshot:
     """One moment."""
 
+    folder: str
+    "That is followed."
     run: RunFacts | None = None
     "None while there is no run."
     curves: Curves = field(default_factory=Curves)

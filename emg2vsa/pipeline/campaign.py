@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.experiment import ExperimentSettings, runs_of
-from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig_file import RigFile, load_rig
 from emg2vsa.run_folders.find import find_runs
 from emg2vsa.study import RunEntry, Study
+
+if TYPE_CHECKING:
+    from emg2vsa.rig.emulated.settings import EmulatedSettings
+    from emg2vsa.rig.experiment import ExperimentSettings
+    from emg2vsa.rig.rig_settings import RigSettings
+    from emg2vsa.rig_file import RigFile
 
 
 @dataclass(frozen=True)
@@ -43,5 +47,6 @@ def campaign(study: Study) -> Campaign:
         return Campaign(study)
     if source.rig is None:
         return Campaign(replace(study, runs=find_runs(source.root)))
-    rig = load_rig(source.rig)
-    return Campaign(replace(study, runs=tuple(RunEntry(*run, ()) for run in runs_of(rig.experiment))), rig)
+    # a study without a rig does not wait for all that a rig file loads
+    rig: RigFile = importlib.import_module("emg2vsa.rig_file").load_rig(source.rig)
+    return Campaign(replace(study, runs=tuple(RunEntry(*run, ()) for run in rig.experiment.all_runs())), rig)

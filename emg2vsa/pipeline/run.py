@@ -95,6 +95,9 @@ def _modules(board: Board, stale: Sequence[State], all_stages: Sequence[str]) ->
     return Modules(tuple(sorted(workers)), tuple(sorted(here)))
 
 
+_WORK = {"report": "report_work", "discrimination": "casr_work", "calibration": "casr_work"}
+
+
 def _function(stage: str) -> str:
     match STAGES[stage].per:
         case "recording":
@@ -104,7 +107,7 @@ def _function(stage: str) -> str:
         case "participant":
             return "emg2vsa.pipeline.page_work:run"
         case _:
-            return f"emg2vsa.pipeline.{'report' if stage == 'report' else 'study'}_work:{stage}"
+            return f"emg2vsa.pipeline.{_WORK.get(stage, 'study_work')}:{stage}"
 
 
 def _recording_tasks(board: Board, stale: Sequence[State]) -> list[Task]:

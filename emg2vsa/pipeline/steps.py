@@ -12,7 +12,7 @@ from emg2vsa.pipeline.fingerprint import Fingerprints, as_json, digest, library_
 from emg2vsa.pipeline.ledger import Parts
 from emg2vsa.readers.bids_sidecars import side_file_paths
 from emg2vsa.readers.formats import reader_module
-from emg2vsa.rig.plan import RIGID
+from emg2vsa.settings import RIGID
 from emg2vsa.study import RecordingEntry, RunEntry, Study
 
 FAILED = "failed"

@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from emg2vsa import artifacts
-from emg2vsa.calibration import calibrate_runs
-from emg2vsa.discrimination import discriminate
 from emg2vsa.errors import DataError
 from emg2vsa.fits import Fits, concatenate
 from emg2vsa.hypotheses import test_hypotheses
@@ -21,7 +19,7 @@ Inputs = Mapping[str, Sequence[Path]]
 
 def hypotheses(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
     """The tests on b."""
-    return _stored("hypotheses", result, lambda: test_hypotheses(_fits(inputs), study.hypotheses))
+    return stored("hypotheses", result, lambda: test_hypotheses(_fits(inputs), study.hypotheses))
 
 
 def profiles(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
@@ -31,7 +29,7 @@ def profiles(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
         use = study.hypotheses.use
         return build_profiles(_fits(inputs), study.stiffness_n_per_mm, study.profile, study.window, use)
 
-    return _stored("profiles", result, make)
+    return stored("profiles", result, make)
 
 
 def schedules(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
@@ -44,31 +42,10 @@ def schedules(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
         provenance = {"study": study.name, "mode": study.mode, "profiles": path.stem}
         return build_schedules(artifacts.load(path), study.schedule, provenance)
 
-    return _stored("schedules", result, make)
+    return stored("schedules", result, make)
 
 
-def discrimination(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
-    """The tests on initial areas and spread rates."""
-
-    def make() -> object:
-        runs = [artifacts.load(path) for path in inputs["runs"]]
-        truth = {run.name: run.true_a_c0 for run in runs if run.simulated}
-        return discriminate(runs, study.pressed_n_per_mm, study.discrimination, truth)
-
-    return _stored("discrimination", result, make)
-
-
-def calibration(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
-    """Stiffness of the new specimen from its spread rate."""
-
-    def make() -> object:
-        runs = [artifacts.load(path) for path in inputs["runs"]]
-        return calibrate_runs(runs, study.pressed_n_per_mm, study.profile.new_specimen, study.calibration)
-
-    return _stored("calibration", result, make)
-
-
-def _stored(stage: str, result: Path, make: Callable[[], object]) -> list[Ended]:
+def stored(stage: str, result: Path, make: Callable[[], object]) -> list[Ended]:
     return [guarded(f"{stage}/study", lambda: artifacts.save(result, make()))]
 
 

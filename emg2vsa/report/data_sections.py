@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from html import escape
 
@@ -15,6 +14,7 @@ from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
+from emg2vsa.trials.reasons import most_frequent
 
 
 def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
@@ -33,7 +33,16 @@ def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
         tiles.append((f"{error:.2f} ± {mcse:.2f} %", "mean error of b against the truth"))
     shown = "".join(f"<li><b>{escape(value)}</b>{escape(name)}</li>" for value, name in tiles)
     said = origin(results)
-    return html.statement(said.kind, said.strong, said.text) + f'<ul class="tiles">{shown}</ul>\n'
+    opening = html.statement(said.kind, said.strong, said.text)
+    return opening + f'<ul class="tiles">{shown}</ul>\n' + html.paragraph(_TERMS)
+
+
+_TERMS = (
+    "A trial is the loading phase of one press. Its co-contraction v, what the muscles do together, is fitted against "
+    "the force F as v = a + b ln F: a is v at 1 N, the slope b says how fast v grows. The tests compare b. A cluster is "
+    "the trials of one participant on one specimen; κ is a specimen's stiffness. “The paper” is the published study "
+    "whose analysis is repeated here."
+)
 
 
 def participants(results: StudyResults) -> str:
@@ -83,7 +92,7 @@ def _rejected(results: StudyResults) -> str:
         if not these.size:
             blocks += html.paragraph(f"No trial was {verdict}.")
             continue
-        reasons = Counter(reason for i in these for reason in str(fits.reason[i]).split("; "))
+        reasons = [reason for i in these for reason in str(fits.reason[i]).split("; ")]
         blocks += html.paragraph(f"{count(these.size, 'trial')} {verdict}. {kept}")
         columns = (
             Column("participant", "Participant"),
@@ -96,7 +105,7 @@ def _rejected(results: StudyResults) -> str:
             for i in these
         )
         listing = Table(verdict, f"Trials {verdict}, with reasons", columns, rows).html()
-        frequent = "; ".join(f"{reason} ({n})" for reason, n in reasons.most_common(5))
+        frequent = "; ".join(most_frequent(reasons, 5))
         blocks += html.paragraph(f"Most frequent reasons: {frequent}.", "small") + html.details("All of them", listing)
     return blocks
 

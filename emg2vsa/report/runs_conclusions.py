@@ -6,7 +6,7 @@ import numpy as np
 
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
-from emg2vsa.report.runs_wording import design_name, interval
+from emg2vsa.report.runs_wording import design_name, gap_of, interval
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
 from emg2vsa.stats.dunn import smallest_worst_p
 
@@ -104,9 +104,9 @@ def mean_rank_bound(found: Discrimination) -> str:
     return (
         f"The paper's pairwise test, Dunn's on the ranks of all specimens with Bonferroni's correction, cannot tell "
         f"neighbours apart here: even if {k} groups of {n} do not overlap, the worst pair of neighbours has "
-        f"p = {bounded(bound)} or more. The .3799 that the paper prints for the lowest constant stiffness lies next to that "
-        "bound for four groups of ten, .335, and says little against a difference. The verdicts above rest on exact "
-        "Mann-Whitney tests."
+        f"p = {bounded(bound)} or more. The .3799 that the paper prints for the lowest constant stiffness lies next to "
+        "the bound for four groups of ten, .335, and says little against a difference. The verdicts above rest on "
+        "exact Mann-Whitney tests."
     )
 
 
@@ -120,11 +120,11 @@ def vision(found: Discrimination) -> str:
     told = [
         f"{table.angles_deg[i]:g}°: its area is {number(float(compared.area_ratio[at, i]))} times that of "
         f"{compared.names[0]}{_errors(found, at, i)}, CASR of repeated presses varies by "
-        f"{percent(float(compared.casr_cv[at, i]))} against {percent(float(compared.casr_cv[0, i]))}, and the smallest "
-        f"gap between specimens is {number(compared.gap_of(at, i)[0])} against {number(compared.gap_of(0, i)[0])} SD"
+        f"{percent(float(compared.casr_cv[at, i]))} against {percent(float(compared.casr_cv[0, i]))}, and the "
+        f"gap between {listed(compared.pair)} is {number(compared.gap(at, i)[0])} against {number(compared.gap(0, i)[0])} SD"
         for i in designs
     ]
-    wins = sum(compared.gap_of(0, i)[0] > compared.gap_of(at, i)[0] for i in designs)
+    wins = sum(compared.gap(0, i)[0] > compared.gap(at, i)[0] for i in designs)
     return (
         f"{compared.names[0].capitalize()} (new) sets the specimens further apart than {old} (old) at {wins} of "
         f"{len(designs)} angles, {table.conditions[designs[0]]}. {old.capitalize()} at {'; '.join(told)}."
@@ -158,7 +158,8 @@ def actuators(found: Discrimination) -> str:
             f"Human-like stiffness does not win here: at none of {n} angles can its separation of the specimens be "
             "told from that of the rigid motor"
         )
-    return f"{head} ({'; '.join(_difference(found, i) for i in against)})."
+    told = "; ".join(_difference(found, i) for i in against)
+    return f"{head}. Gap between {listed(compared.pair)}, the closest neighbours, in SDs of their presses: {told}."
 
 
 def constants(found: Discrimination) -> str:
@@ -204,14 +205,13 @@ def why(found: Discrimination, simulated: bool) -> str:
 
 
 def _difference(found: Discrimination, i: int) -> str:
-    """Smallest gaps of both, and their difference."""
-    compared, gaps = found.conditions, found.conditions.gap.estimate
+    """Gaps of both, and their difference."""
+    compared, gaps = found.conditions, found.conditions.gaps.gap
     human, other = int(compared.human[i]), int(compared.other[i])
-    of = compared.gap_difference
-    said = interval(float(of.estimate[i]), float(of.low[i]), float(of.high[i]))
+    said = interval(*gap_of(compared.gap_differences, i))
     return (
-        f"{found.table.angles_deg[human]:g}°: smallest gap between neighbours {number(float(gaps[human]))} SD against "
-        f"{number(float(gaps[other]))} SD, difference {said}"
+        f"{found.table.angles_deg[human]:g}°: {number(float(gaps[human]))} against {number(float(gaps[other]))}, "
+        f"difference {said}"
     )
 
 

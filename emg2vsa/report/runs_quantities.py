@@ -9,8 +9,8 @@ import numpy as np
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.report import paper_runs
 from emg2vsa.report.quantity import Items, Quantity
+from emg2vsa.report.runs_wording import gap_of, interval_of
 from emg2vsa.runs import RunScores
-from emg2vsa.stats.bootstrap import Bootstrap
 
 
 def runs_quantities(runs: Sequence[RunScores], found: Discrimination | None) -> dict[str, Quantity]:
@@ -84,20 +84,21 @@ def _algorithms(found: Discrimination) -> Items:
         for i, name in enumerate(_names(found)):
             for key in ("area_ratio", "area_error", "area_error_sd", "area_cv", "casr_cv"):
                 yield f"{name}.{algorithm}.{key}", float(getattr(compared, key)[a, i])
-            for key, value in zip(("", "_low", "_high"), compared.gap_of(a, i), strict=True):
-                yield f"{name}.{algorithm}.gap_sd{key}", value
+            yield from _interval(f"{name}.{algorithm}.gap", *compared.gap(a, i))
 
 
 def _conditions(found: Discrimination) -> Items:
     compared, table = found.conditions, found.table
+    yield "runs.closest_pair", " ".join(compared.pair)
     for i, name in enumerate(_names(found)):
         yield f"{name}.separation.epsilon2", float(compared.ranks.epsilon2[i])
-        yield from _bootstrap(f"{name}.separation.gap_sd", compared.gap, i)
-        yield from _bootstrap(f"{name}.separation.cv", compared.cv, i)
+        yield from _interval(f"{name}.separation.gap", *gap_of(compared.gaps, i))
+        yield f"{name}.separation.cv", float(compared.cv[i])
     for i, other in enumerate(compared.other.tolist()):
         name = f"runs.human_like_against.{table.conditions[other]}.{table.angles_deg[other]:g}"
-        for key in ("gap_difference", "level_ratio", "cv_ratio"):
-            yield from _bootstrap(f"{name}.{key}", getattr(compared, key), i)
+        yield from _interval(f"{name}.gap_difference", *gap_of(compared.gap_differences, i))
+        for key, found_ratio in (("level_ratio", compared.level_ratio), ("cv_ratio", compared.cv_ratio)):
+            yield from _interval(f"{name}.{key}", *interval_of(found_ratio, i))
         wins = compared.wins(i)
         yield f"{name}.verdict", "undecided" if wins is None else "better" if wins else "worse"
 
@@ -139,7 +140,7 @@ def _moments(name: str, values: np.ndarray) -> Items:
     yield f"{name}.sd", float(np.std(known, ddof=1)) if known.size > 1 else np.nan
 
 
-def _bootstrap(name: str, found: Bootstrap, i: int) -> Items:
-    yield name, float(found.estimate[i])
-    yield f"{name}_low", float(found.low[i])
-    yield f"{name}_high", float(found.high[i])
+def _interval(name: str, estimate: float, low: float, high: float) -> Items:
+    yield name, estimate
+    yield f"{name}.low", low
+    yield f"{name}.high", high

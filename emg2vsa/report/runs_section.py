@@ -153,9 +153,9 @@ def _actuators(
         + tables["conditions_compared"].html()
         + tables["conditions"].html()
         + html.paragraph(
-            "The smallest gap is the difference of mean CASR between neighbours in stiffness over the SD of their "
-            "presses, at the pair that lies closest. Rank tests cannot compare conditions: once no specimens overlap, "
-            "their p is at its bound."
+            "A gap is Hedges' g: the difference of mean CASR of two specimens over the SD of their presses. The pair is "
+            "chosen once, over all conditions. Rank tests cannot compare conditions: once no specimens overlap, their p "
+            "is at its bound."
         )
         + _shown(drawings, "fig14_conditions")
     )

@@ -10,11 +10,10 @@ import numpy as np
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import CONDITIONS, RIGID
 from emg2vsa.report import paper_runs
-from emg2vsa.report.runs_wording import area_unit, design_name, exact_p, interval
+from emg2vsa.report.runs_wording import area_unit, design_name, exact_p, gap_of, interval, interval_of
 from emg2vsa.report.table import Cell, Column, Table
-from emg2vsa.report.wording import UNDEFINED, listed, number
+from emg2vsa.report.wording import listed
 from emg2vsa.runs import RunScores
-from emg2vsa.stats.bootstrap import Bootstrap
 
 _DESIGN = Column("design", "Condition, angle")
 
@@ -167,13 +166,13 @@ def _algorithms(found: Discrimination) -> Table:
         Column("algorithm", "Algorithm"), _DESIGN, Column("area_ratio", f"A_c0 / that of {first}"),
         *(Column(key, head, 100.0) for key, head in known.items()),
         Column("area_cv", "CV of A_c0 (%)", 100.0), Column("casr_cv", "CV of CASR (%)", 100.0),
-        Column("gap_sd", "Smallest gap (SD)"),
+        Column("gap", f"Gap {compared.pair[0]} to {compared.pair[1]}, in SDs"),
     )  # fmt: skip
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (
             algorithm, design_name(table, i), float(compared.area_ratio[a, i]),
             *(float(getattr(compared, key)[a, i]) for key in known),
-            float(compared.area_cv[a, i]), float(compared.casr_cv[a, i]), interval(*compared.gap_of(a, i)),
+            float(compared.area_cv[a, i]), float(compared.casr_cv[a, i]), interval(*compared.gap(a, i)),
         )
         for a, algorithm in enumerate(compared.names)
         for i in range(len(table.conditions))
@@ -185,44 +184,37 @@ def _algorithms(found: Discrimination) -> Table:
 def _conditions(found: Discrimination) -> Table:
     compared, table = found.conditions, found.table
     columns = (
-        _DESIGN, Column("epsilon2", "ε²_R"), Column("gap_sd", "Smallest gap (SD)"),
-        Column("cv", "CV of repetitions (%)"),
+        _DESIGN, Column("epsilon2", "ε²_R"), Column("gap", "Gap, in SDs"), Column("cv", "CV of repetitions (%)", 100.0),
     )  # fmt: skip
     rows = tuple(
-        (
-            design_name(table, i), float(compared.ranks.epsilon2[i]), _with_interval(compared.gap, i),
-            _with_interval(compared.cv, i, 100.0),
-        )
-        for i in range(len(table.conditions))
-    )  # fmt: skip
-    caption = f"How far {listed(compared.specimens)} lie apart, with {_level(compared.gap)} intervals"
+        (design_name(table, i), float(compared.ranks.epsilon2[i]), interval(*gap_of(compared.gaps, i)), float(cv))
+        for i, cv in enumerate(compared.cv.tolist())
+    )
+    caption = (
+        f"How far {listed(compared.specimens)} lie apart; gap between {listed(compared.pair)}, the closest neighbours, "
+        f"with {_level(found)} interval"
+    )
     return Table("conditions", caption, columns, rows)
 
 
 def _compared(found: Discrimination) -> Table:
     compared, table = found.conditions, found.table
     columns = (
-        Column("other", "Human-like (modular) against"), Column("gap_difference_sd", "Gap: difference (SD)"),
+        Column("other", "Human-like (modular) against"), Column("gap_difference", "Gap: difference, in SDs"),
         Column("cv_ratio", "CV: ratio"), Column("level_ratio", "Mean CASR: ratio"), Column("verdict", "Human-like is"),
     )  # fmt: skip
     verdicts = {True: "better", False: "worse", None: "not to be told apart"}
     rows = tuple(
         (
-            design_name(table, other),
-            *(_with_interval(each, i) for each in (compared.gap_difference, compared.cv_ratio, compared.level_ratio)),
+            design_name(table, other), interval(*gap_of(compared.gap_differences, i)),
+            interval(*interval_of(compared.cv_ratio, i)), interval(*interval_of(compared.level_ratio, i)),
             verdicts[compared.wins(i)],
         )
         for i, other in enumerate(compared.other.tolist())
-    )
-    caption = f"The human-like condition against every other at the same angle, {_level(compared.gap)} intervals"
+    )  # fmt: skip
+    caption = f"The human-like condition against every other at the same angle, {_level(found)} intervals"
     return Table("conditions_compared", caption, columns, rows)
 
 
-def _with_interval(found: Bootstrap, i: int, factor: float = 1.0) -> str:
-    if np.isnan(found.estimate[i]):
-        return UNDEFINED
-    return interval(float(found.estimate[i]), float(found.low[i]), float(found.high[i]), factor)
-
-
-def _level(found: Bootstrap) -> str:
-    return f"{100 * found.confidence:g}%"
+def _level(found: Discrimination) -> str:
+    return f"{100 * found.conditions.confidence:g}%"

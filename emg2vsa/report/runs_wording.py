@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from emg2vsa.discrimination.run_table import RunTable
-from emg2vsa.report.wording import bounded, number
+from emg2vsa.discrimination.separation import Gaps
+from emg2vsa.report.wording import UNDEFINED, bounded, number
+from emg2vsa.stats.bootstrap import Bootstrap
 
 _UNITS = {"mm2": "mm²", "px2": "px²"}
 SIMULATED = "Simulated rig."
@@ -20,9 +22,19 @@ def design_name(table: RunTable, design: int) -> str:
     return f"{table.conditions[design]}, {table.angles_deg[design]:g}°"
 
 
-def interval(estimate: float, low: float, high: float, factor: float = 1.0) -> str:
+def interval(estimate: float, low: float, high: float) -> str:
     """``3.01 [1.70, 4.23]``."""
-    return f"{number(factor * estimate)} [{number(factor * low)}, {number(factor * high)}]"
+    return UNDEFINED if estimate != estimate else f"{number(estimate)} [{number(low)}, {number(high)}]"
+
+
+def interval_of(found: Bootstrap, i: int) -> tuple[float, float, float]:
+    """Estimate, low and high."""
+    return float(found.estimate[i]), float(found.low[i]), float(found.high[i])
+
+
+def gap_of(found: Gaps, i: int) -> tuple[float, float, float]:
+    """Gap, low and high."""
+    return float(found.gap[i]), float(found.low[i]), float(found.high[i])
 
 
 def exact_p(p: float) -> str:

@@ -80,7 +80,7 @@ def _fits_by_specimen(results: StudyResults, scale: ActivityScale) -> Table:
         )  # fmt: skip
     columns = (
         Column("specimen", "Specimen"),
-        Column("stiffness_n_per_mm", "κ (N/mm)"),
+        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"),
         Column("trials", "Trials"),
         Column("used", "Used"),
         activity_column("a_mean_v", "Mean a", scale),
@@ -98,7 +98,7 @@ def _profiles(profiles: Profiles, scale: ActivityScale) -> Table:
     shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
     columns = (
         Column("specimen", "Specimen"),
-        Column("stiffness_n_per_mm", "κ (N/mm)"),
+        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"),
         Column("source", "Source"),
         Column("n_trials", "Trials"),
         activity_column("a_v", "a", scale),

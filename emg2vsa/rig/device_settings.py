@@ -35,6 +35,8 @@ class ActuatorSettings:
     "The Advanced counts its encoders the other way round."
     watchdog_s: WatchdogS = 0.5
     "The motors go off by themselves when the program has been silent for so long."
+    reply_s: Positive = 0.02
+    "How long each of three attempts waits for a reply."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +53,8 @@ class MotorSettings:
     "Of the firmware: the first digit of its version."
     watchdog_s: WatchdogS = 0.5
     "The motor goes off by itself when the program has been silent for so long."
+    reply_s: Positive = 0.02
+    "How long each of three attempts waits for a reply."
 
 
 @dataclass(frozen=True, kw_only=True)

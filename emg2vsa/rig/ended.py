@@ -33,7 +33,7 @@ class Ended:
     rows: int = 0
     "In the log."
     retracted: bool = False
-    "The command to the retracted position has been sent."
+    "Read back: the motors were at the retracted position before they were switched off."
     deactivated: bool = False
     notes: tuple[str, ...] = ()
     "What else went wrong on the way out."

@@ -52,6 +52,15 @@ class ExperimentSettings:
     pause_s: Annotated[float, Ge(0)] = 2.0
     "Between two presses."
 
+    def all_runs(self) -> tuple[tuple[str, float, Condition], ...]:
+        """Specimen, angle in degrees and condition of every run, in their order."""
+        return tuple(
+            (specimen, angle_deg, condition)
+            for condition, angles in self.angles_deg.items()
+            for angle_deg in angles
+            for specimen in self.specimens
+        )
+
 
 def run_name(specimen: str, angle_deg: float, condition: str) -> str:
     """Name of a run and of its folder."""
@@ -63,17 +72,7 @@ def plans(experiment: ExperimentSettings, schedules: Sequence[Schedule]) -> tupl
 
     ScheduleError : a specimen has no schedule for a condition.
     """
-    return tuple(plan_of(experiment, *run, schedules) for run in runs_of(experiment))
-
-
-def runs_of(experiment: ExperimentSettings) -> tuple[tuple[str, float, Condition], ...]:
-    """Specimen, angle and condition of every run, in their order."""
-    return tuple(
-        (specimen, angle_deg, condition)
-        for condition, angles in experiment.angles_deg.items()
-        for angle_deg in angles
-        for specimen in experiment.specimens
-    )
+    return tuple(plan_of(experiment, *run, schedules) for run in experiment.all_runs())
 
 
 def plan_of(

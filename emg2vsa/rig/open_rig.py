@@ -13,6 +13,7 @@ from emg2vsa.rig.daq_ft import DaqFt
 from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.force_sensor import ForceSensor
+from emg2vsa.rig.guards import GuardSettings
 from emg2vsa.rig.net_ft import open_net_ft
 from emg2vsa.rig.ni_volts import NiVolts
 from emg2vsa.rig.opencv_camera import OpenCvCamera
@@ -49,14 +50,14 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
         board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
         stack.enter_context(board)
         info = board.info()
-        force = open_force(settings.force, clock)
+        force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
         if settings.force.bias:
             force.bias()
         camera = None
         if settings.camera:
-            camera = open_camera(settings.camera, clock)
+            camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
         rigid = condition == RIGID
@@ -89,6 +90,7 @@ def open_board(
             clock=clock,
             stiffness_percent=stiffness_percent,
             watchdog_s=settings.watchdog_s,
+            reply_s=settings.reply_s,
         )
         if not board.ping():
             do = "Check power, cable, id and generation; emg2vsa rig scan lists who answers."
@@ -98,18 +100,21 @@ def open_board(
         line.close()
 
 
-def open_force(settings: ForceSettings, clock: Clock) -> ForceSensor:
+def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
     """The force sensor, not yet started. DeviceError when it is absent."""
+    # the sensor gives up later than the guard, which tells a late sample from a late loop
+    stale_s = 2 * guards.stale_s
     if settings.kind == "net-ft":
         ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
-        return open_net_ft(settings.host or "", clock, buffered=settings.buffered, **ports)
+        return open_net_ft(settings.host or "", clock, buffered=settings.buffered, stale_s=stale_s, **ports)
     calibration = read_calibration(settings.cal_file or "")
-    return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock)
+    return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock, stale_s=stale_s)
 
 
-def open_camera(settings: CameraSettings, clock: Clock) -> OpenCvCamera:
+def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
     """The camera, not yet started."""
-    return OpenCvCamera(settings.source, clock, shape=(settings.height, settings.width), rate_hz=settings.rate_hz)
+    shape = settings.height, settings.width
+    return OpenCvCamera(settings.source, clock, shape=shape, rate_hz=settings.rate_hz, lost_s=guards.camera_s)
 
 
 def within_device(rig: RigSettings, info: QbmoveInfo, rigid: bool) -> RigSettings:

@@ -39,6 +39,7 @@ class OpenCvCamera:
     clock : the rig's time; a frame's is taken when it arrives.
     shape : (height, width), px.
     rate_hz : frames a second.
+    lost_s : without a frame for so long it is lost.
     open_capture : what opens the source.
     """
 
@@ -49,10 +50,11 @@ class OpenCvCamera:
         *,
         shape: tuple[int, int] = SHAPE,
         rate_hz: float = RATE_HZ,
+        lost_s: float = LOST_S,
         open_capture: Callable[[int | str], Any] = open_capture,
     ) -> None:
         self.name, self.shape, self.rate_hz = f"camera {source}", shape, rate_hz
-        self.dropped = 0
+        self.dropped, self._lost_s = 0, lost_s
         self._source, self._clock, self._open = source, clock, open_capture
         self._pace = FramePace(rate_hz)
         self._waiting: deque[Frame] = deque()
@@ -86,7 +88,7 @@ class OpenCvCamera:
         if self._newest_s is None:
             raise self._lost("one that was not started")
         silent_s = self._clock.now_s() - self._newest_s
-        if silent_s > LOST_S or not alive:
+        if silent_s > self._lost_s or not alive:
             raise self._lost(f"no frame for {silent_s:.1f} s")
         return []
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from emg2vsa.schedules import Schedule
+from emg2vsa.settings import RIGID, Condition
 
-Condition = Literal["high-stiffness", "modular", "constant-min", "constant-mean", "constant-max"]
-RIGID: Condition = "high-stiffness"
+__all__ = ["RIGID", "Condition", "RunPlan"]
 
 
 @dataclass(frozen=True, eq=False)

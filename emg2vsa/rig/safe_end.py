@@ -12,6 +12,8 @@ from emg2vsa.rig.motion import towards_home
 from emg2vsa.rig.rig_settings import RigSettings
 
 _OFF_ATTEMPTS = 3
+_THERE_MM = 0.2
+"""Motors so close to the retracted position have reached it."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ def make_safe(
 ) -> SafeEnd:
     """Retract from ``start`` (depth in mm, preset in ticks), wait until the motors have followed, switch them off.
 
-    Nothing keeps it from trying all of that, not even another Ctrl-C: a ramp that fails or is cut short is replaced by
+    ``retracted`` is what the encoders say: motors that have gone off by themselves obey no command. Nothing keeps it from trying all of that, not even another Ctrl-C: a ramp that fails or is cut short is replaced by
     one command to the retracted position. None as ``start``: nothing is known to have moved, so only motors off.
     ``log`` is told every position and preset; its DeviceError is noted.
     """
@@ -43,6 +45,7 @@ def make_safe(
     )
     if retracted:
         _tried(lambda: clock.sleep_until(clock.now_s() + rig.settle_s), notes)
+        retracted = _tried(lambda: _check_retracted(actuator, rig), notes)
     deactivated = any(_tried(actuator.deactivate, notes) for _ in range(_OFF_ATTEMPTS))
     return SafeEnd(retracted, deactivated, tuple(dict.fromkeys(notes)))
 
@@ -67,6 +70,18 @@ def _ramp(
         if depth_mm == 0:
             return
         clock.sleep_until(clock.now_s() + rig.period_s)
+
+
+def _check_retracted(actuator: Actuator, rig: RigSettings) -> None:
+    at = actuator.measurements()
+    depth_mm = rig.depth_at((at.motor_1 + at.motor_2) / 2)
+    if abs(depth_mm) > _THERE_MM:
+        raise DeviceError(
+            "probe",
+            wanted="motors at the retracted position",
+            found=f"{depth_mm:.1f} mm from it",
+            do="Take it away from the specimen by hand, or by the next run.",
+        )
 
 
 def _tried(action: Callable[[], None], notes: list[str]) -> bool:

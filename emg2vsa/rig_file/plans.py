@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from emg2vsa.errors import ScheduleError, SettingError
-from emg2vsa.rig.experiment import plan_of, runs_of
+from emg2vsa.rig.experiment import plan_of
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.rig_file.rig_file import RigFile
 from emg2vsa.schedule_files import read_json
@@ -26,7 +26,7 @@ def chosen_runs(
     SettingError : a name or an angle that the experiment has not, or no run with all of them.
     """
     keys = {
-        run: {"specimen": run[0], "angle": f"{run[1]:g}", "condition": run[2]} for run in runs_of(file.experiment)
+        run: {"specimen": run[0], "angle": f"{run[1]:g}", "condition": run[2]} for run in file.experiment.all_runs()
     }
     asked = {"specimen": specimens, "angle": [f"{angle:g}" for angle in angles_deg], "condition": conditions}
     for what, names in asked.items():

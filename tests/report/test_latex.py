@@ -68,3 +68,21 @@ def test_a_long_table_goes_over_pages_with_its_head_on_each():
     assert "tabularx" not in made
     assert made.count("Na\\_me") == 2
     assert "longtable" not in latex_table(table(*[("S1", float(i)) for i in range(20)]))
+
+
+def test_a_long_table_that_is_too_wide_lies_across_the_page():
+    made = latex_table(table(*[tuple(1e-6 * i for i in range(20))] * 50, heads=("A head",) * 20))
+    assert made.startswith("% takes the packages booktabs, longtable and lscape")
+    assert made.index(r"\begin{landscape}") < made.index(r"\begin{longtable}")
+    assert made.rstrip().endswith(r"\end{landscape}")
+
+
+def test_rows_of_several_lines_stand_apart():
+    words = "a quantity of so many words that it is a sentence"
+    assert latex_table(table((words, 1.0), (words, 2.0))).count(r"\addlinespace") == 1
+    assert r"\addlinespace" not in latex_table(table(("S1", 1.0), ("S2", 2.0)))
+
+
+def test_effects_have_their_index_below_the_line():
+    assert latex_text("η²_G = .99") == r"\ensuremath{\eta}\ensuremath{^2}\ensuremath{_\mathrm{G}} = .99"
+    assert latex_text("S_1") == r"S\_1"

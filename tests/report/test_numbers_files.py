@@ -21,8 +21,8 @@ def test_json_is_flat_sorted_exact_and_strict():
 
 
 def test_macros_spell_digits():
-    assert macro_names(["fit.adj_r2_bins.min"]) == {"fit.adj_r2_bins.min": "FitAdjRTwoBinsMin"}
-    assert macro_names(["power.n14"]) == {"power.n14": "PowerNOneFour"}
+    assert macro_names(["fit.adj_r2_bins.min"]) == {"fit.adj_r2_bins.min": "emgFitAdjRTwoBinsMin"}
+    assert macro_names(["power.n14"], "emgTest") == {"power.n14": "emgTestPowerNOneFour"}
 
 
 @given(st.lists(KEYS, unique=True, max_size=20))
@@ -33,9 +33,31 @@ def test_macros_are_letters_only_and_never_twice_the_same(keys):
 
 
 def test_numbers_as_latex_sets_them():
-    text = numbers_tex({"a.b": 1.23456e-5, "c.d": 0.039123, "e.f": 700, "g.h": "P07 S_1", "i.j": math.nan})
-    assert r"\newcommand{\AB}{\ensuremath{1.235\times10^{-5}}}" in text
-    assert r"\newcommand{\CD}{0.03912}" in text
-    assert r"\newcommand{\EF}{700}" in text
-    assert r"\newcommand{\GH}{P07 S\_1}" in text
-    assert r"\newcommand{\IJ}{--}" in text
+    text = numbers_tex({"a.b": 1.23456e-5, "c.d": 0.039123, "e.f": 700, "g.h": "P07 S_1", "i.j": math.nan, "k.l": True})
+    assert r"\newcommand{\emgAB}{\ensuremath{1.235\times10^{-5}}} % a.b" in text
+    assert r"\newcommand{\emgCD}{0.03912}" in text
+    assert r"\newcommand{\emgEF}{700}" in text
+    assert r"\newcommand{\emgGH}{P07 S\_1}" in text
+    assert r"\newcommand{\emgIJ}{--}" in text
+    assert r"\newcommand{\emgKL}{yes}" in text
+
+
+def test_units_stand_beside_numbers_and_volts_are_read_in_their_own_size():
+    found = {"b_v": 19.98e-6, "c_v": -2.5e-3, "d_v": 1.5, "e_v": 0.0, "t_s": 3, "u.percent": 34.6321, "w_v": math.nan}
+    text = numbers_tex(found)
+    assert r"{\emgBV}{\emgquantity{19.98}{\ensuremath{\mu}V}}" in text
+    assert r"{\emgCV}{\emgquantity{\ensuremath{-2.5}}{mV}}" in text
+    assert r"{\emgDV}{\emgquantity{1.5}{V}}" in text
+    assert r"{\emgEV}{\emgquantity{0}{V}}" in text
+    assert r"{\emgTS}{\emgquantity{3}{s}}" in text
+    assert r"{\emgUPercent}{\emgquantity{34.63}{\%}}" in text
+    assert r"{\emgWV}{--}" in text
+
+
+def test_a_p_says_its_bound():
+    text = numbers_tex({"a.p": 0.0391, "b.p": 1e-9, "c.p": 0.99999, "worst_p.holm": 0.5, "d.p": math.nan})
+    assert r"{\emgAP}{\emgp{=}{.039}}" in text
+    assert r"{\emgBP}{\emgp{<}{.001}}" in text
+    assert r"{\emgCP}{\emgp{>}{.999}}" in text
+    assert r"{\emgWorstPHolm}{\emgp{=}{.500}}" in text
+    assert r"{\emgDP}{--}" in text

@@ -51,3 +51,9 @@ def test_people_may_see_fewer_rows_than_programs():
 
 def test_a_column_may_have_another_name_in_csv():
     assert Table("t", "", (Column("b_v", "b", name="b"),), ()).csv() == "b\n"
+
+
+def test_people_see_a_p_with_its_bound_and_programs_every_digit():
+    made = Table("t", "", (Column("p_holm", "p Holm"),), ((1.2345e-9,), (0.0391,), (0.99999,), (math.nan,)))
+    assert made.cells() == [["< .001"], [".039"], ["> .999"], ["–"]]
+    assert made.csv().splitlines()[1:3] == ["1.2345e-09", "0.0391"]

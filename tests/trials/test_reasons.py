@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.trials.reasons import grouped
+from emg2vsa.trials.reasons import grouped, most_frequent
 
 
 def test_equal_reasons_are_one_line_with_the_range_of_their_numbers():
@@ -39,3 +39,9 @@ def test_every_press_is_named_once(said):
             first, _, last = part.partition("-")
             named += range(int(first), int(last or first) + 1)
     assert sorted(named) == list(range(1, len(said) + 1))
+
+
+def test_the_most_frequent_kinds_are_counted_with_the_range_of_their_numbers():
+    said = ["EDC is flat", "force falls on 3.4 % of its path", "FDS is flat", "force falls on 3.6 % of its path"]
+    assert most_frequent(said, 2) == ["force falls on 3.4 to 3.6 % of its path (2)", "EDC is flat (1)"]
+    assert most_frequent([], 5) == []

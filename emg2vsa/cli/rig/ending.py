@@ -15,7 +15,7 @@ def told(ended: Ended, repetitions: int, folder: Path, rig: RigSettings) -> str:
     probe = "probe retracted" if ended.retracted else "probe NOT retracted"
     lines.append(f"left: {probe}, motors {'off' if ended.deactivated else 'NOT confirmed off'}")
     lines += [f"note: {note}" for note in ended.notes]
-    lines.append(f"recorded: {ended.rows} rows in {folder / 'log.csv'}")
+    lines.append(f"recorded: {folder / 'log.csv'} (rows: {ended.rows})")
     if ended.timing:
         lines += _table(ended.timing, rig)
     return "\n".join(lines)
@@ -27,7 +27,8 @@ def summary(ended: Ended, repetitions: int) -> str:
     if ended.how == "completed":
         return f"completed: {presses}"
     where = f"{ended.phase} of press {ended.repetition}" if ended.repetition else ended.phase
-    return f"{ended.how}: {ended.cause} in {where} ({ended.why}); {presses}"
+    why = "" if ended.how == "stopped" else f" ({ended.why})"
+    return f"{ended.how}: {ended.cause} in {where}{why}; {presses}"
 
 
 def _table(timing: LoopTiming, rig: RigSettings) -> list[str]:

@@ -14,7 +14,7 @@ def add_to(commands: Commands) -> None:
         commands,
         "info",
         run,
-        "Ask every device of a rig file for its firmware, limits, parameters and readings; the motors stay as they are.",
+        "Ask each device of a rig file for its firmware, limits, parameters and readings; motors stay as they are.",
         "Exit status 0: all devices can be used; 1: some cannot, and why; 2: the rig file has problems.",
     )
     add_rig(parser)
@@ -32,8 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
         for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
         if board
     }
-    titled["[force]"] = partial(force_lines, devices.force, clock)
+    titled["[force]"] = partial(force_lines, devices.force, file.rig.guards, clock)
     if devices.camera:
-        titled[f"[camera] {devices.camera.source}"] = partial(camera_lines, devices.camera, clock)
+        titled[f"[camera] {devices.camera.source}"] = partial(camera_lines, devices.camera, file.rig.guards, clock)
     good = [said(title, lines) for title, lines in titled.items()]
     return int(not all(good))

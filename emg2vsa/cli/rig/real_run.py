@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -16,11 +17,13 @@ from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.moving_average import MovingAverage
 from emg2vsa.rig.new_folder import completed_folder, how_ended, new_folder
 from emg2vsa.rig.open_rig import OpenRig, open_rig
-from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.stop_requests import StopRequests
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
+
+_SWITCH_S = 2e-4
 
 
 def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None) -> int:
@@ -33,7 +36,11 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
     clock, started = WallClock(), datetime.now(UTC)
     ended = None
     try:
-        with StopRequests(folder) as stop, open_rig(file.devices, file.rig, plan.condition, clock) as opened:
+        with (
+            _brisk_threads(),
+            StopRequests(folder) as stop,
+            open_rig(file.devices, file.rig, plan.condition, clock) as opened,
+        ):
             check_plan(plan, opened.rig)
             _introduce(folder, plan, opened, file.devices.force.bias)
             with PressLines(folder, plan.repetitions):
@@ -48,12 +55,24 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
     return int(ended.how != "completed")
 
 
+@contextmanager
+def _brisk_threads() -> Iterator[None]:
+    """The loop does not wait the usual 5 ms for the threads that fetch frames and watch the log."""
+    usual_s = sys.getswitchinterval()
+    sys.setswitchinterval(_SWITCH_S)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(usual_s)
+
+
 def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> None:
     rig = opened.rig
     low, high = rig.position_ticks
     print(f"folder: {folder}")
     print(f"run: {plan.specimen}, {plan.angle_deg:g} degrees, {plan.condition}, {plan.repetitions} presses")
-    print(f"device: {opened.info.firmware}, positions {low} to {high}, full stiffness {rig.max_preset_ticks} ticks")
+    stiffness = "rigid" if plan.condition == RIGID else f"full stiffness {rig.max_preset_ticks} ticks"
+    print(f"device: {opened.info.firmware}, positions {low} to {high} ticks, {stiffness}")
     print(f"force: {MovingAverage(rig.filter_samples, rig.rate_hz).description}")
     if biased:
         print("force: the load at this moment is now its zero")

@@ -23,9 +23,7 @@ def add_to(commands: Commands) -> None:
         "About 3 s for each port. Nothing is switched or changed. Exit status 0: a qbmove has answered, and all that "
         "the rig file names is there; 1: not so.",
     )
-    parser.add_argument(
-        "rig", nargs="?", type=Path, metavar="RIG", help="rig file whose devices are looked for as well"
-    )
+    parser.add_argument("rig", nargs="?", type=Path, metavar="RIG", help="rig file, to look for its devices too")
     parser.add_argument("--port", action="append", default=[], help="this port as well, listed or not; repeat")
     parser.add_argument("--id", action="append", default=[], type=_device_id, help="ask only this id; repeat")
     parser.add_argument(
@@ -39,17 +37,17 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig.qbmove_scan import qbmove_ports
     from emg2vsa.rig_file import load_rig
 
-    clock, devices = WallClock(), load_rig(arguments.rig).devices if arguments.rig else None
-    boards = [board for board in (devices.actuator, devices.motor) if board] if devices else []
+    clock, file = WallClock(), load_rig(arguments.rig) if arguments.rig else None
+    boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
     ports = qbmove_ports(also=(*arguments.port, *(board.port for board in boards)))
     ids = arguments.id or range(1, 256)
     good = [said(port, partial(_answers, port, ids, arguments.wait_ms / 1000, clock)) for port in ports]
     if not ports:
         print("no serial port with a qbmove's adapter; name another with --port")
-    if devices:
-        good.append(said("[force]", partial(force_lines, devices.force, clock)))
-    if devices and devices.camera:
-        good.append(said(f"[camera] {devices.camera.source}", partial(camera_lines, devices.camera, clock)))
+    if file:
+        good.append(said("[force]", partial(force_lines, file.devices.force, file.rig.guards, clock)))
+    if file and (camera := file.devices.camera):
+        good.append(said(f"[camera] {camera.source}", partial(camera_lines, camera, file.rig.guards, clock)))
     return int(not ports or not all(good))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from emg2vsa.errors import DeviceError, InputError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.guards import GuardSettings
 from emg2vsa.rig.net_ft import NetFt
 from emg2vsa.rig.open_rig import open_board, open_camera, open_force, within_device
 from emg2vsa.rig.qbmove import Qbmove
@@ -49,9 +50,9 @@ def board_lines(settings: ActuatorSettings | MotorSettings, rig: RigSettings, cl
             yield f"  {parameter.number:>2} {parameter.name:<28} {values}"
 
 
-def force_lines(settings: ForceSettings, clock: Clock) -> Lines:
+def force_lines(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> Lines:
     """Configuration, one sample and its status. DeviceError when the sensor is absent or silent."""
-    sensor = open_force(settings, clock)
+    sensor = open_force(settings, guards, clock)
     try:
         yield sensor.name
         if isinstance(sensor, NetFt):
@@ -61,16 +62,15 @@ def force_lines(settings: ForceSettings, clock: Clock) -> Lines:
         sensor.start()
         sample = sensor.read()
         yield "force {:.3f}, {:.3f}, {:.3f} N".format(*sample.force_n)
-        yield f"status 0x{sample.status.code:08x}: " + (
-            "; ".join((*sample.status.faults, *sample.status.warnings)) or "good"
-        )
+        remarks = "; ".join((*sample.status.faults, *sample.status.warnings))
+        yield f"status 0x{sample.status.code:08x}: {remarks or 'good'}"
     finally:
         sensor.close()
 
 
-def camera_lines(settings: CameraSettings, clock: Clock) -> Lines:
+def camera_lines(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> Lines:
     """Size and true rate of its frames. DeviceError when it is absent or gives none."""
-    camera = open_camera(settings, clock)
+    camera = open_camera(settings, guards, clock)
     try:
         camera.start()
         clock.sleep_until(clock.now_s() + _WATCH_S)

@@ -48,11 +48,11 @@ class SpringJoint:
     settling_s: float
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
-        torque_nm, _ = self._needed(shaft_rad, motors_rad, probe)
-        if abs(torque_nm) <= self.friction_nm:
+        needed = self._needed(shaft_rad, motors_rad, probe)
+        if abs(needed[0]) <= self.friction_nm:
             return shaft_rad
         # friction holds the rest, so the shaft stops where springs and specimen still ask for that much
-        rest_rad = self._angle_at(math.copysign(self.friction_nm, torque_nm), shaft_rad, motors_rad, probe)
+        rest_rad = self._angle_at(math.copysign(self.friction_nm, needed[0]), shaft_rad, needed, motors_rad, probe)
         if abs(rest_rad - shaft_rad) < _ARRIVED_RAD:
             return shaft_rad
         left = math.exp(-duration_s / self.settling_s) if self.settling_s else 0.0
@@ -61,25 +61,31 @@ class SpringJoint:
     def _needed(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> tuple[float, float]:
         """Torque that would hold the shaft there against springs and specimen, N m, and its growth, N m/rad."""
         s = self.springs
-        first, second = s.a1_per_rad * (shaft_rad - motors_rad[0]), s.a2_per_rad * (shaft_rad - motors_rad[1])
+        # half of k e^x, once for both sinh and cosh
+        up_1 = s.k1_nm / 2 * math.exp(s.a1_per_rad * (shaft_rad - motors_rad[0]))
+        up_2 = s.k2_nm / 2 * math.exp(s.a2_per_rad * (shaft_rad - motors_rad[1]))
+        down_1, down_2 = s.k1_nm**2 / 4 / up_1, s.k2_nm**2 / 4 / up_2
         load_nm, load_growth = probe.torque_nm(shaft_rad)
-        torque_nm = s.k1_nm * math.sinh(first) + s.k2_nm * math.sinh(second) + load_nm
-        growth = s.a1_per_rad * s.k1_nm * math.cosh(first) + s.a2_per_rad * s.k2_nm * math.cosh(second) + load_growth
-        return torque_nm, growth
+        torque_nm = up_1 - down_1 + up_2 - down_2 + load_nm
+        return torque_nm, s.a1_per_rad * (up_1 + down_1) + s.a2_per_rad * (up_2 + down_2) + load_growth
 
-    def _angle_at(self, torque_nm: float, start_rad: float, motors_rad: Motors, probe: Probe) -> float:
-        """Shaft angle at which that torque is needed: Newton's steps, within a bracket that always holds the root."""
+    def _angle_at(
+        self, torque_nm: float, start_rad: float, at_start: tuple[float, float], motors_rad: Motors, probe: Probe
+    ) -> float:
+        """Shaft angle at which that torque is needed: Newton's steps, within a bracket that always holds the root.
+
+        ``at_start`` : torque and growth at ``start_rad``."""
         s = self.springs
         # the growth is nowhere less than that of both springs at rest
         margin = abs(torque_nm) / (s.a1_per_rad * s.k1_nm + s.a2_per_rad * s.k2_nm)
         low, high = min(*motors_rad, probe.touch_rad) - margin, max(motors_rad) + margin
-        angle = min(max(start_rad, low), high)
+        angle, (needed_nm, growth) = start_rad, at_start
         for _ in range(_STEPS):
-            needed_nm, growth = self._needed(angle, motors_rad, probe)
             low, high = (low, angle) if needed_nm > torque_nm else (angle, high)
             before, angle = angle, angle - (needed_nm - torque_nm) / growth
             if not low <= angle <= high:
                 angle = (low + high) / 2
             if abs(angle - before) < _SOLVED_RAD:
                 break
+            needed_nm, growth = self._needed(angle, motors_rad, probe)
         return angle

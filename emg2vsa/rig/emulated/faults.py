@@ -30,11 +30,14 @@ class FaultyWire:
     def __init__(self, device: Device) -> None:
         self._device = device
         self._faults: list[_Fault] = []
-        self.mute = False
-        "While True, the device hears but nothing of it comes back."
+        self.mute = self.deaf = self.noisy = False
+        """While True: mute, the device hears but nothing of it comes back; deaf, nothing reaches it; noisy, one byte of
+        every answer is wrong."""
 
     def __call__(self, data: bytes) -> bytes:
-        answer = self._carry("to host", self._device(self._carry("to device", data)))
+        answer = self._carry("to host", self._device(b"" if self.deaf else self._carry("to device", data)))
+        if self.noisy:
+            answer = answer[:-1] + bytes(byte ^ 1 for byte in answer[-1:])
         return b"" if self.mute else answer
 
     def lose(self, way: Way, at: int, count: int = 1) -> None:

@@ -19,6 +19,9 @@ class Probe:
         self._mm_per_rad = math.degrees(settings.mm_per_degree)
         tilt = math.radians(settings.angle_deg)
         self._sin, self._cos = math.sin(tilt), math.cos(tilt)
+        # work along the axis is work along the normal: both the force and the indentation take a cosine
+        self._depth_mm_per_rad = self._cos * self._mm_per_rad
+        self._lever_m_per_rad = self._depth_mm_per_rad / 1000
         self.touch_rad = settings.gap_mm / self._mm_per_rad
         "Shaft angle at first contact."
 
@@ -44,10 +47,8 @@ class Probe:
         depth_mm = self._depth_mm(shaft_rad)
         if depth_mm <= 0:
             return 0.0, 0.0
-        # work along the axis is work along the normal: both the force and the indentation take a cosine
-        lever_m_per_rad = self._cos * self._mm_per_rad / 1000
         force_n, growth_n_per_mm = self._contact.resistance(depth_mm)
-        return force_n * lever_m_per_rad, growth_n_per_mm * self._cos * self._mm_per_rad * lever_m_per_rad
+        return force_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
 
     def _depth_mm(self, shaft_rad: float) -> float:
-        return (shaft_rad - self.touch_rad) * self._mm_per_rad * self._cos
+        return (shaft_rad - self.touch_rad) * self._depth_mm_per_rad

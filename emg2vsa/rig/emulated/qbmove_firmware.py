@@ -68,6 +68,12 @@ class QbmoveFirmware:
         """Run the control loop up to the clock, for those who look at the world and not at the line."""
         self._loop.advance(self._current, self._shadow)
 
+    @property
+    def state(self) -> References:
+        """What the control loop follows now."""
+        self.advance()
+        return self._loop.current
+
     def reset(self) -> None:
         """Power off and on: unstored settings, references and lost rotations are forgotten."""
         self.advance()

@@ -64,6 +64,7 @@ class BoxFaults:
     lose, repeat, swap : the next so many datagrams are lost, sent twice, or sent after the one that follows.
     skip : the box leaves out so many internal samples once, without a gap in rdt_sequence.
     mute : sends nothing. stuck : the counts stay. saturated : the status says so.
+    push_n : somebody leans on the sensor, N along z.
     """
 
     lose: int = 0
@@ -73,6 +74,7 @@ class BoxFaults:
     mute: bool = False
     stuck: bool = False
     saturated: bool = False
+    push_n: float = 0.0
 
 
 @dataclass

@@ -1,0 +1,104 @@
+"""One run of the executor against the emulated rig in another process, and what is to be known of its timing."""
+
+from __future__ import annotations
+
+import os
+import resource
+import tempfile
+import time
+from contextlib import nullcontext
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from benchmarks.rig.child import bare_loop, hogs, served_rig
+from benchmarks.rig.plans import modular_plan
+from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
+from emg2vsa.rig.clock import WallClock
+from emg2vsa.rig.device_settings import DeviceSettings
+from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.execute import execute
+from emg2vsa.rig.loop_timing import LoopTiming
+from emg2vsa.rig.open_rig import open_rig
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_log import Row, read_log
+from emg2vsa.rig.undisturbed import undisturbed
+
+ENOUGH = 100_000
+"""Repetitions: the time ends a run, not the plan."""
+
+
+@dataclass(frozen=True)
+class LoopReport:
+    """One run."""
+
+    hogs: int
+    real_time: bool
+    how: str
+    why: str
+    loop: LoopTiming
+    bare: LoopTiming
+    "The beat with nothing to do, at the same time."
+    rows: int
+    rows_lost: int
+    "Turns without their row."
+    frames_kept: int
+    frames_dropped: int
+    force_lost: int
+    "Records that never came."
+    replies_lost: int
+    steps: StepLatency
+    cpu_share: float
+    "Of one processor, as is the emulator's."
+    emulator_cpu_share: float
+    memory_mb: tuple[float, float]
+    "At most before the run, and after."
+    load_average: float
+
+
+def run_loop(duration_s: float, n_hogs: int, *, steady: bool) -> LoopReport:
+    """Press for ``duration_s`` beside ``n_hogs`` programs. steady : with `undisturbed`."""
+    rig = RigSettings()
+    with tempfile.TemporaryDirectory() as name, hogs(n_hogs), served_rig(steady) as served:
+        folder = Path(name) / "run"
+        with undisturbed() if steady else nullcontext(False) as real_time, bare_loop(rig.rate_hz) as bare:
+            found = _pressed(served.settings, rig, folder, duration_s)
+        rows = read_log(folder / "log.csv")
+    timing, timed = found.pop("loop"), found.pop("timed")
+    assert bare.timing is not None
+    return LoopReport(
+        hogs=n_hogs, real_time=real_time, loop=timing, bare=bare.timing, rows=len(rows),
+        rows_lost=timing.turns - sum(row.phase != "escape" for row in rows),
+        frames_kept=_frames(rows), steps=step_latency(rows, timed),
+        emulator_cpu_share=served.cpu_share, load_average=os.getloadavg()[0], **found,
+    )  # fmt: skip
+
+
+def _pressed(settings: DeviceSettings, rig: RigSettings, folder: Path, duration_s: float) -> dict[str, Any]:
+    clock = WallClock()
+    with open_rig(settings, rig, "modular", clock) as opened:
+        devices: Any = opened.devices
+        timed = TimedActuator(devices.actuator, clock)
+        end_s, before_s, before_mb = clock.now_s() + duration_s, time.process_time(), _memory_mb()
+        ended = execute(
+            modular_plan(ENOUGH), opened.rig, Devices(timed, devices.force, devices.camera), folder, clock,
+            started=datetime.now(UTC), stop=lambda: "time" if clock.now_s() >= end_s else None,
+        )  # fmt: skip
+        return {
+            "how": ended.how, "why": ended.why, "loop": ended.timing, "timed": timed,
+            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.sequence.lost,
+            "replies_lost": devices.actuator.counts.lost, "memory_mb": (before_mb, _memory_mb()),
+            "cpu_share": (time.process_time() - before_s) / duration_s,
+        }  # fmt: skip
+
+
+def _frames(rows: list[Row]) -> int:
+    last = {row.repetition: 0 for row in rows}
+    for row in rows:
+        last[row.repetition] = max(last[row.repetition], row.frame_index + 1)
+    return sum(last.values())
+
+
+def _memory_mb() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -1,0 +1,38 @@
+"""What the benchmarks of the rig press."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from casr.synthetic import SPECIMENS
+from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.schedules import Schedule, build_schedules
+from emg2vsa.settings import ScheduleSettings
+
+SPECIMEN = "S3"
+CONTACT_N, F_MAX_N = 0.5, 7.0
+
+
+def modular_plan(repetitions: int, **changes: Any) -> RunPlan:
+    """Presses up to the paper's F_max, stiffer with every force step; ``changes`` to `RunPlan`."""
+    return RunPlan(
+        specimen=SPECIMEN, angle_deg=0.0, condition="modular", repetitions=repetitions, schedule=_schedule(),
+        f_max_n=F_MAX_N, **changes,
+    )  # fmt: skip
+
+
+def _schedule() -> Schedule:
+    force = np.linspace(CONTACT_N, F_MAX_N, 100)
+    v = 42e-6 + 20e-6 * np.log(force)
+    rate = SPECIMENS[SPECIMEN]
+    profile = Profile(SPECIMEN, rate, 42e-6, 20e-6, force, v, "measured", 10, np.full(100, np.nan))
+    profiles = Profiles(
+        profiles=(profile,), new=None, weight_alpha=math.nan, bracket=None, new_measured=None, new_error=None,
+        leave_one_out=(), participant="", unit="V", notes=(),
+    )  # fmt: skip
+    (schedule,) = build_schedules(profiles, ScheduleSettings(conditions=("modular",)), {"study": "palpation"})
+    return schedule

@@ -1,0 +1,71 @@
+"""How well the control loop keeps its beat: executor and drivers here, the emulated rig in another process.
+
+Run with ``python -m benchmarks.rig_loop [--minutes M] [--hogs N ...] [--ordinary] [--json]``. Beside each run, at the
+same time and scheduled alike, a loop with nothing to do shows what the machine itself misses.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+
+import numpy as np
+
+from benchmarks.rig.loop_run import LoopReport, run_loop
+from emg2vsa.rig.loop_timing import LoopTiming
+
+TARGET_MS = 1.0
+"""99.9 % of period errors below."""
+
+
+def main() -> None:
+    """Run, and print a table for each number of programs beside it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=1.0)
+    parser.add_argument("--hogs", type=int, nargs="+", default=[0, 1], help="programs beside it that only take time")
+    parser.add_argument("--ordinary", action="store_true", help="scheduled as any other program")
+    parser.add_argument("--json", action="store_true")
+    arguments = parser.parse_args()
+    for hogs in arguments.hogs:
+        report = run_loop(60 * arguments.minutes, hogs, steady=not arguments.ordinary)
+        print(json.dumps(asdict(report)) if arguments.json else _table(report), flush=True)
+
+
+def _table(report: LoopReport) -> str:
+    real_time = "real-time" if report.real_time else "ordinary"
+    steps = report.steps
+    lines = [
+        f"{report.hogs} programs beside it, {real_time} scheduling, load average {report.load_average:.1f}",
+        f"ended: {report.how} {report.why}",
+        f"{'period error, ms':<24}{'turns':>8}{'median':>9}{'p99':>9}{'p99.9':>9}{'largest':>9}{'overruns':>10}",
+        _timing("control loop", report.loop),
+        _timing("nothing to do", report.bare),
+        f"p99.9 below {TARGET_MS:g} ms: {'yes' if 1e3 * report.loop.p999_s < TARGET_MS else 'no'}",
+        f"rows {report.rows}, turns without a row {report.rows_lost}",
+        f"frames kept {report.frames_kept}, missing {report.frames_dropped}; force records lost {report.force_lost}; "
+        f"replies lost {report.replies_lost}",
+        f"{'stiffness step, ms':<24}{'steps':>8}{'median':>9}{'p95':>9}",
+        _latency("command sent", steps.command_s),
+        _latency("motors moving (10 %)", steps.moving_s),
+        _latency("motors there (90 %)", steps.settled_s),
+        f"processor: loop {report.cpu_share:.0%}, emulators {report.emulator_cpu_share:.0%}; "
+        f"memory {report.memory_mb[0]:.0f} to {report.memory_mb[1]:.0f} MB",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _timing(name: str, timing: LoopTiming) -> str:
+    errors = (timing.median_s, timing.p99_s, timing.p999_s, timing.largest_s)
+    return f"{name:<24}{timing.turns:>8}" + "".join(f"{1e3 * e:>9.3f}" for e in errors) + f"{timing.overruns:>10}"
+
+
+def _latency(name: str, seconds: list[float]) -> str:
+    known = 1e3 * np.array([value for value in seconds if np.isfinite(value)])
+    if not known.size:
+        return f"{name:<24}{0:>8}"
+    return f"{name:<24}{known.size:>8}{np.median(known):>9.2f}{np.quantile(known, 0.95):>9.2f}"
+
+
+if __name__ == "__main__":
+    main()

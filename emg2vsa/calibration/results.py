@@ -1,0 +1,124 @@
+"""What the calibration stage hands on: plain numbers, one entry for each angle, condition and vision algorithm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class LawResult:
+    """One law through the known specimens, and the new one by it; NaN where undefined.
+
+    law, minimise, equation : how, and the fit in numbers. parameters : a and b, or p and q, of the equation.
+    r2, adj_r2 : of kappa, which on three specimens say next to nothing. kappa, low, high : N/mm, with the interval from
+    repeated presses. bootstrap_low, bootstrap_high : by drawing presses again. error : kappa over the known kappa of
+    the new specimen, minus 1; NaN where that is not known. left_out, left_out_low, left_out_high : (S,) N/mm, each
+    specimen as the others say. law_p : of the law, from the left-out specimens. notes : for the reader.
+    """
+
+    law: str
+    minimise: str
+    equation: str
+    parameters: tuple[float, float]
+    r2: float
+    adj_r2: float
+    kappa: float
+    low: float
+    high: float
+    bootstrap_low: float
+    bootstrap_high: float
+    error: float
+    left_out: Floats
+    left_out_low: Floats
+    left_out_high: Floats
+    law_p: float
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class FusedResult:
+    """Both cues together; kappa, low, high in N/mm, error as in ``LawResult``.
+
+    weight : of the cutaneous cue. correlation : of the two scores of a press. p : of the cues agreeing.
+    """
+
+    kappa: float
+    low: float
+    high: float
+    error: float
+    weight: float
+    correlation: float
+    chi2: float
+    p: float
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class AlgorithmResult:
+    """One vision algorithm.
+
+    casr : (S, R) scores of the known specimens; new_casr : (R,); NaN where there is none, in casr_unit.
+    chosen : by the settings. paper : exponential, least squares of kappa. left_out_rms : law to the root mean square
+    error of left-out specimens; best_law : the law with the smallest, '' where none has one.
+    kappa_by_growth : N/mm by the compliance law with the exponent that the growth of the contact shows in place of
+    Hertz's; how far it lies from ``chosen`` is what the law's misfit may cost. NaN for another law.
+    fused : with the indentation; None without a log of it.
+    """
+
+    casr: Floats
+    new_casr: Floats
+    casr_unit: str
+    chosen: LawResult
+    paper: LawResult
+    left_out_rms: dict[str, float]
+    best_law: str
+    kappa_by_growth: float
+    fused: FusedResult | None
+
+
+@dataclass(frozen=True, eq=False)
+class ConditionResult:
+    """One angle and condition.
+
+    specimens : S names. known_kappa : (S,) N/mm. exponent : 1 / p of A ~ F^p as the presses show it, 3/2 for Hertz;
+    NaN without curves. algorithms : by name. indentation : kappa by force over indentation alone; None without a log.
+    """
+
+    angle_deg: float
+    condition: str
+    simulated: bool
+    specimens: tuple[str, ...]
+    known_kappa: Floats
+    exponent: float
+    algorithms: dict[str, AlgorithmResult]
+    indentation: LawResult | None
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationResults:
+    """The stage's product.
+
+    known_kappa_new : N/mm of the new specimen, NaN where not known. conditions : in the order of the runs.
+    notes : which angles and conditions could not be calibrated, and why.
+    """
+
+    new_specimen: str
+    known_kappa_new: float
+    conditions: tuple[ConditionResult, ...]
+    notes: tuple[str, ...]
+
+    def find(self, angle_deg: float, condition: str) -> ConditionResult | None:
+        """The entry of one angle and condition; None where there is none."""
+        return next(
+            (each for each in self.conditions if (each.angle_deg, each.condition) == (angle_deg, condition)), None
+        )
+
+    def median_error(self, condition: str, algorithm: str) -> float:
+        """Median over angles of the size of the error on kappa; NaN where it is nowhere known."""
+        errors = [each.algorithms[algorithm].chosen.error for each in self.conditions if each.condition == condition]
+        known = np.abs([error for error in errors if np.isfinite(error)])
+        return float(np.median(known)) if known.size else float("nan")

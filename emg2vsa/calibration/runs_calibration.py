@@ -1,0 +1,184 @@
+"""The calibration stage: from scored runs to the stiffness of a new specimen, for every angle and condition."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.calibration.calibrate import Calibration, calibrate
+from emg2vsa.calibration.comparison import compare_laws
+from emg2vsa.calibration.forms import HERTZ
+from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
+from emg2vsa.calibration.growth import growth_power
+from emg2vsa.calibration.left_out import left_out
+from emg2vsa.calibration.results import (
+    AlgorithmResult,
+    CalibrationResults,
+    ConditionResult,
+    FusedResult,
+    LawResult,
+)
+from emg2vsa.calibration.unknown import estimate
+from emg2vsa.errors import DataError
+from emg2vsa.runs import ALGORITHMS, RunScores
+from emg2vsa.settings import PAPER, CalibrationSettings
+
+_LEAST_SPECIMENS = 2
+
+
+def calibrate_runs(
+    runs: Sequence[RunScores],
+    kappa: Mapping[str, float],
+    new_specimen: str,
+    settings: CalibrationSettings | None = None,
+    *,
+    kappa_se: Mapping[str, float] | None = None,
+) -> CalibrationResults:
+    """Calibrate every angle and condition at which the new specimen was pressed.
+
+    kappa : specimen to its stiffness by plate indentation, N/mm; that of the new specimen, if there, is the truth that
+    its estimate is held against and enters no fit. kappa_se : its standard error, 0 where not given. Specimens without
+    a stiffness are left out. DataError where no run is of the new specimen.
+    """
+    settings = settings or CalibrationSettings()
+    new_runs = [run for run in runs if run.specimen == new_specimen]
+    if not new_runs:
+        raise DataError(
+            "calibration",
+            wanted=f"a run of the new specimen, {new_specimen}",
+            found=", ".join(sorted({run.specimen for run in runs})) or "no runs",
+            do="Press it, or name another new specimen.",
+        )
+    truth = kappa.get(new_specimen, float("nan"))
+    conditions, notes = [], []
+    for new in new_runs:
+        known = [run for run in runs if _same_place(run, new) and run.specimen in kappa and run is not new]
+        if len(known) < _LEAST_SPECIMENS:
+            notes.append(f"{new.angle_deg:g}°, {new.condition}: {len(known)} known specimens, too few to calibrate")
+            continue
+        stiffness = np.array([kappa[run.specimen] for run in known])
+        error = np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known])
+        conditions.append(_OneCondition(tuple(known), new, stiffness, error, truth, settings).result())
+    return CalibrationResults(new_specimen, truth, tuple(conditions), tuple(notes))
+
+
+def _same_place(run: RunScores, new: RunScores) -> bool:
+    return (run.angle_deg, run.condition) == (new.angle_deg, new.condition) and run.specimen != new.specimen
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _OneCondition:
+    known: tuple[RunScores, ...]
+    new: RunScores
+    kappa: Floats
+    kappa_se: Floats
+    truth: float
+    settings: CalibrationSettings
+
+    def result(self) -> ConditionResult:
+        exponent = 1 / growth_power((*self.known, self.new))
+        depth = self._indentation()
+        return ConditionResult(
+            angle_deg=self.new.angle_deg,
+            condition=self.new.condition,
+            simulated=any(run.simulated for run in (*self.known, self.new)),
+            specimens=self._names,
+            known_kappa=self.kappa,
+            exponent=exponent,
+            algorithms={name: self._algorithm(name, exponent, depth) for name in ALGORITHMS},
+            indentation=None if depth is None else self._law(depth, mm_per_n(self.new.indent_n_per_mm)),
+        )
+
+    def _algorithm(self, name: str, exponent: float, depth: Calibration | None) -> AlgorithmResult:
+        casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
+        chosen = self._calibrated(casr, self.settings)
+        paper = self._calibrated(casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
+        laws = compare_laws(self.kappa, casr, self.settings, casr_unit=self._casr_unit)
+        return AlgorithmResult(
+            casr=casr,
+            new_casr=new_casr,
+            casr_unit=self._casr_unit,
+            chosen=self._law(chosen, new_casr),
+            paper=self._law(paper, new_casr),
+            left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
+            best_law=laws.best() or "",
+            kappa_by_growth=self._by_growth(casr, new_casr, exponent),
+            fused=None if depth is None else self._fused(fuse(chosen, depth, new_casr, self.new.indent_n_per_mm)),
+        )
+
+    def _calibrated(self, scores: Floats, settings: CalibrationSettings) -> Calibration:
+        return calibrate(
+            self.kappa,
+            scores,
+            settings,
+            casr_unit=self._casr_unit,
+            specimens=self._names,
+            kappa_se=self.kappa_se,
+        )
+
+    def _indentation(self) -> Calibration | None:
+        slopes = _padded([run.indent_n_per_mm for run in self.known])
+        if not (np.any(np.isfinite(slopes), axis=1).all() and np.any(np.isfinite(self.new.indent_n_per_mm))):
+            return None
+        return calibrate_indentation(self.kappa, slopes, self.settings, specimens=self._names, kappa_se=self.kappa_se)
+
+    def _by_growth(self, casr: Floats, new_casr: Floats, exponent: float) -> float:
+        """The compliance law with another exponent is the law itself on scores raised to their ratio."""
+        if self.settings.law != "compliance" or not np.isfinite(exponent):
+            return float("nan")
+        with np.errstate(invalid="ignore"):
+            raised, new_raised = casr ** (exponent / HERTZ), new_casr ** (exponent / HERTZ)
+        return float(estimate(self._calibrated(raised, self.settings), new_raised).kappa[0])
+
+    def _law(self, calibration: Calibration, scores: Floats) -> LawResult:
+        found, without = estimate(calibration, scores), left_out(calibration)
+        first, second = calibration.fit.parameters[0].tolist()
+        return LawResult(
+            law=calibration.settings.law,
+            minimise=calibration.settings.minimise,
+            equation=calibration.equation(),
+            parameters=(first, second),
+            r2=float(calibration.r2[0]),
+            adj_r2=float(calibration.adj_r2[0]),
+            kappa=float(found.kappa[0]),
+            low=float(found.repeats.low[0]),
+            high=float(found.repeats.high[0]),
+            bootstrap_low=float(found.bootstrap_low[0]),
+            bootstrap_high=float(found.bootstrap_high[0]),
+            error=float(found.kappa[0] / self.truth - 1),
+            left_out=without.kappa[0],
+            left_out_low=without.low[0],
+            left_out_high=without.high[0],
+            law_p=float(without.law_p[0]),
+            notes=found.notes(),
+        )
+
+    def _fused(self, fusion: Fusion) -> FusedResult:
+        return FusedResult(
+            kappa=float(fusion.kappa[0]),
+            low=float(fusion.low[0]),
+            high=float(fusion.high[0]),
+            error=float(fusion.kappa[0] / self.truth - 1),
+            weight=float(fusion.weight[0]),
+            correlation=float(fusion.correlation[0]),
+            chi2=float(fusion.chi2[0]),
+            p=float(fusion.p[0]),
+            notes=fusion.notes(),
+        )
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(run.specimen for run in self.known)
+
+    @property
+    def _casr_unit(self) -> str:
+        return f"{self.new.area_unit}/N"
+
+
+def _padded(rows: Sequence[Floats]) -> Floats:
+    """(S, R), padded with NaN to as many presses as the longest has."""
+    longest = max(row.size for row in rows)
+    return np.stack([np.pad(row.astype(np.float64), (0, longest - row.size), constant_values=np.nan) for row in rows])

@@ -1,0 +1,89 @@
+"""``emg2vsa stiffness``: specimens' stiffness from plate indentation logs."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+
+if TYPE_CHECKING:
+    from emg2vsa.arrays import Floats
+
+Trial = tuple[str, str, "Floats", "Floats"]
+"""Specimen, trial, indentation in mm, force in N."""
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "stiffness",
+        run,
+        "Stiffness of specimens from plate indentation logs: moving average, Hooke's law, adjusted R2.",
+        "A log is a table with the columns indentation_mm and force_n, pressing positive, and where it holds more than "
+        "one trial, specimen and trial. Without these a file is one trial of the specimen it is named after. Exit "
+        "status 1: a trial has no stiffness. Example: emg2vsa stiffness plate/*.csv",
+    )
+    parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="table: comma, semicolon, tab or blanks")
+    parser.add_argument("--window", type=int, default=5, metavar="N", help="moving average, samples (default 5: paper)")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.curves.plate import fit_plate
+
+    trials = [trial for path in arguments.files for trial in _trials(path)]
+    fit = fit_plate([(indentation, force) for _, _, indentation, force in trials], arguments.window)
+    rows: list[dict[str, Any]] = [
+        {
+            "specimen": specimen, "trial": trial, "stiffness_n_per_mm": float(fit.kappa[i]),
+            "standard_error": float(fit.kappa_se[i]), "contact_mm": float(fit.contact[i]),
+            "adjusted_r2": float(fit.adj_r2[i]), "points": int(fit.n[i]), "notes": list(fit.notes(i)),
+        }
+        for i, (specimen, trial, _, _) in enumerate(trials)
+    ]  # fmt: skip
+    good = all(row["stiffness_n_per_mm"] > 0 for row in rows)
+    if arguments.json:
+        print_json(rows)
+    else:
+        _print(rows)
+    return 0 if good else 1
+
+
+def _trials(path: Path) -> Iterator[Trial]:
+    import numpy as np
+
+    from emg2vsa.readers.tidy_table import read_tidy_table
+
+    table = read_tidy_table(path)
+    x, y = (
+        np.array([np.nan if value is None else float(value) for value in table.numbers(name)])
+        for name in ("indentation_mm", "force_n")
+    )
+    specimens = table.texts("specimen") if "specimen" in table.names else [path.stem] * x.size
+    numbers = table.texts("trial") if "trial" in table.names else ["1"] * x.size
+    for key in dict.fromkeys(zip(specimens, numbers, strict=True)):
+        mine = np.array([pair == key for pair in zip(specimens, numbers, strict=True)])
+        yield *key, x[mine], y[mine]
+
+
+def _print(rows: list[dict[str, Any]]) -> None:
+    import numpy as np
+
+    print(f"{'specimen':<12}{'trial':<8}{'kappa, N/mm':>12}{'+-':>9}{'contact, mm':>13}{'adj. R2':>9}{'points':>8}")
+    for row in rows:
+        print(
+            f"{row['specimen']:<12}{row['trial']:<8}{row['stiffness_n_per_mm']:>12.4f}{row['standard_error']:>9.4f}"
+            f"{row['contact_mm']:>13.4f}{row['adjusted_r2']:>9.4f}{row['points']:>8}"
+        )
+        for note in row["notes"]:
+            print(f"  note: {note}")
+    worst = min((row["adjusted_r2"] for row in rows), default=np.nan)
+    print(f"worst adjusted R2 {worst:.4f} (the paper's: 0.882)")
+    print("For the study file:")
+    for name in dict.fromkeys(row["specimen"] for row in rows):
+        values = [row["stiffness_n_per_mm"] for row in rows if row["specimen"] == name]
+        spread = f" # SD {np.std(values, ddof=1):.3g} over {len(values)} trials" if len(values) > 1 else ""
+        print(f'[[specimens]]\nname = "{name}"\nstiffness_n_per_mm = {np.mean(values):.4g}{spread}')

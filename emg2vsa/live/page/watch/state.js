@@ -1,0 +1,44 @@
+// What a moment means: the message over the page, and the state of the stop button. No page in here, only values.
+
+const SILENT_S = 0.5; // a row comes every 5 ms
+const LOST_S = 1.5;
+const ANSWER_S = 3; // retracting 15 mm at 20 mm/s and settling takes about 1 s
+
+// {kind, title, text, stale} or null; stale: what is shown is not the present.
+export function messageOf({ now, silentS }) {
+  if (silentS > LOST_S) {
+    const text = "The page is not up to date, and STOP may not get through. Is emg2vsa rig watch running?";
+    return { kind: "danger", title: `No connection for ${duration(silentS)}.`, text, stale: true };
+  }
+  if (now === null) return { kind: "wait", title: "Connecting.", text: "", stale: false };
+  if (now.trouble) return { kind: "guard", title: "Cannot be shown.", text: now.trouble, stale: true };
+  if (now.run === null) return { kind: "wait", title: "Waiting for a run.", text: `It will be shown as soon as it begins in ${now.folder}.`, stale: false };
+  if (now.ended) return { ...now.ended, stale: false };
+  const ageS = (now.age_s ?? 0) + silentS;
+  if (ageS > SILENT_S) {
+    const held = "The run is held up, or its program was killed. Be ready to cut the power.";
+    return { kind: ageS < 2 ? "warn" : "danger", title: `No data for ${duration(ageS)}.`, text: held, stale: true };
+  }
+  return null;
+}
+
+// {kind, title, hint, enabled}
+export function stopStateOf({ now, silentS }, { askedS, failure }, nowS) {
+  if (!now?.run || now.ended) return { kind: "", title: "STOP", hint: now?.ended ? "the run is over" : "nothing is running", enabled: false };
+  if (failure) return { kind: "failed", title: "NOT STOPPED", hint: `${failure}. Try again, or cut the power.`, enabled: true };
+  if (askedS !== null && nowS - askedS > ANSWER_S) {
+    const hint = `The rig has not confirmed for ${duration(nowS - askedS)}. Cut the power.`;
+    return { kind: "failed", title: "NO ANSWER", hint, enabled: true };
+  }
+  if (askedS !== null || now.stop_requested) {
+    const hint = now.stop_requested ? "The request is with the rig; it retracts the probe." : "Sending the request.";
+    return { kind: "asked", title: "Stopping", hint, enabled: true };
+  }
+  return { kind: "", title: "STOP", hint: "one click, or the Space key", enabled: true };
+}
+
+function duration(s) {
+  if (s < 2) return `${s.toFixed(1)} s`;
+  if (s < 120) return `${Math.round(s)} s`;
+  return s < 7200 ? `${Math.round(s / 60)} min` : `${Math.round(s / 3600)} h`;
+}

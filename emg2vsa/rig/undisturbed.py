@@ -1,0 +1,41 @@
+"""A process that keeps time: what a control loop asks of the operating system and of Python (decision 0015)."""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+LEAST_PRIORITY = 1
+"""The lowest of the real-time priorities is above every ordinary program."""
+
+
+@contextmanager
+def undisturbed() -> Iterator[bool]:
+    """For the time of a run: scheduled in real time where the system permits it, True then, and short collections.
+
+    Threads started within are scheduled alike, so that none holds the interpreter while an ordinary program has its
+    processor. What is in memory already is left out of the collections of garbage, which otherwise last as long as it
+    is large.
+    """
+    gc.collect()
+    gc.freeze()
+    permitted = _real_time(True)
+    try:
+        yield permitted
+    finally:
+        if permitted:
+            _real_time(False)
+        gc.unfreeze()
+
+
+def _real_time(on: bool) -> bool:
+    if not hasattr(os, "sched_setscheduler"):
+        return False
+    policy, priority = (os.SCHED_FIFO, LEAST_PRIORITY) if on else (os.SCHED_OTHER, 0)
+    try:
+        os.sched_setscheduler(0, policy, os.sched_param(priority))
+    except OSError:
+        return False
+    return True

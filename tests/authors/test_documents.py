@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+from emg2vsa.authors.documents import packages, proof, readme
+
+FILES = {
+    "numbers.tex": b"% Written\n\\newcommand{\\emgFitUsed}{700} % fit.used\n",
+    "figures/f.tex": b"% takes the package graphicx\n\\begin{figure}\\end{figure}\n",
+    "figures/f.pdf": b"%PDF",
+    "tables/t.tex": b"% takes the packages booktabs, tabularx\n",
+    "tables/long.tex": b"% takes the packages booktabs and longtable, and text in one column\n",
+}
+
+
+def test_packages_are_those_the_files_name():
+    assert packages(FILES) == ["amsmath", "booktabs", "graphicx", "longtable", "tabularx"]
+
+
+def test_the_readme_shows_inputs_that_exist_and_lists_every_file():
+    text = readme("small", "A small study", "Simulated.", FILES)
+    assert r"\usepackage{amsmath,booktabs,graphicx,longtable,tabularx}" in text
+    assert r"\input{paper/numbers}" in text
+    assert r"\input{paper/statements}" not in text
+    assert r"\input{paper/tables/long}" in text
+    assert r"\input{paper/figures/f}" in text
+    for name in ("numbers.tex", "tables/ (.tex)", "figures/ (.pdf, .tex)", "long, t"):
+        assert name in text
+
+
+def test_the_proof_holds_each_float_once_and_each_macro_beside_its_key():
+    text = proof("A & B", FILES)
+    for name in ("numbers.tex", "figures/f.tex", "tables/t.tex", "tables/long.tex"):
+        assert text.count(rf"\input{{{name}}}") == 1
+    assert text.index(r"\input{tables/t.tex}") < text.index(r"\onecolumn") < text.index(r"\input{tables/long.tex}")
+    assert r"\texttt{fit.used}\hfill \emgFitUsed\par" in text
+    assert r"\title{A \& B}" in text

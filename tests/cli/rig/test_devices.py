@@ -1,0 +1,67 @@
+"""``emg2vsa rig scan`` and ``info`` against an emulated rig behind real ports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+Rig = Callable[..., tuple[int, str, str]]
+NO_MOTOR = "/dev/no-such-motor: wanted a serial port; found "
+
+
+def test_scan_lists_ports_and_ids(rig: Rig, served: SimpleNamespace) -> None:
+    port = served.servers.port
+    status, out, _ = rig("scan", "--port", port, "--id", 1, "--id", 2, "--wait-ms", 500)
+    assert (status, out) == (0, f"{port}\n  id 1\n")
+
+
+def test_scan_with_a_rig_file_looks_for_all_its_devices(rig: Rig, served: SimpleNamespace) -> None:
+    status, out, _ = rig("scan", served.path, "--id", 1, "--wait-ms", 500)
+    assert status == 1  # for the motor, which is not there
+    assert f"{served.servers.port}\n  id 1\n" in out
+    assert f"/dev/no-such-motor\n  not usable: {NO_MOTOR}" in out
+    assert "\n  status 0x00000000: good\n" in out
+    assert "\n  frames of 300 x 300 pixels, " in out
+
+
+def test_scan_of_a_silent_line(rig: Rig, served: SimpleNamespace) -> None:
+    served.bench.wire.mute = True
+    port = served.servers.port
+    status, out, _ = rig("scan", "--port", port, "--id", 1)
+    assert status == 1
+    assert f"{port}\n  not usable: {port}: wanted a qbmove that answers; found none." in out
+
+
+def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("emg2vsa.rig.qbmove_scan.list_ports.comports", list)
+    assert rig("scan")[:2] == (1, "no serial port with a qbmove's adapter; name another with --port\n")
+
+
+@pytest.mark.parametrize("wrong", ["0", "256", "one"])
+def test_an_id_that_cannot_be(wrong: str, rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        rig("scan", "--id", wrong)
+    assert f"wanted a device id of 1 to 255; found '{wrong}'" in capsys.readouterr().err
+
+
+def test_info_tells_what_each_device_knows(rig: Rig, served: SimpleNamespace) -> None:
+    status, out, _ = rig("info", served.path)
+    assert status == 1
+    assert f"[actuator] {served.servers.port}, id 1\n  firmware QBMMP v6.1.0, id 1\n" in out
+    assert "\n  position limits of motor 2: -15000 to 15000 ticks\n" in out
+    assert "\n  motors off\n" in out
+    assert "\n  set up for runs\n" in out
+    assert "\n  a run may use: positions -12000 to 12000 ticks, 20 to 80 % of full stiffness\n" in out
+    assert "\n    11 Pos. limits [inf, sup]       -15000, 15000, -15000, 15000\n" in out
+    assert f"[motor] /dev/no-such-motor, id 1\n  not usable: {NO_MOTOR}" in out
+    assert "\n  1e+06 counts/N, 1e+06 counts/(N m)\n" in out
+    assert "[camera] http://127.0.0.1:" in out
+
+
+def test_info_without_any_device_says_so_of_each(rig: Rig, rig_file: Callable[..., Path]) -> None:
+    status, out, err = rig("info", rig_file())
+    assert (status, err) == (1, "")
+    assert out.count("not usable") == 4

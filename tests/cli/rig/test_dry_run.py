@@ -1,0 +1,84 @@
+"""``emg2vsa rig dry-run``: limits and legs of each run, and what is said where there is none."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+RigFile = Callable[..., Path]
+Rig = Callable[..., tuple[int, str, str]]
+
+
+def test_limits_legs_and_times(rig: Rig, rig_file: RigFile) -> None:
+    status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1")
+    assert status == 0
+    assert out.startswith(
+        "positions: -12000 to 12000 ticks\npresets: 600 to 2400 ticks, 20 to 80 % of 3000\n"
+        "travel: 15 mm, +6827 ticks from home\nforce: 10 N, 5000 N/s\n"
+    )
+    assert "\nS1_0_high-stiffness: 2 presses, at most 2.7 s\n" in out
+    assert "\n  approach           0 to 5461              0       0 to 0.5        0.60\n" in out
+    assert "\n  retract            5461 to 0           2305                       0.60\n" in out
+    assert out.endswith("\n3 runs, at most 0.1 min; nothing was sent\n")
+
+
+def test_as_json(rig: Rig, rig_file: RigFile) -> None:
+    status, out, _ = rig("dry-run", rig_file(), "--json")
+    assert status == 0
+    runs = json.loads(out)["runs"]
+    assert sorted(runs) == [
+        "S1_0_high-stiffness", "S1_0_modular", "S1_30_modular", "S3_0_high-stiffness", "S3_0_modular", "S3_30_modular",
+    ]  # fmt: skip
+    legs = runs["S1_30_modular"]["legs"]
+    assert [leg["force_n"] for leg in legs if leg["phase"] == "load"][-1] == [4.7, 5.0]
+    assert runs["S1_30_modular"]["at_most_s"] == pytest.approx(2 * (0.6 + 0.6 + 0.05 + 0.1))
+
+
+def test_a_run_that_breaks_a_limit_is_told_beside_the_others(rig: Rig, rig_file: RigFile) -> None:
+    path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
+    status, out, _ = rig("dry-run", path, "--specimen", "S1")
+    assert status == 1
+    assert "S1_0_modular: not possible. schedule of S1, modular, preset_ticks: wanted 560 to 2240 ticks" in out
+    assert "S1_0_high-stiffness: 2 presses" in out
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--specimen", "S"], "rig.toml, specimen: wanted S1, S3; found S. Did you mean 'S1'?"),
+        (["--specimen", "Q"], "rig.toml, specimen: wanted S1, S3; found Q. Add it to [experiment], or choose another."),
+        (["--angle", "45"], "rig.toml, angle: wanted 0, 30; found 45. Add it to [experiment], or choose another."),
+        (
+            ["--angle", "30", "--condition", "high-stiffness"],
+            "wanted a run of the experiment; found angle 30, condition high-stiffness. See [experiment.angles_deg].",
+        ),
+        (["--condition", "constant-min"], "rig.toml, condition: wanted high-stiffness, modular; found constant-min."),
+    ],
+)
+def test_a_choice_that_is_none(options: list[str], said: str, rig: Rig, rig_file: RigFile) -> None:
+    status, out, err = rig("dry-run", rig_file(), *options)
+    assert (status, out) == (2, "")
+    assert said in err
+
+
+def test_schedules_that_are_absent_are_named(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    path = rig_file()
+    (tmp_path / "schedules" / "S3_modular.json").unlink()
+    status, _, err = rig("dry-run", path)
+    assert status == 2
+    assert err.endswith(
+        "schedules: wanted a schedule for every specimen and condition, 2 files; found no S3_modular.json. "
+        "Export them with emg2vsa schedule STUDY, or correct [experiment].\n"
+    )
+    assert rig("dry-run", path, "--specimen", "S1")[0] == 0
+    assert rig("dry-run", path, "--condition", "high-stiffness")[0] == 0
+
+
+def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> None:
+    status, out, err = rig("dry-run", rig_file(("f_max_n = 5", "f_max = 5\npause_s = -1")))
+    assert (status, out) == (2, "")
+    assert "rig.toml:32: experiment.f_max: wanted a known key; found 'f_max'. Did you mean 'f_max_n'?\n" in err
+    assert err.endswith("problems; nothing was run.\n") or "wanted valid TOML" in err

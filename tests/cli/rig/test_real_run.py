@@ -1,0 +1,149 @@
+"""``emg2vsa rig run`` against an emulated rig behind real ports."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from casr.frame_files import open_frames
+from emg2vsa.rig.run_log import read_log
+
+Rig = Callable[..., tuple[int, str, str]]
+ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
+MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
+
+
+def motors(bench: Any) -> bytes:
+    return bytes(bench.answer(bytes.fromhex("3a3a 01 02 81 81")))
+
+
+def ended_of(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "ended.json").read_text())
+    return found
+
+
+def wait_for_presses(folder: Path) -> None:
+    """Until the log says that a press has begun; fails when it does not."""
+    for _ in range(600):
+        if (folder / "log.csv").exists() and ",approach," in (folder / "log.csv").read_text():
+            return
+        time.sleep(0.05)
+    pytest.fail("no press has begun")
+
+
+def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    status, out, err = rig("run", served.path, *ONE)
+    folder = tmp_path / "runs" / "S1_0_modular"
+    assert status == 0, err
+    lines = out.splitlines()
+    assert lines[:4] == [
+        f"folder: {folder}",
+        "run: S1, 0 degrees, modular, 2 presses",
+        "device: QBMMP v6.1.0, positions -12000 to 12000 ticks, full stiffness 3000 ticks",
+        "force: mean of 5 samples at 200 Hz: -3 dB at 18 Hz, delay 10 ms",
+    ]
+    assert lines[4].startswith("completed: 2 of 2 presses, ")
+    assert lines[5] == "left: probe retracted, motors off"
+    assert lines[7].split() == ["control", "loop", "turns", "median", "99", "%", "99.9", "%", "largest", "overruns"]
+    assert [line.partition(" at ")[0] for line in err.splitlines()][:1] == ["press 1 of 2 done"]
+    assert ended_of(folder)["how"] == "completed"
+    assert motors(served.bench) == MOTORS_OFF
+    assert max(row.force_n or 0 for row in read_log(folder / "log.csv")) > 4.5
+    assert [len(open_frames(press)) > 3 for press in sorted(folder.glob("press-*"))] == [True, True]
+
+    status, _, err = rig("run", served.path, *ONE)
+    assert status == 2
+    assert f"{folder}: wanted a run that is still to do; found a completed one." in err
+
+
+def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
+    rig: Rig, served: SimpleNamespace, tmp_path: Path
+) -> None:
+    served.bench.box.faults.saturated = True
+    status, out, _ = rig("run", served.path, *ONE, "--repetitions", 1)
+    assert status == 1
+    assert "\nguard: untrusted force in home (" in out
+    assert "0 of 1 presses" in out
+    served.bench.box.faults.saturated = False
+    assert rig("run", served.path, *ONE, "--repetitions", 1)[0] == 0
+    assert ended_of(tmp_path / "runs" / "S1_0_modular")["cause"] == "untrusted force"
+    assert ended_of(tmp_path / "runs" / "S1_0_modular-2")["how"] == "completed"
+
+
+def test_the_stop_file_ends_a_run_with_its_text(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    folder = tmp_path / "runs" / "S1_0_modular"
+
+    def press_stop() -> None:
+        wait_for_presses(folder)
+        (folder / "stop").write_text("seen enough\n")
+
+    button = threading.Thread(target=press_stop)
+    button.start()
+    status, out, _ = rig("run", served.path, *ONE, "--repetitions", 500)
+    button.join()
+    assert status == 1
+    assert "\nstopped: seen enough in " in out
+    assert ended_of(folder)["cause"] == "seen enough"
+
+
+@pytest.mark.parametrize(("number", "cause"), [(signal.SIGTERM, "SIGTERM"), (signal.SIGINT, "Ctrl-C")])
+def test_a_signal_ends_a_process_safely(
+    number: signal.Signals, cause: str, served: SimpleNamespace, tmp_path: Path
+) -> None:
+    folder = tmp_path / "runs" / "S1_0_modular"
+    command = [sys.executable, "-m", "emg2vsa.cli", "rig", "run", str(served.path), *ONE, "--repetitions", "500"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        wait_for_presses(folder)
+        os.kill(process.pid, number)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 1, err
+    assert f"\nstopped: {cause} in " in out
+    ended = ended_of(folder)
+    assert (ended["how"], ended["cause"], ended["retracted"], ended["deactivated"]) == ("stopped", cause, True, True)
+    rows = read_log(folder / "log.csv")
+    assert len(rows) == ended["rows"]
+    assert rows[-1].position_ticks == 0
+    assert motors(served.bench) == MOTORS_OFF
+
+
+def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    status, out, err = rig("run", rig_file(), *ONE)
+    assert (status, out) == (2, "")
+    assert err.startswith("emg2vsa: /dev/no-such-port: wanted a serial port; found ")
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    served.bench.firmware._current.max_stiffness = 2 * 2000
+    status, _, err = rig("run", served.path, *ONE)
+    assert status == 2
+    assert "schedule of S1, modular, preset_ticks: wanted 600 to 1600 ticks, 30 to 80 % of the device's maximum" in err
+    assert not (tmp_path / "runs").exists()
+
+
+def test_more_than_one_run_is_listed_and_one_asked_for(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
+    path = rig_file()
+    for name, how in (("S1_0_modular", "completed"), ("S3_0_modular", "guard")):
+        (tmp_path / "runs" / name).mkdir(parents=True)
+        (tmp_path / "runs" / name / "ended.json").write_text(json.dumps({"how": how}))
+    status, out, err = rig("run", path, "--angle", 0)
+    assert status == 2
+    assert out.splitlines() == [
+        "--specimen S1 --angle 0 --condition high-stiffness",
+        "--specimen S3 --angle 0 --condition high-stiffness",
+        "--specimen S3 --angle 0 --condition modular   # guard before",
+    ]
+    assert "wanted one run; found 4, of which 3 are still to do. Name one as listed, or add --virtual" in err

@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from emg2vsa.artifacts import load, save
+from emg2vsa.discrimination import discriminate
+from emg2vsa.errors import DataError
+from emg2vsa.settings import DiscriminationSettings
+
+FEW = DiscriminationSettings(resamples=200)
+KNOWN = ("S1", "S3", "S5")
+
+
+def scaled(run, level=1.0, noise=1.0):
+    """The run with its rates at another level, their scatter about the mean multiplied."""
+    rates = {}
+    for name, casr in run.casr.items():
+        rates[name] = level * (casr.mean() + noise * (casr - casr.mean()))
+    return replace(run, casr=rates)
+
+
+def world(run_of, **human):
+    """Rigid and human-like presses that differ by nothing but ``human``, as ``scaled``."""
+    rigid = [run_of(name, 0.0, "high-stiffness") for name in ("S1", "S_new", "S3", "S5")]
+    return [*rigid, *(scaled(replace(run, condition="modular"), **human) for run in rigid)]
+
+
+def test_a_quieter_actuator_wins_and_a_noisier_one_loses(run_of, stiffness_n_per_mm):
+    for noise, wins in ((0.2, True), (5.0, False), (1.0, None)):
+        compared = discriminate(world(run_of, noise=noise), stiffness_n_per_mm, FEW).conditions
+        assert compared.wins(0) is wins
+        assert compared.cv_ratio.estimate[0] == pytest.approx(noise)
+        assert compared.gap.estimate[1] == pytest.approx(compared.gap.estimate[0] / noise)
+        assert compared.level_ratio.estimate[0] == pytest.approx(1)
+
+
+def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
+    compared = discriminate(world(run_of, level=3.0), stiffness_n_per_mm, FEW).conditions
+    assert compared.level_ratio.estimate[0] == pytest.approx(3)
+    assert compared.level_ratio.low[0] > 2.9
+    assert compared.gap_difference.estimate[0] == pytest.approx(0, abs=1e-9)
+    assert compared.wins(0) is None
+
+
+def test_the_intervals_hold_the_true_gap_as_often_as_they_promise(stiffness_n_per_mm, run_of):
+    # S1 and S3 alone: one gap of 3 SDs, and 60 worlds
+    rng = np.random.default_rng(1)
+    base = [run_of(name, 0.0, "high-stiffness") for name in ("S1", "S3")]
+    held = 0
+    for _ in range(60):
+        runs = [
+            replace(run, casr={"edge": 10 + 3 * i + rng.standard_normal(10)}, a_c0={"edge": 40 + rng.standard_normal(10)})
+            for i, run in enumerate(base)
+        ]
+        gap = discriminate(runs, stiffness_n_per_mm, FEW).conditions.gap
+        held += int(gap.low[0] <= 3 <= gap.high[0])
+    assert held >= 50
+
+
+def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffness_n_per_mm):
+    found = discriminate(runs, stiffness_n_per_mm, FEW)
+    names = [(found.table.conditions[i], found.table.angles_deg[i]) for i in found.conditions.other.tolist()]
+    assert names == [
+        ("high-stiffness", 0), ("constant-min", 0), ("constant-mean", 0), ("constant-max", 0), ("high-stiffness", 30),
+        ("high-stiffness", 45),
+    ]  # fmt: skip
+    assert found.conditions.specimens == ("S1", "S_new", "S3", "S5")
+
+
+def test_old_and_new_algorithm_beside_the_truth(runs, stiffness_n_per_mm):
+    compared = discriminate(runs, stiffness_n_per_mm, FEW).algorithms
+    assert compared.names[:2] == ("edge", "circle")
+    by_angle = compared.area_error[1, :3]
+    assert by_angle == pytest.approx([0.0, 0.15, 0.41], abs=0.03)
+    assert compared.area_error[0] == pytest.approx(np.zeros(9), abs=0.01)
+    assert compared.area_ratio[0].tolist() == [1.0] * 9
+    assert compared.area_ratio[3] == pytest.approx(np.full(9, 1.1))
+    assert (compared.casr_cv[1, :6] > 1.5 * compared.casr_cv[0, :6]).all()
+    assert compared.gap_of(1, 2)[0] == pytest.approx(compared.gap.estimate[9 + 2])
+
+
+def test_results_are_stored_and_come_back(runs, stiffness_n_per_mm, tmp_path):
+    found = discriminate(runs, stiffness_n_per_mm, FEW)
+    save(tmp_path / "found", found)
+    again = load(tmp_path / "found")
+    for ours, theirs in zip(leaves(found), leaves(again), strict=True):
+        assert np.array_equal(ours, theirs, equal_nan=isinstance(ours, np.ndarray) and ours.dtype.kind == "f")
+
+
+def leaves(value):
+    if dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            yield from leaves(getattr(value, field.name))
+    elif isinstance(value, dict):
+        for each in value.values():
+            yield from leaves(each)
+    else:
+        yield value
+
+
+def test_the_same_seed_gives_the_same_intervals(runs, stiffness_n_per_mm):
+    first, second = (discriminate(runs, stiffness_n_per_mm, FEW).conditions.gap for _ in range(2))
+    assert np.array_equal(first.low, second.low)
+    other = discriminate(runs, stiffness_n_per_mm, replace(FEW, seed=1)).conditions.gap
+    assert not np.array_equal(first.low, other.low)
+
+
+def test_a_single_condition_and_angle_without_a_new_specimen(run_of, stiffness_n_per_mm):
+    found = discriminate([run_of(name, 0.0, "by hand") for name in KNOWN], stiffness_n_per_mm, FEW)
+    assert (found.area_by_angle, found.new) == (None, None)
+    assert found.conditions.other.size == 0
+    assert any("S_new" in note for note in found.notes)
+
+
+def test_a_missing_run_is_told_and_stops_nothing(runs, stiffness_n_per_mm):
+    found = discriminate([run for run in runs if run.name != "S_new_30_modular"], stiffness_n_per_mm, FEW)
+    assert "no scored press: S_new (modular at 30°)" in found.notes
+    assert not found.new.discriminated[4]
+    assert found.conditions.specimens == KNOWN
+
+
+def test_one_press_each_is_tested_without_a_warning(run_of, stiffness_n_per_mm):
+    found = discriminate([run_of(name, 0.0, "modular", presses=1) for name in KNOWN], stiffness_n_per_mm, FEW)
+    assert np.isnan(found.conditions.gap.estimate).all()
+
+
+def test_presses_that_all_failed_leave_nothing_defined(run_of, stiffness_n_per_mm):
+    runs = [replace(run_of(name, 0.0, "modular"), verdicts=("rejected",) * 10) for name in KNOWN]
+    found = discriminate(runs, stiffness_n_per_mm, FEW)
+    assert np.isnan(found.spread.worst_p).all()
+    assert not found.spread.rises.any()
+
+
+def test_scores_without_any_scatter_are_tested_without_a_warning(run_of, stiffness_n_per_mm):
+    runs = [scaled(run_of(name, 0.0, "modular"), noise=0.0) for name in KNOWN]
+    assert discriminate(runs, stiffness_n_per_mm, FEW).spread.groups.kruskal.p[0] < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("settings", "keep", "says"),
+    [
+        (replace(FEW, algorithm="hexagon"), KNOWN, "edge, circle"),
+        (FEW, ("S1", "S_new"), "two specimens or more"),
+    ],
+)
+def test_what_cannot_be_tested_is_said(settings, keep, says, run_of, stiffness_n_per_mm):
+    runs = [run_of(name, 0.0, "modular") for name in keep]
+    runs = [replace(r, casr={name: r.casr[name] for name in ("edge", "circle")}) for r in runs]
+    with pytest.raises(DataError, match=says):
+        discriminate(runs, stiffness_n_per_mm, settings)

@@ -1,0 +1,182 @@
+"""From schedules over an emulated rig to the report, and the same on the runs as if they had been measured."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+from casr.frame_files import read_camera
+from emg2vsa import artifacts
+from emg2vsa.cli import main
+from emg2vsa.runs import RunScores
+
+RIG = """
+[actuator]
+port = "/dev/ttyUSB0"
+[motor]
+port = "/dev/ttyUSB1"
+[force]
+kind = "net-ft"
+host = "192.168.1.1"
+[camera]
+source = 0
+[experiment]
+specimens = ["S1", "S3", "S5", "S_new"]
+repetitions = 2
+pause_s = 0.1
+[experiment.angles_deg]
+high-stiffness = [0]
+modular = [0]
+[emulated]
+stiffness_n_per_mm = { S1 = 7.63, S3 = 3.35, S5 = 1.11, S_new = 5.32 }
+"""
+SPECIMENS = ("S1", "S3", "S5", "S_new")
+RUNS = [f"{s}_0_{c}" for c in ("high-stiffness", "modular") for s in SPECIMENS]
+
+
+def run(study: Path, capsys: pytest.CaptureFixture[str], *more: str) -> dict[str, object]:
+    capsys.readouterr()
+    main(["run", str(study), "--json", *more])
+    result: dict[str, object] = json.loads(capsys.readouterr().out)
+    return result
+
+
+def scores(study: Path) -> dict[str, RunScores]:
+    store = study.parent / ".emg2vsa" / "small" / "store" / "runs"
+    return {path.parent.name: artifacts.load(path) for path in store.glob("*/*.result")}
+
+
+def with_rig(study: Path) -> Path:
+    (study.parent / "rig.toml").write_text(RIG)
+    study.write_text(study.read_text() + '\n[runs]\nrig = "rig.toml"\n')
+    return study
+
+
+@pytest.fixture(scope="module")
+def pressed(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study whose emulated rig has run, to its report; copied, never changed."""
+    folder = tmp_path_factory.mktemp("pressed") / "studies" / "small"
+    shutil.copytree(simulated, folder)
+    assert main(["run", str(with_rig(folder / "study.toml")), "--json"]) == 0
+    return folder
+
+
+@pytest.fixture
+def copy(pressed: Path, tmp_path: Path) -> Path:
+    """A copy of it, with its report two levels above."""
+    shutil.copytree(pressed.parent.parent, tmp_path / "copy")
+    return tmp_path / "copy" / "studies" / "small" / "study.toml"
+
+
+def test_every_run_is_scored_and_the_softer_spreads_faster(pressed):
+    found = scores(pressed / "study.toml")
+    assert sorted(found) == sorted(RUNS)
+    assert all(one.simulated and set(one.verdicts) == {"ok"} for one in found.values())
+    for condition in ("high-stiffness", "modular"):
+        rates = [np.mean(found[f"{name}_0_{condition}"].casr["edge"]) for name in ("S1", "S3", "S5")]
+        cues = [np.mean(found[f"{name}_0_{condition}"].indent_n_per_mm) for name in ("S1", "S3", "S5")]
+        assert rates == sorted(rates)
+        assert cues == sorted(cues, reverse=True)
+
+
+def test_the_report_has_section_six_and_says_that_it_is_simulated(pressed):
+    reports = pressed.parent.parent / "reports" / "small"
+    page = (reports / "index.html").read_text()
+    assert "simulated" in page.lower()
+    quantities = json.loads((reports / "results.json").read_text())
+    text = json.dumps(quantities)
+    assert "casr" in text
+    assert "kappa" in text
+
+
+def test_nothing_changed_nothing_runs(copy, capsys):
+    run(copy, capsys)
+    assert run(copy, capsys)["ran"] == []
+
+
+def test_a_setting_of_the_scores_presses_nothing_again(copy, capsys):
+    before = {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs/*/log.csv")}
+    copy.write_text(copy.read_text() + "[calibration]\nconfidence = 0.9\n")
+    assert run(copy, capsys)["ran"] == ["calibration/study", "report/study"]
+    assert {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs/*/log.csv")} == before
+
+
+def test_people_only_and_rig_only(copy, capsys):
+    shutil.rmtree(copy.parent / ".emg2vsa")
+    ran = run(copy, capsys, "--human-only")["ran"]
+    assert not any(str(step).startswith(("runs", "discrimination", "calibration")) for step in ran)
+    rig = run(copy, capsys, "--casr-only")["ran"]
+    assert not any(str(step).startswith(("hypotheses", "pages")) for step in rig)
+    assert "calibration/study" in rig
+
+
+def stripped(pressed: Path, root: Path) -> None:
+    """The runs as somebody else might have them: other names, PNG frames, no log, no plan, no word of an emulation."""
+    rows = []
+    for number, name in enumerate(RUNS):
+        folder = root / f"day-{number}"
+        for press in sorted((pressed / "runs" / name).glob("press-*")):
+            frames = folder / press.name / "frames"
+            frames.mkdir(parents=True)
+            for index, image in enumerate(tifffile.imread(press / "frames.tif")):
+                tifffile.imwrite(frames / f"{index:03d}.tif", image)
+            shutil.copy(press / "force.csv", folder / press.name)
+        specimen, angle, condition = name.rsplit("_", 2)
+        rows.append(f"day-{number}\t{specimen}\t{angle}\t{condition}")
+    (root / "runs.tsv").write_text("\n".join(["folder\tspecimen\tangle_deg\tcondition", *rows]) + "\n")
+
+
+def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated, tmp_path, capsys):
+    study = tmp_path / "studies" / "small" / "study.toml"
+    shutil.copytree(simulated, study.parent)
+    stripped(pressed, tmp_path / "lab")
+    shutil.copy(pressed / "runs" / RUNS[0] / "camera.toml", tmp_path / "lab" / "our-camera.toml")
+    assert read_camera(tmp_path / "lab" / "our-camera.toml") is not None
+    study.write_text(study.read_text() + '\n[runs]\nroot = "../../lab"\ncamera = "../../lab/our-camera.toml"\n')
+    assert run(study, capsys, "--casr-only")["failures"] == []
+    found, emulated = scores(study), scores(pressed / "study.toml")
+    assert sorted(found) == sorted(RUNS)
+    for name in RUNS:
+        assert not found[name].simulated
+        np.testing.assert_allclose(found[name].casr["edge"], emulated[name].casr["edge"], rtol=1e-12)
+        assert np.isnan(found[name].indent_n_per_mm).all()
+    page = (tmp_path / "reports" / "small" / "index.html").read_text()
+    assert "emulated rig" not in page
+
+
+def test_a_measured_run_is_never_overwritten(copy, capsys):
+    (copy.parent / "runs" / "S1_0_modular" / "emulated.json").unlink()
+    shutil.rmtree(copy.parent / ".emg2vsa")
+    (failure,) = [f for f in run(copy, capsys, "--casr-only")["failures"] if f["item"] == "S1_0_modular"]
+    assert "no measured run where an emulated one goes" in failure["message"]
+    assert (copy.parent / "runs" / "S1_0_modular" / "log.csv").is_file()
+
+
+def test_killed_halfway_and_run_again(simulated, pressed, tmp_path, capsys):
+    folder = tmp_path / "studies" / "small"
+    shutil.copytree(simulated, folder)
+    study = with_rig(folder / "study.toml")
+    program = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--casr-only", "--jobs", "1"]
+    running = subprocess.Popen(program, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while len(list(folder.glob("runs/S*"))) < 2:
+        assert running.poll() is None
+        time.sleep(0.02)
+    os.killpg(running.pid, signal.SIGKILL)
+    running.wait()
+    whole = {p.name for p in folder.glob("runs/S*")}
+    assert len(whole) < len(RUNS)
+    again = run(study, capsys, "--casr-only")
+    assert again["failures"] == []
+    assert sorted(p.name for p in folder.glob("runs/*")) == sorted(RUNS)
+    for name, found in scores(study).items():
+        np.testing.assert_array_equal(found.casr["edge"], scores(pressed / "study.toml")[name].casr["edge"])

@@ -1,0 +1,46 @@
+"""Folders of new runs beside those that are there."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.errors import DataError
+from emg2vsa.rig.new_folder import completed_folder, how_ended, new_folder
+
+
+def make(folder: Path, how: str | None) -> None:
+    folder.mkdir(parents=True)
+    if how is not None:
+        (folder / "ended.json").write_text(json.dumps({"how": how}))
+
+
+def test_the_first_free_name(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    assert new_folder(runs, "S1_0_modular") == runs / "S1_0_modular"
+    for number, how in enumerate(("killed", "guard", None), start=1):
+        make(runs / ("S1_0_modular" if number == 1 else f"S1_0_modular-{number}"), how)
+        assert new_folder(runs, "S1_0_modular") == runs / f"S1_0_modular-{number + 1}"
+    assert completed_folder(runs, "S1_0_modular") is None
+    assert not (runs / "S1_0_modular-4").exists()
+    assert new_folder(runs, "S1_30_modular") == runs / "S1_30_modular"
+
+
+@pytest.mark.parametrize("before", [(), ("guard",), ("killed", "stopped")])
+def test_a_completed_run_is_refused(before: tuple[str, ...], tmp_path: Path) -> None:
+    names = ["S1_0_modular", "S1_0_modular-2", "S1_0_modular-3"]
+    for name, how in zip(names, (*before, "completed"), strict=False):
+        make(tmp_path / name, how)
+    done = tmp_path / names[len(before)]
+    assert completed_folder(tmp_path, "S1_0_modular") == done
+    with pytest.raises(DataError, match="wanted a run that is still to do; found a completed one") as caught:
+        new_folder(tmp_path, "S1_0_modular")
+    assert caught.value.where == str(done)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", "3"])
+def test_an_ending_that_cannot_be_read_is_none(text: str, tmp_path: Path) -> None:
+    (tmp_path / "ended.json").write_text(text)
+    assert how_ended(tmp_path) is None

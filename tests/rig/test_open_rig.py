@@ -1,0 +1,168 @@
+"""Opening a rig: the right actuator, the device's own limits, and everything closed whatever happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.rig import open_rig as module
+from emg2vsa.rig.clock import WallClock
+from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.servers import EmulatedServers
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.guards import GuardSettings
+from emg2vsa.rig.open_rig import open_force, open_rig, within_device
+from emg2vsa.rig.qbmove_info import QbmoveInfo
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rigid_motor import RigidMotor
+
+PATIENT = RigSettings(guards=GuardSettings(stale_s=2.0, camera_s=5.0))
+INFO = QbmoveInfo(
+    firmware="QBMMP v6.1.0", device_id=1, max_stiffness_ticks=3000,
+    position_limits_ticks=((-15000, 15000), (-15000, 15000)), resolutions=(1, 1, 1), control_mode="Position",
+    input_mode="USB", current_limit_ma=1500, max_pwm_rate=None, voltage_mv=24000, text="",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def servers() -> Iterator[EmulatedServers]:
+    with EmulatedServers(EmulatedRig(EmulatedSettings(), "S3", 0.0, False, WallClock())) as served:
+        yield served
+
+
+@pytest.fixture
+def settings(servers: EmulatedServers) -> DeviceSettings:
+    return DeviceSettings(
+        actuator=ActuatorSettings(port=servers.port, reply_s=2.0),
+        motor=MotorSettings(port=servers.port, reply_s=2.0),
+        force=ForceSettings(
+            kind="net-ft", host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port
+        ),
+        camera=CameraSettings(source=servers.camera_url),
+    )
+
+
+class Watched:
+    """Which devices were closed, in their order."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.closed: list[str] = []
+        for kind in ("SerialLine", "OpenCvCamera"):
+            self.watch(monkeypatch, getattr(module, kind), kind)
+        opened = module.open_net_ft
+
+        def open_net_ft(*args: Any, **options: Any) -> Any:
+            sensor = opened(*args, **options)
+            self.watch(monkeypatch, type(sensor), "NetFt")
+            return sensor
+
+        monkeypatch.setattr(module, "open_net_ft", open_net_ft)
+
+    def watch(self, monkeypatch: pytest.MonkeyPatch, kind: Any, name: str) -> None:
+        close = kind.close
+
+        def closing(device: Any) -> None:
+            self.closed.append(name)
+            close(device)
+
+        monkeypatch.setattr(kind, "close", closing)
+
+
+def test_the_devices_of_the_file_are_open_and_closed_again(
+    settings: DeviceSettings, servers: EmulatedServers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watched = Watched(monkeypatch)
+    with open_rig(settings, PATIENT, "modular", WallClock()) as opened:
+        assert opened.info.max_stiffness_ticks == 3000
+        assert opened.rig == PATIENT
+        assert opened.devices.camera is not None
+        assert opened.devices.camera.shape == (300, 300)
+        assert abs(opened.devices.force.read().force_n[2]) < 1.0
+        opened.devices.actuator.activate()
+        opened.devices.actuator.set_position_stiffness(0, 1500)
+        assert watched.closed == []
+    assert watched.closed == ["OpenCvCamera", "NetFt", "SerialLine"]
+    assert servers.bench.answer(bytes.fromhex("3a3a 01 02 81 81")) == bytes.fromhex("3a3a 01 03 81 00 81")  # motors off
+
+
+def test_high_stiffness_takes_the_rigid_motor(settings: DeviceSettings) -> None:
+    with open_rig(replace(settings, camera=None), PATIENT, "high-stiffness", WallClock()) as opened:
+        assert isinstance(opened.devices.actuator, RigidMotor)
+        assert opened.devices.camera is None
+    with (
+        pytest.raises(SettingError, match=r"wanted a table \[motor\] for high-stiffness; found nothing"),
+        open_rig(replace(settings, motor=None), PATIENT, "high-stiffness", WallClock()),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("absent", ["camera", "force", "actuator", "id"])
+def test_what_was_open_is_closed_when_something_is_absent(
+    absent: str, settings: DeviceSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watched = Watched(monkeypatch)
+    wrong = {
+        "camera": replace(settings, camera=CameraSettings(source="/no/such/camera")),
+        "force": replace(settings, force=replace(settings.force, http_port=1)),
+        "actuator": replace(settings, actuator=ActuatorSettings(port="/dev/no-such-port")),
+        "id": replace(settings, actuator=replace(settings.actuator, id=7, reply_s=0.01)),
+    }[absent]
+    wanted = {"camera": "frames a second", "force": "the box's configuration", "actuator": "a serial port"}
+    with (
+        pytest.raises(DeviceError, match=wanted.get(absent, "qbmove 7: wanted a device that answers; found silence")),
+        open_rig(wrong, PATIENT, "modular", WallClock()),
+    ):
+        pass
+    closed = {"camera": ["OpenCvCamera", "NetFt", "SerialLine"], "force": ["SerialLine"], "id": ["SerialLine"]}
+    assert watched.closed == closed.get(absent, [])
+
+
+def test_an_error_of_the_run_closes_everything_too(settings: DeviceSettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    watched = Watched(monkeypatch)
+    with pytest.raises(ZeroDivisionError), open_rig(settings, PATIENT, "modular", WallClock()):
+        raise ZeroDivisionError
+    assert watched.closed == ["OpenCvCamera", "NetFt", "SerialLine"]
+
+
+def test_bias_makes_the_load_of_the_start_the_zero(settings: DeviceSettings, servers: EmulatedServers) -> None:
+    servers.bench.box._bias[2] = -5.0  # what the box takes off: it reads 5 N too much
+    without_camera = replace(settings, camera=None)
+    with open_rig(without_camera, PATIENT, "modular", WallClock()) as opened:
+        assert opened.devices.force.read().force_n[2] == pytest.approx(5.0, abs=0.1)
+    biased = replace(without_camera, force=replace(settings.force, bias=True))
+    clock = WallClock()
+    with open_rig(biased, PATIENT, "modular", clock) as opened:
+        clock.sleep_until(clock.now_s() + 0.1)
+        assert opened.devices.force.read().force_n[2] == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_card_without_its_calibration_is_told(tmp_path: Any) -> None:
+    daq = ForceSettings(kind="ni-daq", channels="Dev1/ai0:5", cal_file=str(tmp_path / "none.cal"))
+    with pytest.raises(DeviceError, match=r"none\.cal"):
+        open_force(daq, GuardSettings(), WallClock())
+
+
+@pytest.mark.parametrize(
+    ("device", "rig", "rigid", "positions", "percent"),
+    [
+        ({}, {}, False, (-12000, 12000), (20.0, 80.0)),
+        ({}, {"position_ticks": (-20000, 20000)}, False, (-12000, 12000), (20.0, 80.0)),
+        ({}, {"position_ticks": (-20000, 20000)}, True, (-15000, 15000), (20.0, 80.0)),
+        ({}, {"position_ticks": (-100, 9000)}, False, (-100, 9000), (20.0, 80.0)),
+        ({"max_stiffness_ticks": 2400}, {"position_ticks": (-20000, 20000)}, False, (-12600, 12600), (25.0, 80.0)),
+        ({"max_stiffness_ticks": 4000}, {"position_ticks": (-20000, 20000)}, False, (-11000, 11000), (20.0, 60.0)),
+    ],
+)
+def test_limits_are_the_device_s_and_no_wider_than_the_file_s(
+    device: dict[str, Any], rig: dict[str, Any], rigid: bool, positions: tuple[int, int], percent: tuple[float, float]
+) -> None:
+    info = replace(INFO, **device)
+    narrowed = within_device(RigSettings(**rig), info, rigid)
+    assert narrowed.position_ticks == positions
+    assert narrowed.stiffness_percent == pytest.approx(percent)
+    assert narrowed.max_preset_ticks == info.max_stiffness_ticks

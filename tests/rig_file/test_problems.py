@@ -1,0 +1,166 @@
+"""What is said of bad rig files, word for word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.errors import StudyError
+from emg2vsa.rig_file import load_rig
+
+Problems = Callable[[str], list[str]]
+MOTOR = '[motor]\nport = "/dev/ttyUSB1"\n'
+FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "[actuator]", "[actuatr]",
+            [
+                "1: actuatr: wanted a known key; found 'actuatr'. Did you mean 'actuator'?",
+                "1: actuator: wanted a table [actuator]; found nothing.",
+            ],
+        ),
+        (
+            'port = "/dev/ttyUSB0"', "",
+            ["1: actuator.port: wanted a key 'port'; found nothing."],
+        ),
+        (
+            'port = "/dev/ttyUSB0"', 'port = 3\nid = 0\nwatchdog_s = 9\ngeneration = "v7.1"',
+            [
+                "2: actuator.port: wanted text in quotes; found 3.",
+                "3: actuator.id: wanted a number >= 1; found 0.",
+                "4: actuator.watchdog_s: wanted a number <= 5; found 9.",
+                "5: actuator.generation: wanted 'v6' or 'v7'; found \"v7.1\". Did you mean 'v7'?",
+            ],
+        ),
+        (
+            'kind = "net-ft"', 'kind = "netft"',
+            ["8: force.kind: wanted 'net-ft' or 'ni-daq'; found \"netft\". Did you mean 'net-ft'?"],
+        ),
+        (
+            'host = "192.168.1.1"', "",
+            ["7: force.host: wanted a key 'host' with kind = 'net-ft'; found nothing."],
+        ),
+        (
+            'kind = "net-ft"', 'kind = "ni-daq"\ncal_file = "a.cal"',
+            [
+                "7: force.channels: wanted a key 'channels' with kind = 'ni-daq'; found nothing.",
+                "10: force.host: wanted keys of this kind only ('host' is of 'net-ft'); "
+                "found 'host' with kind = 'ni-daq'.",
+            ],
+        ),
+        (
+            FORCE, FORCE + "rate_hz = 1000\n",
+            [
+                "10: force.rate_hz: wanted a known key; found 'rate_hz'. "
+                "The keys are kind, host, rdt_port, http_port, buffered, channels, cal_file, bias. "
+                "[rig] has a key of that name.",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1", "S1", "S 3"]',
+            [
+                "12: experiment.specimens[1]: wanted every name once; found 'S1' again.",
+                "12: experiment.specimens[2]: wanted letters, digits, - _ and dots only, the first a letter or digit; "
+                'found "S 3".',
+                "14: emulated.stiffness_n_per_mm.S 3: wanted the stiffness of every specimen, S 3 too; found nothing. "
+                "Did you mean 'S3'?",
+            ],
+        ),
+        (
+            '["S1", "S3"]', "[]",
+            ["12: experiment.specimens: wanted at least 1 entry; found []."],
+        ),
+        (
+            '["S1", "S3"]', '["S1"]\nangles_deg = { modullar = [0] }',
+            [
+                "13: experiment.angles_deg.modullar: wanted 'high-stiffness', 'modular', 'constant-min', "
+                "'constant-mean' or 'constant-max'; found \"modullar\". Did you mean 'modular'?",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1"]\nangles_deg = { constant-min = [0, 90, 0] }',
+            [
+                "13: experiment.angles_deg.constant-min[1]: wanted 0 to below 90 degrees; found 90.",
+                "13: experiment.angles_deg.constant-min[2]: wanted every angle once; found 0 again.",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1"]\nangles_deg = { modular = [] }',
+            ["13: experiment.angles_deg: wanted an angle of one condition at least; found none."],
+        ),
+        (
+            '["S1", "S3"]', '["S1"]\nf_max_n = 12\ntravel_mm = 20\nrepetitions = 2.5',
+            [
+                "13: experiment.f_max_n: wanted a force above contact, 0.5 N, and below the guard rig.guards.force_n, "
+                "10 N; found 12.",
+                "14: experiment.travel_mm: wanted at most rig.travel_mm, 15; found 20.",
+                "15: experiment.repetitions: wanted a whole number; found 2.5.",
+            ],
+        ),
+        (
+            MOTOR, "",
+            [
+                "1: motor: wanted a table [motor], as the experiment has the condition high-stiffness; found nothing. "
+                "Add it, or give angles_deg without high-stiffness.",
+            ],
+        ),
+        (
+            MOTOR, MOTOR.replace("USB1", "USB0"),
+            [
+                "4: motor.id: wanted a board of its own; found id 1 at /dev/ttyUSB0, as for [actuator]. "
+                "Give one of them another id; emg2vsa rig scan lists who answers.",
+            ],
+        ),
+        (
+            "[emulated]", "[emulated]\nstiffness_n_per_mm = { S1 = 1, S3 = -2 }\nspring = 1",
+            [
+                "15: emulated.stiffness_n_per_mm.S3: wanted a number > 0; found -2.",
+                "16: emulated.spring: wanted a known key; found 'spring'. Did you mean 'springs'?",
+            ],
+        ),
+        (
+            "[emulated]", "[camera]\nsource = -1",
+            ["15: camera.source: wanted a number >= 0 or text in quotes; found -1."],
+        ),
+        (
+            "[emulated]", "[rig]\nstiffness_percent = [80, 20]\npush_axis = [0, 0, 2]\nhome_ticks = 6000",
+            [
+                "15: rig.stiffness_percent: wanted the smaller of two different numbers first; found [80.0, 20.0].",
+                "16: rig.push_axis: wanted a direction of length 1; found one of length 2. Along z it is [0, 0, 1].",
+                "14: rig.travel_mm: wanted every depth within position_ticks, -12000 to 12000; "
+                "found 15 mm at 12827 ticks.",
+            ],
+        ),
+        (
+            "[emulated]", "[rig.guards]\nstale_s = 0.005\nforce = 3",
+            [
+                "15: rig.guards.stale_s: wanted more than a period of the loop, 0.005 s; found 0.005.",
+                "16: rig.guards.force: wanted a known key; found 'force'. Did you mean 'force_n'?",
+            ],
+        ),
+    ],
+)  # fmt: skip
+def test_bad_files(old: str, new: str, said: list[str], small: str, problems: Problems) -> None:
+    assert old in small
+    assert problems(small.replace(old, new, 1)) == sorted(said, key=lambda line: int(line.partition(":")[0]))
+
+
+def test_problems_of_all_tables_at_once(small: str, problems: Problems) -> None:
+    bad = small.replace('kind = "net-ft"', "").replace("[motor]", "[moter]")
+    bad = bad.replace("[emulated]", "repetitions = 0")
+    assert [line.partition(": wanted")[0] for line in problems(bad)] == [
+        "1: motor", "4: moter", "7: force.kind", "14: experiment.repetitions",
+    ]  # fmt: skip
+
+
+def test_a_file_that_is_no_toml_or_not_there(tmp_path: Path, problems: Problems) -> None:
+    (line,) = problems("[rig\n")
+    assert line.startswith("1:5: wanted valid TOML; found: ")
+    with pytest.raises(StudyError, match=r"none\.toml: wanted a rig file; found none to read"):
+        load_rig(tmp_path / "none.toml")

@@ -1,0 +1,73 @@
+"""From a rig file to a rig: defaults, paths, and the rig that comes with the program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+
+from emg2vsa.rig.device_settings import ForceSettings
+from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.guards import GuardSettings
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig_file import RigFile, load_rig
+
+ROOT = Path(__file__).resolve().parents[2]
+Load = Callable[[str], RigFile]
+
+
+def test_what_is_left_out_has_its_default(small: str, load: Load) -> None:
+    file = load(small)
+    assert file.rig == RigSettings()
+    assert file.experiment == ExperimentSettings(specimens=("S1", "S3"))
+    assert type(file.experiment) is ExperimentSettings
+    assert file.devices.force == ForceSettings(kind="net-ft", host="192.168.1.1")
+    assert file.devices.camera is None
+    assert load(small.replace("[emulated]", "")).emulated is None
+
+
+def test_what_is_said_is_kept(small: str, load: Load) -> None:
+    file = load(
+        f"""{small}
+[rig]
+push_sign = -1
+push_axis = [0, -1, 0]
+guards = {{ force_n = 9, late_s = 0.1 }}
+[camera]
+source = "http://camera/frames"
+rate_hz = 30
+"""
+    )
+    assert (file.rig.push_sign, file.rig.push_axis) == (-1, (0.0, -1.0, 0.0))
+    assert file.rig.guards == GuardSettings(force_n=9.0, late_s=0.1)
+    assert file.devices.camera is not None
+    assert (file.devices.camera.source, file.devices.camera.rate_hz) == ("http://camera/frames", 30.0)
+
+
+def test_paths_start_at_the_folder_of_the_rig_file(small: str, load: Load, tmp_path: Path) -> None:
+    folder = tmp_path / "studies" / "small"
+    file = load(small)
+    assert file.path == folder / "rig.toml"
+    assert file.schedules == tmp_path / "reports" / "small" / "schedules"
+    assert file.runs == folder / "runs"
+    table = small.replace("[experiment]", f'[experiment]\nschedules = "../s"\nruns = "{tmp_path}/r"')
+    daq = 'kind = "ni-daq"\nchannels = "Dev1/ai0:5"\ncal_file = "../FT1.cal"\nbias = true\n'
+    file = load(table.replace('kind = "net-ft"\nhost = "192.168.1.1"\n', daq))
+    assert file.schedules == tmp_path / "studies" / "s"
+    assert file.runs == tmp_path / "r"
+    assert file.devices.force.cal_file == str(tmp_path / "studies" / "FT1.cal")
+
+
+def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
+    file = load_rig(ROOT / "studies" / "palpation" / "rig.toml")
+    assert file.rig == RigSettings()
+    assert file.experiment == ExperimentSettings(specimens=("S1", "S3", "S5", "S_new"))
+    assert len(file.experiment.all_runs()) == 4 * (3 + 3 + 1 + 1 + 1)
+    assert file.schedules == ROOT / "reports" / "palpation" / "schedules"
+    assert file.emulated is not None
+    assert set(file.experiment.specimens) <= set(file.emulated.stiffness_n_per_mm)
+
+
+def test_it_shows_every_guard() -> None:
+    text = (ROOT / "studies" / "palpation" / "rig.toml").read_text(encoding="utf-8")
+    assert [each.name for each in fields(GuardSettings) if f"\n{each.name} = " not in text] == []

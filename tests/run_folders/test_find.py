@@ -1,0 +1,76 @@
+"""Which runs a folder holds: the rig's own, or those of a table."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.errors import DataError
+from emg2vsa.run_folders.find import find_runs
+
+
+def own_run(root: Path, name: str, specimen: str = "S1", angle_deg: float = 30, condition: str = "modular") -> Path:
+    folder = root / name
+    folder.mkdir(parents=True)
+    plan = {"specimen": specimen, "angle_deg": angle_deg, "condition": condition}
+    (folder / "plan.json").write_text(json.dumps({"plan": plan, "rig": {}}))
+    return folder
+
+
+def table(root: Path, *rows: str, head: str = "folder\tspecimen\tangle_deg\tcondition") -> None:
+    (root / "runs.tsv").write_text("\n".join([head, *rows]) + "\n")
+
+
+def test_the_rigs_own_runs_say_what_they_are(tmp_path):
+    first, again = own_run(tmp_path, "S1_30_modular"), own_run(tmp_path, "S1_30_modular-2")
+    other = own_run(tmp_path, "S3_0_high-stiffness", "S3", 0, "high-stiffness")
+    (tmp_path / "notes").mkdir()
+    runs = find_runs(tmp_path)
+    assert [(run.key, run.folders) for run in runs] == [
+        ("S1_30_modular", (first, again)),
+        ("S3_0_high-stiffness", (other,)),
+    ]
+
+
+def test_a_table_names_runs_of_any_origin(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+    own_run(tmp_path, "not-listed")
+    table(tmp_path, "a\tS1\t45\tmodular", "b\tS5\t0\tconstant-min")
+    assert [run.key for run in find_runs(tmp_path)] == ["S1_45_modular", "S5_0_constant-min"]
+
+
+@pytest.mark.parametrize(
+    ("row", "wanted"),
+    [
+        ("a\tS1\t\tmodular", "line 2: wanted a value for angle_deg; found nothing"),
+        ("a\tS1\tsteep\tmodular", "line 2, angle_deg: wanted 0 to below 90 degrees; found 'steep'"),
+        ("gone\tS1\t0\tmodular", "line 2, folder: wanted a folder beside the table; found 'gone'"),
+    ],
+)
+def test_a_row_that_makes_no_sense_is_named(tmp_path, row, wanted):
+    (tmp_path / "a").mkdir()
+    table(tmp_path, row)
+    with pytest.raises(DataError, match=wanted):
+        find_runs(tmp_path)
+
+
+def test_a_table_without_its_columns(tmp_path):
+    table(tmp_path, "a\tS1", head="folder\tname")
+    with pytest.raises(
+        DataError, match="columns folder, specimen, angle_deg, condition; found folder, name"
+    ):
+        find_runs(tmp_path)
+
+
+def test_a_plan_that_is_no_plan(tmp_path):
+    folder = own_run(tmp_path, "S1_0_modular")
+    (folder / "plan.json").write_text("{}")
+    with pytest.raises(DataError, match=r"plan.json: wanted a plan with specimen, angle_deg and condition"):
+        find_runs(tmp_path)
+
+
+def test_no_folder_holds_no_run(tmp_path):
+    assert find_runs(tmp_path / "nowhere") == ()

@@ -1,0 +1,94 @@
+"""Presses scored as a run: every algorithm from one pass, and a bad press stops no other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casr.contact_area import initial_area
+from casr.frames import FrameSequence
+from casr.score import score
+from casr.scored import ScoreSettings
+from casr.synthetic import PressSettings, SimulatedPress, simulate_press
+from emg2vsa.runs import ALGORITHMS, RunScores
+from emg2vsa.runs.press import Press
+from emg2vsa.runs.score_run import score_run
+from emg2vsa.settings import RunSettings
+
+SETTINGS = RunSettings()
+
+
+@pytest.fixture(scope="module")
+def simulated() -> SimulatedPress:
+    return simulate_press(PressSettings())
+
+
+@pytest.fixture(scope="module")
+def sequence(simulated: SimulatedPress) -> FrameSequence:
+    return simulated.sequence()
+
+
+def press(frames: FrameSequence | None, repetition: int = 1, problem: str = "") -> Press:
+    force = np.linspace(0, 7, 40)
+    return Press(repetition, frames, problem, force, 5 + force / 2)
+
+
+def scored(*presses: Press, settings: RunSettings = SETTINGS) -> RunScores:
+    return score_run(presses, settings, specimen="S3", angle_deg=30.0, condition="modular", simulated=True)
+
+
+@pytest.fixture(scope="module")
+def run(sequence: FrameSequence) -> RunScores:
+    return scored(press(sequence), press(None, 2, "frames.tif: cut off"), press(replace(sequence, force_n=None), 3))
+
+
+def test_a_good_press_has_casrs_own_numbers(run, sequence):
+    alone = score(sequence, ScoreSettings(force_stop_n=None))
+    assert run.casr["edge"][0] == pytest.approx(alone.rate.value, rel=0.02)
+    assert run.a_c0["edge"][0] == pytest.approx(alone.area[0], rel=1e-12)
+    assert run.name == "S3_30_modular"
+    assert run.area_unit == "mm2"
+
+
+@pytest.mark.parametrize("rule", ["hexagon", "circle", "paper"])
+def test_other_algorithms_have_their_own_initial_area(run, sequence, rule):
+    alone = score(sequence, ScoreSettings())
+    area = initial_area(alone.rest, alone.contact_px, camera=sequence.camera, rule=rule).area_mm2
+    assert run.a_c0[rule][0] == pytest.approx(area)
+    if rule != "paper":
+        ratio = run.casr[rule][0] / run.casr["edge"][0]
+        assert ratio == pytest.approx(run.a_c0[rule][0] / run.a_c0["edge"][0])
+
+
+def test_scored_by_another_algorithm_the_numbers_are_the_same(run, sequence):
+    by_hexagons = scored(press(sequence), settings=RunSettings(algorithm="hexagon"))
+    for name in ALGORITHMS:
+        assert by_hexagons.casr[name][0] == pytest.approx(run.casr[name][0], rel=1e-9), name
+
+
+def test_presses_that_cannot_be_scored_stay_with_their_reason(run):
+    assert run.verdicts == ("ok", "rejected", "rejected")
+    assert run.reasons[0] == ""
+    assert run.reasons[1] == "frames.tif: cut off"
+    assert "no force log" in run.reasons[2]
+    for name in ALGORITHMS:
+        assert np.isnan(run.a_c0[name][1:]).all()
+    assert [curve.force_n.size > 0 for curve in run.curves] == [True, False, False]
+
+
+def test_force_over_indentation_comes_from_the_log(run):
+    assert run.indent_n_per_mm[0] == pytest.approx(2.0, rel=1e-6)
+    assert run.curves[0].indent_mm[0] == 0
+
+
+def test_the_picture_is_the_first_contact(run):
+    assert run.picture.image.shape == (300, 300)
+    assert 3 <= len(run.picture.contact_px) < len(run.picture.pins_px)
+    assert run.picture.area_mm2 == pytest.approx(run.a_c0["edge"][0])
+
+
+def test_loading_ends_at_the_largest_force_where_f_max_falls_between_two_frames(sequence):
+    low = replace(sequence, force_n=np.where(sequence.force_n > 6.5, np.nan, sequence.force_n))
+    assert scored(press(low)).verdicts == ("ok",)
