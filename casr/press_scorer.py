@@ -83,7 +83,14 @@ class PressScorer:
 
     def rate(self, force_n: Array) -> SpreadRate:
         """Spread rate over the first T frames, whose forces these are."""
-        return spread_rate(self.areas(force_n), force_n, rule=self._settings.rate_rule, area_unit=self.area_unit)
+        settings = self._settings
+        return spread_rate(
+            self.areas(force_n),
+            force_n,
+            rule=settings.rate_rule,
+            area_unit=self.area_unit,
+            window_n=settings.rate_window_n,
+        )
 
     @property
     def _first_area(self) -> float:

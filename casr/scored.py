@@ -16,7 +16,7 @@ from casr.errors import SettingError
 from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
 from casr.pins import Pins
-from casr.spread import AREA_LAWS, RATE_RULES, SpreadRate
+from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,8 @@ class ScoreSettings:
     ----------
     flow : how growth is measured.
     area_rule : one of ``casr.contact_area.RULES``, for the initial area.
-    area_law, rate_rule : of ``casr.spread``: eq. (1) and eq. (2).
+    area_law, rate_rule : of ``casr.spread``: eq. (1) and eq. (2). rate_window_n : forces between which rule ``power``
+        takes the mean rate, N, wherever scoring starts and stops.
     threshold_px : a pin that moved further than this from rest is in contact.
     force_start_n : force of first contact, N. force_stop_n : force to stop at, N, None for the largest.
     region : the contact in the first scored frame, instead of the one found from the pins; all of it is measured, not
@@ -37,7 +38,8 @@ class ScoreSettings:
     flow: FlowSettings = field(default_factory=FlowSettings)
     area_rule: str = "edge"
     area_law: str = "ode"
-    rate_rule: str = "slope"
+    rate_rule: str = "power"
+    rate_window_n: tuple[float, float] = WINDOW_N
     threshold_px: float = 2.0
     force_start_n: float = 0.5
     force_stop_n: float | None = None

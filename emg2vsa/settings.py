@@ -321,6 +321,10 @@ class CalibrationSettings:
     "Errors of CASR (errors in x: the noise is in the score), of kappa (paper), or of ln kappa; see the law."
     points: Literal["means", "repetitions"] = "means"
     "means: one point a specimen; repetitions: every press, which are repeats and not more specimens."
+    angle_sd_deg: NonNegative = 0.5
+    "How well the angle of a mounting is repeated, degrees (guess: by hand); presses of one mounting do not show it."
+    outlier_mads: NonNegative = 5.0
+    "A press this many median absolute deviations (scaled to an SD) from its specimen's median is left out; 0: none is."
     confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
     "Of all intervals."
     resamples: Annotated[int, Ge(1)] = 2000
@@ -334,6 +338,6 @@ PAPER: dict[str, dict[str, Any]] = {
     "fit": {"points": "samples", "weights": "none", "robust": False},
     "profile": {"interpolation": "paper"},
     "runs": {"algorithm": "paper"},
-    "calibration": {"law": "exponential", "minimise": "kappa"},
+    "calibration": {"law": "exponential", "minimise": "kappa", "outlier_mads": 0.0},
 }
 """What ``mode = "paper"`` sets, unless the study says otherwise (method notes 1 and 3)."""

@@ -67,7 +67,9 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         a_c0={"edge": area, "hexagon": step * np.round(area / step), "circle": area * wide, "paper": area * 1.1},
         casr={"edge": rate * noise, "hexagon": rate * noise, "circle": rate * noise * wide, "paper": 3 * rate * noise},
         true_a_c0=np.full(presses, float(area_mm2(specimen, angle_deg, 0.5))),
-        indent_n_per_mm=np.full(presses, 1.5),
+        indent_n_per_mm=4
+        * (2.5 + 10 / KAPPA_N_PER_MM[specimen]) ** (-2 / 3)
+        * (1 + 0.02 * rng.standard_normal(presses)),
         curves=curves,
         picture=_picture(float(area[0])),
         notes=("frames dropped: 0",),
@@ -80,10 +82,8 @@ def _picture(area: float) -> ContactPicture:
     pins = 150 + pitch * grid @ np.array([[1.0, 0.0], [0.5, np.sqrt(0.75)]])
     from_centre = np.linalg.norm(pins - 150, axis=1)
     pins, from_centre = pins[from_centre < 125], from_centre[from_centre < 125]
-    rows, columns = np.mgrid[:300, :300]
-    image = np.full((300, 300), 12.0)
-    for x, y in pins:
-        image += 200 * np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / 18)
+    across, down = (np.exp(-((np.arange(300) - at[:, None]) ** 2) / 18) for at in pins.T)
+    image = 12 + 200 * down.T @ across
     within = from_centre < 16 * np.sqrt(area / np.pi)
     return ContactPicture(np.clip(image, 0, 255).astype(np.uint8), pins, pins[within], area)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,10 +20,8 @@ CONTACT_N, F_MAX_N = 0.5, 7.0
 
 def modular_plan(repetitions: int, **changes: Any) -> RunPlan:
     """Presses up to the paper's F_max, stiffer with every force step; ``changes`` to `RunPlan`."""
-    return RunPlan(
-        specimen=SPECIMEN, angle_deg=0.0, condition="modular", repetitions=repetitions, schedule=_schedule(),
-        f_max_n=F_MAX_N, **changes,
-    )  # fmt: skip
+    plan = RunPlan(SPECIMEN, 0.0, "modular", repetitions, _schedule(), F_MAX_N)
+    return replace(plan, **changes)
 
 
 def _schedule() -> Schedule:

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from casr.score import Score, ScoreSettings
 
 AREA_LAWS = ("ode", "paper")
-RATE_RULES = ("slope", "paper")
+RATE_RULES = ("power", "slope", "paper")
+PAPER_STOP_N = 7.0
 
 
 def add_to(commands: Commands) -> None:
@@ -54,7 +55,8 @@ def add_to(commands: Commands) -> None:
     )  # fmt: skip
     method.add_argument(
         "--rate", choices=RATE_RULES, default=RATE_RULES[0],
-        help="CASR: slope of area on force, or paper, eq. (2) as printed (default %(default)s)",
+        help="CASR: power, the mean rate from --start-n to --stop-n on a power law through the areas; slope of area on "
+        "force; or paper, eq. (2) as printed (default %(default)s)",
     )  # fmt: skip
     add_threshold(method)
     method.add_argument(
@@ -63,7 +65,10 @@ def add_to(commands: Commands) -> None:
     method.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
     )
-    method.add_argument("--stop-n", type=positive, metavar="N", help="force to stop at, N (default: the highest)")
+    method.add_argument(
+        "--stop-n", type=positive, metavar="N",
+        help=f"force to stop at, N (default: the highest; the mean rate goes to {PAPER_STOP_N:g})",
+    )  # fmt: skip
     output = parser.add_argument_group("output")
     add_json(output)
     output.add_argument(
@@ -107,6 +112,7 @@ def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
         area_rule=arguments.area,
         area_law=arguments.law,
         rate_rule=arguments.rate,
+        rate_window_n=(arguments.start_n, arguments.stop_n or PAPER_STOP_N),
         threshold_px=arguments.threshold_px,
         force_start_n=arguments.start_n,
         force_stop_n=arguments.stop_n,

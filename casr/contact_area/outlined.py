@@ -24,7 +24,7 @@ def edge_rule(motion: PinMotion, camera: Camera | None) -> InitialArea | str:
     edge = fit_edge(motion.rest_px, motion.displacement_px, motion.pitch_px)
     if (doubt := _doubt(edge)) is not None:
         return doubt
-    shift = np.median(motion.contact_px - motion.rest_px - motion.displacement_px, axis=0)
+    shift = np.median(motion.contact_px - motion.rest_px - motion.displacement_px, axis=0) + edge.shift_px
     # inside the edge the rest frame is stretched about the centre, so this is the same piece of skin
     grow = 1 + edge.stretch
     x_px, y_px = (edge.centre_px + shift).tolist()

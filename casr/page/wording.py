@@ -60,7 +60,7 @@ def _force_span(score: Score) -> str:
 
 def _per_newton(score: Score) -> str:
     rate = score.rate
-    if rate is None or rate.rule != "slope":
+    if rate is None or rate.rule == "paper":
         return "the CASR here is the paper's sum over frames, comparable only at one frame rate and force range."
     return (
         f"{number(rate.value)} {readable(score.area_unit)} more for each newton. Softer specimens give a larger number."

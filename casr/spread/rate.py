@@ -1,4 +1,4 @@
-"""The contact area spread rate of one press (paper, eq. 2), as printed or as a slope."""
+"""The contact area spread rate of one press (paper, eq. 2): by a power law, as a slope, or as printed."""
 
 from __future__ import annotations
 
@@ -8,10 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, SettingError
+from casr.spread.correlated_errors import normal_quantile, student_quantile
 from casr.spread.loading_points import frames_with_force, outside_dips, pooled
-from casr.spread.slope import force_slope, normal_quantile
+from casr.spread.power_law import PowerLaw, fit_power_law
+from casr.spread.quotients import sum_of_quotients
+from casr.spread.slope import force_slope
 
-RATE_RULES = ("slope", "paper")
+RATE_RULES = ("power", "slope", "paper")
+WINDOW_N = (0.5, 7.0)
+"Loading phase of the paper."
+FAR = 2.0  # times; frames that miss an end of the window by more are said to
 
 
 @dataclass(frozen=True)
@@ -21,12 +27,13 @@ class SpreadRate:
     Parameters
     ----------
     value : in ``unit``.
-    low, high : interval of the slope for the error of the single areas; None where there is none. The error of the
+    low, high : interval of the rate for the error of the single areas; None where there is none. The error of the
         initial area scales value and interval alike and is not in it.
     unit : ``mm2/N`` or ``px2/N``; for rule ``paper`` a sum of such quotients, which grows with the number of frames.
     rule : one of ``RATE_RULES``.
     n_frames : frames used.
     notes : what was left out, pooled or merged.
+    law, window_n : for rule ``power``: the areas it found, and the forces between which ``value`` is their mean rate.
     """
 
     value: float
@@ -36,14 +43,17 @@ class SpreadRate:
     rule: str
     n_frames: int
     notes: tuple[str, ...]
+    law: PowerLaw | None = None
+    window_n: tuple[float, float] | None = None
 
 
 def spread_rate(
     area: ArrayLike,
     force_n: ArrayLike,
     *,
-    rule: str = "slope",
+    rule: str = "power",
     area_unit: str = "mm2",
+    window_n: tuple[float, float] = WINDOW_N,
     min_step_n: float = 0.02,
     confidence: float = 0.95,
 ) -> SpreadRate:
@@ -53,76 +63,101 @@ def spread_rate(
     ----------
     area : (T,) contact areas, the first one A_c0.
     force_n : (T,) force per frame, N; frames with NaN are left out.
-    rule : ``slope``: slope of the line through A(F) over the force axis; dips of the force are left out
-        (``outside_dips``), and where it does not rise, neighbouring frames are pooled (``pooled``).
-        ``paper``: eq. (2) as printed, the sum over frames of dA/dF with F_0 = 0.
+    rule : ``power``: mean rate from the lower to the higher force of ``window_n`` on the power law through the areas
+        (``fit_power_law``), wherever between or near them the first and the last frame fell. ``slope``: slope of the
+        line through A(F) over the forces that were reached; where the force does not rise, neighbouring frames are
+        pooled (``pooled``). Both leave out dips of the force (``outside_dips``). ``paper``: eq. (2) as printed, the sum
+        over frames of dA/dF with F_0 = 0.
     area_unit : ``mm2`` or ``px2``, for the unit of the result.
+    window_n : of ``power``, N.
     min_step_n : ``paper`` divides only by steps of force this large, N; smaller ones are merged with the next, so no
         change of area is lost.
-    confidence : of the interval of ``slope``.
+    confidence : of the interval of ``power`` and ``slope``.
 
     Raises
     ------
-    FramesError : lengths that do not fit, infinite values, or a force that never changes enough.
+    FramesError : lengths that do not fit, infinite values, a force that never changes enough, or for ``power`` areas
+        below 0 or only some of them 0.
     SettingError : an unknown rule or a setting out of range.
     """
     if rule not in RATE_RULES:
         raise SettingError("rule", wanted=" or ".join(RATE_RULES), found=repr(rule), do="Choose one of these.")
-    if not (0 < confidence < 1 and 0 < min_step_n < np.inf):
+    if not (0 < confidence < 1 and 0 < min_step_n < np.inf and 0 < window_n[0] < window_n[1] < np.inf):
         raise SettingError(
-            "confidence, min_step_n",
-            wanted="a confidence between 0 and 1 and a step above 0 N",
-            found=f"{confidence!r}, {min_step_n!r}",
+            "confidence, min_step_n, window_n",
+            wanted="a confidence between 0 and 1, a step above 0 N and two forces above 0 N, the lower first",
+            found=f"{confidence!r}, {min_step_n!r}, {window_n!r}",
             do="Correct the setting.",
         )
     if rule == "paper":
-        return _summed_quotients(area, force_n, area_unit, min_step_n)
-    return _slope(area, force_n, area_unit, confidence)
-
-
-def _slope(area: ArrayLike, force_n: ArrayLike, area_unit: str, confidence: float) -> SpreadRate:
-    known_area, known_force, notes = frames_with_force(area, force_n)
+        return _paper(area, force_n, area_unit, min_step_n)
+    known_area, known_force, lost = frames_with_force(area, force_n)
     loading_area, loading_force, dips = outside_dips(known_area, known_force)
-    rising_area, rising_force, more = pooled(loading_area, loading_force)
-    if rising_force.size < 2 or not rising_force[-1] - rising_force[0] > 1e-9 * np.abs(rising_force).max():
-        raise _flat(known_force)
+    if rule == "power":
+        return _power(loading_area, loading_force, f"{area_unit}/N", window_n, confidence, lost + dips)
+    return _slope(loading_area, loading_force, f"{area_unit}/N", confidence, lost + dips)
+
+
+def _power(
+    area: NDArray[np.float64],
+    force_n: NDArray[np.float64],
+    unit: str,
+    window_n: tuple[float, float],
+    confidence: float,
+    notes: tuple[str, ...],
+) -> SpreadRate:
+    pressed = force_n > 0
+    area, force_n = area[pressed], force_n[pressed]
+    _check_rises(force_n)
+    if not area.any():
+        return SpreadRate(0.0, None, None, unit, "power", force_n.size, notes, PowerLaw(0.0, 0.0), window_n)
+    if not (area > 0).all():
+        raise FramesError(
+            "area",
+            wanted="areas above 0 in all frames, or 0 in all",
+            found=f"{int((area <= 0).sum())} of {area.size} at {area.min():.3g} or so",
+            do="Check the growth of these frames, or use rule 'slope'.",
+        )
+    fit = fit_power_law(area, force_n)
+    value, error = fit.law.mean_rate(*window_n), fit.standard_error(*window_n)
+    if not (force_n[0] <= FAR * window_n[0] and force_n.max() >= window_n[1] / FAR):
+        seen = f"{force_n[0]:.2g} to {force_n.max():.2g} N"
+        notes += (f"Frames from {seen} tell of the rate from {window_n[0]:g} to {window_n[1]:g} N by the power law.",)
+    half = None if error is None else student_quantile(confidence, error[1]) * error[0]
+    low, high, few = _interval(value, half, force_n.size)
+    return SpreadRate(value, low, high, unit, "power", force_n.size, notes + few, fit.law, window_n)
+
+
+def _slope(
+    area: NDArray[np.float64], force_n: NDArray[np.float64], unit: str, confidence: float, notes: tuple[str, ...]
+) -> SpreadRate:
+    rising_area, rising_force, merged = pooled(area, force_n)
+    _check_rises(rising_force)
     value, error = force_slope(rising_area, rising_force)
-    if error is None:
-        low = high = None
-        more += (f"No interval: {rising_force.size} points are too few to judge their error.",)
-    else:
-        half = normal_quantile(confidence) * error
-        low, high = value - half, value + half
-    return SpreadRate(value, low, high, f"{area_unit}/N", "slope", loading_force.size, notes + dips + more)
+    half = None if error is None else normal_quantile(confidence) * error
+    low, high, few = _interval(value, half, rising_force.size)
+    return SpreadRate(value, low, high, unit, "slope", force_n.size, notes + merged + few)
 
 
-def _summed_quotients(area: ArrayLike, force_n: ArrayLike, area_unit: str, min_step_n: float) -> SpreadRate:
+def _interval(value: float, half: float | None, n_points: int) -> tuple[float | None, float | None, tuple[str, ...]]:
+    if half is None:
+        return None, None, (f"No interval: {n_points} points are too few to judge their error.",)
+    return value - half, value + half, ()
+
+
+def _paper(area: ArrayLike, force_n: ArrayLike, area_unit: str, min_step_n: float) -> SpreadRate:
     force: NDArray[np.float64] = np.array(force_n, dtype=np.float64).reshape(-1)
     force[:1] = 0.0
-    a, f, notes = frames_with_force(area, force)
-    ends = _steps(f, min_step_n)
-    if len(ends) < 2:
-        raise _flat(f)
-    value = float(np.sum(np.diff(a[ends]) / np.diff(f[ends])))
-    merged = f.size - len(ends)
-    if merged:
-        notes += (f"{merged} of {f.size - 1} steps of force below {min_step_n:g} N merged with their neighbours.",)
-    notes += (f"A sum of {len(ends) - 1} quotients: it grows with the number of frames.",)
-    return SpreadRate(value, None, None, f"{area_unit}/N summed over frames", "paper", f.size, notes)
+    known_area, known_force, lost = frames_with_force(area, force)
+    value, notes = sum_of_quotients(known_area, known_force, min_step_n)
+    if value is None:
+        raise _flat(known_force)
+    return SpreadRate(value, None, None, f"{area_unit}/N summed over frames", "paper", known_force.size, lost + notes)
 
 
-def _steps(force_n: NDArray[np.float64], min_step_n: float) -> list[int]:
-    """Frames at which steps end, each at least ``min_step_n`` away from the one before; the last frame is one."""
-    ends = [0]
-    for frame, force in enumerate(force_n.tolist()):
-        if abs(force - force_n[ends[-1]]) >= min_step_n:
-            ends.append(frame)
-    last = force_n.size - 1
-    while len(ends) > 1 and ends[-1] != last:
-        ends.pop()
-        if abs(force_n[last] - force_n[ends[-1]]) >= min_step_n:
-            ends.append(last)
-    return ends
+def _check_rises(force_n: NDArray[np.float64]) -> None:
+    if force_n.size < 2 or not force_n[-1] - force_n[0] > 1e-9 * np.abs(force_n).max():
+        raise _flat(force_n)
 
 
 def _flat(force_n: NDArray[np.float64]) -> FramesError:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from statistics import NormalDist
-
 import numpy as np
 from numpy.typing import NDArray
+
+from casr.spread.correlated_errors import standard_error
 
 Vector = NDArray[np.float64]
 
@@ -37,7 +37,9 @@ def force_slope(area: Vector, force_n: Vector) -> tuple[float, float | None]:
         before, drawn = drawn, np.clip(area, line - limit, line + limit)
         if np.abs(drawn - before).max() < 1e-9 * limit:
             break
-    return slope, _standard_error(drawn, force_n, slope_of) if area.size >= INTERVAL_POINTS else None
+    if area.size < INTERVAL_POINTS:
+        return slope, None
+    return slope, standard_error(drawn, _bent(force_n), slope_of)[0]
 
 
 def _line_weights(force_n: Vector) -> tuple[Vector, Vector]:
@@ -53,37 +55,8 @@ def _line_weights(force_n: Vector) -> tuple[Vector, Vector]:
     return slope_of * (12 / length**3), mean_of / length
 
 
-def _standard_error(area: Vector, force_n: Vector, weights: Vector) -> float:
-    """Standard error of ``weights @ area`` for errors of area that follow a first-order autoregression.
-
-    The errors are what a smooth curve leaves over, so that the bend of A(F) does not count as noise; the degrees of
-    freedom it takes are given back to both the correlation and the variance.
-    """
-    n = area.size
+def _bent(force_n: Vector) -> NDArray[np.float64]:
+    """(n, 4) columns of a smooth curve, so that the bend of A(F) does not count as noise."""
     unit = (force_n - force_n[0]) / (force_n[-1] - force_n[0])
     bend = np.log(unit + 0.1)
-    trend = np.linalg.qr(np.column_stack([np.ones(n), unit, bend, bend**2]))[0]
-    error = area - trend @ (trend.T @ area)
-    power = float(error @ error)
-    if power <= (1e-12 * float(np.abs(area).max())) ** 2 * n:
-        return 0.0
-    lost = trend.shape[1]
-    correlation = (n * float(error[1:] @ error[:-1]) / power + lost) / (n - lost - 1)
-    correlation = min(max(correlation, 0.0), 0.95)
-    left = n - sum(float(column @ _correlated(column, correlation)) for column in trend.T)
-    return float(np.sqrt(power / max(left, 1.0) * (weights @ _correlated(weights, correlation))))
-
-
-def _correlated(values: Vector, correlation: float) -> Vector:
-    """``R @ values`` with R_ij = correlation^|i-j|, cut where it has died out."""
-    reach = values.size - 1
-    if correlation < 1e-9:
-        return values
-    reach = min(reach, int(np.log(1e-9) / np.log(correlation)) + 1)
-    kernel = correlation ** np.abs(np.arange(-reach, reach + 1))
-    return np.asarray(np.convolve(values, kernel)[reach : reach + values.size])
-
-
-def normal_quantile(confidence: float) -> float:
-    """Half width of a central interval in standard errors."""
-    return NormalDist().inv_cdf((1 + confidence) / 2)
+    return np.column_stack([np.ones_like(unit), unit, bend, bend**2])

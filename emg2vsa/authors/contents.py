@@ -18,6 +18,7 @@ _FILES = {
     "provenance.json": "The steps behind every number: settings, inputs, code and library versions",
     "proof.tex": "All tables, figures, numbers and statements in one document, to look at",
     "study.toml": "The study file: every setting that differs from the defaults",
+    "rig.toml": "The rig file: devices, how they are emulated, and the experiment",
 }
 _FOLDERS = {
     ("figures", ".pdf"): "Figure {}, vector graphics with embedded fonts",

@@ -15,6 +15,8 @@ METADATA = "ro-crate-metadata.json"
 SPECIFICATION = "https://w3id.org/ro/crate/1.1"
 CONTEXT = [f"{SPECIFICATION}/context", {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}]
 """RO-Crate 1.1 has no word for a checksum; the one of Workflow Run RO-Crate is declared beside its own."""
+SOURCES = ("study.toml", "rig.toml")
+"""What the run took of the package itself."""
 UNPUBLISHED = "1980-01-01"
 """Stands for the date of publication, which the specification demands, until the author says it."""
 UNLICENSED = "No licence has been chosen yet; all rights remain with the authors."
@@ -51,8 +53,8 @@ def metadata(
         "@id": "#run", "@type": "CreateAction", "name": _RUN,
         "description": "From recordings to fits, tests, profiles, schedules, tables, figures and numbers; "
         "provenance.json says step by step which number came from which step and inputs.",
-        "instrument": _links(software), "object": [*_links(taken), {"@id": "study.toml"}],
-        "result": [link for link in _links(parts) if link["@id"] != "study.toml"],
+        "instrument": _links(software), "object": _links([*taken, *(p for p in parts if p["@id"] in SOURCES)]),
+        "result": _links([part for part in parts if part["@id"] not in SOURCES]),
     }  # fmt: skip
     licence = _licence(publication.licence)
     root: Entity = {

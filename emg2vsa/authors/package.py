@@ -12,7 +12,7 @@ from pathlib import Path
 
 from emg2vsa.atomic import write_bytes_atomic
 from emg2vsa.authors.archive import zip_bytes
-from emg2vsa.authors.crate import METADATA, UNPUBLISHED, Publication, metadata, parts_of
+from emg2vsa.authors.crate import METADATA, SOURCES, UNPUBLISHED, Publication, metadata, parts_of
 from emg2vsa.authors.documents import proof, readme
 from emg2vsa.authors.lineage import Lineage, lineage
 from emg2vsa.errors import DataError
@@ -25,6 +25,8 @@ from emg2vsa.study import Study
 SUPPLEMENT = "supplement.zip"
 _FOR_SCREENS = {".html", ".svg", ".png"}
 _SIMULATED = "The recordings were simulated: these numbers are no evidence about people."
+_RECORDED = "The recordings are taken as made with people."
+_EMULATED = " The rig was emulated: its runs are no measurements."
 
 
 def write_package(board: Board, folder: Path, publication: Publication) -> list[Path]:
@@ -47,11 +49,11 @@ def _files(board: Board, publication: Publication) -> dict[str, bytes]:
     study, files = board.study, _from_report(board)
     found = json.loads(files["results.json"])
     traced = lineage(board, found)
-    files["study.toml"] = study.path.read_bytes()
+    files |= _sources(study)
     files["results.csv"] = _results_csv(found, traced).encode()
     files["provenance.json"] = traced.json().encode()
     files["proof.tex"] = proof(study.title, files).encode()
-    about = _SIMULATED if found["study.truth_found"] else "The recordings are taken as made with people."
+    about = (_SIMULATED if found["study.truth_found"] else _RECORDED) + _EMULATED * bool(found.get("runs.simulated"))
     files["README.txt"] = readme(study.name, study.title, about, files).encode()
     described = f"Numbers, tables, figures and schedules of the study {study.name}, for a paper. {about}"
     if publication.date == UNPUBLISHED:
@@ -64,6 +66,13 @@ def _files(board: Board, publication: Publication) -> dict[str, bytes]:
 def _from_report(board: Board) -> dict[str, bytes]:
     paths = [path for path in manifest_files(board.result("report/study")) if path.suffix not in _FOR_SCREENS]
     return {Path(os.path.relpath(path, board.study.reports)).as_posix(): path.read_bytes() for path in paths}
+
+
+def _sources(study: Study) -> dict[str, bytes]:
+    """The files that a person wrote, under the names that ``SOURCES`` has for them."""
+    rig = study.runs_source.rig if study.runs_source else None
+    paths = zip(SOURCES, (study.path, rig), strict=True)
+    return {name: path.read_bytes() for name, path in paths if path is not None}
 
 
 def _results_csv(found: Mapping[str, object], traced: Lineage) -> str:

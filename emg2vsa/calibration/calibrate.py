@@ -30,9 +30,9 @@ ENOUGH_SPECIMENS = 6
 class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
-    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. casr : (d, S, R)
-    scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S). fit : the law. r2, adj_r2 : (d,) of kappa
-    about its mean, over the points that were fitted.
+    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. mount_share :
+    see ``mounting``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S). fit : the
+    law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
     left_out : (d, S) kappa of each specimen as the others predict it.
     """
 
@@ -41,6 +41,7 @@ class Calibration:
     casr_unit: str
     kappa: Floats
     kappa_se: Floats
+    mount_share: float
     casr: Floats
     mean_casr: Floats
     fit: LawFit
@@ -77,11 +78,13 @@ def calibrate(
     casr_unit: str,
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
+    mount_share: float = 0.0,
 ) -> Calibration:
     """Fit a law through specimens of known stiffness.
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
-    kappa_se : standard errors of kappa; they widen the interval from repeats and do not weigh the specimens.
+    kappa_se : standard errors of kappa. mount_share : see ``mounting``. Both widen the interval from repeats and do not
+    weigh the specimens.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -101,6 +104,7 @@ def calibrate(
         casr_unit=casr_unit,
         kappa=stiffness,
         kappa_se=_checked_kappa_se(kappa_se, stiffness),
+        mount_share=mount_share,
         casr=scores,
         mean_casr=means,
         fit=fit,

@@ -4,16 +4,17 @@ probe goes in.
 The kinesthetic score of a press is the slope of force over indentation, N/mm. Its inverse, mm/N, goes as E*^(-2/3) in a
 Hertz contact, exactly as CASR does, so the compliance law calibrates both (``forms``).
 
-Both scores come from the same presses and the same force sensor, and are correlated. Estimates are combined as
-logarithms of kappa by the best linear unbiased weights for correlated errors,
+Both scores come from the same presses, the same force sensor, the same mounting and the same known stiffnesses, and are
+correlated. Estimates are combined as logarithms of kappa by the best linear unbiased weights for correlated errors,
 
     w = (v_k - c) / (v_c + v_k - 2 c),
 
-with the variances v of the two estimates and their covariance c from the correlation of the scores within specimens.
-With a strong correlation w can lie outside 0 to 1, where the fused value lies outside both cues on the strength of that
-correlation alone (Lyons, Gibaut and Clifford 1988, Nuclear Instruments and Methods A 270, 110): the better cue is taken
-then. The two cues must agree: their difference over its standard error is tested, chi-square of one degree of freedom
-for known variances and here, for estimated ones, the square of Student's t.
+with the variances v of the two estimates and their covariance c, of which the presses' part is from the correlation of
+the scores within specimens. With a strong correlation w can lie outside 0 to 1, where the fused value lies outside both
+cues on the strength of that correlation alone (Lyons, Gibaut and Clifford 1988, Nuclear Instruments and Methods A 270,
+110): the better cue is taken then. Weights from estimated variances cost precision, which is counted (Meier 1953,
+Biometrics 9, 59). The two cues must agree: their difference over its standard error is tested, chi-square of one degree
+of freedom for known variances and here, for estimated ones, the square of Student's t.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval, side_by
 from emg2vsa.settings import CalibrationSettings
 
 DISAGREE_P = 0.05
+_LEAST_FREEDOM = 10
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ def calibrate_indentation(
     *,
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
+    mount_share: float = 0.0,
 ) -> Calibration:
     """The kinesthetic cue's calibration, 1/kappa over (mm/N)^(3/2); arguments as in ``calibrate``, scores in N/mm."""
     chosen = CalibrationSettings() if settings is None else settings
@@ -84,7 +87,13 @@ def calibrate_indentation(
         confidence=chosen.confidence, resamples=chosen.resamples, seed=chosen.seed, points=chosen.points
     )
     return calibrate(
-        kappa, mm_per_n(indent_n_per_mm), compliance, casr_unit="mm/N", specimens=specimens, kappa_se=kappa_se
+        kappa,
+        mm_per_n(indent_n_per_mm),
+        compliance,
+        casr_unit="mm/N",
+        specimens=specimens,
+        kappa_se=kappa_se,
+        mount_share=mount_share,
     )
 
 
@@ -105,11 +114,13 @@ def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_
         shared = np.minimum(c.n, k.n)
         of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n), axis=1)
         logs = _log_slope(cutaneous, c) * _log_slope(kinesthetic, k)
-        covariance = of_presses + logs * np.sum(c.kappa_step * k.kappa_step, axis=1)
+        unseen = np.sum(c.kappa_step * k.kappa_step, axis=1) + np.sum(c.mount_step * k.mount_step, axis=1)
+        covariance = of_presses + logs * unseen
         v_c, v_k = _of_log(cutaneous, c), _of_log(kinesthetic, k)
         apart = v_c + v_k - 2 * covariance
         weight = np.clip((v_k - covariance) / apart, 0.0, 1.0)
         variance = weight**2 * v_c + (1 - weight) ** 2 * v_k + 2 * weight * (1 - weight) * covariance
+        variance *= 1 + 4 * weight * (1 - weight) * (1 / c.df + 1 / k.df)
         df = np.minimum(c.df, k.df)
         middle = weight * np.log(c.kappa) + (1 - weight) * np.log(k.kappa)
         reach = special.stdtrit(df, 0.5 + 0.5 * cutaneous.settings.confidence) * np.sqrt(variance)
@@ -145,16 +156,17 @@ def _log_slope(calibration: Calibration, found: RepeatInterval) -> Floats:
 
 
 def _correlation(first: Floats, second: Floats) -> Floats:
-    """Correlation (d,) of two scores (d, S, R) of the same presses about their specimens' means; 0 for fewer than four.
+    """Correlation (d,) of two scores (d, S, R) of the same presses about their specimens' means.
 
-    Every specimen counts alike: its deviations are taken in its own standard deviations.
+    Every specimen counts alike: its deviations are taken in its own standard deviations. 0 where fewer than ten degrees
+    of freedom are left, from which a correlation cannot be told.
     """
     both = np.isfinite(first) & np.isfinite(second)
     a, b = (_standardised(np.where(both, scores, np.nan)) for scores in (first, second))
     counted = np.isfinite(a) & np.isfinite(b)
     total = np.sum(np.where(counted, a * b, 0.0), axis=(1, 2))
     n = np.count_nonzero(counted, axis=(1, 2)) - np.count_nonzero(np.any(counted, axis=2), axis=1)
-    return np.where(n > 3, np.clip(total / np.maximum(n, 1), -1.0, 1.0), 0.0)
+    return np.where(n >= _LEAST_FREEDOM, np.clip(total / np.maximum(n, 1), -1.0, 1.0), 0.0)
 
 
 def _standardised(scores: Floats) -> Floats:

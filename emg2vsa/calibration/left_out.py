@@ -28,7 +28,7 @@ class LeftOut:
     def law_p(self) -> Floats:
         """(d,) p of the law: the smallest of S, with Bonferroni's factor; NaN below three specimens."""
         tested = np.count_nonzero(np.isfinite(self.p), axis=1)
-        smallest = np.min(np.where(np.isfinite(self.p), self.p, np.inf), axis=1)
+        smallest = np.min(np.where(np.isfinite(self.p), self.p, 1.0), axis=1)
         return np.where(tested > 0, np.minimum(tested * smallest, 1.0), np.nan)
 
 
@@ -50,6 +50,7 @@ def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats, Floa
         calibration.settings,
         casr_unit=calibration.casr_unit,
         kappa_se=calibration.kappa_se[:, others],
+        mount_share=calibration.mount_share,
     )
     found = repeat_interval(without, calibration.casr[:, j])
     return found.kappa, found.low, found.high, found.p_of(eta_of(calibration.settings.law, calibration.kappa[:, j]))

@@ -6,6 +6,9 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 
+_LEAST_TO_JUDGE = 5
+_SD_PER_MAD = 1.4826
+
 
 def mean_of(scores: Floats) -> Floats:
     """Mean along the last axis of the scores that are there; NaN where there is none."""
@@ -27,3 +30,22 @@ def redrawn(scores: Floats, resamples: int, rng: np.random.Generator) -> Floats:
     return np.where(
         np.arange(scores.shape[-1]) < np.maximum(count - 1, 1), np.take_along_axis(first, index, axis=-1), np.nan
     )
+
+
+def without_outliers(scores: Floats, mads: float) -> Floats:
+    """Presses (S, R) with those set to NaN that lie more than ``mads`` scaled median absolute deviations (Hampel 1974)
+    from the median of their specimen; 0 sets none. Fewer than five presses cannot tell which of them is wrong."""
+    if mads == 0:
+        return scores
+    judged = np.count_nonzero(np.isfinite(scores), axis=-1, keepdims=True) >= _LEAST_TO_JUDGE
+    away = np.abs(scores - _median(scores))
+    limit = mads * _SD_PER_MAD * _median(away)
+    return np.where(judged & (limit > 0) & (away > limit), np.nan, scores)
+
+
+def _median(scores: Floats) -> Floats:
+    """(S, 1) median of the presses that are there; NaN where there is none."""
+    ordered = np.sort(scores, axis=-1)  # NaN last
+    n = np.count_nonzero(np.isfinite(scores), axis=-1, keepdims=True)
+    middle = [np.take_along_axis(ordered, np.clip(at, 0, None), axis=-1) for at in ((n - 1) // 2, n // 2)]
+    return np.asarray(np.where(n > 0, (middle[0] + middle[1]) / 2, np.nan))

@@ -7,11 +7,12 @@ that: every specimen was pressed ten times. To first order the estimate on the a
 
 with the slopes g, h of ``sensitivity``, so that
 
-    var(eta) = sum g_s^2 s_s^2 / n_s + g_new^2 s_new^2 / n_new + sum h_s^2 se(kappa_s)^2.
+    var(eta) = sum g_s^2 (s_s^2 / n_s + m^2 mean_s^2) + the same for the new one + sum h_s^2 se(kappa_s)^2.
 
 s_s is the standard deviation of the presses of specimen s: soft specimens scatter less than stiff ones, and one pooled
 value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
-(1946). A law that does not hold is not in it; ``left_out`` tests that.
+(1946). m is the share of a score by which one mounting differs from the next, which its presses do not show
+(``mounting``). A law that does not hold is not in it; ``left_out`` tests that.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ class RepeatInterval:
     kappa : N/mm. eta, eta_se : on the axis of the law. df : of eta_se. low, high : N/mm; high is infinite where the
     interval on 1/kappa reaches 0: the specimen may be rigid for all that the score says.
     gradient : (d, S + 1) d eta / d mean score, of the known specimens and the new one. press_variance : (d, S + 1) of
-    a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for a standard error of each known kappa.
+    a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for a standard error of each known kappa,
+    mount_step : (d, S + 1) for a standard deviation of each mounting.
     """
 
     kappa: Floats
@@ -49,6 +51,7 @@ class RepeatInterval:
     press_variance: Floats
     n: Ints
     kappa_step: Floats
+    mount_step: Floats
 
     def p_of(self, law_eta: Floats) -> Floats:
         """Two-sided p (d,) of the true eta being ``law_eta``."""
@@ -81,11 +84,13 @@ def repeat_interval(calibration: Calibration, scores: Floats, *, own_noise: bool
         gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
         of_presses = gradient**2 * variance / n
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
-        eta_se = np.sqrt(np.sum(of_presses, axis=1) + np.sum(kappa_step**2, axis=1))
+        mount_step = gradient * np.append(calibration.mean_casr, mean[:, None], axis=1) * calibration.mount_share
+        unseen = np.sum(kappa_step**2, axis=1) + np.sum(mount_step**2, axis=1)
+        eta_se = np.sqrt(np.sum(of_presses, axis=1) + unseen)
         df = eta_se**4 / np.sum(of_presses**2 / freedom, axis=1)
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
     low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
-    return RepeatInterval(kappa, eta, eta_se, df, low, high, gradient, variance, n, kappa_step)
+    return RepeatInterval(kappa, eta, eta_se, df, low, high, gradient, variance, n, kappa_step, mount_step)
 
 
 def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:

@@ -14,6 +14,9 @@ from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.growth import growth_power
 from emg2vsa.calibration.left_out import left_out
+from emg2vsa.calibration.mounting import CASR_POWER, INDENTATION_POWER, mount_share
+from emg2vsa.calibration.presses import without_outliers
+from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.calibration.results import (
     AlgorithmResult,
     CalibrationResults,
@@ -94,20 +97,31 @@ class _OneCondition:
 
     def _algorithm(self, name: str, exponent: float, depth: Calibration | None) -> AlgorithmResult:
         casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
-        chosen = self._calibrated(casr, self.settings)
+        kept, new_kept = self._kept(casr), self._kept(new_casr[None])[0]
+        chosen = self._calibrated(kept, self.settings)
         paper = self._calibrated(casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
-        laws = compare_laws(self.kappa, casr, self.settings, casr_unit=self._casr_unit)
+        laws = compare_laws(self.kappa, kept, self.settings, casr_unit=self._casr_unit)
         return AlgorithmResult(
             casr=casr,
             new_casr=new_casr,
             casr_unit=self._casr_unit,
-            chosen=self._law(chosen, new_casr),
+            chosen=self._law(chosen, new_kept, self._left_out_presses(casr, new_casr)),
             paper=self._law(paper, new_casr),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            kappa_by_growth=self._by_growth(casr, new_casr, exponent),
-            fused=None if depth is None else self._fused(fuse(chosen, depth, new_casr, self.new.indent_n_per_mm)),
+            kappa_by_growth=self._by_growth(kept, new_kept, exponent),
+            fused=None if depth is None else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm)),
         )
+
+    def _kept(self, scores: Floats) -> Floats:
+        return without_outliers(scores, self.settings.outlier_mads)
+
+    def _left_out_presses(self, casr: Floats, new_casr: Floats) -> tuple[str, ...]:
+        names = (*self._names, self.new.specimen)
+        lost = [np.count_nonzero(np.isfinite(row) & np.isnan(self._kept(row[None])[0])) for row in (*casr, new_casr)]
+        said = ", ".join(f"{count} of {name}" for count, name in zip(lost, names, strict=True) if count)
+        limit = f"{self.settings.outlier_mads:g} median absolute deviations"
+        return (f"presses left out, more than {limit} from their specimen's median: {said}",) if said else ()
 
     def _calibrated(self, scores: Floats, settings: CalibrationSettings) -> Calibration:
         return calibrate(
@@ -117,13 +131,17 @@ class _OneCondition:
             casr_unit=self._casr_unit,
             specimens=self._names,
             kappa_se=self.kappa_se,
+            mount_share=mount_share(CASR_POWER, self.new.angle_deg, settings.angle_sd_deg),
         )
 
     def _indentation(self) -> Calibration | None:
         slopes = _padded([run.indent_n_per_mm for run in self.known])
         if not (np.any(np.isfinite(slopes), axis=1).all() and np.any(np.isfinite(self.new.indent_n_per_mm))):
             return None
-        return calibrate_indentation(self.kappa, slopes, self.settings, specimens=self._names, kappa_se=self.kappa_se)
+        share = mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg)
+        return calibrate_indentation(
+            self.kappa, slopes, self.settings, specimens=self._names, kappa_se=self.kappa_se, mount_share=share
+        )
 
     def _by_growth(self, casr: Floats, new_casr: Floats, exponent: float) -> float:
         """The compliance law with another exponent is the law itself on scores raised to their ratio."""
@@ -131,9 +149,9 @@ class _OneCondition:
             return float("nan")
         with np.errstate(invalid="ignore"):
             raised, new_raised = casr ** (exponent / HERTZ), new_casr ** (exponent / HERTZ)
-        return float(estimate(self._calibrated(raised, self.settings), new_raised).kappa[0])
+        return float(repeat_interval(self._calibrated(raised, self.settings), new_raised[None]).kappa[0])
 
-    def _law(self, calibration: Calibration, scores: Floats) -> LawResult:
+    def _law(self, calibration: Calibration, scores: Floats, notes: tuple[str, ...] = ()) -> LawResult:
         found, without = estimate(calibration, scores), left_out(calibration)
         first, second = calibration.fit.parameters[0].tolist()
         return LawResult(
@@ -153,7 +171,7 @@ class _OneCondition:
             left_out_low=without.low[0],
             left_out_high=without.high[0],
             law_p=float(without.law_p[0]),
-            notes=found.notes(),
+            notes=(*notes, *found.notes()),
         )
 
     def _fused(self, fusion: Fusion) -> FusedResult:

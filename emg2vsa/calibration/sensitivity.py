@@ -26,12 +26,10 @@ def by_kappa(calibration: Calibration, casr: Floats) -> Floats:
 def _difference(calibration: Calibration, casr: Floats, score_step: Floats, kappa_step: Floats) -> Floats:
     """Half of the change of eta (d, S) between one specimen's score and kappa moved up and both moved down."""
     d, s, r = calibration.casr.shape
-    one = np.eye(s)
-    eta = []
-    for sign in (0.5, -0.5):
-        moved = calibration.casr[:, None] + (2 * sign * one * score_step[:, None])[..., None]
-        known = calibration.kappa[:, None] + 2 * sign * one * kappa_step[:, None]
-        x, y = fitted_points(moved.reshape(d * s, s, r), known.reshape(d * s, s), calibration.settings.points)
-        fit = fit_law(calibration.settings.law, calibration.settings.minimise, x, y)
-        eta.append(fit.eta(np.repeat(casr, s)[:, None]).reshape(d, s))
-    return np.asarray((eta[0] - eta[1]) / 2)
+    move = np.array([1.0, -1.0])[:, None, None, None] * np.eye(s)  # (up or down, 1, moved specimen, specimen)
+    scores = calibration.casr[:, None] + (move * score_step[:, None])[..., None]
+    known = calibration.kappa[:, None] + move * kappa_step[:, None]
+    x, y = fitted_points(scores.reshape(2 * d * s, s, r), known.reshape(2 * d * s, s), calibration.settings.points)
+    fit = fit_law(calibration.settings.law, calibration.settings.minimise, x, y)
+    up, down = fit.eta(np.tile(np.repeat(casr, s), 2)[:, None]).reshape(2, d, s)
+    return np.asarray((up - down) / 2)

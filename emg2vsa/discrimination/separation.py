@@ -46,13 +46,14 @@ def gaps_of(pairs: Floats, confidence: float) -> Gaps:
 
     NaN without spread, or without three presses of both together.
     """
+    d = steps(pairs)[:, 0]
     _, _, count = _moments(pairs)
-    n = np.maximum(count, 1)
-    enough = np.all(count > 0, axis=1) & (count.sum(axis=1) > 2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = steps(pairs)[:, 0] / np.sqrt(1 / n[:, 0] + 1 / n[:, 1])
-    t = np.where(enough & np.isfinite(t), t, np.nan)
-    return Gaps(*hedges_g(t, np.where(enough, n[:, 0], 2), np.where(enough, n[:, 1], 2), confidence))
+    n1, n2 = np.where(np.isnan(d)[:, None], 2, count).T
+    t = d / np.sqrt(1 / n1 + 1 / n2)
+    gap, low, high = hedges_g(t, n1, n2, confidence)
+    # the noncentral t is exact for the ends without the correction that frees the estimate of its bias
+    unbiased = hedges_g(np.ones(len(d)), n1, n2, confidence)[0] / np.sqrt(1 / n1 + 1 / n2)
+    return Gaps(gap, low / unbiased, high / unbiased)
 
 
 def steps(samples: Floats) -> Floats:

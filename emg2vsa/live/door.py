@@ -46,7 +46,7 @@ class Door:
 
     def _refused(self, scope: Scope) -> str | None:
         headers = Headers(scope=scope)
-        if headers.get("host", "").rpartition(":")[0] not in _NAMES:
+        if headers.get("host", "").partition(":")[0] not in _NAMES:
             return "This page is shown under 127.0.0.1 or localhost only.\n"
         if not compare_digest(scope["path"].split("/")[1].encode(), self._token):
             return "Wrong address. Use the whole address that emg2vsa printed.\n"

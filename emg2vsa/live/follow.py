@@ -49,7 +49,8 @@ class Follower:
                 self._run = _Run(path, *read_run(path))
             return self._run.look(self._now_s())
         except RecordingError as error:
-            return Snapshot(str(self._folder), run=self._run and self._run.facts, trouble=str(error))
+            facts = self._run.facts if self._run else None
+            return Snapshot(str(self._folder), run=facts, trouble=str(error))
 
 
 class _Run:

@@ -37,7 +37,7 @@ def serve(pages: Pages, port: int, ready: Callable[[str], None]) -> None:
     SettingError : the port is taken or not allowed.
     """
     token = secrets.token_urlsafe(16)
-    with _bound(port) as listening:
+    with _listening(port) as listening:
         config = uvicorn.Config(
             application(pages, token), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
         )
@@ -45,13 +45,16 @@ def serve(pages: Pages, port: int, ready: Callable[[str], None]) -> None:
         uvicorn.Server(config).run(sockets=[listening])
 
 
-def _bound(port: int) -> socket.socket:
+def _listening(port: int) -> socket.socket:
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((HOST, port))
+        listening.listen()  # whoever opens the address at once waits, and is not refused
     except OSError as error:
         listening.close()
         found = error.strerror or str(error)
-        raise SettingError(f"port {port}", wanted="a free port", found=found, do="Choose another with --port.") from error
+        raise SettingError(
+            f"port {port}", wanted="a free port", found=found, do="Choose another with --port."
+        ) from error
     return listening

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
@@ -41,12 +41,12 @@ def watch_routes(folder: Path) -> list[BaseRoute]:
     def stop(request: Request) -> Response:
         run = newest_run(folder)
         if run is None or read_ending(run, 0):
-            return JSONResponse({"error": "nothing is running"}, status_code=409)
+            return PlainTextResponse("nothing is running", status_code=409)
         try:
             request_stop(run)
         except OSError as error:
-            return JSONResponse({"error": error.strerror or str(error)}, status_code=500)
-        return JSONResponse({"run": run.name})
+            return PlainTextResponse(error.strerror or str(error), status_code=500)
+        return PlainTextResponse(run.name)
 
     return [
         Route("/stream", stream),

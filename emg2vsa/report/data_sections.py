@@ -39,8 +39,8 @@ def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
 
 _TERMS = (
     "A trial is the loading phase of one press. Its co-contraction v, what the muscles do together, is fitted against "
-    "the force F as v = a + b ln F: a is v at 1 N, the slope b says how fast v grows. The tests compare b. A cluster is "
-    "the trials of one participant on one specimen; κ is a specimen's stiffness. “The paper” is the published study "
+    "the force F as v = a + b ln F: a is v at 1 N, the slope b says how fast v grows. The tests compare b. A cluster "
+    "is the trials of one participant on one specimen; κ is a specimen's stiffness. “The paper” is the published study "
     "whose analysis is repeated here."
 )
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.fits import Fits
 from emg2vsa.hypotheses import Hypotheses
@@ -49,6 +50,8 @@ class StudyResults:
     "Scored runs of the rig; empty where the study has none."
     discrimination: Discrimination | None = None
     "What is tested of them."
+    calibration: CalibrationResults | None = None
+    "Stiffness of the new specimen by them."
 
     def verdict_counts(self) -> dict[str, int]:
         """Trials by verdict."""

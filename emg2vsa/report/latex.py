@@ -28,8 +28,8 @@ _LATEX = {
 }  # fmt: skip
 
 
-_INDEX = re.compile(r"(?<=\^2\})\\_(\w)(?!\w)")
-"""Indices of effects, as in ε²_R."""
+_INDEX = re.compile(r"(?:(?<=\^2\})|(?<=\bA)(?=\\_c0\b)|(?<=\br)(?=\\_rb\b))\\_(\w+)")
+"""Indices of symbols, as in ε²_R, A_c0 and r_rb; the underscore of another name stays one."""
 
 
 def latex_text(text: str) -> str:

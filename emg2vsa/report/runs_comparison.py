@@ -33,7 +33,7 @@ def _areas(numbers: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:
         for angle, p in paper_runs.AREA_SPECIMENS_P.items()
     ]  # fmt: skip
     angles = (
-        "A_c0 between angles, worst pair", f"p = {exact_p(paper_runs.AREA_ANGLES_WORST_P)}",
+        "A_c0 between angles, worst pair", f"p = {paper_runs.AREA_ANGLES_WORST_P:.5g}",
         _p(numbers, f"{rigid}.area.angles.worst_p"), "all specimens pooled; Dunn on mean ranks, Bonferroni",
     )  # fmt: skip
     return [*rows, angles]
@@ -60,7 +60,7 @@ def _new(found: Discrimination, numbers: Mapping[str, Quantity]) -> list[tuple[C
     if found.new is None:
         return []
     new, stiffer = found.new.name, found.new.neighbours[0]
-    least = f"runs.{'constant-min'}.0.new"
+    least = "runs.constant-min.0.new"
     told = f"{numbers['runs.new.discriminated']} of {numbers['runs.new.designs']} designs"
     return [
         (
@@ -69,7 +69,10 @@ def _new(found: Discrimination, numbers: Mapping[str, Quantity]) -> list[tuple[C
             f"exact Mann-Whitney, Holm over both neighbours; Dunn over all specimens "
             f"{_p(numbers, f'{least}.stiffer_mean_rank_p')}",
         ),
-        (f"{new} told from both neighbours", "all but the lowest constant stiffness", told, "see the table above"),
+        (
+            f"{new} told from both neighbours", "all but the lowest constant stiffness", told,
+            "exact Mann-Whitney against each neighbour, and between them",
+        ),
     ]  # fmt: skip
 
 

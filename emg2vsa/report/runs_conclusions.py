@@ -121,7 +121,8 @@ def vision(found: Discrimination) -> str:
         f"{table.angles_deg[i]:g}°: its area is {number(float(compared.area_ratio[at, i]))} times that of "
         f"{compared.names[0]}{_errors(found, at, i)}, CASR of repeated presses varies by "
         f"{percent(float(compared.casr_cv[at, i]))} against {percent(float(compared.casr_cv[0, i]))}, and the "
-        f"gap between {listed(compared.pair)} is {number(compared.gap(at, i)[0])} against {number(compared.gap(0, i)[0])} SD"
+        f"gap between {listed(compared.pair)} is {number(compared.gap(at, i)[0])} against "
+        f"{number(compared.gap(0, i)[0])} SD"
         for i in designs
     ]
     wins = sum(compared.gap(0, i)[0] > compared.gap(at, i)[0] for i in designs)
@@ -145,18 +146,16 @@ def actuators(found: Discrimination) -> str:
     if not against:
         return f"The conditions {HUMAN_LIKE} and {RIGID} were not both pressed at the same angle."
     better, worse = ([i for i in against if compared.wins(i) is verdict] for verdict in (True, False))
-    n = len(against)
-    if len(better) == n:
-        head = f"Human-like stiffness sets the specimens further apart than the rigid motor at all of {n} angles"
-    elif better or worse:
+    n = count(len(against), "angle")
+    if better or worse:
+        less = f" and less far at {len(worse)}" if worse else ""
         head = (
-            f"Human-like stiffness sets the specimens further apart than the rigid motor at {len(better)} of {n} "
-            f"angles and less far at {len(worse)}"
+            f"Human-like stiffness sets the specimens further apart than the rigid motor at {len(better)} of {n}{less}"
         )
     else:
         head = (
-            f"Human-like stiffness does not win here: at none of {n} angles can its separation of the specimens be "
-            "told from that of the rigid motor"
+            f"Human-like stiffness does not win here: at none of {n} can its separation of the specimens be told from "
+            "that of the rigid motor"
         )
     told = "; ".join(_difference(found, i) for i in against)
     return f"{head}. Gap between {listed(compared.pair)}, the closest neighbours, in SDs of their presses: {told}."

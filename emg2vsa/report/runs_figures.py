@@ -8,11 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.boxes import PairBar
 from emg2vsa.figures.canvas import pdf_bytes, style, svg_text
 from emg2vsa.figures.casr_areas import POOLED, AreaPanel, draw_areas
+from emg2vsa.figures.casr_calibration import draw_calibrations
 from emg2vsa.figures.casr_conditions import ConditionBoxes, draw_conditions
 from emg2vsa.figures.casr_contact import draw_contacts
 from emg2vsa.figures.casr_rates import RateSeries, draw_rates
@@ -189,6 +191,34 @@ def _conditions(runs: Sequence[RunScores], found: Discrimination, looks: Mapping
     title = "CASR with rigid and human-like stiffness"
     figure = draw_conditions(panels, unit)
     return _drawing(runs, "fig14_conditions", title, caption, f"Median CASR in {unit}/N. {told}.", figure)
+
+
+def kappa_figure(found: CalibrationResults, algorithm: str, looks: Mapping[str, Look]) -> dict[str, Drawing]:
+    """The calibration of every angle and condition by one vision algorithm."""
+    panels = [
+        (f"{each.condition}, {each.angle_deg:g}°", each, each.algorithms[algorithm])
+        for each in found.conditions
+        if algorithm in each.algorithms
+    ]
+    if not panels:
+        return {}
+    new = found.new_specimen
+    with style():
+        figure = draw_calibrations(panels, looks, new, found.known_kappa_new)
+        svg, pdf = svg_text(figure), pdf_bytes(figure)
+    law = panels[0][2].chosen.law
+    origin = f" {SIMULATED}" if any(each.simulated for each in found.conditions) else ""
+    caption = (
+        f"Calibration. Stiffness against CASR by the {algorithm} algorithm: pale marks are presses, others their "
+        f"means, the full line the {law} law, the dotted one the paper's exponential. {new} is read off the full "
+        f"line, with the interval from repeated presses.{origin}"
+    )
+    told = "; ".join(
+        f"{title}: {number(of.chosen.kappa)} N/mm, {number(of.chosen.low)} to {number(of.chosen.high)}"
+        for title, _, of in panels
+    )
+    title = f"Calibration, and stiffness of {new}"
+    return {"figcal_calibration": Drawing("figcal_calibration", title, caption, f"{told}.{origin}", svg, pdf, None)}
 
 
 def _finite(values: Floats) -> Floats:

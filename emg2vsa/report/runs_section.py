@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.figures.palette import looks
 from emg2vsa.report import html
 from emg2vsa.report import runs_conclusions as conclusions
 from emg2vsa.report.drawing import Drawing, shown
+from emg2vsa.report.kappa_quantities import kappa_quantities
+from emg2vsa.report.kappa_tables import kappa_conclusion, kappa_tables
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.runs_comparison import runs_comparison
-from emg2vsa.report.runs_figures import runs_figures
+from emg2vsa.report.runs_figures import kappa_figure, runs_figures
 from emg2vsa.report.runs_quantities import runs_quantities
 from emg2vsa.report.runs_tables import runs_tables
 from emg2vsa.report.runs_verdicts import runs_verdicts
@@ -33,7 +36,11 @@ class RunsReport:
 
 
 def runs_sections(
-    runs: Sequence[RunScores], found: Discrimination | None, specimens: Sequence[str], why_absent: str = ""
+    runs: Sequence[RunScores],
+    found: Discrimination | None,
+    calibration: CalibrationResults | None,
+    specimens: Sequence[str],
+    why_absent: str = "",
 ) -> RunsReport:
     """specimens : of the study, so that each keeps its look. why_absent : what is said where ``found`` is None."""
     if not runs:
@@ -48,14 +55,21 @@ def runs_sections(
     tables["paper_comparison_runs"] = runs_comparison(found, numbers, simulated)
     new = found.new.name if found.new else None
     others = [name for name in found.table.specimens if name != new]
-    drawings = runs_figures(runs, found, looks(list(dict.fromkeys([*specimens, *others])), new))
-    sections = (
+    look = looks(list(dict.fromkeys([*specimens, *others])), new)
+    drawings = runs_figures(runs, found, look)
+    sections = [
         ("runs", "Runs", head + tables["paper_comparison_runs"].html()),
         ("area", "Initial contact area", _area(found, tables, drawings)),
         ("casr", "Contact area spread rate", _rates(found, tables, drawings)),
         ("vision", "Old and new vision algorithm", _vision(found, tables)),
         ("actuators", "Rigid and human-like actuation", _actuators(found, tables, drawings, simulated)),
-    )
+    ]
+    if calibration is not None and calibration.conditions:
+        algorithms = found.settings.algorithm, found.settings.old_algorithm
+        numbers |= kappa_quantities(calibration)
+        tables |= kappa_tables(calibration, *algorithms)
+        drawings |= kappa_figure(calibration, algorithms[0], look)
+        sections.append(("kappa", "Stiffness of the new specimen", _kappa(calibration, algorithms, tables, drawings)))
     return RunsReport(
         contents=tuple((f"#{name}", title) for name, title, _ in sections),
         body="".join(html.section(name, title, body) for name, title, body in sections),
@@ -153,11 +167,31 @@ def _actuators(
         + tables["conditions_compared"].html()
         + tables["conditions"].html()
         + html.paragraph(
-            "A gap is Hedges' g: the difference of mean CASR of two specimens over the SD of their presses. The pair is "
-            "chosen once, over all conditions. Rank tests cannot compare conditions: once no specimens overlap, their p "
-            "is at its bound."
+            "A gap is Hedges' g: the difference of mean CASR of two specimens over the SD of their presses. The pair "
+            "is chosen once, over all conditions. Rank tests cannot compare conditions: once no specimens overlap, "
+            "their p is at its bound."
         )
         + _shown(drawings, "fig14_conditions")
+    )
+
+
+def _kappa(
+    calibration: CalibrationResults,
+    algorithms: tuple[str, str],
+    tables: Mapping[str, Table],
+    drawings: Mapping[str, Drawing],
+) -> str:
+    notes = dict.fromkeys(
+        note for each in calibration.conditions for note in each.algorithms[algorithms[0]].chosen.notes
+    )
+    return (
+        html.paragraph("Claim: both the new vision algorithm and human-like stiffness reduce the error (Table I).")
+        + tables["table_one"].html()
+        + html.paragraph(kappa_conclusion(calibration, *algorithms))
+        + tables["kappa_new"].html()
+        + html.details("The fitted laws", tables["calibration_laws"].html())
+        + _shown(drawings, "figcal_calibration")
+        + html.bullets([*notes, *calibration.notes])
     )
 
 

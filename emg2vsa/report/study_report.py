@@ -99,7 +99,9 @@ def _page(
 
 def _runs(results: StudyResults) -> RunsReport:
     specimens = [specimen.name for specimen in results.study.specimens]
-    return runs_sections(results.runs, results.discrimination, specimens, results.why_absent("discrimination"))
+    return runs_sections(
+        results.runs, results.discrimination, results.calibration, specimens, results.why_absent("discrimination")
+    )
 
 
 _FOOTER = (

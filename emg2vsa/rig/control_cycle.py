@@ -62,7 +62,7 @@ class ControlCycle:
             self._ask(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
             self._judge(force, wanted, now_s, late_s)
-            self._enter(wanted)
+            self._enter(wanted, force)
             self._send(wanted)
             self._turned_s, self._before = now_s, force
             with ending("lost device"):
@@ -119,11 +119,14 @@ class ControlCycle:
         if found := tripped(moment, self._rig.guards):
             raise EndRun("guard", *found)
 
-    def _enter(self, wanted: Motion) -> None:
+    def _enter(self, wanted: Motion, force: Force) -> None:
         assert self.motion is not None
         begins = wanted.repetition != self.motion.repetition
         self.motion = wanted
         if begins:
+            # taken for contact, a wrong zero would press that much harder than the plan
+            if abs(force.filtered_n) >= self._plan.f_contact_n:
+                raise EndRun("guard", "preload", f"{force.filtered_n:.2f} N before the press, with the probe retracted")
             with ending("recording"):
                 self._record.begin_press(wanted.repetition)
 

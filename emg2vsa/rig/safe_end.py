@@ -34,8 +34,9 @@ def make_safe(
 ) -> SafeEnd:
     """Retract from ``start`` (depth in mm, preset in ticks), wait until the motors have followed, switch them off.
 
-    ``retracted`` is what the encoders say: motors that have gone off by themselves obey no command. Nothing keeps it from trying all of that, not even another Ctrl-C: a ramp that fails or is cut short is replaced by
+    Nothing keeps it from trying all of that, not even another Ctrl-C: a ramp that fails or is cut short is replaced by
     one command to the retracted position. None as ``start``: nothing is known to have moved, so only motors off.
+    Retracted is what the encoders say, for motors that have gone off by themselves obey no command.
     ``log`` is told every position and preset; its DeviceError is noted.
     """
     notes: list[str] = []

@@ -22,6 +22,7 @@ def score_settings(settings: RunSettings) -> ScoreSettings:
         threshold_px=settings.threshold_px,
         force_start_n=settings.force_n[0],
         force_stop_n=settings.force_n[1],
+        rate_window_n=settings.force_n,
     )
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from emg2vsa.cli import COMMANDS
 from emg2vsa.cli.reference import PATH, WIDTH, markdown
+from emg2vsa.cli.rig import SUBCOMMANDS
 
 
 def test_the_written_page_is_current() -> None:
@@ -14,7 +15,8 @@ def test_the_written_page_is_current() -> None:
 
 def test_every_command_has_its_section() -> None:
     text = markdown()
-    assert [name for name in COMMANDS if f"\n## `emg2vsa {name}`\n" not in text] == []
+    names = [*COMMANDS, *(f"rig {name}" for name in SUBCOMMANDS)]
+    assert [name for name in names if f"\n## `emg2vsa {name}`\n" not in text] == []
 
 
 @pytest.mark.parametrize("columns", ["40", "300"])

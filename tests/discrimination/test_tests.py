@@ -108,7 +108,9 @@ def test_the_new_specimen_beside_its_neighbours(found, scores):
 
 
 @pytest.mark.parametrize(("new", "neighbours"), [("S5", ("S3", "")), ("S1", ("", "S_new"))])
-def test_a_new_specimen_at_the_end_has_one_neighbour_and_lies_between_nothing(new, neighbours, runs, stiffness_n_per_mm):
+def test_a_new_specimen_at_the_end_has_one_neighbour_and_lies_between_nothing(
+    new, neighbours, runs, stiffness_n_per_mm
+):
     found = discriminate(runs, stiffness_n_per_mm, DiscriminationSettings(new_specimen=new, resamples=50))
     assert found.new.neighbours == neighbours
     there = [bool(name) for name in neighbours]

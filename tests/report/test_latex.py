@@ -26,7 +26,7 @@ def test_booktabs_with_every_special_character_escaped():
 @given(st.text(alphabet="ab&%$#_{}~^\\<>µ²ηκα–·±−≤", max_size=20))
 def test_text_leaves_no_bare_special_character(text):
     made = re.sub(r"\\(?:[&%$#_{}]|[a-zA-Z]+(?:\{\})?)", "", latex_text(text))
-    made = re.sub(r"[{}]|\^2", "", made)  # braces and powers of the symbols' own commands
+    made = re.sub(r"[{}]|\^2|_(?=\{)", "", made)  # braces, powers and indices of the symbols' own commands
     assert not set(made) & set("&%$#_~^\\µηκα·±−≤")
 
 
@@ -83,6 +83,8 @@ def test_rows_of_several_lines_stand_apart():
     assert r"\addlinespace" not in latex_table(table(("S1", 1.0), ("S2", 2.0)))
 
 
-def test_effects_have_their_index_below_the_line():
+def test_symbols_have_their_index_below_the_line():
     assert latex_text("η²_G = .99") == r"\ensuremath{\eta}\ensuremath{^2}\ensuremath{_\mathrm{G}} = .99"
-    assert latex_text("S_1") == r"S\_1"
+    assert latex_text("A_c0 of S_1") == r"A\ensuremath{_\mathrm{c0}} of S\_1"
+    assert latex_text("|r_rb|").count(r"r\ensuremath{_\mathrm{rb}}") == 1
+    assert latex_text("A_c05, BA_c0, var_rb") == r"A\_c05, BA\_c0, var\_rb"

@@ -228,7 +228,7 @@ def test_a_press_seen_recorded_and_read(tmp_path, clock, scene):
             recorder.frame(frame.image)
         recorder.force(clock.now_s(), 5 * clock.now_s())
     recorder.close()
-    press = open_frames(tmp_path / "press")
+    press = open_frames(tmp_path / "press", force_rule="mean")
     assert len(press) == 10
     np.testing.assert_allclose(press.force_n, 0.25 * np.arange(10) + 0.1125, atol=1e-6)
     np.testing.assert_array_equal(press[7], scene.image(1.75, 7))

@@ -6,7 +6,7 @@ import importlib
 
 from emg2vsa.cli.arguments import Commands
 
-SUBCOMMANDS = ("scan", "info", "dry-run", "run", "watch")
+SUBCOMMANDS = ("scan", "info", "dry-run", "run", "emulate", "watch")
 
 
 def add_to(commands: Commands) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -37,9 +38,9 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
     ended = None
     try:
         with (
-            _brisk_threads(),
             StopRequests(folder) as stop,
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
+            _undisturbed(),
         ):
             check_plan(plan, opened.rig)
             _introduce(folder, plan, opened, file.devices.force.bias)
@@ -56,13 +57,17 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
 
 
 @contextmanager
-def _brisk_threads() -> Iterator[None]:
-    """The loop does not wait the usual 5 ms for the threads that fetch frames and watch the log."""
+def _undisturbed() -> Iterator[None]:
+    """The loop waits neither the usual 5 ms for the threads that fetch frames and watch the log, nor the 50 ms that a
+    search of all objects for garbage was measured to take."""
     usual_s = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_S)
+    gc.collect()
+    gc.disable()
     try:
         yield
     finally:
+        gc.enable()
         sys.setswitchinterval(usual_s)
 
 

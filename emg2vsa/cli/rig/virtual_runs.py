@@ -65,8 +65,8 @@ def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: i
             raise KeyboardInterrupt
     print("\n".join(_table(results, plans)))
     ends = [result for result in results.values() if isinstance(result, Ended)]
-    minutes = sum(ended.time_s for ended in ends) / 60
-    print(f"{len(ends)} runs of {minutes:.1f} min done in {(time.monotonic() - start) / 60:.1f} min, in {root}")
+    rig_min, took_min = sum(ended.time_s for ended in ends) / 60, (time.monotonic() - start) / 60
+    print(f"runs done: {len(ends)}, {rig_min:.1f} min of the rig's time in {took_min:.1f} min; folder {root}")
     return int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
 
 
@@ -99,10 +99,11 @@ def _table(results: Mapping[Run, Ended | str], plans: Mapping[Run, RunPlan]) -> 
     """Presses done, condition and angle by specimen."""
     specimens = list(dict.fromkeys(run[0] for run in plans))
     rows = dict.fromkeys(run[1:] for run in plans)
-    yield f"{'presses done':<22}" + "".join(f"{specimen:>14}" for specimen in specimens)
+    yield f"{'presses done':<27}" + "".join(f"{specimen:>12}" for specimen in specimens)
     for angle_deg, condition in rows:
         cells = [_cell(results, plans, (specimen, angle_deg, condition)) for specimen in specimens]
-        yield f"{condition:<15}{angle_deg:>4g} deg".ljust(22) + "".join(f"{cell:>14}" for cell in cells)
+        title = f"{condition}, {angle_deg:g} degrees"
+        yield f"{title:<27}" + "".join(f"{cell:>12}" for cell in cells)
 
 
 def _cell(results: Mapping[Run, Ended | str], plans: Mapping[Run, RunPlan], run: Run) -> str:

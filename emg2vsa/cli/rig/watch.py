@@ -32,10 +32,11 @@ def run(arguments: argparse.Namespace) -> int:
         from emg2vsa.live.server import serve
         from emg2vsa.live.watch_routes import watch_routes
     except ModuleNotFoundError as error:
-        if error.name not in ("starlette", "uvicorn"):
+        library = str(error.name).partition(".")[0]
+        if library not in ("starlette", "uvicorn"):
             raise
         do = 'Install it: pip install "emg2vsa[web]".'
-        raise SettingError("rig watch", wanted="the extra for web pages", found=f"no {error.name}", do=do) from error
+        raise SettingError("rig watch", wanted="the extra for web pages", found=f"no {library}", do=do) from error
 
     def ready(address: str) -> None:
         print(f"Watching {folder}" + ("" if folder.exists() else ", which is not there yet"))

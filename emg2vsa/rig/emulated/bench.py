@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 
+from emg2vsa.actuator import SPRINGS
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.datagrams import LoopbackDatagrams
 from emg2vsa.rig.devices import Devices
@@ -26,6 +28,7 @@ from emg2vsa.rig.rigid_motor import RigidMotor
 from emg2vsa.rig.transport import LoopbackLine
 
 DEVICE_ID = 1
+_AWAY_MM = 1e6
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
@@ -42,13 +45,13 @@ class EmulatedRig:
 
     Attributes
     ----------
-    world : what is pressed. firmware : of the actuator.
+    world : what is pressed. firmware : of the actuator. idle : of the other one, whose probe is not over the specimen.
     wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the two others.
-    model : of the actuator.
+    model : of the qbmove.
 
     Raises
     ------
-    SettingError : the specimen is not known, or the contact would leave the image.
+    SettingError : the specimen is not known, the contact would leave the image, or the rig is built another way round.
     """
 
     def __init__(
@@ -63,13 +66,19 @@ class EmulatedRig:
         run: str = "",
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
-        self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" and not rigid else "maker-pro"
+        self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
+        _check_fit(self.rig)
         self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig.gear_mm_per_degree, run)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
-        switches = _ADVANCED if self.model == "advanced" else MAKER_PRO
-        self.firmware = motor_board(self.world, clock) if rigid else QbmoveFirmware(switches, self.world, clock)
+        away = World(
+            clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
+        )
+        on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
+        qbmove = QbmoveFirmware(_ADVANCED if self.model == "advanced" else MAKER_PRO, on_springs, clock)
+        motor = motor_board(on_motor, clock)
+        self.firmware, self.idle = (motor, qbmove) if rigid else (qbmove, motor)
         self.wire = FaultyWire(self.firmware)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
@@ -91,7 +100,7 @@ class EmulatedRig:
         board = Qbmove(
             LoopbackLine("emulated bus", self.answer, self.clock),
             DEVICE_ID,
-            model=self.model,
+            model="maker-pro" if self.rigid else self.model,
             clock=self.clock,
             stiffness_percent=self.rig.stiffness_percent,
         )
@@ -114,3 +123,15 @@ class EmulatedRig:
                 self._press = self.world.press
                 self.camera.scene = self._draws.scene(self._press)
             return self.world.normal_force_n(time_s)
+
+
+def _check_fit(rig: RigSettings) -> None:
+    built = {"push_sign": 1, "push_axis": (0, 0, 1), "home_ticks": 0}
+    for name, value in built.items():
+        if getattr(rig, name) != value:
+            raise SettingError(
+                f"rig.{name}",
+                wanted=f"{value}, as the emulated bench is built",
+                found=f"{getattr(rig, name)}",
+                do="Emulate with a copy of the rig file that says so.",
+            )

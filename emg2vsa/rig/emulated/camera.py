@@ -29,6 +29,8 @@ class DrawnFrame(Frame):
     scene, force_n, number : what is seen, under which normal force, and which frame it is.
     """
 
+    _drawn_from: tuple[Scene, float, int]
+
     def __init__(self, time_s: float, dropped: int, scene: Scene, force_n: float, number: int) -> None:
         # a frozen dataclass; the image is left to the property below
         self.__dict__.update(time_s=time_s, dropped=dropped, _drawn_from=(scene, force_n, number))
@@ -36,7 +38,7 @@ class DrawnFrame(Frame):
     @cached_property
     def image(self) -> NDArray[np.uint8]:  # type: ignore[override]
         """(H, W) grey levels."""
-        scene, force_n, number = self.__dict__["_drawn_from"]
+        scene, force_n, number = self._drawn_from
         return scene.image(force_n, number)
 
 

@@ -96,7 +96,9 @@ class RdtBox:
     settings : how it is set up.
     """
 
-    def __init__(self, wrench: Callable[[float], Sequence[float] | NDArray[np.float64]], settings: BoxSettings | None = None) -> None:
+    def __init__(
+        self, wrench: Callable[[float], Sequence[float] | NDArray[np.float64]], settings: BoxSettings | None = None
+    ) -> None:
         self.settings = s = settings or BoxSettings()
         self.faults = BoxFaults()
         self._wrench = wrench
@@ -158,7 +160,9 @@ class RdtBox:
 
     def _load(self, time_s: float) -> list[float]:
         """Six loads in the box's units, before bias."""
-        return list(map(truediv, self._wrench(time_s), self._size))
+        load = list(map(truediv, self._wrench(time_s), self._size))
+        load[2] += self.faults.push_n / self._size[2]
+        return load
 
     def _measure(self, stream: _Stream) -> None:
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0

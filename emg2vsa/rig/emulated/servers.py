@@ -15,7 +15,8 @@ from emg2vsa.rig.emulated.serial_port import VirtualSerialPort
 class EmulatedServers:
     """Serves ``bench``, which must be on a wall clock, from `start` to `close` or within a with.
 
-    port : name of the actuator's serial port. force : host and ports of the force sensor's box.
+    port : name of the serial port of the actuator that presses; idle_port : of the other one. force : host and ports of
+    the force sensor's box.
     camera_url : where the camera's pictures are.
     """
 
@@ -24,12 +25,13 @@ class EmulatedServers:
         self.force = RdtServer(bench.box, bench.clock)
         self._serial = VirtualSerialPort(bench.answer)
         self._camera = CameraServer(bench.camera, bench.clock)
-        self.port, self.camera_url = self._serial.name, self._camera.url
+        self._idle = VirtualSerialPort(bench.idle)
+        self.port, self.idle_port, self.camera_url = self._serial.name, self._idle.name, self._camera.url
         self._open = ExitStack()
 
     def start(self) -> None:
         """Begin to serve."""
-        for server in (self._serial, self.force, self._camera):
+        for server in (self._serial, self._idle, self.force, self._camera):
             self._open.enter_context(server)
 
     def close(self) -> None:

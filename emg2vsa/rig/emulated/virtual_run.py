@@ -10,6 +10,7 @@ from pathlib import Path
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.atomic import write_text_atomic
+from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -17,17 +18,26 @@ from emg2vsa.rig.ended import Ended
 from emg2vsa.rig.execute import execute
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.rig_settings import RigSettings
 
 EMULATED_FILE = "emulated.json"
 
 
-def run_virtual(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime) -> Ended:
+def run_virtual(
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime
+) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
-    ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what rendered its
-    frames. ``started`` : date and time to write to the run. Raises as `execute`, and SettingError as `EmulatedRig`.
+    ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
+    rendered its frames. ``started`` : date and time to write to the run.
+
+    Raises as `execute`, and SettingError as `EmulatedRig`.
     """
+    check_plan(plan, rig)
+    if folder.exists() and any(folder.iterdir()):
+        do = "Choose another; no run is ever overwritten."
+        raise DeviceError(folder, wanted="a new folder, or an empty one", found="files in it", do=do)
     clock = VirtualClock()
     name = run_name(plan.specimen, plan.angle_deg, plan.condition)
     bench = EmulatedRig(emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name)

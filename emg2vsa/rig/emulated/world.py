@@ -98,7 +98,6 @@ class World:
                 return
             self._path.append(until_s if k == steps else start_s + k * step_s, angle_rad)
 
-
     def _change_press(self) -> None:
         above_mm = self._probe.above_mm(self._path.end_rad)
         if above_mm < 0:

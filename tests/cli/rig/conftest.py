@@ -27,7 +27,8 @@ RIG = """\
 stale_s = 2
 late_s = 2
 camera_s = 10
-force_rate_n_per_s = 5000
+force_n = 250
+force_rate_n_per_s = 100000
 
 [actuator]
 port = "{port}"

@@ -45,7 +45,7 @@ def wait_for_presses(folder: Path) -> None:
 def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
     status, out, err = rig("run", served.path, *ONE)
     folder = tmp_path / "runs" / "S1_0_modular"
-    assert status == 0, err
+    assert status == 0, out + err
     lines = out.splitlines()
     assert lines[:4] == [
         f"folder: {folder}",
@@ -127,7 +127,7 @@ def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
 
 
 def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
-    served.bench.firmware._current.max_stiffness = 2 * 2000
+    served.bench.firmware._shadow.max_stiffness = 2 * 2000
     status, _, err = rig("run", served.path, *ONE)
     assert status == 2
     assert "schedule of S1, modular, preset_ticks: wanted 600 to 1600 ticks, 30 to 80 % of the device's maximum" in err

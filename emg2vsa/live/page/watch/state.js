@@ -7,7 +7,7 @@ const ANSWER_S = 3; // retracting 15 mm at 20 mm/s and settling takes about 1 s
 // {kind, title, text, stale} or null; stale: what is shown is not the present.
 export function messageOf({ now, silentS }) {
   if (silentS > LOST_S) {
-    const text = "The page is not up to date, and STOP may not get through. Is emg2vsa rig watch running?";
+    const text = "The page is not up to date, and STOP may not get through. If emg2vsa rig watch was started again, open its new address.";
     return { kind: "danger", title: `No connection for ${duration(silentS)}.`, text, stale: true };
   }
   if (now === null) return { kind: "wait", title: "Connecting.", text: "", stale: false };

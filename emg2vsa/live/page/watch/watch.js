@@ -155,9 +155,9 @@ async function askToStop() {
     const answer = await fetch("stop", {
       method: "POST", headers: { "x-emg2vsa-token": TOKEN }, signal: AbortSignal.timeout(2000),
     });
-    if (!answer.ok) throw new Error((await answer.json()).error);
-  } catch (error) {
-    stop = { askedS: null, failure: error.message };
+    if (!answer.ok) stop = { askedS: null, failure: `Refused: ${await answer.text()}` };
+  } catch {
+    stop = { askedS: null, failure: "No connection" };
   }
   show();
 }

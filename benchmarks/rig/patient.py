@@ -1,0 +1,69 @@
+"""A run that forgives a busy machine: ``python -m benchmarks.rig.patient FOLDER``, the devices as JSON on its input.
+
+For what is not about time, such as a run that is killed: the guards that look at the clock are set wide.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from benchmarks.rig.plans import modular_plan
+from emg2vsa.rig.clock import WallClock
+from emg2vsa.rig.device_settings import DeviceSettings
+from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.execute import execute
+from emg2vsa.rig.guards import GuardSettings
+from emg2vsa.rig.net_ft import open_net_ft
+from emg2vsa.rig.opencv_camera import OpenCvCamera
+from emg2vsa.rig.qbmove import BAUD, Qbmove
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.transport import SerialLine
+
+LONG_S = 2.0
+REPLY_S, WATCHDOG_S = 0.5, 5.0
+"""Three attempts of a question are over before the watchdog is."""
+F_MAX_N = 2.0
+
+
+def patient_run(settings: DeviceSettings, folder: Path) -> None:
+    """One light press, recorded in ``folder``."""
+    clock = WallClock()
+    line = SerialLine(settings.actuator.port, BAUD)
+    force = open_net_ft(
+        settings.force.host or "", clock, rdt_port=settings.force.rdt_port, http_port=settings.force.http_port,
+        stale_s=LONG_S,
+    )  # fmt: skip
+    assert settings.camera is not None
+    camera = OpenCvCamera(settings.camera.source, clock)
+    guards = GuardSettings(stale_s=LONG_S, camera_s=LONG_S, late_s=LONG_S, force_rate_n_per_s=1e6)
+    try:
+        force.start()
+        camera.start()
+        devices = Devices(Qbmove(line, 1, clock=clock, watchdog_s=WATCHDOG_S, reply_s=REPLY_S), force, camera)
+        plan = modular_plan(1, f_max_n=F_MAX_N, pause_s=0.0)
+        execute(plan, RigSettings(guards=guards), devices, folder, clock, started=datetime.now(UTC))
+    finally:
+        camera.close()
+        force.close()
+        line.close()
+
+
+def as_json(settings: DeviceSettings) -> str:
+    """As `main` reads it."""
+    return json.dumps(asdict(settings))
+
+
+def main() -> None:
+    """Run once."""
+    settings = TypeAdapter(DeviceSettings).validate_json(sys.stdin.read())
+    patient_run(settings, Path(sys.argv[1]))
+
+
+if __name__ == "__main__":
+    main()

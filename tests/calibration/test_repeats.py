@@ -1,0 +1,125 @@
+"""The interval from repeated presses: its variance, its coverage, and what else it counts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from emg2vsa.calibration import CalibrationSettings, calibrate, left_out
+from emg2vsa.calibration.forms import eta_of
+from emg2vsa.calibration.mounting import CASR_POWER, INDENTATION_POWER, mount_share
+from emg2vsa.calibration.repeats import repeat_interval, within
+from emg2vsa.calibration.sensitivity import by_kappa, by_mean_score
+from emg2vsa.errors import DataError
+
+EXPERIMENTS = 3000
+MEASURED = {0: (0.0189, 0.005, 0.0113, 0.0143), 30: (0.0227, 0.0265, 0.0091, 0.0276), 45: (0.03, 0.027, 0.035, 0.025)}
+"""Noise of simulated presses by angle: S1, S3, S5 and the new specimen, as shares of CASR."""
+
+
+def experiments(bench, noise, d=EXPERIMENTS, seed=1, **given):
+    known, new = bench.presses(seed, d=d, noise=noise)
+    calibration = calibrate(bench.kappa, known, casr_unit="mm2/N", **given)
+    return calibration, repeat_interval(calibration, new)
+
+
+def coverage(bench, found):
+    return np.mean((found.low <= bench.kappa_new) & (bench.kappa_new <= found.high))
+
+
+@pytest.mark.parametrize("noise", [0.01, 0.02, *MEASURED.values()])
+def test_coverage_in_the_simulated_world(ours, noise):
+    _, found = experiments(ours, noise)
+    assert 0.935 < coverage(ours, found) < 0.965
+
+
+def test_two_percent_of_noise_err_by_less_than_three(ours):
+    _, found = experiments(ours, 0.02)
+    assert np.median(np.abs(found.kappa / ours.kappa_new - 1)) < 0.03
+
+
+@pytest.mark.parametrize("points", ["means", "repetitions"])
+@pytest.mark.parametrize("law", ["compliance", "exponential", "power"])
+def test_standard_error_is_the_spread_of_estimates(hertz, law, points):
+    settings = CalibrationSettings(law=law, points=points)
+    known, new = hertz.presses(2, d=EXPERIMENTS, noise=0.005)
+    found = repeat_interval(calibrate(hertz.kappa, known, settings, casr_unit="mm2/N"), new)
+    assert np.sqrt(np.mean(found.eta_se**2)) == pytest.approx(found.eta.std(), rel=0.04)
+
+
+def test_sensitivities_carry_the_units_through(hertz):
+    """Scores or stiffnesses all larger by one share: eta follows as the law says (Euler's theorem)."""
+    known, new = hertz.presses(3, noise=0.01)
+    calibration = calibrate(hertz.kappa, known, casr_unit="mm2/N")
+    mean = new.mean(axis=1)
+    found = repeat_interval(calibration, new)
+    means = np.append(calibration.mean_casr, mean[:, None], axis=1)
+    assert np.sum(found.gradient * means) == pytest.approx(0, abs=1e-9)
+    assert np.sum(by_kappa(calibration, mean) * hertz.kappa) == pytest.approx(-found.eta[0], rel=1e-7)
+    np.testing.assert_allclose(by_mean_score(calibration, mean), found.gradient[:, :3])
+
+
+def test_known_stiffnesses_that_are_off_are_counted(hertz):
+    rng = np.random.default_rng(4)
+    known, new = hertz.presses(4, d=EXPERIMENTS, noise=0.005)
+    wrong = hertz.kappa * (1 + 0.03 * rng.standard_normal((EXPERIMENTS, 3)))
+    blind = repeat_interval(calibrate(wrong, known, casr_unit="mm2/N"), new)
+    told = repeat_interval(calibrate(wrong, known, casr_unit="mm2/N", kappa_se=0.03 * hertz.kappa), new)
+    assert coverage(hertz, blind) < 0.7
+    assert 0.935 < coverage(hertz, told) < 0.965
+    with pytest.raises(DataError, match="standard errors"):
+        calibrate(hertz.kappa, known, casr_unit="mm2/N", kappa_se=[0.1, -0.1, 0.1])
+
+
+def test_mountings_that_differ_are_counted(hertz):
+    share = mount_share(INDENTATION_POWER, 45.0, 0.5)
+    assert share == pytest.approx(5 / 3 * np.radians(0.5))
+    assert mount_share(CASR_POWER, 0.0, 0.5) == 0
+    known, new = hertz.presses(5, d=EXPERIMENTS, noise=0.005)
+    off = 1 + share * np.random.default_rng(5).standard_normal((EXPERIMENTS, 4, 1))
+    moved, new = known * off[:, :3], new * off[:, 3]
+    blind = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N"), new)
+    told = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N", mount_share=share), new)
+    assert coverage(hertz, blind) < 0.5
+    assert 0.935 < coverage(hertz, told) < 0.97
+
+
+def test_a_single_press_borrows_the_noise_of_the_others(hertz):
+    known, new = hertz.presses(6, d=EXPERIMENTS)
+    calibration = calibrate(hertz.kappa, known, casr_unit="mm2/N")
+    one = repeat_interval(calibration, new[:, :1])
+    assert 0.93 < coverage(hertz, one) < 0.99
+    assert np.all(one.df > 20)
+    borrowed = repeat_interval(calibration, new, own_noise=False)
+    np.testing.assert_allclose(borrowed.press_variance[:, 3], np.mean(within(known)[0], axis=1))
+
+
+def test_a_specimen_that_may_be_rigid_has_no_upper_end(hertz):
+    known, _ = hertz.presses(7, noise=0.05, r=4)
+    stiff = repeat_interval(calibrate(hertz.kappa, known, casr_unit="mm2/N"), hertz.casr(30.0) * [[0.95, 1.0, 1.05]])
+    assert stiff.high[0] == np.inf
+    assert 0 < stiff.low[0] < stiff.kappa[0]
+
+
+def test_presses_that_were_not_repeated_have_no_interval(hertz):
+    calibration = calibrate(hertz.kappa, hertz.casr(hertz.kappa)[:, None], casr_unit="mm2/N")
+    found = repeat_interval(calibration, hertz.casr(hertz.kappa_new)[None])
+    assert np.isfinite(found.kappa[0])
+    assert np.isnan([found.low[0], found.high[0]]).all()
+
+
+def test_a_law_that_holds_is_rejected_as_often_as_stated_and_a_wrong_one_always(hertz):
+    known, _ = hertz.presses(8, d=EXPERIMENTS, noise=0.01)
+    right = left_out(calibrate(hertz.kappa, known, casr_unit="mm2/N"))
+    assert 0.005 < np.mean(right.law_p < 0.05) < 0.06
+    assert 0.93 < np.mean((right.low <= hertz.kappa) & (hertz.kappa <= right.high)) < 0.97
+    wrong = CalibrationSettings(law="exponential")
+    assert np.mean(left_out(calibrate(hertz.kappa, known[:200], wrong, casr_unit="mm2/N")).law_p < 0.05) > 0.95
+    assert np.isnan(left_out(calibrate(hertz.kappa[:2], known[:1, :2], casr_unit="mm2/N")).law_p[0])
+
+
+def test_p_of_the_estimate_itself_is_one(hertz):
+    _, found = experiments(hertz, 0.02, d=3)
+    np.testing.assert_allclose(found.p_of(found.eta), 1)
+    ends = found.p_of(eta_of("compliance", found.high))
+    np.testing.assert_allclose(ends, 0.05)

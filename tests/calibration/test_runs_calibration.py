@@ -1,0 +1,149 @@
+"""The stage: from scored runs to stiffness, for every angle, condition and algorithm."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from emg2vsa import artifacts
+from emg2vsa.calibration import CalibrationSettings, calibrate, estimate
+from emg2vsa.calibration.growth import growth_power
+from emg2vsa.calibration.presses import without_outliers
+from emg2vsa.calibration.runs_calibration import calibrate_runs
+from emg2vsa.errors import DataError
+from emg2vsa.runs import ALGORITHMS
+
+QUICK = CalibrationSettings(resamples=50)
+
+
+@pytest.fixture(scope="module")
+def results(runs, stiffness_n_per_mm):
+    return calibrate_runs(runs, stiffness_n_per_mm, "S_new", QUICK)
+
+
+def test_every_angle_condition_and_algorithm_has_its_entry(results):
+    assert len(results.conditions) == 9
+    assert results.notes == ()
+    for each in results.conditions:
+        assert each.specimens == ("S1", "S3", "S5")
+        assert tuple(each.algorithms) == ALGORITHMS
+        for algorithm in each.algorithms.values():
+            assert algorithm.chosen.law == "compliance"
+            assert algorithm.paper.law == "exponential"
+            assert algorithm.paper.minimise == "kappa"
+            assert set(algorithm.left_out_rms) == {"compliance", "exponential", "power", "linear-log"}
+
+
+def test_stiffness_of_the_new_specimen_is_found(results):
+    edge = results.find(30.0, "modular").algorithms["edge"]
+    assert edge.chosen.low < 5.32 < edge.chosen.high
+    assert edge.chosen.error == pytest.approx(edge.chosen.kappa / 5.32 - 1)
+    assert results.known_kappa_new == 5.32
+    errors = [each.algorithms["edge"].chosen.error for each in results.conditions if each.condition == "modular"]
+    assert results.median_error("modular", "edge") == pytest.approx(np.median(np.abs(errors)))
+    assert edge.best_law == "compliance"
+
+
+def test_numbers_are_those_of_the_functions_below(results, runs, stiffness_n_per_mm):
+    chosen = [run for run in runs if (run.angle_deg, run.condition) == (0.0, "high-stiffness")]
+    casr = {run.specimen: run.casr["hexagon"] for run in chosen}
+    kappa = [stiffness_n_per_mm[name] for name in ("S1", "S3", "S5")]
+    settings = dataclasses.replace(QUICK, law="exponential", minimise="kappa")
+    known = calibrate(kappa, np.stack([casr["S1"], casr["S3"], casr["S5"]]), settings, casr_unit="mm2/N")
+    found = results.find(0.0, "high-stiffness").algorithms["hexagon"].paper
+    assert found.kappa == pytest.approx(estimate(known, casr["S_new"]).kappa[0])
+    assert found.adj_r2 == pytest.approx(known.adj_r2[0])
+    assert found.equation == known.equation()
+
+
+def test_both_cues_are_fused(results):
+    at = results.find(0.0, "modular")
+    fused = at.algorithms["edge"].fused
+    assert at.indentation.low < 5.32 < at.indentation.high
+    assert fused.low < 5.32 < fused.high
+    alone = at.algorithms["edge"].chosen
+    assert fused.high - fused.low < min(alone.high - alone.low, at.indentation.high - at.indentation.low)
+
+
+def test_growth_of_the_contact_gives_the_exponent_of_its_world(results, runs):
+    """The runs of these tests grow with the root of the force, so that the exponent is 2 and not Hertz's 1.5."""
+    assert growth_power(runs) == pytest.approx(0.5, abs=0.005)
+    at = results.find(0.0, "modular")
+    assert at.exponent == pytest.approx(2, rel=0.01)
+    edge = at.algorithms["edge"]
+    assert edge.kappa_by_growth == pytest.approx(edge.chosen.kappa, rel=0.02)
+    assert edge.kappa_by_growth != edge.chosen.kappa
+
+
+def test_results_are_stored_and_read_back(results, tmp_path):
+    artifacts.save(tmp_path / "calibration.result", results)
+    again = artifacts.load(tmp_path / "calibration.result")
+    here, there = (each.conditions[4].algorithms["circle"] for each in (results, again))
+    np.testing.assert_array_equal(here.casr, there.casr)
+    assert here.chosen.notes == there.chosen.notes
+    assert here.fused.kappa == there.fused.kappa
+
+
+def with_outlier(run):
+    casr = {name: scores.copy() for name, scores in run.casr.items()}
+    casr["edge"][4] *= 0.7
+    return dataclasses.replace(run, casr=casr)
+
+
+def test_a_press_far_off_is_left_out_and_said(run_of, stiffness_n_per_mm):
+    runs = [run_of(name, 0.0, "modular") for name in ("S1", "S3", "S5", "S_new")]
+    spoilt = [with_outlier(run) if run.specimen in ("S3", "S_new") else run for run in runs]
+    found = calibrate_runs(spoilt, stiffness_n_per_mm, "S_new", QUICK).conditions[0].algorithms["edge"]
+    assert "presses left out, more than 5" in found.chosen.notes[0]
+    assert found.chosen.notes[0].endswith("1 of S3, 1 of S_new")
+    assert abs(found.chosen.error) < 0.1
+    assert np.isfinite(found.casr).all()
+    kept = dataclasses.replace(QUICK, outlier_mads=0.0)
+    all_in = calibrate_runs(spoilt, stiffness_n_per_mm, "S_new", kept).conditions[0].algorithms["edge"].chosen
+    assert "left out, more" not in " ".join(all_in.notes)
+    assert all_in.high - all_in.low > 2 * (found.chosen.high - found.chosen.low)
+
+
+def test_outliers_need_presses_that_scatter():
+    even = np.array([[1.0, 1.0, 1.0, 1.0, 1.0, 2.0]])
+    np.testing.assert_array_equal(without_outliers(even, 5), even)
+    few = np.array([[1.0, 1.1, 0.9, 9.0]])
+    np.testing.assert_array_equal(without_outliers(few, 5), few)
+    many = np.array([[1.0, 1.1, 0.9, 1.05, np.nan, 9.0]])
+    np.testing.assert_array_equal(np.isnan(without_outliers(many, 5)), [[0, 0, 0, 0, 1, 1]])
+
+
+def test_runs_without_a_log_have_no_second_cue_and_a_truth_that_is_not_known_no_error(run_of, stiffness_n_per_mm):
+    runs = [
+        dataclasses.replace(run_of(name, 0.0, "modular"), indent_n_per_mm=np.full(10, np.nan))
+        for name in ("S1", "S3", "S5", "S_new")
+    ]
+    del stiffness_n_per_mm["S_new"]
+    found = calibrate_runs(runs, stiffness_n_per_mm, "S_new", QUICK)
+    stiffness_n_per_mm["S_new"] = 5.32
+    at = found.conditions[0]
+    assert at.indentation is None
+    assert at.algorithms["edge"].fused is None
+    assert np.isnan([at.algorithms["edge"].chosen.error, found.known_kappa_new]).all()
+    assert np.isnan(found.median_error("modular", "edge"))
+
+
+def test_an_algorithm_that_finds_nothing_is_undefined_and_says_so(run_of, stiffness_n_per_mm):
+    runs = [run_of(name, 0.0, "modular") for name in ("S1", "S3", "S5", "S_new")]
+    blind = [dataclasses.replace(run, casr=run.casr | {"hexagon": np.full(10, np.nan)}) for run in runs]
+    at = calibrate_runs(blind, stiffness_n_per_mm, "S_new", QUICK).conditions[0]
+    assert np.isnan(at.algorithms["hexagon"].chosen.kappa)
+    assert "undefined" in " ".join(at.algorithms["hexagon"].chosen.notes)
+    assert at.algorithms["hexagon"].best_law == ""
+    assert np.isfinite(at.algorithms["edge"].chosen.kappa)
+
+
+def test_too_few_specimens_are_noted_and_no_new_specimen_is_refused(run_of, stiffness_n_per_mm):
+    runs = [run_of("S1", 0.0, "modular"), run_of("S_new", 0.0, "modular")]
+    found = calibrate_runs(runs, stiffness_n_per_mm, "S_new", QUICK)
+    assert found.conditions == ()
+    assert found.notes == ("0°, modular: 1 known specimens, too few to calibrate",)
+    with pytest.raises(DataError, match="a run of the new specimen, S9"):
+        calibrate_runs(runs, stiffness_n_per_mm, "S9", QUICK)

@@ -1,0 +1,92 @@
+"""``emg2vsa rig run --virtual``: all runs of the file on the emulated rig, those done before left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from emg2vsa.cli.rig import virtual_runs
+from emg2vsa.rig.new_folder import how_ended
+from emg2vsa.rig.run_log import read_log
+
+Rig = Callable[..., tuple[int, str, str]]
+RigFile = Callable[..., Path]
+
+
+def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    path, runs = rig_file(), tmp_path / "elsewhere"
+    options = ("--virtual", "--out", runs, "--repetitions", 1, "--specimen", "S3")
+    status, out, err = rig("run", path, *options, "--condition", "modular", "--jobs", 2)
+    assert status == 0, err
+    names = ["S3_0_modular", "S3_30_modular"]
+    assert sorted(folder.name for folder in runs.iterdir()) == names
+    assert [how_ended(runs / name) for name in names] == ["completed"] * 2
+    assert sorted(line.split()[1] for line in err.splitlines()) == [f"{name}:" for name in names]
+    assert err.splitlines()[1].startswith("2/2 ")
+    assert out.splitlines()[:3] == [
+        "presses done                         S3",
+        "modular, 0 degrees                    1",
+        "modular, 30 degrees                   1",
+    ]
+    assert out.splitlines()[3].startswith("runs done: 2, ")
+    logs = [(runs / name / "log.csv").read_bytes() for name in names]
+
+    status, out, err = rig("run", path, *options, "--jobs", 1)
+    assert status == 0
+    assert len(err.splitlines()) == 1
+    assert err.startswith("3/3 S3_0_high-stiffness: completed: 1 of 1 presses, ")
+    assert out.splitlines()[1:4] == [
+        "high-stiffness, 0 degrees             1",
+        "modular, 0 degrees          done before",
+        "modular, 30 degrees         done before",
+    ]
+    assert [(runs / name / "log.csv").read_bytes() for name in names] == logs
+    assert read_log(runs / "S3_0_high-stiffness" / "log.csv")[-1].preset_ticks == 0
+
+
+def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    options = ("--virtual", "--specimen", "S1", "--angle", 0, "--condition", "high-stiffness", "--repetitions", 1)
+    far = rig_file(("gap_mm = 2", "gap_mm = 11.8"))
+    status, out, err = rig("run", far, *options)
+    assert status == 1
+    assert "1/1 S1_0_high-stiffness: guard: travel in approach of press 1 (" in err or "in load of press 1 (" in err
+    assert "high-stiffness, 0 degrees     0, travel\n" in out
+    assert rig("run", rig_file(), *options)[0] == 0
+    assert how_ended(tmp_path / "runs" / "S1_0_high-stiffness-2") == "completed"
+
+
+def test_without_an_emulated_rig(rig: Rig, rig_file: RigFile) -> None:
+    status, out, err = rig("run", rig_file(("[emulated]\ngap_mm = 2\n", "")), "--virtual")
+    assert (status, out) == (2, "")
+    assert "rig.toml: wanted a table [emulated]; found none." in err
+
+
+def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
+    status, _, err = rig("run", path, "--virtual")
+    assert status == 2
+    assert "preset_ticks: wanted 560 to 2240 ticks" in err
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize("how", ["interrupted", "full"])
+def test_what_stops_one_run(how: str, rig: Rig, rig_file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[Path] = []
+
+    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, *, started: Any) -> virtual_runs.Ended:
+        ran.append(folder)
+        if how == "full":
+            raise virtual_runs.SettingError(folder, wanted="room", found="none", do="Free some.")
+        return virtual_runs.Ended("interrupted", "Ctrl-C", "", "load", 1, 1.0, "")
+
+    monkeypatch.setattr(virtual_runs, "run_virtual", run_virtual)
+    status, out, err = rig("run", rig_file(), "--virtual", "--specimen", "S1", "--jobs", 1)
+    if how == "interrupted":
+        assert (status, len(ran)) == (130, 1)
+    else:
+        assert (status, len(ran)) == (1, 3)
+        assert "not run. " in err
+        assert out.count("not run") == 3

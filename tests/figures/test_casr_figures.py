@@ -1,0 +1,140 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from emg2vsa.calibration import CalibrationSettings, calibrate
+from emg2vsa.calibration.results import LawResult
+from emg2vsa.figures.boxes import PairBar
+from emg2vsa.figures.canvas import style, svg_text
+from emg2vsa.figures.casr_areas import AreaPanel, draw_areas
+from emg2vsa.figures.casr_calibration import law_curve
+from emg2vsa.figures.casr_conditions import ConditionBoxes, draw_conditions
+from emg2vsa.figures.casr_contact import draw_contacts, hexagons
+from emg2vsa.figures.casr_rates import RateSeries, draw_rates, line_of
+from emg2vsa.figures.grid import panel_grid
+from emg2vsa.figures.palette import looks
+
+LOOKS = looks(["S1", "S3"], "S_new")
+VALUES = np.linspace(9.0, 11.0, 10)
+
+
+def test_panels_lie_row_by_row_inside_the_page_and_apart():
+    with style():
+        figure, rows = panel_grid(2, (2, 1), 40, (12, 2, 10, 8), (15, 12))
+    boxes = [axes.get_position() for row in rows for axes in row]
+    assert [axes.get_title(loc="left") for row in rows for axes in row] == ["(a)", "(b)", "(c)", "(d)"]
+    assert boxes[0].width == pytest.approx(2 * boxes[1].width)
+    assert boxes[0].x1 < boxes[1].x0
+    assert boxes[2].y1 < boxes[0].y0
+    assert min(box.x0 for box in boxes) > 0
+    assert max(box.x1 for box in boxes) < 1
+    assert figure.get_figwidth() * 25.4 == pytest.approx(181)
+
+
+def test_areas_share_one_scale_and_show_every_value():
+    look = [LOOKS["S1"], LOOKS["S3"]]
+    panels = [AreaPanel(f"{angle}°", ["S1", "S3"], [VALUES, 4 * VALUES], look, ()) for angle in (0, 30)]
+    pooled = AreaPanel("by angle", ["0°", "30°"], [VALUES, VALUES], look, [PairBar(0, 1, 0.2)])
+    with style():
+        figure = draw_areas(panels, pooled, "mm²")
+    limits = {axes.get_ylim() for axes in figure.axes}
+    assert len(limits) == 1
+    assert limits.pop()[0] == 0
+    assert [text.get_text() for text in figure.axes[-1].texts] == ["ns"]
+    assert np.allclose(np.sort(figure.axes[0].lines[1].get_ydata()), 4 * VALUES)
+
+
+def test_a_box_without_values_leaves_its_place_empty():
+    panel = AreaPanel("0°", ["S1", "S3"], [VALUES, np.array([np.nan])], [LOOKS["S1"], LOOKS["S3"]], ())
+    with style():
+        axes = draw_areas([panel], None, "mm²").axes[0]
+    assert len(axes.lines) == 1
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["S1", "S3"]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.2, 0.9])
+def test_hexagons_tile_the_lattice_of_the_pins(turn):
+    grid = np.stack(np.meshgrid(np.arange(5), np.arange(5)), axis=-1).reshape(-1, 2).astype(float)
+    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    pins = 20 * grid @ np.array([[1.0, 0.0], [0.5, np.sqrt(0.75)]]) @ rotation
+    tiles = hexagons(pins, pins)
+    x, y = tiles[:, :, 0], tiles[:, :, 1]
+    areas = np.abs(np.sum(x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1), axis=1)) / 2
+    assert areas == pytest.approx(np.full(25, np.sqrt(0.75) * 20**2))  # one pin's share of the lattice
+    # neighbours share two corners
+    first, second = tiles[0], tiles[1]
+    shared = np.linalg.norm(first[:, None] - second, axis=2) < 1e-6
+    assert shared.sum() == 2
+
+
+def test_a_single_pin_has_no_hexagon():
+    assert hexagons(np.zeros((1, 2)), np.zeros((1, 2))).shape == (0, 6, 2)
+
+
+def test_the_picture_is_in_the_drawing_with_its_area(run_of):
+    picture = run_of("S5", 0.0, "modular").picture
+    with style():
+        figure = draw_contacts([("0°", picture)], "mm²")
+        svg = svg_text(figure)
+    assert figure.axes[0].get_title(loc="center") == f"0°: {picture.area_mm2:.3g} mm²"
+    assert len(figure.axes[0].collections[0].get_paths()) == len(picture.contact_px) > 1
+    assert "data:image/png;base64" in svg
+
+
+def series(name, rate):
+    force = np.tile(np.linspace(0.5, 7, 20), 10)
+    return RateSeries(name, LOOKS[name], force, 20 + rate * force, np.full(10, rate) + np.linspace(-0.1, 0.1, 10))
+
+
+def test_the_line_through_the_frames_has_the_mean_rate():
+    assert line_of(series("S1", 8.0)) == pytest.approx((20.0, 8.0))
+    one_lost = series("S1", 8.0)
+    one_lost.casr[0] = np.nan
+    assert np.isfinite(line_of(one_lost)).all()
+
+
+def test_every_press_is_among_the_frames_that_are_drawn():
+    with style():
+        raw = draw_rates([("modular, 0°", [series("S1", 8.0)])], "mm²").axes[0]
+    shown = raw.lines[0].get_xdata()
+    assert 50 < shown.size < 100
+    assert np.unique(np.round(shown, 6)).size == 20
+
+
+def test_rates_have_a_row_for_each_design_and_one_legend():
+    with style():
+        figure = draw_rates([("0°", [series("S1", 8.0), series("S3", 9.0)]), ("30°", [series("S1", 7.0)])], "mm²")
+    assert len(figure.axes) == 4
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["S1", "S3"]
+    assert figure.axes[1].get_ylabel() == "CASR (mm²/N)"
+
+
+def test_presses_without_frames_still_have_their_boxes():
+    nothing = RateSeries("S1", LOOKS["S1"], np.empty(0), np.empty(0), VALUES)
+    with style():
+        figure = draw_rates([("imported", [nothing])], "mm²")
+        assert "nan" not in svg_text(figure).lower()
+    assert len(figure.axes[1].patches) == 1
+
+
+def test_both_conditions_stand_side_by_side():
+    boxes = [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES + 5), ConditionBoxes("S3", LOOKS["S3"], VALUES, VALUES)]
+    with style():
+        axes = draw_conditions([("0°", boxes)], "mm²").axes[0]
+    hollow, filled = axes.patches[:2]
+    assert hollow.get_x() + hollow.get_width() < filled.get_x()
+    assert hollow.get_facecolor()[3] == 0 < filled.get_facecolor()[3]
+    assert len(axes.patches) == 4
+
+
+@pytest.mark.parametrize("law", ["compliance", "exponential", "power", "linear-log"])
+def test_the_curve_is_the_law_that_was_fitted(law):
+    casr = np.array([[8.0, 8.1], [10.0, 9.9], [14.0, 14.2]])
+    fitted = calibrate([7.6, 3.3, 1.1], casr, CalibrationSettings(law=law), casr_unit="mm2/N")
+    parameters = tuple(fitted.fit.parameters[0].tolist())
+    nan = float("nan")
+    none = np.empty(0)
+    result = LawResult(law, "casr", "", parameters, *[nan] * 8, none, none, none, nan, ())
+    at = np.array([8.5, 11.0])
+    assert law_curve(result, at) == pytest.approx(fitted.fit.at(at[None])[0])

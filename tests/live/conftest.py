@@ -1,0 +1,56 @@
+"""Runs as the executor leaves them on disk, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from emg2vsa.rig.ended import Ended
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_log import Row
+from emg2vsa.rig.run_record import RunRecord
+
+PLAN = RunPlan("S1", 30.0, "high-stiffness", repetitions=3, schedule=None, f_max_n=7.0)
+RIG = RigSettings(home_ticks=100)
+SHAPE = (12, 16)
+STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
+
+
+def make_row(time_s: float = 0.0, **changes: Any) -> Row:
+    return Row(time_s, 1, "load", 1.5, 1.25, 1100, 600, 1400, 200, 1000, 10, -10, -1)._replace(**changes)
+
+
+@pytest.fixture
+def row() -> Callable[..., Row]:
+    return make_row
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> Path:
+    """Where runs will be; nothing is there yet."""
+    return tmp_path / "runs"
+
+
+@pytest.fixture
+def begin(runs: Path) -> Callable[[str], RunRecord]:
+    """A run that has just begun."""
+
+    def begun(name: str) -> RunRecord:
+        record = RunRecord(runs / name, STARTED, SHAPE)
+        record.plan(PLAN, RIG)
+        return record
+
+    return begun
+
+
+@pytest.fixture
+def ended() -> Callable[..., Ended]:
+    """How a run ended: completed and safe, but for what is named."""
+    whole = Ended("completed", "", "", "done", 3, 9.0, "", retracted=True, deactivated=True)
+    return lambda **changes: replace(whole, **changes)

@@ -1,0 +1,91 @@
+"""What the page makes of a moment: its message and its stop button, as the browser computes them."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import emg2vsa.live
+
+STATE = Path(emg2vsa.live.__file__).parent / "page" / "watch" / "state.js"
+RUNNING = {
+    "folder": "runs",
+    "run": {"name": "run"},
+    "age_s": 0.01,
+    "stop_requested": False,
+    "ended": None,
+    "trouble": "",
+}
+OVER = RUNNING | {"ended": {"kind": "good", "title": "Completed", "text": "3 of 3"}}
+CLICKED = {"askedS": 100.0, "failure": ""}
+UNTOUCHED = {"askedS": None, "failure": ""}
+
+
+@pytest.fixture(scope="module")
+def computed():
+    """Results of functions of state.js, called with plain values."""
+    program = shutil.which("deno", path=str(Path(sys.executable).parent)) or shutil.which("deno")
+    if program is None:
+        pytest.skip("deno is not installed (extra 'test')")
+
+    def call(function, *arguments):
+        script = (
+            f"import * as state from {json.dumps(STATE.as_uri())};"
+            f"console.log(JSON.stringify(state.{function}(...{json.dumps(arguments)})));"
+        )
+        done = subprocess.run(
+            [program, "run", "--quiet", "--no-config", "--ext=js", "-"],
+            input=script, capture_output=True, text=True, timeout=60, check=True,
+        )  # fmt: skip
+        return json.loads(done.stdout)
+
+    return call
+
+
+@pytest.mark.parametrize(
+    ("now", "silent_s", "kind", "title", "stale"),
+    [
+        (None, 0, "wait", "Connecting.", False),
+        (RUNNING | {"run": None}, 0, "wait", "Waiting for a run.", False),
+        (RUNNING | {"trouble": "log.csv: wanted"}, 0, "guard", "Cannot be shown.", True),
+        (RUNNING | {"age_s": 0.45}, 0.1, "warn", "No data for 0.6 s.", True),
+        (RUNNING | {"age_s": 4}, 0, "danger", "No data for 4 s.", True),
+        (RUNNING | {"age_s": 7200}, 0, "danger", "No data for 2 h.", True),
+        (RUNNING, 1.6, "danger", "No connection for 1.6 s.", True),
+        (OVER | {"age_s": 7200}, 0, "good", "Completed", False),
+        (OVER, 1.6, "danger", "No connection for 1.6 s.", True),
+    ],
+)
+def test_message(computed, now, silent_s, kind, title, stale):
+    message = computed("messageOf", {"now": now, "silentS": silent_s})
+    assert (message["kind"], message["title"], message["stale"]) == (kind, title, stale)
+
+
+def test_no_message_while_rows_come(computed):
+    assert computed("messageOf", {"now": RUNNING | {"age_s": 0.4}, "silentS": 0.05}) is None
+
+
+@pytest.mark.parametrize(
+    ("now", "stop", "clock_s", "title", "enabled"),
+    [
+        (None, UNTOUCHED, 0, "STOP", False),
+        (RUNNING | {"run": None}, UNTOUCHED, 0, "STOP", False),
+        (RUNNING, UNTOUCHED, 0, "STOP", True),
+        (RUNNING | {"age_s": 60}, UNTOUCHED, 0, "STOP", True),
+        (RUNNING, CLICKED, 100.1, "Stopping", True),
+        (RUNNING | {"stop_requested": True}, UNTOUCHED, 0, "Stopping", True),
+        (RUNNING | {"stop_requested": True}, CLICKED, 103.1, "NO ANSWER", True),
+        (RUNNING, {"askedS": None, "failure": "No connection"}, 0, "NOT STOPPED", True),
+        (OVER, UNTOUCHED, 0, "STOP", False),
+        (OVER, CLICKED, 110, "STOP", False),
+        (OVER, {"askedS": None, "failure": "Refused: nothing is running"}, 0, "STOP", False),
+    ],
+)
+def test_stop_button(computed, now, stop, clock_s, title, enabled):
+    button = computed("stopStateOf", {"now": now, "silentS": 0}, stop, clock_s)
+    assert (button["title"], button["enabled"]) == (title, enabled)

@@ -1,0 +1,102 @@
+"""The server as a process of its own, and the command that starts it."""
+
+from __future__ import annotations
+
+import http.client
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import contextmanager
+from urllib.parse import urlsplit
+
+import pytest
+
+from emg2vsa.cli import main
+from emg2vsa.errors import SettingError
+from emg2vsa.live.server import serve
+
+
+@contextmanager
+def started(command):
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        try:
+            yield server
+        finally:
+            server.kill()
+
+
+@pytest.fixture
+def taken():
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        yield other.getsockname()[1]
+
+
+def test_a_page_is_watched_and_ctrl_c_ends_it_while_somebody_looks(begin, row, runs):
+    begin("run").row(row(0.005))
+    command = [sys.executable, "-m", "emg2vsa.cli", "rig", "watch", str(runs), "--port", "0"]
+    with started(command) as server:
+        lines = [server.stdout.readline() for _ in range(3)]
+        address = urlsplit(lines[1].split()[1])
+        page = http.client.HTTPConnection(address.netloc, timeout=30)
+        page.request("GET", f"{address.path}stream")
+        answer = page.getresponse()
+        told = [answer.readline() for _ in range(3)]
+        server.send_signal(signal.SIGINT)
+        _, complaints = server.communicate(timeout=30)
+    assert lines[0] == f"Watching {runs}\n"
+    assert address.hostname == "127.0.0.1"
+    assert len(address.path.split("/")[1]) >= 20
+    assert answer.getheader("content-type").startswith("text/event-stream")
+    assert b'"time_s":[0.005]' in told[2]
+    assert (server.returncode, complaints) == (0, "")
+
+
+def test_every_start_has_a_token_of_its_own(monkeypatch):
+    monkeypatch.setattr("emg2vsa.live.server.uvicorn.Server.run", lambda server, sockets: None)
+    addresses = []
+    for _ in range(2):
+        serve({"watch": []}, 0, addresses.append)
+    tokens = {urlsplit(address).path.split("/")[1] for address in addresses}
+    assert len(tokens) == 2
+
+
+def test_only_this_computer_is_served(monkeypatch):
+    bound = []
+    monkeypatch.setattr(
+        "emg2vsa.live.server.uvicorn.Server.run", lambda server, sockets: bound.append(sockets[0].getsockname()[0])
+    )
+    serve({"watch": []}, 0, lambda address: None)
+    assert bound == ["127.0.0.1"]
+
+
+def test_a_port_that_is_taken(taken):
+    with pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"):
+        serve({"watch": []}, taken, lambda address: None)
+
+
+@pytest.mark.parametrize("library", ["starlette", "uvicorn"])
+def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, monkeypatch, library):
+    for name in [name for name in sys.modules if name.split(".")[0] == library or name.startswith("emg2vsa.live")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, library, None)
+    assert main(["rig", "watch", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert f"found no {library}" in said
+    assert 'pip install "emg2vsa[web]"' in said
+    assert said.count("\n") == 1
+
+
+def test_a_file_is_no_folder(tmp_path, capsys):
+    (tmp_path / "log.csv").write_text("")
+    assert main(["rig", "watch", str(tmp_path / "log.csv")]) == 2
+    assert "wanted a folder; found a file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("port", ["-1", "65536", "http"])
+def test_a_port_that_is_none(tmp_path, capsys, port):
+    with pytest.raises(SystemExit):
+        main(["rig", "watch", str(tmp_path), f"--port={port}"])
+    assert "wanted a port from 0 to 65535" in capsys.readouterr().err

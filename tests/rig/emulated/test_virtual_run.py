@@ -1,0 +1,122 @@
+"""Whole runs in virtual time: executor, drivers, bytes, emulated devices and the one world behind them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from casr.frame_files import open_frames
+from casr.score import score
+from emg2vsa.errors import DeviceError, ScheduleError, SettingError
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_log import read_log
+
+STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
+RIG = RigSettings()
+Plan = Callable[..., RunPlan]
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_the_same_inputs_give_the_same_bytes(plan: Plan, tmp_path: Path) -> None:
+    for name, seed in (("first", 0), ("again", 0), ("other", 1)):
+        run_virtual(
+            plan(angle_deg=30.0, f_max_n=2.0, pause_s=0.05),
+            RIG,
+            EmulatedSettings(seed=seed),
+            tmp_path / name,
+            started=STARTED,
+        )
+    first, again, other = (files(tmp_path / name) for name in ("first", "again", "other"))
+    assert first == again
+    assert {name for name in first if first[name] != other[name]} >= {"log.csv", "press-002/frames.tif"}
+    assert first["press-001/frames.tif"] != first["press-002/frames.tif"]
+
+
+@pytest.mark.parametrize(
+    ("condition", "angle_deg", "springs"),
+    [
+        ("high-stiffness", 45.0, "qbmove-maker-pro"),
+        ("modular", 30.0, "qbmove-maker-pro"),
+        ("modular", 0.0, "qbmove-advanced"),
+        ("constant-min", 0.0, "qbmove-advanced"),
+        ("constant-max", 0.0, "qbmove-maker-pro"),
+    ],
+)
+def test_a_run_of_every_kind(plan: Plan, tmp_path: Path, condition: str, angle_deg: float, springs: str) -> None:
+    emulated = EmulatedSettings(springs=springs)  # type: ignore[arg-type]
+    run_plan = plan(condition, angle_deg=angle_deg, repetitions=1)
+    ended = run_virtual(run_plan, RIG, emulated, tmp_path / "run", started=STARTED)
+    assert (ended.how, ended.repetitions_done, ended.retracted, ended.deactivated) == ("completed", 1, True, True)
+    rows = read_log(tmp_path / "run" / "log.csv")
+    pressed_n = max(row.force_n or 0 for row in rows)
+    assert 7.0 <= pressed_n < RIG.guards.force_n
+    deepest = max(rows, key=lambda row: row.position_ticks or 0)
+    yielded_mm = RIG.depth_at(deepest.position_ticks or 0) - RIG.depth_at(deepest.shaft_ticks or 0)
+    # the rigid shaft lags behind its command, springs yield as well
+    assert (yielded_mm < 0.25) == (condition == "high-stiffness")
+
+
+def test_the_softer_specimen_spreads_faster(plan: Plan, tmp_path: Path) -> None:
+    rates = []
+    for specimen in ("S1", "S5"):
+        folder = tmp_path / specimen
+        run_virtual(
+            plan("constant-max", specimen=specimen, repetitions=1), RIG, EmulatedSettings(), folder, started=STARTED
+        )
+        scores = [score(open_frames(press)) for press in sorted(folder.glob("press-*"))]
+        assert len(scores) == 1
+        rates.append(np.mean([found.rate.value for found in scores if found.rate is not None]))
+    assert rates[1] > 1.2 * rates[0]
+
+
+def test_a_press_is_kept_up_to_its_turning_point(plan: Plan, tmp_path: Path) -> None:
+    run_virtual(plan(), RIG, EmulatedSettings(), tmp_path / "run", started=STARTED)
+    rows = read_log(tmp_path / "run" / "log.csv")
+    for repetition in (1, 2):
+        press = tmp_path / "run" / f"press-{repetition:03d}"
+        kept = np.loadtxt(press / "force.csv", delimiter=",", skiprows=1)
+        loading = [row for row in rows if row.repetition == repetition and row.phase in ("approach", "contact", "load")]
+        turn = next(row for row in rows if row.repetition == repetition and row.phase == "retract")
+        np.testing.assert_array_equal(kept[:, 0], [row.time_s for row in [*loading, turn]])
+        assert kept[-1, 2] == turn.frame_index == len(open_frames(press)) - 1
+    after = [row for row in rows if row.phase in ("retract", "pause") and row.filtered_n is not None]
+    assert {row.frame_index for row in after if row.filtered_n is not None and row.filtered_n < 7} == {-1}
+
+
+def test_it_says_that_no_hardware_made_it(plan: Plan, tmp_path: Path) -> None:
+    run_virtual(plan(repetitions=1), RIG, EmulatedSettings(seed=5), tmp_path / "run", started=STARTED)
+    assert json.loads((tmp_path / "run" / "emulated.json").read_text())["seed"] == 5
+
+
+def test_another_run_is_neither_overwritten_nor_marked(plan: Plan, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("measured")
+    with pytest.raises(DeviceError, match="new folder"):
+        run_virtual(plan(), RIG, EmulatedSettings(), tmp_path, started=STARTED)
+    assert files(tmp_path) == {"log.csv": b"measured"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "rig", "emulated", "error", "says"),
+    [
+        ({"f_max_n": 12.0}, RIG, EmulatedSettings(), SettingError, "guard"),
+        ({"specimen": "S9"}, RIG, EmulatedSettings(), SettingError, "stiffness of the specimen"),
+        ({}, RigSettings(push_sign=-1, position_ticks=(-12000, 12000)), EmulatedSettings(), SettingError, "push_sign"),
+        ({"angle_deg": 45.0}, RIG, EmulatedSettings(stiffness_n_per_mm={"S3": 0.05}), SettingError, "inside the rim"),
+        ({}, RigSettings(max_preset_ticks=1000), EmulatedSettings(), ScheduleError, "preset_ticks"),
+    ],
+)
+def test_what_cannot_be_makes_no_folder(plan, tmp_path, changes, rig, emulated, error, says):
+    with pytest.raises(error, match=says):
+        run_virtual(plan(**changes), rig, emulated, tmp_path / "run", started=STARTED)
+    assert not (tmp_path / "run").exists()
