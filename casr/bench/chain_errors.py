@@ -61,7 +61,7 @@ def _casr(results: Sequence[PressScores], chain: Chain | None, angle_deg: float)
     """(n_specimens, n_repetitions) CASR at one angle."""
     found = [
         [
-            r.casr[chain] if chain else r.true_casr["slope"]
+            r.casr[chain] if chain else r.true_casr["power"]
             for r in results
             if r.angle_deg == angle_deg and r.stiffness_n_mm == stiffness
         ]

@@ -59,7 +59,11 @@ def scored(settings: PressSettings) -> PressScores:
         settings.stiffness_n_per_mm,
         settings.angle_deg,
         settings.repetition,
-        {"slope": truth.casr_slope_mm2_per_n, "paper": truth.casr_paper_mm2_per_n},
+        {
+            "power": truth.casr_power_mm2_per_n,
+            "slope": truth.casr_slope_mm2_per_n,
+            "paper": truth.casr_paper_mm2_per_n,
+        },
     )
     sequence = rendered(press)
     for engine in ENGINES:

@@ -85,14 +85,14 @@ def chain_table(results: Sequence[PressScores]) -> Table:
         ]
         for j in judged
     ]
-    rows.append(["(exact CASR)", "", "", "slope", 0.0, 0.0, *exact[0], worst(exact[0]), 0.0, worst(exact[1])])
+    rows.append(["(exact CASR)", "", "", "power", 0.0, 0.0, *exact[0], worst(exact[0]), 0.0, worst(exact[1])])
     columns = [("engine", ""), ("area", ""), ("law", ""), ("rate", ""), ("CASR %", "+.1f"), ("sd", ".1f")]
     columns += [(f"kappa {angle:g}° %", "+.1f") for angle in ANGLES_DEG]
     columns += [("worst", ".1f"), ("added", ".1f"), ("left out", ".1f")]
     notes = (
         "CASR: median error against the truth of the same rate rule over all presses, and its standard deviation.",
         f"kappa: error on {UNKNOWN} (5.32 N/mm) from the mean of its presses, calibrated on {', '.join(CALIBRATION)}.",
-        "added: largest difference at any angle from the kappa that exact CASR (slope) gives in the same way,",
+        "added: largest difference at any angle from the kappa that exact CASR (power) gives in the same way,",
         "  because an exponential through three specimens of this simulated contact is itself wrong by the last line.",
         "left out: largest error at any angle when each specimen in turn is the unknown one (S1 and S5 extrapolate).",
         recommendation(judged),

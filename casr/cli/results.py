@@ -51,4 +51,5 @@ def _rate(score: Score) -> str:
     if rate is None:
         return "none: no force belongs to these frames"
     interval = f" ({rate.low:.4g} to {rate.high:.4g}, 95 %)" if rate.low is not None else ""
-    return f"{rate.value:.4g} {rate.unit}{interval}, from {rate.n_frames} frames"
+    window = f", {rate.window_n[0]:g} to {rate.window_n[1]:g} N" if rate.window_n else ""
+    return f"{rate.value:.4g} {rate.unit}{interval}{window}, from {rate.n_frames} frames"

@@ -81,11 +81,11 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if arguments.stop_n is not None and arguments.stop_n <= arguments.start_n:
+    if (arguments.stop_n or PAPER_STOP_N) <= arguments.start_n:
         raise SettingError(
             "--stop-n",
             wanted=f"more than --start-n, {arguments.start_n:g} N",
-            found=f"{arguments.stop_n:g} N",
+            found=f"{arguments.stop_n or PAPER_STOP_N:g} N",
             do="Correct one of the two.",
         )
     from casr.frame_files import find_presses

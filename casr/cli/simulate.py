@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
         made.append({
             "press": name, "folder": str(folder), "frames": len(press.frames),
             "initial_area_mm2": float(truth.area_mm2[truth.loading_frames[0]]),
-            "casr_mm2_per_n": truth.casr_slope_mm2_per_n,
+            "casr_mm2_per_n": truth.casr_power_mm2_per_n,
         })  # fmt: skip
     _say_progress(len(planned), len(planned))
     if arguments.json:

@@ -1,4 +1,4 @@
-"""Area against force with its slope, and growth frame by frame."""
+"""Area against force with its rate, and growth frame by frame."""
 
 from __future__ import annotations
 
@@ -10,21 +10,26 @@ from numpy.typing import NDArray
 from casr.overlays.canvas import BLUE, GREEN, MUTED, ORANGE, Picture, plot, styled
 
 if TYPE_CHECKING:
-    from casr.spread import SpreadRate
+    from casr.spread import PowerLaw, SpreadRate
 
 
 @styled
 def area_curve(force_n: NDArray[np.float64], area: NDArray[np.float64], unit: str, rate: SpreadRate | None) -> Picture:
-    """Contact area against force; the slope rule's line and its interval about the middle of the force range.
+    """Contact area against force, and a line whose slope is the rate, with its interval; by a power law, that too.
 
     force_n, area : (T,).
     """
     figure, axes = plot("force (N)", f"contact area ({readable(unit)})")
     axes.plot(force_n, area, ".", color=BLUE, markersize=7, label="frame")
     caption = "Contact area of each frame against its force."
-    if rate is not None and rate.rule == "slope":
+    if rate is not None and rate.rule != "paper":
         caption += " The slope of the line is the CASR."
         ends, middle = _line_through(force_n, area)
+        if rate.law is not None and rate.window_n is not None:
+            ends, middle = _chord(rate.law, rate.window_n)
+            forces = np.linspace(*rate.window_n, 200)
+            axes.plot(forces, rate.law.area(forces), color=MUTED, linewidth=1.2, label="power law")
+            caption += " It joins two forces on the power law through the frames."
         away = ends - ends.mean()
         if rate.low is not None and rate.high is not None:
             sides = middle + np.outer([rate.low, rate.high], away)
@@ -65,3 +70,9 @@ def _line_through(force_n: NDArray[np.float64], area: NDArray[np.float64]) -> tu
     force_n, area = force_n[order], area[order]
     ends = force_n[[0, -1]]
     return ends, float(np.trapezoid(area, force_n) / (ends[1] - ends[0]))
+
+
+def _chord(law: PowerLaw, window_n: tuple[float, float]) -> tuple[NDArray[np.float64], float]:
+    """(2,) forces, N, and the mean of the areas there."""
+    ends = np.array(window_n)
+    return ends, float(law.area(ends).mean())

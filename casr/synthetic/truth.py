@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import SettingError
+from casr.spread import WINDOW_N
 from casr.synthetic.scene import Scene
+from casr.synthetic.settings import PressSettings
 from casr.synthetic.timeline import Timeline
 
 FloatArray = NDArray[np.float64]
@@ -29,6 +31,7 @@ class PressTruth:
     loading_frames : (n,) frames from the first at ``start_n`` or more to the last before the peak.
     log_growth : (n-1,) ln(A_i / A_{i-1}) over the loading frames.
     divergence : (n-1,) divergence of the skin inside the contact from each loading frame to the next.
+    casr_power_mm2_per_n : mean rate of the true area over ``casr.spread.WINDOW_N``, whatever was loaded.
     casr_slope_mm2_per_n, casr_paper_mm2_per_n : ``casr_truth`` of the loading frames.
     """
 
@@ -41,6 +44,7 @@ class PressTruth:
     loading_frames: NDArray[np.int64]
     log_growth: FloatArray
     divergence: FloatArray
+    casr_power_mm2_per_n: float
     casr_slope_mm2_per_n: float
     casr_paper_mm2_per_n: float
 
@@ -69,9 +73,15 @@ def press_truth(scene: Scene, timeline: Timeline) -> PressTruth:
         loading_frames=loading,
         log_growth=np.diff(np.log(area_px2[loading])),
         divergence=np.array([scene.divergence(before, after) for before, after in steps]),
+        casr_power_mm2_per_n=_mean_rate(scene.settings),
         casr_slope_mm2_per_n=casr_truth(area_mm2[loading], force[loading]),
         casr_paper_mm2_per_n=casr_truth(area_mm2[loading], force[loading], rule="paper"),
     )
+
+
+def _mean_rate(settings: PressSettings) -> float:
+    first, last = settings.world.area_mm2(WINDOW_N, settings.stiffness_n_per_mm, settings.angle_deg)
+    return float((last - first) / (WINDOW_N[1] - WINDOW_N[0]))
 
 
 def casr_truth(area_mm2: ArrayLike, force_n: ArrayLike, *, rule: str = "slope") -> float:

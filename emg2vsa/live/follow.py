@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -21,10 +22,18 @@ def newest_run(folder: Path) -> Path | None:
     if (folder / PLAN_FILE).exists():
         return folder
     try:
-        began = [(plan.stat().st_mtime_ns, plan.parent) for plan in folder.glob(f"*/{PLAN_FILE}")]
+        began = [(began_ns, name) for name in os.listdir(folder) if (began_ns := _began_ns(folder, name))]
     except OSError:
         return None
-    return max(began, default=(0, None))[1]
+    return folder / max(began)[1] if began else None
+
+
+def _began_ns(folder: Path, name: str) -> int | None:
+    # asked 20 times a second for every run; a glob costs four times as much
+    try:
+        return os.stat(f"{folder}/{name}/{PLAN_FILE}").st_mtime_ns
+    except OSError:
+        return None
 
 
 class Follower:

@@ -16,9 +16,18 @@ _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight
 
 
 def results_json(found: Mapping[str, Quantity]) -> str:
-    """Flat JSON object, keys sorted, one a line; every digit; null where a number is not defined."""
-    plain = {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in found.items()}
+    """Flat JSON object, keys sorted, one a line; every digit; null where a number is not defined.
+
+    An interval without an upper end has "inf" there, as text: JSON knows no infinity.
+    """
+    plain = {key: _json_value(value) for key, value in found.items()}
     return json.dumps(plain, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _json_value(value: Quantity) -> Quantity | None:
+    if not isinstance(value, float) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else str(value)
 
 
 def numbers_tex(found: Mapping[str, Quantity]) -> str:
@@ -62,6 +71,8 @@ def _latex(key: str, value: Quantity) -> str:
         return latex_text(value)
     if math.isnan(value):
         return "--"
+    if math.isinf(value):
+        return r"\ensuremath{\infty}" if value > 0 else r"\ensuremath{-\infty}"
     if is_p(key):
         relation, shown = p_parts(value)
         return rf"\emgp{{{relation}}}{{{shown}}}"

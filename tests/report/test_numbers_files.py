@@ -20,6 +20,12 @@ def test_json_is_flat_sorted_exact_and_strict():
     assert "NaN" not in text
 
 
+def test_an_interval_without_an_end_says_so():
+    found = {"kappa.high": math.inf, "kappa.low": -math.inf}
+    assert json.loads(results_json(found)) == {"kappa.high": "inf", "kappa.low": "-inf"}
+    assert r"\newcommand{\emgKappaHigh}{\ensuremath{\infty}}" in numbers_tex(found)
+
+
 def test_macros_spell_digits():
     assert macro_names(["fit.adj_r2_bins.min"]) == {"fit.adj_r2_bins.min": "emgFitAdjRTwoBinsMin"}
     assert macro_names(["power.n14"], "emgTest") == {"power.n14": "emgTestPowerNOneFour"}

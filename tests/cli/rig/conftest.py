@@ -21,7 +21,7 @@ from emg2vsa.schedule_files import write_schedule
 from emg2vsa.schedules import Schedule, build_schedules
 from emg2vsa.settings import ScheduleSettings
 
-# 20 mm/s: a press in a second; a machine with other work must not trip the guards
+# a machine with other work must not trip the guards; held up for a second, the probe goes 8 mm on
 RIG = """\
 [rig.guards]
 stale_s = 2
@@ -54,8 +54,7 @@ specimens = ["S1", "S3"]
 angles_deg = {{ high-stiffness = [0], modular = [0, 30] }}
 repetitions = 2
 f_max_n = 5
-ramp_mm_per_s = 20
-travel_mm = 12
+ramp_mm_per_s = 8
 pause_s = 0.1
 schedules = "schedules"
 
@@ -78,7 +77,7 @@ def make_schedules() -> tuple[Schedule, ...]:
         profiles=profiles, new=None, weight_alpha=math.nan, bracket=None, new_measured=None, new_error=None,
         leave_one_out=(), participant="", unit="V", notes=(),
     )  # fmt: skip
-    settings = ScheduleSettings(conditions=("modular",), probe_speed_mm_per_s=20.0, travel_mm=12.0)
+    settings = ScheduleSettings(conditions=("modular",), probe_speed_mm_per_s=8.0)
     return build_schedules(whole, settings, {"study": "palpation"})
 
 

@@ -21,11 +21,11 @@ def test_limits_legs_and_times(rig: Rig, rig_file: RigFile, tmp_path: Path) -> N
         "positions: -12000 to 12000 ticks\npresets: 600 to 2400 ticks, 20 to 80 % of 3000\n"
         "travel: 15 mm, +6827 ticks from home\nforce: 250 N, 100000 N/s\n"
     )
-    assert "\nS1_0_high-stiffness: 2 presses, at most 2.7 s\n" in out
-    assert "\n  approach           0 to 5461              0       0 to 0.5        0.60\n" in out
+    assert "\nS1_0_high-stiffness: 2 presses, at most 7.8 s\n" in out
+    assert "\n  approach           0 to 6827              0       0 to 0.5        1.88\n" in out
     preset = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[15]  # from 5.0 N on
-    assert f"\n  retract            5461 to 0           {preset}                       0.60\n" in out
-    assert out.endswith("\n3 runs, at most 0.1 min; nothing was sent\n")
+    assert f"\n  retract            6827 to 0           {preset}                       1.88\n" in out
+    assert out.endswith("\n3 runs, at most 0.4 min; nothing was sent\n")
 
 
 def test_as_json(rig: Rig, rig_file: RigFile) -> None:
@@ -37,7 +37,7 @@ def test_as_json(rig: Rig, rig_file: RigFile) -> None:
     ]  # fmt: skip
     legs = runs["S1_30_modular"]["legs"]
     assert [leg["force_n"] for leg in legs if leg["phase"] == "load"][-1] == [4.7, 5.0]
-    assert runs["S1_30_modular"]["at_most_s"] == pytest.approx(2 * (0.6 + 0.6 + 0.05 + 0.1))
+    assert runs["S1_30_modular"]["at_most_s"] == pytest.approx(2 * (1.875 + 1.875 + 0.05 + 0.1))
 
 
 def test_a_run_that_breaks_a_limit_is_told_beside_the_others(rig: Rig, rig_file: RigFile) -> None:

@@ -49,7 +49,7 @@ def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> 
 
 def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     options = ("--virtual", "--specimen", "S1", "--angle", 0, "--condition", "high-stiffness", "--repetitions", 1)
-    far = rig_file(("gap_mm = 2", "gap_mm = 11.8"))
+    far = rig_file(("gap_mm = 2", "gap_mm = 14.8"))
     status, out, err = rig("run", far, *options)
     assert status == 1
     assert "1/1 S1_0_high-stiffness: guard: travel in approach of press 1 (" in err or "in load of press 1 (" in err

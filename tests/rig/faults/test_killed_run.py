@@ -50,9 +50,9 @@ def test_kill_9_leaves_a_readable_run_and_motors_off(servers: EmulatedServers, t
     _wait(lambda: not servers.bench.firmware.state.on)  # nobody but the watchdog is left to switch them off
 
     rows = read_log(log)
-    assert rows[-1].phase == "load"
+    assert any(row.phase == "load" for row in rows)
     assert _ended(log.parent)["how"] == "killed"
-    assert len(open_frames(log.parent / "press-001")) >= rows[-1].frame_index + 1 > 1
+    assert len(open_frames(log.parent / "press-001")) > max(row.frame_index for row in rows) > 0
 
     _start(settings, tmp_path / "next").wait(PATIENCE_S)
     again = _ended(tmp_path / "next")

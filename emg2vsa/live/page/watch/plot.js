@@ -3,7 +3,7 @@
 const FONT = '15px system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif';
 const LEFT = 46, RIGHT = 8, TOP = 8, BOTTOM = 22;
 
-export function draw(canvas, { time, windowS, low, high, ticks, levels = [], band = null, curves }) {
+export function draw(canvas, { time, windowS, low, high, ticks, levels = [], band = null, curves, lastLabel }) {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name);
   const context = fitted(canvas);
@@ -29,7 +29,7 @@ export function draw(canvas, { time, windowS, low, high, ticks, levels = [], ban
   context.textBaseline = "bottom";
   for (let back = 0; back < windowS; back += 5) {
     context.textAlign = back ? "center" : "right";
-    context.fillText(back ? `−${back} s` : "now", x(end - back), canvas.clientHeight);
+    context.fillText(back ? `−${back} s` : lastLabel, x(end - back), canvas.clientHeight);
   }
   drawLevels(context, levels, y, width, colour);
   context.save();

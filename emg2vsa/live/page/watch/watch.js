@@ -112,7 +112,7 @@ function plot(where, axis, lines) {
   const canvas = $(`${where} canvas`);
   const ticks = ticksBetween(axis.low, axis.high, Math.max(2, canvas.clientHeight / 45));
   draw(canvas, {
-    ...axis, ticks, time: curves.time_s, windowS: WINDOW_S,
+    ...axis, ticks, time: curves.time_s, windowS: WINDOW_S, lastLabel: document.body.matches(".dim, .over") ? "last" : "now",
     curves: lines.map(([values, colour, width, dash]) => ({ values, colour, width, dash })),
   });
 }
@@ -133,6 +133,7 @@ function last(values) {
 
 function showFrame(frame) {
   const image = $("#frame");
+  image.classList.toggle("old", frame === ""); // frames are kept while loading only
   if (frame === "" || frame === frameShown || !(image.complete || image.hidden)) return;
   frameShown = frame;
   image.hidden = false;

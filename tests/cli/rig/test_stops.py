@@ -1,0 +1,77 @@
+"""What stops ``emg2vsa rig run``: the stop file, and signals to its process."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from emg2vsa.rig.run_log import read_log
+
+Rig = Callable[..., tuple[int, str, str]]
+ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
+MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
+
+
+def motors(bench: Any) -> bytes:
+    return bytes(bench.answer(bytes.fromhex("3a3a 01 02 81 81")))
+
+
+def ended_of(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "ended.json").read_text())
+    return found
+
+
+def wait_for_presses(folder: Path) -> None:
+    """Until the log says that a press has begun; fails when it does not."""
+    for _ in range(600):
+        if (folder / "log.csv").exists() and ",approach," in (folder / "log.csv").read_text():
+            return
+        time.sleep(0.05)
+    pytest.fail("no press has begun")
+
+
+def test_the_stop_file_ends_a_run_with_its_text(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    folder = tmp_path / "runs" / "S1_0_modular"
+
+    def press_stop() -> None:
+        wait_for_presses(folder)
+        (folder / "stop").write_text("seen enough\n")
+
+    button = threading.Thread(target=press_stop)
+    button.start()
+    status, out, _ = rig("run", served.path, *ONE, "--repetitions", 500)
+    button.join()
+    assert status == 1
+    assert "\nstopped: seen enough in " in out
+    assert ended_of(folder)["cause"] == "seen enough"
+
+
+@pytest.mark.parametrize(("number", "cause"), [(signal.SIGTERM, "SIGTERM"), (signal.SIGINT, "Ctrl-C")])
+def test_a_signal_ends_a_process_safely(
+    number: signal.Signals, cause: str, served: SimpleNamespace, tmp_path: Path
+) -> None:
+    folder = tmp_path / "runs" / "S1_0_modular"
+    command = [sys.executable, "-m", "emg2vsa.cli", "rig", "run", str(served.path), *ONE, "--repetitions", "500"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        wait_for_presses(folder)
+        os.kill(process.pid, number)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 1, err
+    assert f"\nstopped: {cause} in " in out
+    ended = ended_of(folder)
+    assert (ended["how"], ended["cause"], ended["retracted"], ended["deactivated"]) == ("stopped", cause, True, True)
+    rows = read_log(folder / "log.csv")
+    assert len(rows) == ended["rows"]
+    assert rows[-1].position_ticks == 0
+    assert motors(served.bench) == MOTORS_OFF
