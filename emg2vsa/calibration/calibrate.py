@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.laws import LawFit, fit_law
 from emg2vsa.calibration.presses import mean_of
 from emg2vsa.curves.weighted_rows import weighted_rows
@@ -30,9 +31,9 @@ ENOUGH_SPECIMENS = 6
 class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
-    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. mount_share :
-    see ``mounting``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr : (d, S). fit : the
-    law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
+    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. mount_share,
+    other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr :
+    (d, S). fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
     left_out : (d, S) kappa of each specimen as the others predict it.
     """
 
@@ -42,6 +43,7 @@ class Calibration:
     kappa: Floats
     kappa_se: Floats
     mount_share: float
+    other_exponent: float
     casr: Floats
     mean_casr: Floats
     fit: LawFit
@@ -79,12 +81,13 @@ def calibrate(
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
     mount_share: float = 0.0,
+    other_exponent: float = HERTZ,
 ) -> Calibration:
     """Fit a law through specimens of known stiffness.
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
-    kappa_se : standard errors of kappa. mount_share : see ``mounting``. Both widen the interval from repeats and do not
-    weigh the specimens.
+    kappa_se : standard errors of kappa. mount_share : see ``mounting``. other_exponent : that the presses show in place of
+    Hertz's, see ``growth``. All three widen the interval from repeats and do not change the fit.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -105,6 +108,7 @@ def calibrate(
         kappa=stiffness,
         kappa_se=_checked_kappa_se(kappa_se, stiffness),
         mount_share=mount_share,
+        other_exponent=other_exponent,
         casr=scores,
         mean_casr=means,
         fit=fit,

@@ -27,7 +27,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
-from emg2vsa.calibration.forms import kappa_slope
+from emg2vsa.calibration.forms import HERTZ, kappa_slope
 from emg2vsa.calibration.presses import mean_of
 from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval, side_by_side
 from emg2vsa.settings import CalibrationSettings
@@ -80,6 +80,7 @@ def calibrate_indentation(
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
     mount_share: float = 0.0,
+    other_exponent: float = HERTZ,
 ) -> Calibration:
     """The kinesthetic cue's calibration, 1/kappa over (mm/N)^(3/2); arguments as in ``calibrate``, scores in N/mm."""
     chosen = CalibrationSettings() if settings is None else settings
@@ -94,6 +95,7 @@ def calibrate_indentation(
         specimens=specimens,
         kappa_se=kappa_se,
         mount_share=mount_share,
+        other_exponent=other_exponent,
     )
 
 
@@ -115,7 +117,7 @@ def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_
         of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n), axis=1)
         logs = _log_slope(cutaneous, c) * _log_slope(kinesthetic, k)
         unseen = np.sum(c.kappa_step * k.kappa_step, axis=1) + np.sum(c.mount_step * k.mount_step, axis=1)
-        covariance = of_presses + logs * unseen
+        covariance = of_presses + logs * (unseen + c.law_step * k.law_step)
         v_c, v_k = _of_log(cutaneous, c), _of_log(kinesthetic, k)
         apart = v_c + v_k - 2 * covariance
         weight = np.clip((v_k - covariance) / apart, 0.0, 1.0)

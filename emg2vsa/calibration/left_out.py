@@ -51,6 +51,7 @@ def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats, Floa
         casr_unit=calibration.casr_unit,
         kappa_se=calibration.kappa_se[:, others],
         mount_share=calibration.mount_share,
+        other_exponent=calibration.other_exponent,
     )
     found = repeat_interval(without, calibration.casr[:, j])
     return found.kappa, found.low, found.high, found.p_of(eta_of(calibration.settings.law, calibration.kappa[:, j]))

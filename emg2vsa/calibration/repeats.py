@@ -7,12 +7,13 @@ that: every specimen was pressed ten times. To first order the estimate on the a
 
 with the slopes g, h of ``sensitivity``, so that
 
-    var(eta) = sum g_s^2 (s_s^2 / n_s + m^2 mean_s^2) + the same for the new one + sum h_s^2 se(kappa_s)^2.
+    var(eta) = sum g_s^2 (s_s^2 / n_s + m^2 mean_s^2) + the same for the new one + sum h_s^2 se(kappa_s)^2 + l^2.
 
 s_s is the standard deviation of the presses of specimen s: soft specimens scatter less than stiff ones, and one pooled
 value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
 (1946). m is the share of a score by which one mounting differs from the next, which its presses do not show
-(``mounting``). A law that does not hold is not in it; ``left_out`` tests that.
+(``mounting``); l is how far eta would move with the exponent that the growth of the contacts shows in place of Hertz's
+(``growth``), taken as one standard deviation of the law. A law that does not hold is not in it; ``left_out`` tests that.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration
 from emg2vsa.calibration.forms import kappa_of, kappa_slope
 from emg2vsa.calibration.presses import mean_of
-from emg2vsa.calibration.sensitivity import by_kappa, by_mean_score
+from emg2vsa.calibration.sensitivity import by_exponent, by_kappa, by_mean_score
 from emg2vsa.settings import Law
 
 
@@ -38,7 +39,8 @@ class RepeatInterval:
     interval on 1/kappa reaches 0: the specimen may be rigid for all that the score says.
     gradient : (d, S + 1) d eta / d mean score, of the known specimens and the new one. press_variance : (d, S + 1) of
     a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for a standard error of each known kappa,
-    mount_step : (d, S + 1) for a standard deviation of each mounting.
+    mount_step : (d, S + 1) for a standard deviation of each mounting. law_step : (d,) for the exponent that the presses
+    show in place of Hertz's.
     """
 
     kappa: Floats
@@ -52,6 +54,7 @@ class RepeatInterval:
     n: Ints
     kappa_step: Floats
     mount_step: Floats
+    law_step: Floats
 
     def p_of(self, law_eta: Floats) -> Floats:
         """Two-sided p (d,) of the true eta being ``law_eta``."""
@@ -85,12 +88,13 @@ def repeat_interval(calibration: Calibration, scores: Floats, *, own_noise: bool
         of_presses = gradient**2 * variance / n
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
         mount_step = gradient * np.append(calibration.mean_casr, mean[:, None], axis=1) * calibration.mount_share
-        unseen = np.sum(kappa_step**2, axis=1) + np.sum(mount_step**2, axis=1)
+        law_step = by_exponent(calibration, mean)
+        unseen = np.sum(kappa_step**2, axis=1) + np.sum(mount_step**2, axis=1) + law_step**2
         eta_se = np.sqrt(np.sum(of_presses, axis=1) + unseen)
         df = eta_se**4 / np.sum(of_presses**2 / freedom, axis=1)
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
     low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
-    return RepeatInterval(kappa, eta, eta_se, df, low, high, gradient, variance, n, kappa_step, mount_step)
+    return RepeatInterval(kappa, eta, eta_se, df, low, high, gradient, variance, n, kappa_step, mount_step, law_step)
 
 
 def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, fitted_points
+from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.laws import fit_law
 
 _SHARE = 1e-5  # of a score or a stiffness; central differences are then good to ten digits
@@ -21,6 +22,20 @@ def by_kappa(calibration: Calibration, casr: Floats) -> Floats:
     """d eta / d kappa (d, S): of the estimate at score ``casr`` (d,), for each known stiffness."""
     step = _SHARE * calibration.kappa
     return _difference(calibration, casr, np.zeros_like(step), step) / step
+
+
+def by_exponent(calibration: Calibration, casr: Floats) -> Floats:
+    """Change of eta (d,) of the estimate at score ``casr`` (d,), were the exponent of the compliance law the other one.
+
+    1/kappa over CASR^m is the law itself over scores raised to m / (3/2).
+    """
+    settings, power = calibration.settings, calibration.other_exponent / HERTZ
+    if settings.law != "compliance":
+        return np.zeros_like(casr)
+    with np.errstate(invalid="ignore", over="ignore"):
+        raised, known = casr**power, calibration.casr**power
+    fit = fit_law(settings.law, settings.minimise, *fitted_points(known, calibration.kappa, settings.points))
+    return np.asarray((fit.eta(raised[:, None]) - calibration.fit.eta(casr[:, None]))[:, 0])
 
 
 def _difference(calibration: Calibration, casr: Floats, score_step: Floats, kappa_step: Floats) -> Floats:

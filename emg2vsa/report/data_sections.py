@@ -31,10 +31,24 @@ def glance(results: StudyResults, found: Mapping[str, Quantity]) -> str:
     if "recovery.mean_b_error" in found:
         error, mcse = (100 * float(found[f"recovery.mean_b_error{suffix}"]) for suffix in ("", "_mcse"))
         tiles.append((f"{error:.2f} ± {mcse:.2f} %", "mean error of b against the truth"))
+    tiles += _rig_tiles(results)
     shown = "".join(f"<li><b>{escape(value)}</b>{escape(name)}</li>" for value, name in tiles)
     said = origin(results)
     opening = html.statement(said.kind, said.strong, said.text)
     return opening + f'<ul class="tiles">{shown}</ul>\n' + html.paragraph(_TERMS)
+
+
+def _rig_tiles(results: StudyResults) -> list[tuple[str, str]]:
+    """Presses of the rig, and how well they tell the stiffness of the new specimen."""
+    tiles = [(f"{sum(len(run.verdicts) for run in results.runs)}", "presses of the rig")] if results.runs else []
+    found = results.calibration
+    if found is not None and np.isfinite(found.known_kappa_new):
+        errors = [abs(r.algorithms[results.study.scoring.algorithm].chosen.error) for r in found.conditions]
+        known = [error for error in errors if np.isfinite(error)]
+        if known:
+            what = f"median error of κ of {found.new_specimen}, {len(known)} conditions and angles"
+            tiles.append((f"{100 * float(np.median(known)):.1f} %", what))
+    return tiles
 
 
 _TERMS = (

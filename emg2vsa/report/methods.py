@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
+from emg2vsa.report.runs_methods import runs_methods
 from emg2vsa.report.wording import count, listed
+from emg2vsa.runs import RunScores
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, HypothesisSettings, WindowSettings
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
@@ -54,7 +56,11 @@ _FEW = 3
 
 
 def methods_paragraph(
-    study: Study, trials: Sequence[Trials], versions: Mapping[str, str], simulated: bool = False
+    study: Study,
+    trials: Sequence[Trials],
+    versions: Mapping[str, str],
+    simulated: bool = False,
+    runs: Sequence[RunScores] = (),
 ) -> str:
     """Plain text. ``trials`` supply what was measured of the filters (true edges, delays) as they ran."""
     sentences = [
@@ -67,6 +73,7 @@ def methods_paragraph(
         _fit(study.fit, study.window),
         *_tests(study),
         *_export(study),
+        *runs_methods(study, runs),
         f"Software: {listed([f'{name} {version}' for name, version in versions.items()])}." if versions else "",
         "" if simulated else AUTHORS_ADD,
     ]

@@ -149,7 +149,7 @@ def _schedules(results: StudyResults, tables: Mapping[str, Table], drawings: Map
 
 def _methods(results: StudyResults) -> str:
     versions = {name: value for name, value in results.provenance.items() if " key" not in name}
-    return methods_paragraph(results.study, results.trials, versions, results.truth is not None)
+    return methods_paragraph(results.study, results.trials, versions, results.truth is not None, results.runs)
 
 
 def _provenance(results: StudyResults) -> str:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import gc
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -21,10 +19,9 @@ from emg2vsa.rig.open_rig import OpenRig, open_rig
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.stop_requests import StopRequests
+from emg2vsa.rig.undisturbed import undisturbed
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
-
-_SWITCH_S = 2e-4
 
 
 def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None) -> int:
@@ -38,9 +35,9 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
     ended = None
     try:
         with (
+            undisturbed(),
             StopRequests(folder) as stop,
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
-            _undisturbed(),
         ):
             check_plan(plan, opened.rig)
             _introduce(folder, plan, opened, file.devices.force.bias)
@@ -54,21 +51,6 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
         print(f"emg2vsa: {error}", file=sys.stderr)
         return 1
     return int(ended.how != "completed")
-
-
-@contextmanager
-def _undisturbed() -> Iterator[None]:
-    """The loop waits neither the usual 5 ms for the threads that fetch frames and watch the log, nor the 50 ms that a
-    search of all objects for garbage was measured to take."""
-    usual_s = sys.getswitchinterval()
-    sys.setswitchinterval(_SWITCH_S)
-    gc.collect()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
-        sys.setswitchinterval(usual_s)
 
 
 def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> None:
