@@ -13,7 +13,7 @@ s_s is the standard deviation of the presses of specimen s: soft specimens scatt
 value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
 (1946). m is the share of a score by which one mounting differs from the next, which its presses do not show
 (``mounting``); l is how far eta would move with the exponent that the growth of the contacts shows in place of Hertz's
-(``growth``), taken as one standard deviation of the law. A law that does not hold is not in it; ``left_out`` tests that.
+(``growth``), taken as one standard deviation of the law. Whether the law holds at all is for ``left_out`` to test.
 """
 
 from __future__ import annotations

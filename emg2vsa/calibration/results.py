@@ -65,7 +65,8 @@ class AlgorithmResult:
     chosen : by the settings. paper : exponential, least squares of kappa. left_out_rms : law to the root mean square
     error of left-out specimens; best_law : the law with the smallest, '' where none has one.
     kappa_by_growth : N/mm by the compliance law with the exponent that the growth of the contact shows in place of
-    Hertz's; how far it lies from ``chosen`` is what the law's misfit may cost. NaN for another law.
+    Hertz's; how far it lies from ``chosen`` counts as the law's standard deviation in its interval. NaN for
+    another law.
     fused : with the indentation; None without a log of it.
     """
 

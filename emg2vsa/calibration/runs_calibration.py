@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.comparison import compare_laws
-from emg2vsa.calibration.forms import HERTZ
+from emg2vsa.calibration.forms import kappa_of
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
-from emg2vsa.calibration.growth import growth_power
+from emg2vsa.calibration.growth import casr_exponent, growth_power, indentation_exponent
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.mounting import CASR_POWER, INDENTATION_POWER, mount_share
 from emg2vsa.calibration.presses import without_outliers
@@ -82,7 +83,6 @@ class _OneCondition:
     settings: CalibrationSettings
 
     def result(self) -> ConditionResult:
-        exponent = 1 / growth_power((*self.known, self.new))
         depth = self._indentation()
         return ConditionResult(
             angle_deg=self.new.angle_deg,
@@ -90,12 +90,12 @@ class _OneCondition:
             simulated=any(run.simulated for run in (*self.known, self.new)),
             specimens=self._names,
             known_kappa=self.kappa,
-            exponent=exponent,
-            algorithms={name: self._algorithm(name, exponent, depth) for name in ALGORITHMS},
+            exponent=1 / self._growth,
+            algorithms={name: self._algorithm(name, depth) for name in ALGORITHMS},
             indentation=None if depth is None else self._law(depth, mm_per_n(self.new.indent_n_per_mm)),
         )
 
-    def _algorithm(self, name: str, exponent: float, depth: Calibration | None) -> AlgorithmResult:
+    def _algorithm(self, name: str, depth: Calibration | None) -> AlgorithmResult:
         casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
         kept, new_kept = self._kept(casr), self._kept(new_casr[None])[0]
         chosen = self._calibrated(kept, self.settings)
@@ -109,7 +109,7 @@ class _OneCondition:
             paper=self._law(paper, new_casr),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            kappa_by_growth=self._by_growth(kept, new_kept, exponent),
+            kappa_by_growth=_by_growth(chosen, new_kept),
             fused=None if depth is None else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm)),
         )
 
@@ -132,24 +132,22 @@ class _OneCondition:
             specimens=self._names,
             kappa_se=self.kappa_se,
             mount_share=mount_share(CASR_POWER, self.new.angle_deg, settings.angle_sd_deg),
+            other_exponent=casr_exponent(self._growth),
         )
 
     def _indentation(self) -> Calibration | None:
         slopes = _padded([run.indent_n_per_mm for run in self.known])
         if not (np.any(np.isfinite(slopes), axis=1).all() and np.any(np.isfinite(self.new.indent_n_per_mm))):
             return None
-        share = mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg)
         return calibrate_indentation(
-            self.kappa, slopes, self.settings, specimens=self._names, kappa_se=self.kappa_se, mount_share=share
+            self.kappa,
+            slopes,
+            self.settings,
+            specimens=self._names,
+            kappa_se=self.kappa_se,
+            mount_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
+            other_exponent=indentation_exponent(self._growth),
         )
-
-    def _by_growth(self, casr: Floats, new_casr: Floats, exponent: float) -> float:
-        """The compliance law with another exponent is the law itself on scores raised to their ratio."""
-        if self.settings.law != "compliance" or not np.isfinite(exponent):
-            return float("nan")
-        with np.errstate(invalid="ignore"):
-            raised, new_raised = casr ** (exponent / HERTZ), new_casr ** (exponent / HERTZ)
-        return float(repeat_interval(self._calibrated(raised, self.settings), new_raised[None]).kappa[0])
 
     def _law(self, calibration: Calibration, scores: Floats, notes: tuple[str, ...] = ()) -> LawResult:
         found, without = estimate(calibration, scores), left_out(calibration)
@@ -187,6 +185,10 @@ class _OneCondition:
             notes=fusion.notes(),
         )
 
+    @cached_property
+    def _growth(self) -> float:
+        return growth_power((*self.known, self.new))
+
     @property
     def _names(self) -> tuple[str, ...]:
         return tuple(run.specimen for run in self.known)
@@ -194,6 +196,12 @@ class _OneCondition:
     @property
     def _casr_unit(self) -> str:
         return f"{self.new.area_unit}/N"
+
+
+def _by_growth(calibration: Calibration, scores: Floats) -> float:
+    found = repeat_interval(calibration, scores[None])
+    law = calibration.settings.law
+    return float(kappa_of(law, found.eta + found.law_step)[0]) if law == "compliance" else float("nan")
 
 
 def _padded(rows: Sequence[Floats]) -> Floats:

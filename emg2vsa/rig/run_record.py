@@ -23,6 +23,10 @@ from emg2vsa.schedules.document import document_of
 _KILLED = Ended("killed", "", "the program was killed; log.csv tells how far it came", "", 0, 0.0, "")
 
 
+EMULATED_FILE = "emulated.json"
+"""Marks the folder of a run that no hardware made, and says what it was made with."""
+
+
 class RunRecord:
     """Writes it. DeviceError, here and in every method: a run is there already, or the disk is full.
 

@@ -18,11 +18,10 @@ from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.run_record import EMULATED_FILE
 from emg2vsa.run_folders.find import PLAN_FILE
 from emg2vsa.runs.press import Press
 
-EMULATED_FILE = "emulated.json"
-"""Marks a run that no hardware made."""
 _LOG = "log.csv"
 _NONE: Floats = np.empty(0)
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from casr.synthetic import ContactWorld
 from emg2vsa.calibration import CalibrationSettings, calibrate, left_out
 from emg2vsa.calibration.forms import eta_of
+from emg2vsa.calibration.growth import casr_exponent, indentation_exponent
 from emg2vsa.calibration.mounting import CASR_POWER, INDENTATION_POWER, mount_share
 from emg2vsa.calibration.repeats import repeat_interval, within
 from emg2vsa.calibration.sensitivity import by_kappa, by_mean_score
@@ -82,6 +84,27 @@ def test_mountings_that_differ_are_counted(hertz):
     told = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N", mount_share=share), new)
     assert coverage(hertz, blind) < 0.5
     assert 0.935 < coverage(hertz, told) < 0.97
+
+
+def test_the_growth_of_the_contacts_sizes_the_misfit_of_the_law(bench_of):
+    """Where the contact grows unlike Hertz's, and noise hides nothing, the law's own error is what must be covered."""
+    bench = bench_of(ContactWorld(exponent=0.2, sensor_modulus_mpa=0.8))
+    known, new = bench.presses(9, d=500, noise=0.001)
+    blind = repeat_interval(calibrate(bench.kappa, known, casr_unit="mm2/N"), new)
+    told = repeat_interval(calibrate(bench.kappa, known, casr_unit="mm2/N", other_exponent=casr_exponent(0.4)), new)
+    assert coverage(bench, blind) < 0.05
+    assert coverage(bench, told) > 0.9
+    np.testing.assert_allclose(told.kappa, blind.kappa)
+    np.testing.assert_allclose(1 / (told.eta + told.law_step), bench.kappa_new, rtol=0.01)
+    settings = CalibrationSettings(law="power")
+    other = calibrate(bench.kappa, known, settings, casr_unit="mm2/N", other_exponent=casr_exponent(0.4))
+    np.testing.assert_array_equal(repeat_interval(other, new).law_step, 0)
+
+
+def test_exponents_follow_from_the_growth():
+    assert casr_exponent(2 / 3) == pytest.approx(1.5)
+    assert indentation_exponent(2 / 3) == pytest.approx(1.5)
+    assert casr_exponent(np.nan) == indentation_exponent(np.nan) == 1.5
 
 
 def test_a_single_press_borrows_the_noise_of_the_others(hertz):

@@ -66,10 +66,19 @@ def test_view_stays_inside_the_frame() -> None:
 def test_the_line_of_the_rate_has_its_slope_and_runs_through_the_curve() -> None:
     force_n = np.linspace(0.5, 7, 40)
     area = 100 + 12 * force_n
-    axes = area_curve(force_n, area, "mm2", spread_rate(area, force_n)).figure.axes[0]
+    axes = area_curve(force_n, area, "mm2", spread_rate(area, force_n, rule="slope")).figure.axes[0]
     line = axes.get_lines()[1].get_xydata()
     assert line[:, 1] == pytest.approx(100 + 12 * line[:, 0], rel=1e-6)
     assert "mm²/N" in axes.get_legend_handles_labels()[1][1]
+
+
+def test_the_line_of_a_power_law_joins_two_forces_on_it() -> None:
+    force_n = np.linspace(0.6, 6.5, 20)
+    rate = spread_rate(30 * force_n**0.6, force_n)
+    _, curve, line = (each.get_xydata() for each in area_curve(force_n, force_n, "mm2", rate).figure.axes[0].get_lines())
+    assert curve[:, 1] == pytest.approx(30 * curve[:, 0] ** 0.6)
+    assert line[:, 0] == pytest.approx([0.5, 7.0])
+    assert line[:, 1] == pytest.approx(30 * line[:, 0] ** 0.6)
 
 
 def test_the_paper_rate_has_no_line() -> None:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from casr.errors import CasrError, FramesError, NoContactError, SettingError
-from casr.spread import contact_areas, spread_rate
+from casr.spread import RATE_RULES, contact_areas, spread_rate
 from casr.spread.loading_points import pooled
+
+
+slope = partial(spread_rate, rule="slope")
 
 
 def press(frames=61, shape=1.0):
@@ -50,11 +55,11 @@ def test_ode_areas_can_be_continued_from_any_frame(growth, cut):
 
 
 @pytest.mark.parametrize("law", ["ode", "paper"])
-def test_no_initial_area_gives_no_area_and_no_rate(law):
+@pytest.mark.parametrize("rule", RATE_RULES)
+def test_no_initial_area_gives_no_area_and_no_rate(law, rule):
     area = contact_areas(0.0, np.full(9, 0.1), np.arange(1.0, 11.0), law=law)
     assert not area.any()
-    assert spread_rate(area, np.arange(1.0, 11.0)).value == 0.0
-    assert spread_rate(area, np.arange(1.0, 11.0), rule="paper").value == 0.0
+    assert spread_rate(area, np.arange(1.0, 11.0), rule=rule).value == 0.0
 
 
 def test_areas_refuse_what_they_cannot_use():
@@ -72,7 +77,7 @@ def test_areas_refuse_what_they_cannot_use():
 
 def test_slope_of_a_line_is_exact_with_an_interval_of_nothing():
     force = np.linspace(0.5, 7, 40)
-    rate = spread_rate(3 + 2 * force, force, area_unit="px2")
+    rate = slope(3 + 2 * force, force, area_unit="px2")
     assert (rate.value, rate.low, rate.high) == pytest.approx((2, 2, 2), rel=1e-9)
     assert rate.unit == "px2/N"
 
@@ -81,7 +86,7 @@ def test_slope_of_a_line_is_exact_with_an_interval_of_nothing():
 @pytest.mark.parametrize("frames", [31, 61, 121])
 def test_slope_is_that_of_the_curve_whatever_frame_rate_and_loading(frames, shape):
     area, force = press(frames, shape)
-    assert spread_rate(area, force).value == pytest.approx(exact_slope(), rel=0.004)
+    assert slope(area, force).value == pytest.approx(exact_slope(), rel=0.004)
 
 
 def test_paper_rate_is_equation_2_and_doubles_with_the_frame_rate():
@@ -103,14 +108,15 @@ def test_paper_merges_small_steps_and_loses_no_area():
 
 @pytest.mark.parametrize("dip_n", [0.3, 1.0, 3.0])
 @pytest.mark.parametrize("kept", [0.0, 0.5, 1.0])
-def test_dips_of_force_hardly_change_the_slope(dip_n, kept):
+@pytest.mark.parametrize("rule", ["power", "slope"])
+def test_dips_of_force_hardly_change_the_rate(dip_n, kept, rule):
     """kept: share of the area that stays when the force goes back; 0 is elastic, 1 sticks."""
     time = np.linspace(0, 1, 130)
     dips = sum(np.exp(-(((time - middle) / 0.03) ** 2)) for middle in (0.25, 0.5, 0.75))
     force = np.maximum(0.5 + 6.5 * time - dip_n * dips, 0.5)
     area = 80 * ((1 - kept) * np.sqrt(force) + kept * np.sqrt(np.maximum.accumulate(force)))
-    truth = spread_rate(80 * np.sqrt(0.5 + 6.5 * time), 0.5 + 6.5 * time).value
-    rate = spread_rate(area, force)
+    truth = spread_rate(80 * np.sqrt(0.5 + 6.5 * time), 0.5 + 6.5 * time, rule=rule).value
+    rate = spread_rate(area, force, rule=rule)
     assert rate.value == pytest.approx(truth, rel=0.001)
     assert dip_n < 1 or "in dips of the force" in rate.notes[0]
 
@@ -119,8 +125,8 @@ def test_noise_of_force_is_pooled_and_not_taken_for_dips():
     noise_n = 0.03 * np.random.default_rng(3).standard_normal((100, 130))
     force = np.linspace(0.5, 7, 130)
     area = 80 * np.sqrt(force)
-    rates = [spread_rate(area, force + noise) for noise in noise_n]
-    assert np.mean([rate.value for rate in rates]) == pytest.approx(spread_rate(area, force).value, rel=0.002)
+    rates = [slope(area, force + noise) for noise in noise_n]
+    assert np.mean([rate.value for rate in rates]) == pytest.approx(slope(area, force).value, rel=0.002)
     assert all("pooled" in rate.notes[0] for rate in rates)
 
 
@@ -147,8 +153,8 @@ def test_a_few_wild_areas_do_not_move_the_slope():
     area = area + rng.normal(size=61)
     wild = area.copy()
     wild[[3, 57]] += (200.0, -200.0)
-    clean = spread_rate(area, force).value
-    assert spread_rate(wild, force).value == pytest.approx(clean, rel=0.05)
+    clean = slope(area, force).value
+    assert slope(wild, force).value == pytest.approx(clean, rel=0.05)
     assert abs(np.polyfit(force, wild, 1)[0] / clean - 1) > 0.15
 
 
@@ -156,41 +162,41 @@ def test_a_few_wild_areas_do_not_move_the_slope():
 def test_interval_covers_the_noise_free_slope(frames, correlation, least):
     rng = np.random.default_rng(2)
     area, force = press(frames, 1.3)
-    truth = spread_rate(area, force).value
-    rates = [spread_rate(area + 3 * autoregressive(rng, frames, correlation), force) for _ in range(300)]
+    truth = slope(area, force).value
+    rates = [slope(area + 3 * autoregressive(rng, frames, correlation), force) for _ in range(300)]
     covered = np.mean([rate.low <= truth <= rate.high for rate in rates])
     assert least < covered < 0.99
     assert np.mean([rate.value for rate in rates]) == pytest.approx(truth, rel=0.01)
 
 
 def test_noise_free_bend_is_not_taken_for_noise():
-    rate = spread_rate(*press())
+    rate = slope(*press())
     assert rate.high - rate.low < 0.005 * rate.value
 
 
 def test_frames_without_force_are_left_out_and_counted():
     area, force = press()
     force[[0, 10, 60]] = np.nan
-    rate = spread_rate(area, force)
+    rate = slope(area, force)
     assert rate.n_frames == 58
     assert "3 of 61 frames carry no force" in rate.notes[0]
-    assert rate.value == pytest.approx(spread_rate(area[~np.isnan(force)], force[~np.isnan(force)]).value, rel=1e-12)
+    assert rate.value == pytest.approx(slope(area[~np.isnan(force)], force[~np.isnan(force)]).value, rel=1e-12)
 
 
 @given(st.floats(0.1, 100), st.floats(-50, 50))
 def test_slope_scales_with_area_and_ignores_an_offset(scale, offset):
     area, force = press(20)
-    assert spread_rate(scale * area + offset, force).value == pytest.approx(scale * spread_rate(area, force).value)
+    assert slope(scale * area + offset, force).value == pytest.approx(scale * slope(area, force).value)
 
 
 def test_few_points_give_a_slope_without_interval():
-    rate = spread_rate([10.0, 14.0], [1.0, 3.0])
+    rate = slope([10.0, 14.0], [1.0, 3.0])
     assert rate.value == pytest.approx(2.0)
     assert rate.low is None
     assert "too few" in rate.notes[0]
 
 
-@pytest.mark.parametrize("rule", ["slope", "paper"])
+@pytest.mark.parametrize("rule", RATE_RULES)
 @pytest.mark.parametrize(
     ("area", "force"),
     [
@@ -207,13 +213,14 @@ def test_what_has_no_rate_is_one_clear_error(rule, area, force):
         spread_rate(area, force, rule=rule)
 
 
-def test_constant_and_falling_force_have_no_slope():
+@pytest.mark.parametrize("rule", ["power", "slope"])
+def test_constant_and_falling_force_have_no_rate(rule):
     for force in (np.full(5, 3.0), np.linspace(7, 1, 5)):
         with pytest.raises(FramesError, match="rising force"):
-            spread_rate(np.arange(5.0), force)
+            spread_rate(np.arange(5.0), force, rule=rule)
 
 
 def test_bad_settings_are_refused():
-    for setting in ({"rule": "median"}, {"confidence": 1.0}, {"min_step_n": 0.0}):
+    for setting in ({"rule": "median"}, {"confidence": 1.0}, {"min_step_n": 0.0}, {"window_n": (7.0, 0.5)}):
         with pytest.raises(SettingError):
             spread_rate([1.0, 2.0], [1.0, 2.0], **setting)

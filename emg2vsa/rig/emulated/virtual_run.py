@@ -20,8 +20,7 @@ from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.rig_settings import RigSettings
-
-EMULATED_FILE = "emulated.json"
+from emg2vsa.rig.run_record import EMULATED_FILE
 
 
 def run_virtual(

@@ -37,7 +37,7 @@ def write_images(folder, frames):
 def test_a_press_folder_brings_its_force_and_camera(press, frames):
     sequence = open_frames(press)
     assert (sequence.name, sequence.notes) == ("S1_30deg", ())
-    np.testing.assert_array_equal(sequence.force_n, np.arange(12) + 0.5)
+    np.testing.assert_array_equal(sequence.force_n, [0.5, *range(1, 12)])
     assert sequence.camera == Camera(width_px=32, height_px=24)
     np.testing.assert_array_equal(list(sequence), frames)
 
@@ -59,7 +59,11 @@ def test_files_given_stand_before_files_found(press, tmp_path):
         press, force=tmp_path / "other.csv", camera=tmp_path / "other.toml", column="force_filtered_n"
     )
     assert sequence.camera.depth_mm == 9.0
-    np.testing.assert_array_equal(sequence.force_n, np.arange(12) + 0.5)
+    np.testing.assert_array_equal(sequence.force_n, [0.5, *range(1, 12)])
+
+
+def test_the_mean_of_a_frames_rows_is_its_force_by_the_papers_rule(press):
+    np.testing.assert_array_equal(open_frames(press, force_rule="mean").force_n, np.arange(12) + 0.5)
 
 
 def test_a_file_of_frames_takes_nothing_that_was_not_given(press):

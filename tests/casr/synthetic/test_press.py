@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from casr.errors import SettingError
-from casr.frames import FrameSequence, loading_phase
+from casr.frames import FrameSequence, force_per_frame, loading_phase
 from casr.spread import spread_rate
 from casr.synthetic import (
     SPECIMENS,
@@ -65,13 +65,25 @@ def test_log_noise_has_the_stated_spread() -> None:
     assert quiet.log_force_n.min() == 0
 
 
-def test_force_per_frame_is_the_force_half_a_frame_later(press: SimulatedPress) -> None:
-    sequence = press.sequence()
-    assert isinstance(sequence, FrameSequence)
+@pytest.mark.parametrize(("rule", "lag_s"), [("exposure", 0.0), ("mean", 0.025)])
+def test_force_is_that_at_the_frame_or_by_the_papers_mean_half_a_frame_later(
+    press: SimulatedPress, rule: str, lag_s: float
+) -> None:
+    log = press.timeline
+    force_n = force_per_frame(log.log_force_n, log.log_frame_index, len(press.frames), rule=rule)
     steady = press.truth.loading_frames[5:-5]
-    lag = sequence.force_n[steady] - press.truth.force_n[steady]
+    lag_n = force_n[steady] - press.truth.force_n[steady]
     rate = np.diff(press.truth.force_n[steady])[0] * 20
-    np.testing.assert_allclose(lag, rate * 0.025, atol=0.02)
+    np.testing.assert_allclose(lag_n, rate * lag_s, atol=0.02)
+    assert abs(lag_n.mean() - rate * lag_s) < 0.002
+
+
+def test_a_sequence_has_the_frames_and_their_forces(press: SimulatedPress) -> None:
+    sequence, log = press.sequence(), press.timeline
+    assert isinstance(sequence, FrameSequence)
+    np.testing.assert_array_equal(
+        sequence.force_n, force_per_frame(log.log_force_n, log.log_frame_index, len(press.frames))
+    )
     np.testing.assert_array_equal(sequence[8], press.frames.read(8))
 
 
@@ -102,9 +114,9 @@ def test_truth_agrees_with_itself(press: SimulatedPress) -> None:
     force = np.linspace(truth.force_n[loading[0]], truth.force_n[loading[-1]], 50_001)
     on_the_curve = truth.area_mm2[loading[-1]] * np.sqrt(force / force[-1])  # gamma of 0.25
     assert truth.casr_slope_mm2_per_n == pytest.approx(np.polyfit(force, on_the_curve, 1)[0], rel=1e-3)
-    assert truth.casr_slope_mm2_per_n == pytest.approx(
-        spread_rate(truth.area_mm2[loading], truth.force_n[loading]).value, rel=1e-4
-    )
+    for rule, true in (("slope", truth.casr_slope_mm2_per_n), ("power", truth.casr_power_mm2_per_n)):
+        found = spread_rate(truth.area_mm2[loading], truth.force_n[loading], rule=rule).value
+        assert true == pytest.approx(found, rel=1e-4), rule
     assert truth.casr_paper_mm2_per_n == casr_truth(truth.area_mm2[loading], truth.force_n[loading], rule="paper")
     assert json.loads(json.dumps(truth.to_dict()))["area_mm2"] == truth.area_mm2.tolist()
 
