@@ -3,7 +3,8 @@
 If the area depends on F/E* alone, as it must in any elastic contact that one modulus describes, then A ~ F^p is
 A ~ (F/E*)^p: the score goes as E*^(-p), and 1/E* as CASR^(1/p). Hertz has p = 2/3. The stiffness of a round contact is
 2 E* sqrt(A/pi) whatever the shape of the bodies (Pharr, Oliver and Brotzen 1992, Journal of Materials Research 7, 613),
-so that the indentation goes as F^(1 - p/2) E*^(p/2 - 1), and 1/E* as the millimetres per newton to the power 1/(1 - p/2).
+so that the indentation goes as F^(1 - p/2) E*^(p/2 - 1), and 1/E* as the millimetres per newton to the power of
+1/(1 - p/2).
 """
 
 from __future__ import annotations

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 
+from emg2vsa.atomic import write_text_atomic
 from emg2vsa.cli.rig.ending import told
 from emg2vsa.cli.rig.press_lines import PressLines
 from emg2vsa.errors import DeviceError, SettingError
@@ -18,6 +21,7 @@ from emg2vsa.rig.new_folder import completed_folder, how_ended, new_folder
 from emg2vsa.rig.open_rig import OpenRig, open_rig
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.plan_limits import check_plan
+from emg2vsa.rig.run_record import EMULATED_FILE
 from emg2vsa.rig.stop_requests import StopRequests
 from emg2vsa.rig.undisturbed import undisturbed
 from emg2vsa.rig_file import RigFile
@@ -40,6 +44,7 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
         ):
             check_plan(plan, opened.rig)
+            _mark_emulated(file, folder)
             _introduce(folder, plan, opened, file.devices.force.bias)
             with PressLines(folder, plan.repetitions):
                 ended = execute(plan, opened.rig, opened.devices, folder, clock, started=started, stop=stop)
@@ -51,6 +56,13 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
         print(f"emg2vsa: {error}", file=sys.stderr)
         return 1
     return int(ended.how != "completed")
+
+
+def _mark_emulated(file: RigFile, folder: Path) -> None:
+    """No run of emulated devices ever passes as a measured one."""
+    if file.emulated is not None and file.emulated.behind_ports:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(file.emulated), indent=2) + "\n")
 
 
 def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> None:

@@ -39,6 +39,7 @@ def served_file(file: RigFile, servers: EmulatedServers, folder: Path) -> str:
         "runs": os.path.relpath(file.runs.with_name(f"{file.runs.name}-emulated"), folder),
     }
     tables = raw | served_tables(servers) | {"experiment": raw["experiment"] | places}
+    tables |= {"emulated": raw.get("emulated", {}) | {"behind_ports": True}}
     return f"{_HEAD} From {file.path.name}.\n" + "\n".join(toml_lines(tables)) + "\n"
 
 

@@ -39,3 +39,5 @@ class EmulatedSettings:
     "Relative standard deviation of the specimen's stiffness from press to press (guess: temperature and creep)."
     seed: Annotated[int, Ge(0)] = 0
     "Same seed, same bytes."
+    behind_ports: bool = False
+    "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
