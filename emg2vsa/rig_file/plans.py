@@ -36,9 +36,7 @@ def chosen_runs(
                 do = nearest(name, known if what != "angle" else (), "Add it to [experiment], or choose another.")
                 raise SettingError(f"{file.path}, {what}", wanted=", ".join(known), found=name, do=do)
     chosen = tuple(
-        run
-        for run, of_run in keys.items()
-        if all(of_run[what] in names for what, names in asked.items() if names)
+        run for run, of_run in keys.items() if all(of_run[what] in names for what, names in asked.items() if names)
     )
     if not chosen:
         choice = ", ".join(f"{what} {' or '.join(names)}" for what, names in asked.items() if names)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import signal
 import sys
 import threading
@@ -75,6 +76,7 @@ def _served(file: RigFile, arguments: argparse.Namespace) -> Iterator[EmulatedSe
     # a thread that is to answer at once would else wait 5 ms for the one that draws a frame
     usual_s, before = sys.getswitchinterval(), signal.signal(signal.SIGTERM, signal.default_int_handler)
     sys.setswitchinterval(_SWITCH_S)
+    gc.freeze()  # a search of all that is loaded for garbage takes 50 ms, in which no device would answer
     try:
         with EmulatedServers(bench) as servers:
             yield servers

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +18,7 @@ import pytest
 from emg2vsa.cli.rig.served_file import check_replaceable, served_file, toml_lines
 from emg2vsa.errors import SettingError
 from emg2vsa.rig_file import load_rig
+from emg2vsa.run_folders.presses import is_simulated
 
 Rig = Callable[..., tuple[int, str, str]]
 
@@ -44,7 +46,8 @@ def test_the_written_file_leads_to_the_emulated_devices(served: SimpleNamespace,
     written = tmp_path / "elsewhere" / "emulated.toml"
     written.write_text(served_file(file, served.servers, written.parent))
     again = load_rig(written)
-    assert (again.rig, again.experiment, again.emulated) == (file.rig, file.experiment, file.emulated)
+    assert (again.rig, again.experiment) == (file.rig, file.experiment)
+    assert again.emulated == replace(file.emulated, behind_ports=True)
     assert again.schedules.resolve() == file.schedules.resolve()
     assert again.runs.resolve() == tmp_path / "runs-emulated"
     devices, motor = again.devices, again.devices.motor
@@ -118,5 +121,6 @@ def test_in_another_shell(rig: Rig, rig_file: Callable[..., Path], tmp_path: Pat
         assert emulation.stdout.readline() == "dark on: the camera gives no frames\n"
         emulation.terminate()
         assert emulation.wait() == 0
+    assert is_simulated([tmp_path / "runs-emulated" / "S1_0_modular"])
     ended = json.loads((tmp_path / "runs-emulated" / "S1_0_modular" / "ended.json").read_text())
     assert ended["how"] == "completed"
