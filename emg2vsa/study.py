@@ -23,10 +23,11 @@ from emg2vsa.settings import (
 
 @dataclass(frozen=True)
 class Specimen:
-    """A soft specimen; ``stiffness_n_per_mm`` is None where nobody measured it."""
+    """A soft specimen; ``stiffness_n_per_mm`` is None where nobody measured it, and comes with its standard error."""
 
     name: str
     stiffness_n_per_mm: float | None
+    stiffness_se_n_per_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -114,3 +115,8 @@ class Study:
         """The same for whatever the rig may press: the new specimen as well."""
         new, stiffness = self.profile.new_specimen, self.profile.new_stiffness_n_per_mm
         return self.stiffness_n_per_mm | ({new: stiffness} if new and stiffness else {})
+
+    @property
+    def pressed_se_n_per_mm(self) -> dict[str, float]:
+        """Standard errors of the same; 0 where none is known."""
+        return {s.name: s.stiffness_se_n_per_mm for s in self.specimens}

@@ -12,7 +12,20 @@ from collections.abc import Sequence
 import emg2vsa
 from emg2vsa.errors import Emg2vsaError, StudyError
 
-COMMANDS = ("simulate", "check", "run", "status", "fit", "schedule", "report", "power", "design", "stats", "stiffness", "rig")
+COMMANDS = (
+    "simulate",
+    "check",
+    "run",
+    "status",
+    "fit",
+    "schedule",
+    "report",
+    "power",
+    "design",
+    "stats",
+    "stiffness",
+    "rig",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

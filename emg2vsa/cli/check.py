@@ -36,7 +36,9 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.study_file import load_study
 
     study = _only(load_study(arguments.study), arguments.participants)
-    board = run_study(study, stages=stages_for("trials"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
+    board = run_study(
+        study, stages=stages_for("trials"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json)
+    )
     failures = {item: message for item, _, message in board.failures()}
     verdicts = [
         _judge(study, participant, board.done("trials", f"{participant}/"), failures) for participant in _people(study)

@@ -54,7 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.study_file import load_study
 
     study = load_study(arguments.study)
-    board = run_study(study, stages=stages_for("schedules"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json))
+    board = run_study(
+        study, stages=stages_for("schedules"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json)
+    )
     made = board.done("schedules")
     if not made:
         message = "; ".join(text for item, _, text in board.failures() if item == "study")

@@ -85,5 +85,7 @@ def _print(rows: list[dict[str, Any]]) -> None:
     print("For the study file:")
     for name in dict.fromkeys(row["specimen"] for row in rows):
         values = [row["stiffness_n_per_mm"] for row in rows if row["specimen"] == name]
-        spread = f" # SD {np.std(values, ddof=1):.3g} over {len(values)} trials" if len(values) > 1 else ""
-        print(f'[[specimens]]\nname = "{name}"\nstiffness_n_per_mm = {np.mean(values):.4g}{spread}')
+        print(f'[[specimens]]\nname = "{name}"\nstiffness_n_per_mm = {np.mean(values):.4g}')
+        if len(values) > 1:
+            error = np.std(values, ddof=1) / np.sqrt(len(values))
+            print(f"stiffness_se_n_per_mm = {error:.2g} # of the mean of {len(values)} trials")

@@ -27,6 +27,12 @@ def calibration(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
 
     def make() -> object:
         runs = [artifacts.load(path) for path in inputs["runs"]]
-        return calibrate_runs(runs, study.pressed_n_per_mm, study.profile.new_specimen or "", study.calibration)
+        return calibrate_runs(
+            runs,
+            study.pressed_n_per_mm,
+            study.profile.new_specimen or "",
+            study.calibration,
+            kappa_se=study.pressed_se_n_per_mm,
+        )
 
     return stored("calibration", result, make)

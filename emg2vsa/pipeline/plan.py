@@ -10,7 +10,7 @@ from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.fingerprint import Fingerprints
 from emg2vsa.pipeline.ledger import Entry, Ledger, differences
 from emg2vsa.pipeline.manifest import manifest_holds
-from emg2vsa.pipeline.steps import FAILED, Step, items, make_step, step_id, upstream
+from emg2vsa.pipeline.steps import FAILED, OF_RUNS, Step, items, make_step, step_id, upstream
 from emg2vsa.study import Study
 
 WRITES_FILES = frozenset({"pages", "report"})
@@ -104,14 +104,15 @@ def _reasons(last: Entry | None, step: Step) -> tuple[str, ...]:
     return ("never ran",) if last is None else tuple(differences(last.parts, step.parts))
 
 
-def open_board(study: Study) -> Board:
-    """The board of a study, with its runs looked up. Raises as ``campaign``."""
-    return Board(campaign(study), Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
+def open_board(study: Study, stages: Sequence[str]) -> Board:
+    """The board of a study, with its runs looked up where one of the ``stages`` needs them. Raises as ``campaign``."""
+    found = campaign(study) if OF_RUNS & set(stages) else Campaign(study)
+    return Board(found, Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
 
 
 def survey(study: Study, stages: Sequence[str]) -> Board:
     """The state of all steps of the stages; nothing is computed, nothing but the fingerprint memory is written."""
-    board = open_board(study)
+    board = open_board(study, stages)
     for stage in stages:
         board.add_stage(stage)
     board.prints.save()

@@ -37,7 +37,7 @@ def run_study(study: Study, *, stages: Sequence[str], jobs: int, progress: Progr
     ------
     StudyError, DataError : its rig file, or its table of measured runs, has problems; nothing was run.
     """
-    board = open_board(study)
+    board = open_board(study, stages)
     try:
         for wave in _waves(stages, study.cocontraction.needs_session):
             _run_wave(board, wave, jobs, progress, stages)

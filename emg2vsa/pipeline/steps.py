@@ -87,10 +87,11 @@ def stages_for(wanted: str | None) -> tuple[str, ...]:
     return tuple(name for name in STAGES if name in needed)
 
 
-_OF_RUNS = ("runs", "discrimination", "calibration")
+OF_RUNS = frozenset({"runs", "discrimination", "calibration"})
+"""The stages of the rig's runs."""
 
 
-HUMAN_STAGES = tuple(name for name in STAGES if name not in _OF_RUNS)
+HUMAN_STAGES = tuple(name for name in STAGES if name not in OF_RUNS)
 """Everything about people, and its report."""
 CASR_STAGES = tuple(name for name in STAGES if name not in ("hypotheses", "pages"))
 """The rig's runs with what they need, and their report."""
@@ -98,7 +99,7 @@ CASR_STAGES = tuple(name for name in STAGES if name not in ("hypotheses", "pages
 
 def items(study: Study, stage: str) -> tuple[str, ...]:
     """The items of a stage, in the study's order."""
-    if stage in _OF_RUNS and not study.runs:
+    if stage in OF_RUNS and not study.runs:
         return ()
     match STAGES[stage].per:
         case "recording":
@@ -199,6 +200,7 @@ def _settings(campaign: Campaign, stage: str, item: str, entry: RecordingEntry |
         used = {"discrimination": study.discrimination, "specimens": study.pressed_n_per_mm}
     elif stage == "calibration":
         used = {"calibration": study.calibration, "specimens": study.pressed_n_per_mm}
+        used["standard errors"] = study.pressed_se_n_per_mm
         used["new_specimen"] = study.profile.new_specimen
     elif stage == "pages":
         used = {"title": study.title, "specimens": study.specimens, "reports": study.reports.name}

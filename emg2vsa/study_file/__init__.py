@@ -69,7 +69,7 @@ def _study(path: Path, draft: Draft) -> Study:
         mode=file.study.mode,
         path=Path(os.path.abspath(path)),  # one spelling, however it was given: keys of steps hold paths relative to it
         participants=draft.participant_ids or (),
-        specimens=tuple(Specimen(s.name, s.stiffness_n_per_mm) for s in file.specimens),
+        specimens=tuple(Specimen(s.name, s.stiffness_n_per_mm, s.stiffness_se_n_per_mm) for s in file.specimens),
         recordings=entries(draft),
         cocontraction=file.cocontraction,
         fit=file.fit,

@@ -19,6 +19,7 @@ from emg2vsa.settings import (
     FitSettings,
     ForceChannelSettings,
     HypothesisSettings,
+    NonNegative,
     Positive,
     ProfileSettings,
     RunSettings,
@@ -72,6 +73,8 @@ class SpecimenTable:
     "Short name: letters, digits, - _ and dots."
     stiffness_n_per_mm: Positive | None = None
     "Stiffness by plate indentation, N/mm; omitted: not measured."
+    stiffness_se_n_per_mm: NonNegative = 0.0
+    "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa stiffness)."
 
 
 @dataclass(frozen=True, kw_only=True)

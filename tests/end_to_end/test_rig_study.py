@@ -154,6 +154,18 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated,
     assert "emulated rig" not in page
 
 
+def test_what_is_wrong_with_the_runs_stops_no_session_check(simulated, tmp_path, capsys):
+    study = tmp_path / "studies" / "small" / "study.toml"
+    shutil.copytree(simulated, study.parent)
+    study.write_text(study.read_text() + '\n[runs]\nroot = "lab"\n')
+    (study.parent / "lab").mkdir()
+    (study.parent / "lab" / "runs.tsv").write_text("nonsense\n")
+    assert main(["check", str(study), "P01"]) == 0
+    assert main(["run", str(study), "--human-only", "--jobs", "1"]) == 0
+    assert main(["run", str(study)]) == 2
+    assert "runs.tsv: wanted tab-separated columns" in capsys.readouterr().err
+
+
 def test_a_measured_run_is_never_overwritten(copy, capsys):
     (copy.parent / "runs" / "S1_0_modular" / "emulated.json").unlink()
     shutil.rmtree(copy.parent / ".emg2vsa")

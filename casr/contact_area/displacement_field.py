@@ -1,0 +1,110 @@
+"""Displacements of pins, the skin that explains them, and the way down to the least that is left."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.contact_area.skin_shapes import edges_away, skin_shapes
+
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+
+STEPS = np.array([0.02, 0.02, 1e-3, 1e-3, 1e-3, 1e-3])  # of the numerical derivatives, px or 1
+REACH = np.array([10.0, 10.0, 0.3, 0.2, 0.2, 0.4])  # of one iteration
+MAX_ITERATIONS = 30
+ENOUGH = 1e-5  # relative gain of an iteration, below which it was the last
+TRIAL_DAMPINGS = 5.0 ** np.arange(4)
+HUBER_LIMIT = 3.0  # median distances
+NEAR_EDGES = 2.0  # from there on outward pins count less: what the skin does there says little of the edge
+LINEAR = 4  # two strengths and the two of the shift
+
+
+class DisplacementField:
+    """Displacements and their model; parameters p = (x, y, log size, two of the ellipse, log rim radius)."""
+
+    def __init__(self, rest: Points, displacement: Points, middle: complex, trust: Array) -> None:
+        self.rest, self.displacement, self.middle, self.trust = rest, displacement, middle, trust
+        self._root, self._share = np.sqrt(trust), trust / trust.sum()
+        self._target = self._unshifted(displacement)
+
+    def _unshifted(self, points: Points) -> Array:
+        """(..., 2N) what no common shift explains, times the root of the trust."""
+        left = (points - (points @ self._share)[..., None]) * self._root
+        return np.asarray(left.view(np.float64))
+
+    def _shapes(self, p: Array) -> tuple[Points, Points]:
+        centre, ellipse = p[:, :1] + 1j * p[:, 1:2], p[:, 3:4] + 1j * p[:, 4:5]
+        away = self.rest - centre
+        return skin_shapes(away, edges_away(away, p[:, 2:3], ellipse), self.middle - centre, np.exp(p[:, 5:6]))
+
+    def residuals(self, p: Array) -> tuple[Array, Array]:
+        """(P, 2N) residuals and (P, 2) strengths of bending and stretching, of (P, 6) parameters."""
+        bent, stretched = shapes = [self._unshifted(shape) for shape in self._shapes(p)]
+        bb, bs, ss = ((a * b).sum(axis=-1) for a, b in ((bent, bent), (bent, stretched), (stretched, stretched)))
+        bd, sd = (shape @ self._target for shape in shapes)
+        spread = np.maximum(bb * ss - bs**2, 1e-12 * bb * ss)
+        bending, stretching = (ss * bd - bs * sd) / spread, (bb * sd - bs * bd) / spread
+        # where one comes out negative the other does without it
+        bending, stretching = np.where(stretching < 0, bd / bb, bending), np.where(bending < 0, sd / ss, stretching)
+        strengths = np.maximum(np.stack([bending, stretching], axis=-1), 0.0)
+        return self._target - strengths[:, :1] * bent - strengths[:, 1:] * stretched, strengths
+
+    def trusting(self, p: Array) -> DisplacementField:
+        """The same field with less trust in pins far from the contact or far off the model."""
+        off = np.abs(self.residuals(p[None])[0][0].view(np.complex128)) / self._root
+        limit = HUBER_LIMIT * max(float(np.median(off)), 1e-9)
+        edges = np.abs(self.rest - (p[0] + 1j * p[1])) / np.exp(p[2])
+        trust = np.minimum(1.0, limit / np.maximum(off, 1e-12)) / (1 + (edges / NEAR_EDGES) ** 6)
+        return DisplacementField(self.rest, self.displacement, self.middle, trust)
+
+    def cost(self, p: Array) -> float:
+        return float((self.residuals(p[None])[0] ** 2).sum())
+
+    def derivatives(self, p: Array) -> Array:
+        """(2N, 6) Jacobian of the residuals."""
+        ahead, behind = self.residuals(np.concatenate([p + np.diag(STEPS), p - np.diag(STEPS)]))[0].reshape(2, 6, -1)
+        return np.asarray(((ahead - behind) / (2 * STEPS[:, None])).T)
+
+    def lowest(self, starts: list[Array], enough: float = ENOUGH) -> Array:
+        """The best of the minima that these lead to."""
+        return min((self.minimised(start, enough) for start in starts), key=self.cost)
+
+    def minimised(self, p: Array, enough: float) -> Array:
+        damping, errors = 1e-2, self.residuals(p[None])[0][0]
+        cost = float(errors @ errors)
+        for _ in range(MAX_ITERATIONS):
+            jacobian = self.derivatives(p)
+            normal, gradient = jacobian.T @ jacobian, jacobian.T @ errors
+            dampings = damping * TRIAL_DAMPINGS
+            ridge = (np.diag(normal) + 1e-9) * np.eye(6) * dampings[:, None, None]
+            steps = np.linalg.solve(normal + ridge, np.broadcast_to(gradient[:, None], (dampings.size, 6, 1)))[..., 0]
+            trials = p - np.clip(steps, -REACH, REACH)
+            trial_errors = self.residuals(trials)[0]
+            costs = (trial_errors**2).sum(axis=-1)
+            chosen = int(np.argmin(costs))
+            gain = cost - float(costs[chosen])
+            if gain <= 0:
+                break
+            p, errors, cost, damping = trials[chosen], trial_errors[chosen], float(costs[chosen]), dampings[chosen] / 10
+            damping = max(damping, 1e-9)
+            if gain < enough * cost:
+                break
+        return p
+
+    def strengths(self, p: Array) -> tuple[Array, complex]:
+        """(2,) of bending and stretching, and the common shift x + iy."""
+        strengths = self.residuals(p[None])[1][0]
+        bent, stretched = (shape[0] for shape in self._shapes(p[None]))
+        left = self.displacement - strengths[0] * bent - strengths[1] * stretched
+        return strengths, complex(left @ self._share)
+
+    def standard_errors(self, p: Array) -> Array:
+        """(6,) of the parameters."""
+        jacobian = self.derivatives(p)
+        freedom = self._target.size - p.size - LINEAR
+        return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * self.cost(p) / freedom)
+
+    def explained(self, p: Array) -> float:
+        """Share of the squared displacement, without the shift."""
+        return 1 - self.cost(p) / float((self._target**2).sum())
