@@ -17,6 +17,7 @@ Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
 AREA_RULES = ("edge", "hexagon", "circle", "paper")
+FORCE_RULES = ("exposure", "mean")
 "Written out once more, because the modules that own them load NumPy; a test compares them."
 
 
@@ -37,6 +38,11 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
     parser.add_argument(
         "--force-column", default="force_n", metavar="NAME", help="column of the log to take (default %(default)s)"
     )
+    parser.add_argument(
+        "--force-rule", choices=FORCE_RULES, default=FORCE_RULES[0],
+        help="force of a frame: at its exposure, or the mean of the rows that carry its index, as the paper has it "
+        "(default %(default)s)",
+    )  # fmt: skip
     parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.toml; without one areas are in px²")
 
 
@@ -64,7 +70,11 @@ def open_sequence(arguments: argparse.Namespace, path: Path | None = None) -> Fr
     from casr.frame_files import open_frames
 
     return open_frames(
-        path or arguments.path, force=arguments.force, camera=arguments.camera, column=arguments.force_column
+        path or arguments.path,
+        force=arguments.force,
+        camera=arguments.camera,
+        column=arguments.force_column,
+        force_rule=arguments.force_rule,
     )
 
 

@@ -107,4 +107,4 @@ class DisplacementField:
 
     def explained(self, p: Array) -> float:
         """Share of the squared displacement, without the shift."""
-        return 1 - self.cost(p) / float((self._target**2).sum())
+        return 1 - self.cost(p) / max(float((self._target**2).sum()), 1e-300)

@@ -21,7 +21,7 @@ def undisturbed() -> Iterator[bool]:
 
     To be entered before the devices are opened: threads started within are scheduled alike, so that none holds the
     interpreter while an ordinary program has its processor. What is in memory already is left out of the collections
-    of garbage; a search of all of it was measured to take 50 ms.
+    of garbage; a search of all of it was measured to take 35 ms.
     """
     gc.collect()
     gc.freeze()

@@ -16,12 +16,15 @@ def test_choices_are_those_of_the_modules() -> None:
     from casr.bench import KINDS
     from casr.contact_area import RULES
     from casr.flow.step import ENGINES
-    from casr.spread import AREA_LAWS, RATE_RULES
+    from casr.frames import FORCE_RULES
+    from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N
 
     assert arguments.ENGINES == ENGINES
     assert arguments.AREA_RULES == RULES
+    assert arguments.FORCE_RULES == FORCE_RULES
     assert score.AREA_LAWS == AREA_LAWS
     assert score.RATE_RULES == RATE_RULES
+    assert score.PAPER_STOP_N == WINDOW_N[1]
     assert bench.KINDS == KINDS
 
 

@@ -34,6 +34,21 @@ def test_json_is_all_there_is_on_the_standard_output(presses: Path, capsys: Capt
     assert found["rate"]["value"] > 0
 
 
+def test_the_papers_force_of_a_frame_is_that_of_half_a_frame_later(presses: Path, capsys: Captured) -> None:
+    first = {}
+    for rule in ("exposure", "mean"):
+        assert main(["score", str(presses / "S5_00deg_01"), "--force-rule", rule, "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        first[rule] = dict(zip(found["frames"], found["force_n"], strict=True))
+    later = [first["mean"][frame] - force for frame, force in first["exposure"].items()]
+    assert sum(later[5:-5]) / len(later[5:-5]) == pytest.approx(6.5 / 3 * 0.025, rel=0.1)
+
+
+def test_the_mean_rate_ends_at_the_forces_asked_for(presses: Path, capsys: Captured) -> None:
+    assert main(["score", str(presses / "S5_00deg_01"), "--start-n", "1", "--stop-n", "5", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["rate"]["window_n"] == [1.0, 5.0]
+
+
 def test_growth_is_the_truth(presses: Path, capsys: Captured) -> None:
     folder = presses / "S1_00deg_02"
     assert main(["score", str(folder), "--json"]) == 0
