@@ -75,7 +75,9 @@ def test_the_line_of_the_rate_has_its_slope_and_runs_through_the_curve() -> None
 def test_the_line_of_a_power_law_joins_two_forces_on_it() -> None:
     force_n = np.linspace(0.6, 6.5, 20)
     rate = spread_rate(30 * force_n**0.6, force_n)
-    _, curve, line = (each.get_xydata() for each in area_curve(force_n, force_n, "mm2", rate).figure.axes[0].get_lines())
+    _, curve, line = (
+        each.get_xydata() for each in area_curve(force_n, force_n, "mm2", rate).figure.axes[0].get_lines()
+    )
     assert curve[:, 1] == pytest.approx(30 * curve[:, 0] ** 0.6)
     assert line[:, 0] == pytest.approx([0.5, 7.0])
     assert line[:, 1] == pytest.approx(30 * line[:, 0] ** 0.6)

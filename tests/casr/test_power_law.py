@@ -50,7 +50,9 @@ CURVES = {
 def test_the_rate_depends_less_on_where_frames_fall_than_a_slope_does(name):
     rng = np.random.default_rng(3)
     forces = [few_frames(rng) for _ in range(100)]
-    power, slope = (np.array([rate_of(CURVES[name], f, rule=rule).value for f in forces]) for rule in ("power", "slope"))
+    power, slope = (
+        np.array([rate_of(CURVES[name], f, rule=rule).value for f in forces]) for rule in ("power", "slope")
+    )
     assert power.std() / power.mean() < 0.7 * slope.std() / slope.mean()
     area = CURVES[name]
     assert power.mean() == pytest.approx((area(7.0) - area(0.5)) / 6.5, rel=0.03)

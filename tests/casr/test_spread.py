@@ -13,7 +13,6 @@ from casr.errors import CasrError, FramesError, NoContactError, SettingError
 from casr.spread import RATE_RULES, contact_areas, spread_rate
 from casr.spread.loading_points import pooled
 
-
 slope = partial(spread_rate, rule="slope")
 
 

@@ -24,7 +24,7 @@ def test_choices_are_those_of_the_modules() -> None:
     assert arguments.FORCE_RULES == FORCE_RULES
     assert score.AREA_LAWS == AREA_LAWS
     assert score.RATE_RULES == RATE_RULES
-    assert score.PAPER_STOP_N == WINDOW_N[1]
+    assert WINDOW_N[1] == score.PAPER_STOP_N
     assert bench.KINDS == KINDS
 
 

@@ -98,7 +98,10 @@ def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
         (["{presses}/absent"], "absent"),
         (["{presses}/S1_00deg_01", "--start-n", "3", "--stop-n", "2"], "--stop-n"),
         (["{presses}/S1_00deg_01", "--start-n", "8"], "--stop-n"),
-        (["{presses}/S1_00deg_01", "--start-n", "20", "--stop-n", "30"], "S1_00deg_01, force: wanted contact, a force of 20 N"),
+        (
+            ["{presses}/S1_00deg_01", "--start-n", "20", "--stop-n", "30"],
+            "S1_00deg_01, force: wanted contact, a force of 20 N",
+        ),
         (["{presses}/S1_00deg_01", "--stop-n", "9"], "S1_00deg_01, force: wanted a load up to stop_n (--stop-n), 9 N"),
         (["{presses}/S1_00deg_01", "--region", "1,2"], "region"),
         (["{presses}/S1_00deg_01", "--force", "{presses}/none.csv"], "none.csv"),
