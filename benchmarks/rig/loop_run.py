@@ -7,7 +7,7 @@ import resource
 import tempfile
 import time
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -19,12 +19,15 @@ from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig.device_settings import DeviceSettings
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.execute import execute
+from emg2vsa.rig.guards import GuardSettings
 from emg2vsa.rig.loop_timing import LoopTiming
 from emg2vsa.rig.open_rig import open_rig
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig.run_log import Row, read_log
 from emg2vsa.rig.undisturbed import undisturbed
 
+PATIENT = GuardSettings(stale_s=1.0, camera_s=2.0, late_s=1.0)
+"""What is measured must not end the measurement; the run of a rig is ended by a turn that is 50 ms late."""
 ENOUGH = 100_000
 """Repetitions: the time ends a run, not the plan."""
 
@@ -59,11 +62,12 @@ class LoopReport:
 
 def run_loop(duration_s: float, n_hogs: int, *, steady: bool) -> LoopReport:
     """Press for ``duration_s`` beside ``n_hogs`` programs. steady : with `undisturbed`."""
-    rig = RigSettings()
+    rig = RigSettings(guards=PATIENT)
     with tempfile.TemporaryDirectory() as name, hogs(n_hogs), served_rig(steady) as served:
         folder = Path(name) / "run"
         with undisturbed() if steady else nullcontext(False) as real_time, bare_loop(rig.rate_hz) as bare:
-            found = _pressed(served.settings, rig, folder, duration_s)
+            actuator = replace(served.settings.actuator, reply_s=PATIENT.late_s)
+            found = _pressed(replace(served.settings, actuator=actuator), rig, folder, duration_s)
         rows = read_log(folder / "log.csv")
     timing, timed = found.pop("loop"), found.pop("timed")
     assert bare.timing is not None
