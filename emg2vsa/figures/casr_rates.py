@@ -1,4 +1,4 @@
-"""Figures 10, 12 and 13: contact area against force with its slope, and box plots of the slopes, row by row."""
+"""Figures 10, 12 and 13: contact area against force with a power law, and box plots of the rates, row by row."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from casr.spread.power_law import fit_power_law
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import draw_box
 from emg2vsa.figures.canvas import show_zero
@@ -54,10 +55,14 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
     return figure
 
 
-def line_of(series: RateSeries) -> tuple[float, float]:
-    """Level at 0 N and slope of the line that is drawn: the mean rate, through the mean of the frames."""
-    slope = float(np.mean(series.casr[np.isfinite(series.casr)]))
-    return float(np.mean(series.area)) - slope * float(np.mean(series.force_n)), slope
+def curve_of(series: RateSeries) -> tuple[Floats, Floats]:
+    """(50,) forces and areas of the power law through the frames of all presses; (0,) where they have one force."""
+    known = (series.force_n > 0) & (series.area > 0)
+    force_n, area = series.force_n[known], series.area[known]
+    if not force_n.size or np.ptp(force_n) == 0:
+        return np.empty(0), np.empty(0)
+    at = np.linspace(force_n.min(), force_n.max(), 50)
+    return at, fit_power_law(area, force_n).law.area(at)
 
 
 def _raw(axes: Axes, series: RateSeries) -> None:
@@ -69,7 +74,4 @@ def _raw(axes: Axes, series: RateSeries) -> None:
         series.force_n[::every], series.area[::every], linestyle="none", marker=series.look.marker, markersize=2.5,
         color=series.look.colour, alpha=0.55, markeredgewidth=0,
     )  # fmt: skip
-    if np.isfinite(series.casr).any():
-        level, slope = line_of(series)
-        ends = np.array([series.force_n.min(), series.force_n.max()])
-        axes.plot(ends, level + slope * ends, color=series.look.colour, linestyle=series.look.dash)
+    axes.plot(*curve_of(series), color=series.look.colour, linestyle=series.look.dash)

@@ -28,7 +28,9 @@ _BOXES = "Boxes are Hazen's quartiles, whiskers reach the furthest value within 
 _STARS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
     f",{NO_BREAK}", ", "
 )
-_RAW = "Left: contact area against force, a part of the frames of all presses; lines have the mean CASR. Right: CASR."
+_RAW = (
+    "Left: contact area against force, a part of the frames of all presses, and a power law through them. Right: CASR."
+)
 
 
 def runs_figures(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str, Look]) -> dict[str, Drawing]:

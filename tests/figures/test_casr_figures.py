@@ -11,7 +11,7 @@ from emg2vsa.figures.casr_areas import AreaPanel, draw_areas
 from emg2vsa.figures.casr_calibration import law_curve
 from emg2vsa.figures.casr_conditions import ConditionBoxes, draw_conditions
 from emg2vsa.figures.casr_contact import draw_contacts, hexagons
-from emg2vsa.figures.casr_rates import RateSeries, draw_rates, line_of
+from emg2vsa.figures.casr_rates import RateSeries, curve_of, draw_rates
 from emg2vsa.figures.grid import panel_grid
 from emg2vsa.figures.palette import looks
 
@@ -87,11 +87,24 @@ def series(name, rate):
     return RateSeries(name, LOOKS[name], force, 20 + rate * force, np.full(10, rate) + np.linspace(-0.1, 0.1, 10))
 
 
-def test_the_line_through_the_frames_has_the_mean_rate():
-    assert line_of(series("S1", 8.0)) == pytest.approx((20.0, 8.0))
-    one_lost = series("S1", 8.0)
-    one_lost.casr[0] = np.nan
-    assert np.isfinite(line_of(one_lost)).all()
+def test_the_curve_through_the_frames_is_their_power_law():
+    force_n = np.tile(np.linspace(0.0, 7, 21), 10)
+    at, area = curve_of(RateSeries("S1", LOOKS["S1"], force_n, 20 * force_n**0.6, VALUES))
+    assert (at[0], at[-1]) == pytest.approx((0.35, 7.0))
+    assert area == pytest.approx(20 * at**0.6)
+
+
+def test_frames_at_one_force_have_no_curve():
+    at, area = curve_of(RateSeries("S1", LOOKS["S1"], np.full(9, 2.0), np.full(9, 30.0), VALUES))
+    assert at.size == area.size == 0
+
+
+def test_presses_without_a_rate_show_their_frames():
+    lost = series("S1", 8.0)
+    lost.casr[:] = np.nan
+    with style():
+        raw = draw_rates([("0°", [lost])], "mm²").axes[0]
+    assert len(raw.lines[1].get_xdata()) == 50
 
 
 def test_every_press_is_among_the_frames_that_are_drawn():

@@ -59,9 +59,7 @@ def test_a_row_that_makes_no_sense_is_named(tmp_path, row, wanted):
 
 def test_a_table_without_its_columns(tmp_path):
     table(tmp_path, "a\tS1", head="folder\tname")
-    with pytest.raises(
-        DataError, match="columns folder, specimen, angle_deg, condition; found folder, name"
-    ):
+    with pytest.raises(DataError, match="columns folder, specimen, angle_deg, condition; found folder, name"):
         find_runs(tmp_path)
 
 
