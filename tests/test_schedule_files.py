@@ -19,7 +19,8 @@ from hypothesis import strategies as st
 from emg2vsa.errors import ScheduleError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.schedule_files import read_csv, read_json, write_csv, write_json, write_schedule
-from emg2vsa.schedules import CONDITIONS, Schedule, build_schedules
+from emg2vsa.schedules import CONDITIONS, Schedule
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
 
 Write = Callable[[Path, Schedule], None]

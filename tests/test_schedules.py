@@ -15,7 +15,8 @@ from scipy.integrate import quad
 from emg2vsa.actuator import stiffness_nm_per_rad
 from emg2vsa.errors import ScheduleError
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.schedules import Limits, Schedule, build_schedules, check, mean_over_steps
+from emg2vsa.schedules import Limits, Schedule, check
+from emg2vsa.schedules.build import build_schedules, mean_over_steps
 from emg2vsa.settings import ScheduleSettings
 
 

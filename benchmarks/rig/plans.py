@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from casr.synthetic import SPECIMENS
+from casr.specimens import SPECIMENS
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.schedules import Schedule, build_schedules
+from emg2vsa.schedules import Schedule
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
 
 SPECIMEN = "S3"

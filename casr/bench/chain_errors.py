@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from casr.bench.calibration import unknown_error_percent
 from casr.bench.metrics import percent_error, worst
 from casr.bench.press_scores import TRUE_AREA, Chain, PressScores
-from casr.synthetic.contact import SPECIMENS
+from casr.specimens import SPECIMENS
 
 CALIBRATION, UNKNOWN = ("S1", "S3", "S5"), "S2"
 ANGLES_DEG = (0.0, 30.0, 45.0)

@@ -85,7 +85,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _planned(arguments: argparse.Namespace) -> dict[str, PressSettings]:
     """Name to settings of every press."""
-    from casr.synthetic import SPECIMENS, Appearance, PressSettings, TimelineSettings
+    from casr.specimens import SPECIMENS
+    from casr.synthetic import Appearance, PressSettings, TimelineSettings
 
     _check(arguments, SPECIMENS, start_n=TimelineSettings.start_n)
     appearance = Appearance(

@@ -1,7 +1,7 @@
 """Rendered presses with known flow, contact area and force."""
 
 from casr.synthetic.appearance import Appearance
-from casr.synthetic.contact import SPECIMENS, ContactWorld
+from casr.synthetic.contact import ContactWorld
 from casr.synthetic.flow_pairs import FlowPair, contact_pair, linear_pair
 from casr.synthetic.press import SimulatedFrames, SimulatedPress, simulate_press
 from casr.synthetic.region import ContactEllipse
@@ -12,7 +12,6 @@ from casr.synthetic.truth import PressTruth, casr_truth
 from casr.synthetic.write import write_press
 
 __all__ = [
-    "SPECIMENS",
     "TACTIP_127",
     "TACTIP_331",
     "Appearance",

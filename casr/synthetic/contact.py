@@ -10,9 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import SettingError
 
-SPECIMENS = {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}
-"Stiffness of the paper's specimens, N/mm (section IV.B); S2 is its unknown specimen."
-
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWorld:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 from casr.camera import Camera
 from casr.errors import SettingError
+from casr.specimens import SPECIMENS
 from casr.synthetic.appearance import Appearance
-from casr.synthetic.contact import SPECIMENS, ContactWorld
+from casr.synthetic.contact import ContactWorld
 from casr.synthetic.skin import TACTIP_127, Skin
 
 

@@ -11,7 +11,7 @@ from emg2vsa.fits import Fits, concatenate
 from emg2vsa.hypotheses import test_hypotheses
 from emg2vsa.pipeline.tasks import Ended, guarded
 from emg2vsa.profiles import build_profiles
-from emg2vsa.schedules import build_schedules
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.study import Study
 
 Inputs = Mapping[str, Sequence[Path]]

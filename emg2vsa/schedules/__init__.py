@@ -1,9 +1,8 @@
-"""Stiffness schedules for the actuator: pure data, made from co-contraction profiles and checked against limits."""
+"""Stiffness schedules for the actuator: pure data, checked against limits; ``build`` makes them from profiles."""
 
 from __future__ import annotations
 
-from emg2vsa.schedules.build import build_schedules, mean_over_steps
 from emg2vsa.schedules.checks import check
 from emg2vsa.schedules.schedule import CONDITIONS, Limits, Ramp, Schedule
 
-__all__ = ["CONDITIONS", "Limits", "Ramp", "Schedule", "build_schedules", "check", "mean_over_steps"]
+__all__ = ["CONDITIONS", "Limits", "Ramp", "Schedule", "check"]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from casr.synthetic import SPECIMENS, ContactWorld, casr_truth
+from casr.specimens import SPECIMENS
+from casr.synthetic import ContactWorld, casr_truth
 
 FORCES_N = np.linspace(0.5, 7, 131)
 

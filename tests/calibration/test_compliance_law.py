@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from casr.score import score
-from casr.synthetic import SPECIMENS, ContactWorld, PressSettings, simulate_press
+from casr.specimens import SPECIMENS
+from casr.synthetic import ContactWorld, PressSettings, simulate_press
 from emg2vsa.calibration import CalibrationSettings, calibrate, compare_laws, estimate
 from emg2vsa.calibration.forms import casr_of, eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.calibration.laws import LAWS, fit_law

@@ -13,7 +13,8 @@ from casr.contact_area.edge import fit_edge
 from casr.errors import NoContactError, PinsError, SettingError
 from casr.flow.region import Region
 from casr.pins import Pins, detect_pins, match_pins
-from casr.synthetic.contact import SPECIMENS, ContactWorld
+from casr.specimens import SPECIMENS
+from casr.synthetic.contact import ContactWorld
 from casr.synthetic.motion import lever, spread
 from casr.synthetic.region import ContactEllipse, Rim
 from casr.synthetic.skin import TACTIP_127

@@ -19,8 +19,9 @@ from casr.flow.region import Region
 from casr.frame_files import open_frames
 from casr.frames import ArrayFrames, FrameSequence, force_per_frame
 from casr.score import Score, ScoreSettings, score
+from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
-from casr.synthetic import SPECIMENS, PressSettings, SimulatedPress, simulate_press
+from casr.synthetic import PressSettings, SimulatedPress, simulate_press
 
 
 class Counted:

@@ -13,8 +13,9 @@ from casr.errors import CasrError, FramesError, NoContactError
 from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import ArrayFrames, FrameSequence, force_per_frame
 from casr.score import Score, ScoreSettings, score
+from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer, StreamState
-from casr.synthetic import SPECIMENS, PressSettings, simulate_press
+from casr.synthetic import PressSettings, simulate_press
 
 Frames = tuple[NDArray[np.uint8], NDArray[np.float64]]
 

@@ -99,9 +99,15 @@ def test_the_report_has_section_six_and_says_that_it_is_simulated(pressed):
     assert "kappa" in text
 
 
-def test_nothing_changed_nothing_runs(copy, capsys):
+def test_nothing_changed_nothing_runs_and_nothing_heavy_is_loaded(copy, capsys):
     run(copy, capsys)
-    assert run(copy, capsys)["ran"] == []
+    program = (
+        "import sys\nfrom emg2vsa.cli import main\n"
+        f"assert main(['run', {str(copy)!r}]) == 0\nprint(*sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert "0 steps run" in done.stdout
+    assert set(done.stderr.split()) & {"scipy", "pandas", "cv2", "numba", "matplotlib", "tifffile"} == set()
 
 
 def test_a_setting_of_the_scores_presses_nothing_again(copy, capsys):

@@ -7,7 +7,7 @@ import struct
 
 import pytest
 
-from casr.synthetic import SPECIMENS
+from casr.specimens import SPECIMENS
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.motor_board import MOTOR_SPEED_RAD_PER_S, motor_board
 from emg2vsa.rig.emulated.world import World

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from casr.synthetic import SPECIMENS
+from casr.specimens import SPECIMENS
 from emg2vsa.actuator import RAD_PER_TICK, SPRINGS
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock

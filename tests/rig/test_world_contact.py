@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from casr.synthetic import SPECIMENS, ContactWorld
+from casr.specimens import SPECIMENS
+from casr.synthetic import ContactWorld
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.probe import Probe
 from emg2vsa.rig.emulated.specimen_contact import SpecimenContact

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
 
-from casr.synthetic import SPECIMENS
+from casr.specimens import SPECIMENS
 from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from casr.synthetic import SPECIMENS, ContactWorld
+from casr.specimens import SPECIMENS
+from casr.synthetic import ContactWorld
 from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.errors import SettingError
 

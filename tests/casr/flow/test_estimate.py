@@ -14,7 +14,8 @@ from casr.errors import ImageError, PinsError, SettingError
 from casr.flow.estimate import ENGINES, FlowSettings, FlowStep, FlowTracker
 from casr.flow.region import Region
 from casr.flow.step import notes_by_frame
-from casr.synthetic import SPECIMENS, Appearance, ContactEllipse, PressSettings, linear_pair, simulate_press
+from casr.specimens import SPECIMENS
+from casr.synthetic import Appearance, ContactEllipse, PressSettings, linear_pair, simulate_press
 
 WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
 "Share of the total log growth; the smallest contact, of stiff specimens at 45 degrees, is the hardest for dense flow."

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from casr.errors import SettingError
-from casr.synthetic import SPECIMENS, ContactWorld, casr_truth
+from casr.specimens import SPECIMENS
+from casr.synthetic import ContactWorld, casr_truth
 
 FORCE_N = np.linspace(0.5, 7, 60)
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from casr.errors import SettingError
-from casr.synthetic import SPECIMENS, ContactEllipse, ContactWorld, PressSettings, Scene
+from casr.specimens import SPECIMENS
+from casr.synthetic import ContactEllipse, ContactWorld, PressSettings, Scene
 from casr.synthetic.motion import lever, spread, true_divergence, true_flow
 from casr.synthetic.region import Rim
 

@@ -18,7 +18,8 @@ from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.schedule_files import write_schedule
-from emg2vsa.schedules import Schedule, build_schedules
+from emg2vsa.schedules import Schedule
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
 
 # a machine with other work must not trip the guards; held up for a second, the probe goes 8 mm on

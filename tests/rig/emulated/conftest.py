@@ -11,7 +11,8 @@ import pytest
 
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
-from emg2vsa.schedules import Schedule, build_schedules
+from emg2vsa.schedules import Schedule
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
 
 

@@ -23,7 +23,8 @@ from emg2vsa.rig.force_sensor import ForceSample, SensorStatus
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove import Measurements
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.schedules import Schedule, build_schedules
+from emg2vsa.schedules import Schedule
+from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
 
 RIG = RigSettings(filter_samples=1)
