@@ -11,9 +11,9 @@ import pytest
 
 from casr.errors import SettingError
 from casr.frames import FrameSequence, force_per_frame, loading_phase
+from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
 from casr.synthetic import (
-    SPECIMENS,
     PressSettings,
     Scene,
     SimulatedFrames,
