@@ -278,7 +278,7 @@ class RunSettings:
     algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
     "Initial area: edge of the contact; hexagons (the paper's new one); circle (previous work); paper: to the letter."
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
-    "Loading phase that is scored, lower and upper force in newtons."
+    "Loading phase that is scored, in newtons: CASR is the mean rate between the two (paper: over the frames between)."
     threshold_px: Positive = 2.0
     "A pin that moved further than this from rest is in contact (hexagon, paper)."
 
@@ -291,8 +291,6 @@ class DiscriminationSettings:
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
     "Significance level."
-    new_specimen: str = "S_new"
-    "The specimen whose stiffness is to be estimated; it enters no test of the known specimens."
     algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
     "Vision algorithm whose scores are tested (see the runs)."
     old_algorithm: Literal["edge", "hexagon", "circle", "paper"] = "circle"

@@ -10,7 +10,7 @@ import numpy as np
 from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
-from emg2vsa.discrimination.new_specimen import NewSpecimen, new_specimen
+from emg2vsa.discrimination.new_specimen import NewSpecimen, beside_neighbours
 from emg2vsa.discrimination.run_table import RunTable, run_table
 from emg2vsa.discrimination.spread import SpreadBySpecimen, spread_by_specimen
 from emg2vsa.errors import DataError
@@ -36,15 +36,18 @@ class Discrimination:
 def discriminate(
     runs: Sequence[RunScores],
     stiffness_n_per_mm: Mapping[str, float],
+    new_specimen: str,
     settings: DiscriminationSettings | None = None,
 ) -> Discrimination:
     """Test ``runs``, one a specimen, angle and condition.
 
-    stiffness_n_per_mm : of every specimen, the new one included; only its order is used. DataError as ``run_table``,
-    and where no run was scored by the algorithm in ``settings`` or fewer than two known specimens were pressed.
+    stiffness_n_per_mm : of every specimen, the new one included; only its order is used. new_specimen : the one whose
+    stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed.
+    DataError as ``run_table``, and where no run was scored by the algorithm in ``settings`` or fewer than two known
+    specimens were pressed.
     """
     settings = settings or DiscriminationSettings()
-    table = run_table(runs, stiffness_n_per_mm, settings.new_specimen)
+    table = run_table(runs, stiffness_n_per_mm, new_specimen)
     _check(table, settings)
     return Discrimination(
         settings=settings,
@@ -52,10 +55,10 @@ def discriminate(
         area=area_by_specimen(table, settings),
         area_by_angle=area_by_angle(table, settings),
         spread=spread_by_specimen(table, settings),
-        new=new_specimen(table, settings),
+        new=beside_neighbours(table, settings),
         algorithms=compare_algorithms(table, settings),
         conditions=compare_conditions(table, settings),
-        notes=_notes(table, settings),
+        notes=_notes(table, new_specimen, settings),
     )
 
 
@@ -73,15 +76,15 @@ def _check(table: RunTable, settings: DiscriminationSettings) -> None:
         )  # fmt: skip
 
 
-def _notes(table: RunTable, settings: DiscriminationSettings) -> tuple[str, ...]:
+def _notes(table: RunTable, new_specimen: str, settings: DiscriminationSettings) -> tuple[str, ...]:
     count = np.isfinite(table.casr[settings.algorithm]).sum(axis=2)
     designs = [f"{c} at {a:g}°" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
     missing = [
         f"{table.specimens[specimen]} ({designs[design]})" for design, specimen in np.argwhere(count == 0).tolist()
     ]
     notes = [f"no scored press: {', '.join(missing)}"] if missing else []
-    if table.new < 0:
-        notes.append(f"no run of the new specimen {settings.new_specimen}: it is not discriminated from its neighbours")
+    if new_specimen and table.new < 0:
+        notes.append(f"no run of the new specimen {new_specimen}: it is not discriminated from its neighbours")
     if settings.old_algorithm not in table.casr:
         notes.append(f"no scores by the old algorithm {settings.old_algorithm}: nothing to compare it with")
     return tuple(notes)

@@ -38,7 +38,7 @@ class NewSpecimen:
     discriminated: NDArray[np.bool_]
 
 
-def new_specimen(table: RunTable, settings: DiscriminationSettings) -> NewSpecimen | None:
+def beside_neighbours(table: RunTable, settings: DiscriminationSettings) -> NewSpecimen | None:
     """None where no new specimen was pressed."""
     if table.new < 0:
         return None

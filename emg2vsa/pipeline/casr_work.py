@@ -17,7 +17,7 @@ def discrimination(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
 
     def make() -> object:
         runs = [artifacts.load(path) for path in inputs["runs"]]
-        return discriminate(runs, study.pressed_n_per_mm, study.discrimination)
+        return discriminate(runs, study.pressed_n_per_mm, study.profile.new_specimen or "", study.discrimination)
 
     return stored("discrimination", result, make)
 

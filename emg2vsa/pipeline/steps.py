@@ -198,6 +198,7 @@ def _settings(campaign: Campaign, stage: str, item: str, entry: RecordingEntry |
             used |= {"rig": campaign.rig.rig, "emulated": campaign.rig.emulated}
     elif stage == "discrimination":
         used = {"discrimination": study.discrimination, "specimens": study.pressed_n_per_mm}
+        used["new_specimen"] = study.profile.new_specimen
     elif stage == "calibration":
         used = {"calibration": study.calibration, "specimens": study.pressed_n_per_mm}
         used["standard errors"] = study.pressed_se_n_per_mm

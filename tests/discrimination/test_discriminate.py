@@ -31,7 +31,7 @@ def world(run_of, **human):
 
 def test_a_quieter_actuator_wins_and_a_noisier_one_loses(run_of, stiffness_n_per_mm):
     for noise, wins in ((0.2, True), (5.0, False), (1.0, None)):
-        compared = discriminate(world(run_of, noise=noise), stiffness_n_per_mm, FEW).conditions
+        compared = discriminate(world(run_of, noise=noise), stiffness_n_per_mm, "S_new", FEW).conditions
         assert compared.wins(0) is wins
         assert compared.cv_ratio.estimate[0] == pytest.approx(noise)
         assert compared.gaps.gap[1] == pytest.approx(compared.gaps.gap[0] / noise)
@@ -39,7 +39,7 @@ def test_a_quieter_actuator_wins_and_a_noisier_one_loses(run_of, stiffness_n_per
 
 
 def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
-    compared = discriminate(world(run_of, level=3.0), stiffness_n_per_mm, FEW).conditions
+    compared = discriminate(world(run_of, level=3.0), stiffness_n_per_mm, "S_new", FEW).conditions
     assert compared.level_ratio.estimate[0] == pytest.approx(3)
     assert compared.level_ratio.low[0] > 2.9
     assert compared.gap_differences.gap[0] == pytest.approx(0, abs=1e-9)
@@ -47,7 +47,7 @@ def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
 
 
 def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffness_n_per_mm):
-    found = discriminate(runs, stiffness_n_per_mm, FEW)
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
     names = [(found.table.conditions[i], found.table.angles_deg[i]) for i in found.conditions.other.tolist()]
     assert names == [
         ("high-stiffness", 0), ("constant-min", 0), ("constant-mean", 0), ("constant-max", 0), ("high-stiffness", 30),
@@ -57,7 +57,7 @@ def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffnes
 
 
 def test_old_and_new_algorithm_beside_the_truth(runs, stiffness_n_per_mm):
-    compared = discriminate(runs, stiffness_n_per_mm, FEW).algorithms
+    compared = discriminate(runs, stiffness_n_per_mm, "S_new", FEW).algorithms
     assert compared.names[:2] == ("edge", "circle")
     by_angle = compared.area_error[1, :3]
     assert by_angle == pytest.approx([0.0, 0.15, 0.41], abs=0.03)
@@ -70,7 +70,7 @@ def test_old_and_new_algorithm_beside_the_truth(runs, stiffness_n_per_mm):
 
 
 def test_results_are_stored_and_come_back(runs, stiffness_n_per_mm, tmp_path):
-    found = discriminate(runs, stiffness_n_per_mm, FEW)
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
     save(tmp_path / "found", found)
     again = load(tmp_path / "found")
     for ours, theirs in zip(leaves(found), leaves(again), strict=True):
@@ -89,41 +89,44 @@ def leaves(value):
 
 
 def test_the_same_seed_gives_the_same_intervals(runs, stiffness_n_per_mm):
-    first, second = (discriminate(runs, stiffness_n_per_mm, FEW).conditions.cv_ratio for _ in range(2))
+    first, second = (discriminate(runs, stiffness_n_per_mm, "S_new", FEW).conditions.cv_ratio for _ in range(2))
     assert np.array_equal(first.low, second.low)
-    other = discriminate(runs, stiffness_n_per_mm, replace(FEW, seed=1)).conditions.cv_ratio
+    other = discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, seed=1)).conditions.cv_ratio
     assert not np.array_equal(first.low, other.low)
 
 
 def test_a_single_condition_and_angle_without_a_new_specimen(run_of, stiffness_n_per_mm):
-    found = discriminate([run_of(name, 0.0, "by hand") for name in KNOWN], stiffness_n_per_mm, FEW)
+    found = discriminate([run_of(name, 0.0, "by hand") for name in KNOWN], stiffness_n_per_mm, "S_new", FEW)
     assert (found.area_by_angle, found.new) == (None, None)
     assert found.conditions.other.size == 0
     assert any("S_new" in note for note in found.notes)
+    unnamed = discriminate([run_of(name, 0.0, "by hand") for name in KNOWN], stiffness_n_per_mm, "", FEW)
+    assert unnamed.new is None
+    assert not any("new specimen" in note for note in unnamed.notes)
 
 
 def test_a_missing_run_is_told_and_stops_nothing(runs, stiffness_n_per_mm):
-    found = discriminate([run for run in runs if run.name != "S_new_30_modular"], stiffness_n_per_mm, FEW)
+    found = discriminate([run for run in runs if run.name != "S_new_30_modular"], stiffness_n_per_mm, "S_new", FEW)
     assert "no scored press: S_new (modular at 30°)" in found.notes
     assert not found.new.discriminated[4]
     assert found.conditions.specimens == KNOWN
 
 
 def test_one_press_each_is_tested_without_a_warning(run_of, stiffness_n_per_mm):
-    found = discriminate([run_of(name, 0.0, "modular", presses=1) for name in KNOWN], stiffness_n_per_mm, FEW)
+    found = discriminate([run_of(name, 0.0, "modular", presses=1) for name in KNOWN], stiffness_n_per_mm, "S_new", FEW)
     assert np.isnan(found.conditions.gaps.gap).all()
 
 
 def test_presses_that_all_failed_leave_nothing_defined(run_of, stiffness_n_per_mm):
     runs = [replace(run_of(name, 0.0, "modular"), verdicts=("rejected",) * 10) for name in KNOWN]
-    found = discriminate(runs, stiffness_n_per_mm, FEW)
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
     assert np.isnan(found.spread.worst_p).all()
     assert not found.spread.rises.any()
 
 
 def test_scores_without_any_scatter_are_tested_without_a_warning(run_of, stiffness_n_per_mm):
     runs = [scaled(run_of(name, 0.0, "modular"), noise=0.0) for name in KNOWN]
-    assert discriminate(runs, stiffness_n_per_mm, FEW).spread.groups.kruskal.p[0] < 1e-5
+    assert discriminate(runs, stiffness_n_per_mm, "S_new", FEW).spread.groups.kruskal.p[0] < 1e-5
 
 
 @pytest.mark.parametrize(
@@ -137,4 +140,4 @@ def test_what_cannot_be_tested_is_said(settings, keep, says, run_of, stiffness_n
     runs = [run_of(name, 0.0, "modular") for name in keep]
     runs = [replace(r, casr={name: r.casr[name] for name in ("edge", "circle")}) for r in runs]
     with pytest.raises(DataError, match=says):
-        discriminate(runs, stiffness_n_per_mm, settings)
+        discriminate(runs, stiffness_n_per_mm, "S_new", settings)

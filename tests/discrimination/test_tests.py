@@ -19,7 +19,7 @@ KNOWN = ("S1", "S3", "S5")
 
 @pytest.fixture(scope="module")
 def found(runs, stiffness_n_per_mm):
-    return discriminate(runs, stiffness_n_per_mm)
+    return discriminate(runs, stiffness_n_per_mm, "S_new")
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_equal_areas_are_shown_equal(run_of, stiffness_n_per_mm):
         replace(run_of(name, 0.0, "modular"), a_c0={"edge": 40 * (1 + 0.01 * rng.standard_normal(10))})
         for name in KNOWN
     ]
-    found = discriminate(runs, stiffness_n_per_mm)
+    found = discriminate(runs, stiffness_n_per_mm, "S_new")
     assert found.area.groups.kruskal.p[0] > 0.05
     assert (found.area.equality.tost.p < 0.05).all()
     assert found.area.groups.bayes.bf01[0] > 1
@@ -111,7 +111,7 @@ def test_the_new_specimen_beside_its_neighbours(found, scores):
 def test_a_new_specimen_at_the_end_has_one_neighbour_and_lies_between_nothing(
     new, neighbours, runs, stiffness_n_per_mm
 ):
-    found = discriminate(runs, stiffness_n_per_mm, DiscriminationSettings(new_specimen=new, resamples=50))
+    found = discriminate(runs, stiffness_n_per_mm, new, DiscriminationSettings(resamples=50))
     assert found.new.neighbours == neighbours
     there = [bool(name) for name in neighbours]
     assert np.isfinite(found.new.p).all(axis=0).tolist() == there

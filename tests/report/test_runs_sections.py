@@ -29,7 +29,7 @@ def some_runs(runs):
 
 @pytest.fixture(scope="module")
 def tested(some_runs, stiffness_n_per_mm):
-    return discriminate(some_runs, stiffness_n_per_mm, FEW)
+    return discriminate(some_runs, stiffness_n_per_mm, "S_new", FEW)
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +145,7 @@ def test_runs_that_could_not_be_tested_are_shown_with_the_reason(results, some_r
 
 def test_measured_runs_are_not_called_simulated(run_of, stiffness_n_per_mm):
     runs = [replace(run_of(name, 0.0, "high-stiffness"), simulated=False) for name in KNOWN]
-    report = runs_sections(runs, discriminate(runs, stiffness_n_per_mm, FEW), None, KNOWN)
+    report = runs_sections(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW), None, KNOWN)
     assert "simulated" not in report.body.lower()
     assert "were measured" in report.body
     assert report.quantities["runs.simulated"] is False
@@ -155,7 +155,7 @@ def test_measured_runs_are_not_called_simulated(run_of, stiffness_n_per_mm):
 def test_a_rejected_press_is_counted_with_its_reason(run_of, stiffness_n_per_mm):
     runs = [run_of(name, 0.0, "modular") for name in KNOWN]
     runs[0] = replace(runs[0], verdicts=("rejected", *("ok",) * 9), reasons=("lost <contact>", *("",) * 9))
-    report = runs_sections(runs, discriminate(runs, stiffness_n_per_mm, FEW), None, KNOWN)
+    report = runs_sections(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW), None, KNOWN)
     assert report.quantities["runs.rejected"] == 1
     assert "lost &lt;contact&gt; (1)" in report.body
 
@@ -166,7 +166,7 @@ def equal_areas(run):
 
 
 def told(runs, stiffness_n_per_mm, **settings):
-    return discriminate(runs, stiffness_n_per_mm, replace(FEW, **settings))
+    return discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, **settings))
 
 
 def test_areas_are_called_the_same_only_where_that_is_shown(run_of, stiffness_n_per_mm):

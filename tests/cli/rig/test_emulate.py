@@ -108,19 +108,25 @@ def test_in_another_shell(rig: Rig, rig_file: Callable[..., Path], tmp_path: Pat
     written = tmp_path / "emulated.toml"
     command = [sys.executable, "-m", "emg2vsa.cli", "rig", "emulate", str(rig_file()), "--write", str(written)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as emulation:
-        assert emulation.stdout
-        assert emulation.stdin
-        while not emulation.stdout.readline().startswith("# help"):
-            assert emulation.poll() is None
-        assert rig("info", written)[0] == 0
-        chosen = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
-        status, out, _ = rig("run", written, *chosen)
-        assert status == 0, out
-        emulation.stdin.write("dark on\n")
-        emulation.stdin.flush()
-        assert emulation.stdout.readline() == "dark on: the camera gives no frames\n"
-        emulation.terminate()
-        assert emulation.wait() == 0
+        try:
+            use_from_here(emulation, rig, written)
+        finally:
+            emulation.kill()  # else a failure waits for it for ever
     assert is_simulated([tmp_path / "runs-emulated" / "S1_0_modular"])
     ended = json.loads((tmp_path / "runs-emulated" / "S1_0_modular" / "ended.json").read_text())
     assert ended["how"] == "completed"
+
+
+def use_from_here(emulation: subprocess.Popen[str], rig: Rig, written: Path) -> None:
+    assert emulation.stdout
+    assert emulation.stdin
+    while not emulation.stdout.readline().startswith("# help"):
+        assert emulation.poll() is None
+    assert rig("info", written)[0] == 0
+    status, out, _ = rig("run", written, "--specimen", "S1", "--angle", "0", "--condition", "modular")
+    assert status == 0, out
+    emulation.stdin.write("dark on\n")
+    emulation.stdin.flush()
+    assert emulation.stdout.readline() == "dark on: the camera gives no frames\n"
+    emulation.terminate()
+    assert emulation.wait() == 0
