@@ -291,10 +291,8 @@ class DiscriminationSettings:
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
     "Significance level."
-    algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
-    "Vision algorithm whose scores are tested (see the runs)."
     old_algorithm: Literal["edge", "hexagon", "circle", "paper"] = "circle"
-    "Vision algorithm that it is compared with."
+    "Vision algorithm that the one of the runs is compared with."
     equivalence_margin: Positive = 0.05
     "Areas, or rates, that differ by less than this share of their mean count as equal."
     resamples: Annotated[int, Ge(2)] = 2000

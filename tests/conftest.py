@@ -60,6 +60,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         angle_deg=angle_deg,
         condition=condition,
         simulated=True,
+        algorithm="edge",
         repetitions=np.arange(1, presses + 1),
         verdicts=("ok",) * presses,
         reasons=("",) * presses,

@@ -41,7 +41,7 @@ class AlgorithmComparison:
 
 def compare_algorithms(table: RunTable, settings: DiscriminationSettings) -> AlgorithmComparison:
     """All algorithms that the runs were scored with."""
-    names = tuple(dict.fromkeys((settings.algorithm, settings.old_algorithm, *table.casr)))
+    names = tuple(dict.fromkeys((table.algorithm, settings.old_algorithm, *table.casr)))
     names = tuple(name for name in names if name in table.casr)
     used = pressed_everywhere(table.casr[names[0]])
     area = np.stack([table.a_c0[name][:, used] for name in names])

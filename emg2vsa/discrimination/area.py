@@ -55,7 +55,7 @@ class AreaByAngle:
 
 def area_by_specimen(table: RunTable, settings: DiscriminationSettings) -> AreaBySpecimen:
     """Kruskal-Wallis of the known specimens, with what absence of evidence needs beside it: margin, Bayes factor."""
-    values = table.a_c0[settings.algorithm][:, table.known]
+    values = table.a_c0[table.algorithm][:, table.known]
     groups = group_tests(values, 1 - settings.alpha)
     d, k, n = values.shape
     centre = mean_of(values.reshape(d, k * n))
@@ -76,7 +76,7 @@ def area_by_angle(table: RunTable, settings: DiscriminationSettings) -> AreaByAn
     several = [c for c in dict.fromkeys(table.conditions) if len(table.of_condition(c)) > 1]
     if not several:
         return None
-    values = table.a_c0[settings.algorithm][:, table.known]
+    values = table.a_c0[table.algorithm][:, table.known]
     _, k, n = values.shape
     comparisons = np.full((len(several), 1 + k, angles.size, k * n), np.nan)
     for i, condition in enumerate(several):

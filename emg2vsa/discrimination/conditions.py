@@ -51,8 +51,8 @@ class ConditionComparison:
 
 
 def compare_conditions(table: RunTable, settings: DiscriminationSettings) -> ConditionComparison:
-    """Scores of the algorithm in ``settings``."""
-    values = table.casr[settings.algorithm]
+    """Scores of the algorithm of ``table``."""
+    values = table.casr[table.algorithm]
     used = pressed_everywhere(values)
     values = values[:, used]
     specimens = tuple(table.specimens[i] for i in used)

@@ -43,12 +43,11 @@ def discriminate(
 
     stiffness_n_per_mm : of every specimen, the new one included; only its order is used. new_specimen : the one whose
     stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed.
-    DataError as ``run_table``, and where no run was scored by the algorithm in ``settings`` or fewer than two known
-    specimens were pressed.
+    DataError as ``run_table``, and where fewer than two known specimens were pressed.
     """
     settings = settings or DiscriminationSettings()
     table = run_table(runs, stiffness_n_per_mm, new_specimen)
-    _check(table, settings)
+    _check(table)
     return Discrimination(
         settings=settings,
         table=table,
@@ -62,12 +61,7 @@ def discriminate(
     )
 
 
-def _check(table: RunTable, settings: DiscriminationSettings) -> None:
-    if settings.algorithm not in table.casr:
-        raise DataError(
-            "runs, vision algorithm", wanted=f"scores by {settings.algorithm!r}", found=", ".join(table.casr) or "none",
-            do="Choose one of these in [discrimination], or score the runs again.",
-        )  # fmt: skip
+def _check(table: RunTable) -> None:
     if len(table.known) < 2:
         found = ", ".join(table.specimens[i] for i in table.known) or "none"
         raise DataError(
@@ -77,7 +71,7 @@ def _check(table: RunTable, settings: DiscriminationSettings) -> None:
 
 
 def _notes(table: RunTable, new_specimen: str, settings: DiscriminationSettings) -> tuple[str, ...]:
-    count = np.isfinite(table.casr[settings.algorithm]).sum(axis=2)
+    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)
     designs = [f"{c} at {a:g}°" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
     missing = [
         f"{table.specimens[specimen]} ({designs[design]})" for design, specimen in np.argwhere(count == 0).tolist()

@@ -42,7 +42,7 @@ def beside_neighbours(table: RunTable, settings: DiscriminationSettings) -> NewS
     """None where no new specimen was pressed."""
     if table.new < 0:
         return None
-    places, values = (table.new - 1, table.new + 1), table.casr[settings.algorithm]
+    places, values = (table.new - 1, table.new + 1), table.casr[table.algorithm]
     stiffer, own, softer = (_of_specimen(values, place) for place in (places[0], table.new, places[1]))
     ranks = mann_whitney(np.stack([own, stiffer, softer], axis=1), confidence=1 - settings.alpha)
     p = adjust(ranks.p[:, :2], "holm")

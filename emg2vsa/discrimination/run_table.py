@@ -22,8 +22,9 @@ class RunTable:
     """D designs of S specimens, stiffest first, of up to R presses.
 
     conditions, angles_deg : (D,), condition by condition and angle by angle. specimens, stiffness_n_per_mm : (S,).
-    new : place of the new specimen, -1 where it was not pressed. a_c0, casr : algorithm to (D, S, R), in ``area_unit``
-    and ``area_unit``/N; NaN where there is no score. true_a_c0 : (D, S, R), mm2, NaN unless simulated.
+    new : place of the new specimen, -1 where it was not pressed. algorithm : the one whose scores are tested.
+    a_c0, casr : algorithm to (D, S, R), in ``area_unit`` and ``area_unit``/N; NaN where there is no score.
+    true_a_c0 : (D, S, R), mm2, NaN unless simulated.
     """
 
     conditions: tuple[str, ...]
@@ -31,6 +32,7 @@ class RunTable:
     specimens: tuple[str, ...]
     stiffness_n_per_mm: Floats
     new: int
+    algorithm: str
     area_unit: str
     a_c0: dict[str, Floats]
     casr: dict[str, Floats]
@@ -82,6 +84,7 @@ def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]
         specimens=specimens,
         stiffness_n_per_mm=np.array([stiffness_n_per_mm[name] for name in specimens]),
         new=specimens.index(new) if new in specimens else -1,
+        algorithm=runs[0].algorithm,
         area_unit=runs[0].area_unit,
         a_c0={name: sorted_in([run.a_c0.get(name) for run in runs]) for name in algorithms},
         casr={name: sorted_in([run.casr.get(name) for run in runs]) for name in algorithms},
@@ -118,6 +121,11 @@ def _check(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]) -
     if len(units) > 1:
         raise DataError(
             "runs, area", wanted="one unit of area", found=" and ".join(units), do="Give all runs a camera file."
+        )
+    algorithms = sorted({run.algorithm for run in runs})
+    if len(algorithms) > 1:
+        raise DataError(
+            "runs, vision algorithm", wanted="one algorithm", found=" and ".join(algorithms), do="Score all runs alike."
         )
     unknown = sorted({run.specimen for run in runs} - set(stiffness_n_per_mm))
     if unknown:

@@ -43,7 +43,7 @@ class SpreadBySpecimen:
 
 def spread_by_specimen(table: RunTable, settings: DiscriminationSettings) -> SpreadBySpecimen:
     """Kruskal-Wallis and all pairs of the known specimens."""
-    values = table.casr[settings.algorithm][:, table.known]
+    values = table.casr[table.algorithm][:, table.known]
     d, k, n = values.shape
     groups = group_tests(values, 1 - settings.alpha)
     return SpreadBySpecimen(

@@ -96,7 +96,7 @@ def _why_not(found: Discrimination, design: int) -> str:
 
 def mean_rank_bound(found: Discrimination) -> str:
     """What the paper's pairwise test can say of a specimen among all at the very best."""
-    counts = np.isfinite(found.table.casr[found.settings.algorithm]).sum(axis=2)
+    counts = np.isfinite(found.table.casr[found.table.algorithm]).sum(axis=2)
     k, n = counts.shape[1], int(counts.max(initial=0))
     bound = smallest_worst_p(k, n)
     if not bound >= found.settings.alpha:

@@ -67,7 +67,7 @@ def _areas(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str,
     table, known = found.table, found.table.known
     condition = RIGID if _of(found, RIGID) else table.conditions[0]
     designs, names = _of(found, condition), [table.specimens[i] for i in known]
-    values = table.a_c0[found.settings.algorithm]
+    values = table.a_c0[found.table.algorithm]
     p = found.area.groups.kruskal.p
     panels = [
         AreaPanel(
@@ -79,7 +79,7 @@ def _areas(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str,
     figure = draw_areas(panels, pooled, area_unit(table.area_unit))
     each = "; ".join(f"{panel.title}: p = {number(float(p[i]))}" for panel, i in zip(panels, designs, strict=True))
     caption = (
-        f"Fig. 8. Initial area A_c0, {condition}, by the {found.settings.algorithm} algorithm: by specimen at each "
+        f"Fig. 8. Initial area A_c0, {condition}, by the {found.table.algorithm} algorithm: by specimen at each "
         f"angle (Kruskal-Wallis, {each})"
     )
     caption += f", and by angle, all specimens together (Dunn, Bonferroni: {_STARS}). " if pooled else ". "
@@ -96,7 +96,7 @@ def _by_angle(found: Discrimination, condition: str) -> AreaPanel | None:
     if of is None or condition not in of.conditions:
         return None
     designs = _of(found, condition)
-    values = table.a_c0[found.settings.algorithm]
+    values = table.a_c0[found.table.algorithm]
     p = of.pairs.dunn.p[of.conditions.index(condition)]
     places = {float(angle): place for place, angle in enumerate(table.angles_deg[designs].tolist())}
     bars = [
@@ -154,7 +154,7 @@ def _series(
     runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str, Look], design: int
 ) -> list[RateSeries]:
     table, series = found.table, []
-    scores = table.casr[found.settings.algorithm][design]
+    scores = table.casr[found.table.algorithm][design]
     for place, specimen in enumerate(table.specimens):
         of = (specimen, table.conditions[design], float(table.angles_deg[design]))
         run = next((run for run in runs if (run.specimen, run.condition, run.angle_deg) == of), None)
@@ -167,7 +167,7 @@ def _series(
 
 def _conditions(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str, Look]) -> Drawing | None:
     table, unit = found.table, area_unit(found.table.area_unit)
-    values = table.casr[found.settings.algorithm]
+    values = table.casr[found.table.algorithm]
     both = [(i, table.design(HUMAN_LIKE, float(table.angles_deg[i]))) for i in _of(found, RIGID)]
     panels = [
         (
@@ -187,7 +187,7 @@ def _conditions(runs: Sequence[RunScores], found: Discrimination, looks: Mapping
         for title, boxes in panels
     )
     caption = (
-        f"Fig. 14. CASR with the rigid motor (hollow) and human-like stiffness (filled), {found.settings.algorithm} "
+        f"Fig. 14. CASR with the rigid motor (hollow) and human-like stiffness (filled), {found.table.algorithm} "
         f"algorithm at every angle. {_BOXES}"
     )
     title = "CASR with rigid and human-like stiffness"

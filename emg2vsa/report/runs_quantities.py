@@ -36,7 +36,7 @@ def _areas(found: Discrimination) -> Items:
         yield f"{name}.area.specimens_bf01", float(area.groups.bayes.bf01[i])
         yield f"{name}.area.equal_within", float(area.equality.bound[i])
         yield f"{name}.area.softest_over_stiffest", float(area.softest_over_stiffest[i])
-        for specimen, values in zip(table.specimens, table.a_c0[found.settings.algorithm][i], strict=True):
+        for specimen, values in zip(table.specimens, table.a_c0[found.table.algorithm][i], strict=True):
             yield from _moments(f"{name}.{specimen}.a_c0_{unit}", values)
 
 
@@ -59,7 +59,7 @@ def _rates(found: Discrimination) -> Items:
         yield f"{name}.casr.worst_p", float(spread.worst_p[i])
         yield f"{name}.casr.worst_p.holm", float(spread.worst_p_holm[i])
         yield f"{name}.casr.rises", bool(spread.rises[i])
-        for specimen, values in zip(table.specimens, table.casr[found.settings.algorithm][i], strict=True):
+        for specimen, values in zip(table.specimens, table.casr[found.table.algorithm][i], strict=True):
             yield from _moments(f"{name}.{specimen}.casr_{table.area_unit}_per_n", values)
 
 

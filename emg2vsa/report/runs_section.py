@@ -65,7 +65,7 @@ def runs_sections(
         ("actuators", "Rigid and human-like actuation", _actuators(found, tables, drawings, simulated)),
     ]
     if calibration is not None and calibration.conditions:
-        algorithms = found.settings.algorithm, found.settings.old_algorithm
+        algorithms = found.table.algorithm, found.settings.old_algorithm
         numbers |= kappa_quantities(calibration)
         tables |= kappa_tables(calibration, *algorithms)
         drawings |= kappa_figure(calibration, algorithms[0], look)
@@ -147,6 +147,13 @@ def _rates(found: Discrimination, tables: Mapping[str, Table], drawings: Mapping
     )
 
 
+_TO_THE_LETTER = (
+    "The algorithm “paper” is Algorithm 1 with equations (1) and (2) as printed. It compares every pin with every "
+    "other, which nearly every pair passes: its area tells how many pins the sensor has. “Hexagon” pairs them one to "
+    "one, as it must be meant."
+)
+
+
 def _vision(found: Discrimination, tables: Mapping[str, Table]) -> str:
     return (
         html.paragraph(
@@ -154,6 +161,7 @@ def _vision(found: Discrimination, tables: Mapping[str, Table]) -> str:
         )
         + html.paragraph(conclusions.vision(found))
         + tables["algorithms"].html()
+        + (html.paragraph(_TO_THE_LETTER) if "paper" in found.algorithms.names else "")
     )
 
 

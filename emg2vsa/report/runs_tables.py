@@ -72,7 +72,7 @@ def _areas(found: Discrimination) -> Table:
         )
         for i in range(len(table.conditions))
     )  # fmt: skip
-    return Table("area_by_specimen", f"Mean A_c0 by specimen ({found.settings.algorithm} algorithm)", columns, rows)
+    return Table("area_by_specimen", f"Mean A_c0 by specimen ({found.table.algorithm} algorithm)", columns, rows)
 
 
 def _paper_area_p(condition: str, angle_deg: float) -> float | None:

@@ -18,7 +18,7 @@ work), each with the consistent area law and the slope rate; and the paper's equ
 class PressCurve:
     """The loading phase of one press.
 
-    force_n, area_mm2 : (T,) per frame, by the run's first algorithm; area in px2 without a camera file.
+    force_n, area_mm2 : (T,) per frame, by the run's algorithm (paper: hexagon); area in px2 without a camera file.
     indent_force_n, indent_mm : (K,) force and shaft travel since contact, from the log; empty without one.
     """
 
@@ -45,7 +45,8 @@ class ContactPicture:
 class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
-    repetitions : (R,). verdicts : "ok" or "rejected". reasons : empty where ok.
+    algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). verdicts : "ok"
+    or "rejected". reasons : empty where ok.
     a_c0, casr : algorithm to (R,), in ``area_unit`` and ``area_unit``/N. true_a_c0 : (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
     simulated : the run was emulated. notes : once each.
@@ -55,6 +56,7 @@ class RunScores:
     angle_deg: float
     condition: str
     simulated: bool
+    algorithm: str
     repetitions: Ints
     verdicts: tuple[str, ...]
     reasons: tuple[str, ...]

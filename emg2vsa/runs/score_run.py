@@ -54,6 +54,7 @@ def score_run(
         angle_deg=angle_deg,
         condition=condition,
         simulated=simulated,
+        algorithm=settings.algorithm,
         repetitions=np.array(repetitions, dtype=np.int64),
         verdicts=tuple("ok" if found else "rejected" for found in scored),
         reasons=tuple(reasons),

@@ -129,15 +129,20 @@ def test_scores_without_any_scatter_are_tested_without_a_warning(run_of, stiffne
     assert discriminate(runs, stiffness_n_per_mm, "S_new", FEW).spread.groups.kruskal.p[0] < 1e-5
 
 
-@pytest.mark.parametrize(
-    ("settings", "keep", "says"),
-    [
-        (replace(FEW, algorithm="hexagon"), KNOWN, "edge, circle"),
-        (FEW, ("S1", "S_new"), "two specimens or more"),
-    ],
-)
-def test_what_cannot_be_tested_is_said(settings, keep, says, run_of, stiffness_n_per_mm):
-    runs = [run_of(name, 0.0, "modular") for name in keep]
-    runs = [replace(r, casr={name: r.casr[name] for name in ("edge", "circle")}) for r in runs]
-    with pytest.raises(DataError, match=says):
-        discriminate(runs, stiffness_n_per_mm, "S_new", settings)
+def test_one_known_specimen_is_told_from_nothing(run_of, stiffness_n_per_mm):
+    runs = [run_of(name, 0.0, "modular") for name in ("S1", "S_new")]
+    with pytest.raises(DataError, match="two specimens or more"):
+        discriminate(runs, stiffness_n_per_mm, "S_new", FEW)
+
+
+def test_the_scores_of_the_runs_own_algorithm_are_tested(run_of, stiffness_n_per_mm):
+    runs = [replace(run_of(name, 0.0, "modular"), algorithm="circle") for name in KNOWN]
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, old_algorithm="edge"))
+    assert found.algorithms.names[:2] == ("circle", "edge")
+    as_if = [
+        replace(r, algorithm="edge", a_c0=r.a_c0 | {"edge": r.a_c0["circle"]}, casr=r.casr | {"edge": r.casr["circle"]})
+        for r in runs
+    ]
+    other = discriminate(as_if, stiffness_n_per_mm, "S_new", FEW)
+    assert found.spread.worst_p == pytest.approx(other.spread.worst_p)
+    assert found.area.groups.kruskal.p == pytest.approx(other.area.groups.kruskal.p)
