@@ -62,7 +62,7 @@ def _table_one(found: CalibrationResults, algorithm: str, old: str) -> Table:
     )  # fmt: skip
     caption = (
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
-        f"for too stiff; old vision is {old}, new vision {algorithm}"
+        f"for too stiff; old vision is {old}, new vision {algorithm}; –: not in the paper, or not pressed here"
     )
     return Table("table_one", caption, columns, rows)
 
