@@ -97,11 +97,11 @@ def _line(name: str, value: object) -> Strike:
 
 
 ACTUATOR_FAULTS: dict[str, Fault] = {
-    "one byte lost to the device": Fault(_lose("to device"), SURVIVED, REFUSED),
-    "one byte lost to the host": Fault(_lose("to host"), SURVIVED, REFUSED),
-    "eight bytes lost to the device": Fault(_lose("to device", 8), SURVIVED, REFUSED),
-    "one byte corrupt to the device": Fault(_corrupt("to device"), SURVIVED, REFUSED),
-    "one byte corrupt to the host": Fault(_corrupt("to host"), SURVIVED, SURVIVED),
+    "one byte lost to the device": Fault(_lose("to device"), SURVIVED),
+    "one byte lost to the host": Fault(_lose("to host"), SURVIVED),
+    "eight bytes lost to the device": Fault(_lose("to device", 8), SURVIVED),
+    "one byte corrupt to the device": Fault(_corrupt("to device"), SURVIVED),
+    "one byte corrupt to the host": Fault(_corrupt("to host"), SURVIVED),
     "every answer corrupt": Fault(_wire("noisy"), LOST_ACTUATOR, REFUSED, probe="unsure"),
     "actuator mute": Fault(_wire("mute"), LOST_ACTUATOR, REFUSED, probe="unsure"),
     "actuator deaf": Fault(_wire("deaf"), LOST_ACTUATOR, REFUSED, probe="left"),

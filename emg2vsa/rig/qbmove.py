@@ -32,6 +32,7 @@ _STORE_S = 1.0
 _SETTLE_S = 0.005
 """From ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
 _ATTEMPTS = 3
+_READINGS = 5
 _OFF_ATTEMPTS = 10
 
 
@@ -96,12 +97,18 @@ class Qbmove:
             payload = self._ask(Command.GET_INFO, info_frame(self.device_id), b"\0\0", _LONG_REPLY_S)
             return parse_info(payload.rstrip(b"\0").decode("ascii", "replace"), self.where)
         request = frame(self.device_id, Command.GET_INFO, b"\0\0")
-        before = None
-        for _ in range(_ATTEMPTS):
-            info = parse_info(self._talk.ask_text(request, timeout_s=_LONG_REPLY_S), self.where)
-            if info == before:
+        seen: list[QbmoveInfo] = []
+        for reading in range(_READINGS):
+            text = self._talk.ask_text(request, timeout_s=_LONG_REPLY_S, again=reading > 0)
+            try:
+                info = parse_info(text, self.where)
+            except DeviceError:
+                if reading == _READINGS - 1 and not seen:
+                    raise
+                continue
+            if info in seen:
                 return info
-            before = info
+            seen.append(info)
         raise self._trouble("info that reads the same twice", "different readings", "Check cable and baud rate.")
 
     def activate(self) -> None:

@@ -47,8 +47,10 @@ class Conversation:
             self.counts.lost += 1
         return None
 
-    def ask_text(self, request: bytes, *, timeout_s: float) -> str:
-        """The bare text that follows ``request``, until the line falls silent."""
+    def ask_text(self, request: bytes, *, timeout_s: float, again: bool) -> str:
+        """The bare text that follows ``request``, until the line falls silent. ``again``: the last may be cut short."""
+        if again:
+            self.line.write(flushing(request))
         self.line.drop_input()
         self.tell(request)
         heard = part = self.line.read(1, timeout_s)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 
@@ -210,6 +211,17 @@ def test_info_with_a_changed_byte_is_read_until_it_agrees() -> None:
     text = bench.device(bytes.fromhex("3a3a 01 04 06 0000 06"))
     bench.wire.corrupt("to host", text.index(b"Max stiffness: 3") + 15, mask=0x0A)
     assert bench.qbmove.info().max_stiffness_ticks == 3000
+
+
+@pytest.mark.parametrize("way", ["to device", "to host"])
+@pytest.mark.parametrize("at", [2, 6, 200, 500])
+@pytest.mark.parametrize("count", [1, 8])
+def test_info_with_lost_bytes_is_asked_for_again(way: Literal["to device", "to host"], at: int, count: int) -> None:
+    bench = Bench()
+    bench.wire.lose(way, at=at, count=count)
+    bench.qbmove.activate()
+    assert bench.qbmove.info().position_limits_ticks == ((-15000, 15000), (-15000, 15000))
+    assert bench.qbmove.is_active()
 
 
 def test_maintenance_reaches_the_device(bench: Bench) -> None:
