@@ -23,10 +23,21 @@ def main() -> None:
         f"{'fault':<31}{'phase':<12}{'ended':<13}{'cause':<19}{'off after s':>11}{'probe mm':>10}{'peak N':>8}"
         f"{'lost rows, forces, frames':>27}  next run"
     )
+    outcomes: list[Outcome] = []
     for name in arguments.faults or FAULTS:
         for phase in arguments.phase:
             with TemporaryDirectory() as folder:
-                print(_line(name, phase, run_case(name, phase, Path(folder))), flush=True)
+                outcomes.append(run_case(name, phase, Path(folder)))
+            print(_line(name, phase, outcomes[-1]), flush=True)
+    print(
+        f"{len(outcomes)} cases: {sum(_as_wanted(o) for o in outcomes)} ended as wanted, "
+        f"{sum(not any(o.lost) for o in outcomes)} lost nothing, "
+        f"{sum(o.next_run.how == 'completed' for o in outcomes)} next runs completed"
+    )
+
+
+def _as_wanted(outcome: Outcome) -> bool:
+    return (outcome.told["how"], outcome.told["cause"]) == outcome.wanted
 
 
 def _line(name: str, phase: str, outcome: Outcome) -> str:
@@ -34,7 +45,7 @@ def _line(name: str, phase: str, outcome: Outcome) -> str:
     # a run that goes on is not safe later, only over later
     went_on = told["how"] in ("completed", "killed")
     off = "" if went_on else "never" if outcome.safe_s is None else f"{outcome.safe_s:.2f}"
-    as_wanted = "" if (told["how"], told["cause"]) == outcome.wanted else f"  NOT {' '.join(outcome.wanted)}"
+    as_wanted = "" if _as_wanted(outcome) else f"  NOT {' '.join(outcome.wanted)}"
     lost = ", ".join(map(str, outcome.lost))
     return (
         f"{name:<31}{phase:<12}{told['how']:<13}{told['cause']:<19}{off:>11}{outcome.probe_mm:>10.2f}"
