@@ -66,6 +66,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         reasons=("",) * presses,
         area_unit="mm2",
         a_c0={"edge": area, "hexagon": step * np.round(area / step), "circle": area * wide, "paper": area * 1.1},
+        start_area={"edge": 0.9 * area, "hexagon": 0.9 * area, "circle": area * wide, "paper": area * 1.1},
         casr={"edge": rate * noise, "hexagon": rate * noise, "circle": rate * noise * wide, "paper": 3 * rate * noise},
         true_a_c0=np.full(presses, float(area_mm2(specimen, angle_deg, 0.5))),
         indent_n_per_mm=4

@@ -1,4 +1,8 @@
-"""The initial area A_c0: does it hang on the specimen, and on the angle (paper, VI.A and Fig. 8)?"""
+"""The initial area: does it hang on the specimen, and on the angle (paper, VI.A and Fig. 8)?
+
+Compared is the area at the force where loading begins. A_c0 itself, the area of the first frame after that, grows with
+the force at which that frame happens to come.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +21,9 @@ from emg2vsa.settings import DiscriminationSettings
 
 @dataclass(frozen=True)
 class AreaBySpecimen:
-    """Known specimens compared within each of D designs: the paper's claim is that A_c0 is the same.
+    """Known specimens compared within each of D designs: the paper's claim is that it is the same.
 
-    normality : of the D S cells, design by design. equality : of A_c0 over the design's mean, so that its margin is a
+    normality : of the D S cells, design by design. equality : of areas over the design's mean, so that its margin is a
     share. softest_over_stiffest : (D,) ratio of their means.
     """
 
@@ -33,7 +37,7 @@ class AreaBySpecimen:
 class AreaByAngle:
     """Angles compared: all specimens of a condition together ("" in ``specimens``), then each specimen alone.
 
-    conditions, specimens : (q,) of each comparison. angles_deg : (A,), the groups. mean : (q, A) of A_c0.
+    conditions, specimens : (q,) of each comparison. angles_deg : (A,), the groups. mean : (q, A) of the areas.
     """
 
     conditions: tuple[str, ...]
@@ -55,7 +59,7 @@ class AreaByAngle:
 
 def area_by_specimen(table: RunTable, settings: DiscriminationSettings) -> AreaBySpecimen:
     """Kruskal-Wallis of the known specimens, with what absence of evidence needs beside it: margin, Bayes factor."""
-    values = table.a_c0[table.algorithm][:, table.known]
+    values = table.start_area[table.algorithm][:, table.known]
     groups = group_tests(values, 1 - settings.alpha)
     d, k, n = values.shape
     centre = mean_of(values.reshape(d, k * n))
@@ -76,7 +80,7 @@ def area_by_angle(table: RunTable, settings: DiscriminationSettings) -> AreaByAn
     several = [c for c in dict.fromkeys(table.conditions) if len(table.of_condition(c)) > 1]
     if not several:
         return None
-    values = table.a_c0[table.algorithm][:, table.known]
+    values = table.start_area[table.algorithm][:, table.known]
     _, k, n = values.shape
     comparisons = np.full((len(several), 1 + k, angles.size, k * n), np.nan)
     for i, condition in enumerate(several):

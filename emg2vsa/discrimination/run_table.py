@@ -23,7 +23,7 @@ class RunTable:
 
     conditions, angles_deg : (D,), condition by condition and angle by angle. specimens, stiffness_n_per_mm : (S,).
     new : place of the new specimen, -1 where it was not pressed. algorithm : the one whose scores are tested.
-    a_c0, casr : algorithm to (D, S, R), in ``area_unit`` and ``area_unit``/N; NaN where there is no score.
+    a_c0, start_area, casr : algorithm to (D, S, R), as in ``RunScores``; NaN where there is no score.
     true_a_c0 : (D, S, R), mm2, NaN unless simulated.
     """
 
@@ -35,6 +35,7 @@ class RunTable:
     algorithm: str
     area_unit: str
     a_c0: dict[str, Floats]
+    start_area: dict[str, Floats]
     casr: dict[str, Floats]
     true_a_c0: Floats
 
@@ -87,6 +88,7 @@ def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]
         algorithm=runs[0].algorithm,
         area_unit=runs[0].area_unit,
         a_c0={name: sorted_in([run.a_c0.get(name) for run in runs]) for name in algorithms},
+        start_area={name: sorted_in([run.start_area.get(name) for run in runs]) for name in algorithms},
         casr={name: sorted_in([run.casr.get(name) for run in runs]) for name in algorithms},
         true_a_c0=sorted_in([run.true_a_c0 if run.area_unit == "mm2" else None for run in runs]),
     )

@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.report.runs_wording import design_name, gap_of, interval
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
+from emg2vsa.runs import RunScores
 from emg2vsa.stats.dunn import smallest_worst_p
 
 
+def first_frames(runs: Sequence[RunScores], found: Discrimination) -> str:
+    """Which areas are compared, and why not A_c0 as it is."""
+    first_n = [curve.force_n[0] for run in runs for curve in run.curves if curve.force_n.size]
+    if found.table.algorithm == "paper" or not first_n:
+        return "Compared is A_c0, the area of the first frame in contact, at whatever force that frame came."
+    return (
+        f"A_c0 is the area of the first frame in contact, and that frame came at {min(first_n):.2f} to "
+        f"{max(first_n):.2f} N. Areas grow with force: compared are the areas at the force where loading begins, on "
+        "the power law of each press."
+    )
+
+
 def area_and_specimens(found: Discrimination) -> str:
-    """Is A_c0 independent of the specimen? Neither word of the paper's claim is taken from a p above alpha."""
+    """Is the initial area independent of the specimen? No word of the paper's claim is taken from a p above alpha."""
     p, area, alpha = found.area.groups.kruskal.p, found.area, found.settings.alpha
     tested, differ = int(np.isfinite(p).sum()), int((p < alpha).sum())
     tost = area.equality.tost
@@ -20,25 +35,25 @@ def area_and_specimens(found: Discrimination) -> str:
     margin = percent(found.settings.equivalence_margin)
     ratio = _range(area.softest_over_stiffest)
     stiffest, softest = found.spread.specimens[0], found.spread.specimens[-1]
-    size = f"A_c0 on {softest}, the softest, is {ratio} times that on {stiffest}, the stiffest."
+    size = f"The area on {softest}, the softest, is {ratio} times that on {stiffest}, the stiffest."
     if not tested:
-        return "A_c0 could not be compared between specimens."
+        return "Initial areas could not be compared between specimens."
     if differ == 0 and equal == tested:
-        return f"A_c0 is the same on all specimens within ± {margin} in all of {tested} designs. {size}"
+        return f"The initial area is the same on all specimens within ± {margin} in all of {tested} designs. {size}"
     if differ == 0:
         return (
-            f"No difference of A_c0 between specimens was found in {count(tested, 'design')}, but equality within ± "
-            f"{margin} is shown in {equal} only. {size}"
+            f"No difference of the initial area between specimens was found in {count(tested, 'design')}, but equality "
+            f"within ± {margin} is shown in {equal} only. {size}"
         )
     return (
-        f"A_c0 differs between specimens in {differ} of {count(tested, 'design')}: the paper's claim that it does not "
-        f"depend on the specimen does not hold here. {size} Contact mechanics expects this: at the same force a softer "
+        f"The initial area differs between specimens in {differ} of {count(tested, 'design')}: the paper's claim that "
+        f"it does not depend on the specimen does not hold here. {size} Contact mechanics expects this: at the same force a softer "
         "specimen is touched over a larger area."
     )
 
 
 def area_and_angle(found: Discrimination) -> str:
-    """Does A_c0 change, and fall, with the angle?"""
+    """Does the initial area change, and fall, with the angle?"""
     of, alpha = found.area_by_angle, found.settings.alpha
     if of is None:
         return "No condition was pressed at two angles."

@@ -67,7 +67,7 @@ def _areas(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str,
     table, known = found.table, found.table.known
     condition = RIGID if _of(found, RIGID) else table.conditions[0]
     designs, names = _of(found, condition), [table.specimens[i] for i in known]
-    values = table.a_c0[found.table.algorithm]
+    values = table.start_area[found.table.algorithm]
     p = found.area.groups.kruskal.p
     panels = [
         AreaPanel(
@@ -79,8 +79,8 @@ def _areas(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str,
     figure = draw_areas(panels, pooled, area_unit(table.area_unit))
     each = "; ".join(f"{panel.title}: p = {number(float(p[i]))}" for panel, i in zip(panels, designs, strict=True))
     caption = (
-        f"Fig. 8. Initial area A_c0, {condition}, by the {found.table.algorithm} algorithm: by specimen at each "
-        f"angle (Kruskal-Wallis, {each})"
+        f"Fig. 8. Initial area where loading begins, {condition}, by the {found.table.algorithm} algorithm: by specimen at "
+        f"each angle (Kruskal-Wallis, {each})"
     )
     caption += f", and by angle, all specimens together (Dunn, Bonferroni: {_STARS}). " if pooled else ". "
     told = "; ".join(
@@ -96,7 +96,7 @@ def _by_angle(found: Discrimination, condition: str) -> AreaPanel | None:
     if of is None or condition not in of.conditions:
         return None
     designs = _of(found, condition)
-    values = table.a_c0[found.table.algorithm]
+    values = table.start_area[found.table.algorithm]
     p = of.pairs.dunn.p[of.conditions.index(condition)]
     places = {float(angle): place for place, angle in enumerate(table.angles_deg[designs].tolist())}
     bars = [

@@ -36,8 +36,10 @@ def _areas(found: Discrimination) -> Items:
         yield f"{name}.area.specimens_bf01", float(area.groups.bayes.bf01[i])
         yield f"{name}.area.equal_within", float(area.equality.bound[i])
         yield f"{name}.area.softest_over_stiffest", float(area.softest_over_stiffest[i])
-        for specimen, values in zip(table.specimens, table.a_c0[found.table.algorithm][i], strict=True):
+        for specimen, values in zip(table.specimens, table.a_c0[table.algorithm][i], strict=True):
             yield from _moments(f"{name}.{specimen}.a_c0_{unit}", values)
+        for specimen, values in zip(table.specimens, table.start_area[table.algorithm][i], strict=True):
+            yield from _moments(f"{name}.{specimen}.start_area_{unit}", values)
 
 
 def _angles(found: Discrimination) -> Items:

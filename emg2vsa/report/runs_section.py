@@ -59,7 +59,7 @@ def runs_sections(
     drawings = runs_figures(runs, found, look)
     sections = [
         ("runs", "Runs", head + tables["paper_comparison_runs"].html()),
-        ("area", "Initial contact area", _area(found, tables, drawings)),
+        ("area", "Initial contact area", _area(runs, found, tables, drawings)),
         ("casr", "Contact area spread rate", _rates(found, tables, drawings)),
         ("vision", "Old and new vision algorithm", _vision(found, tables)),
         ("actuators", "Rigid and human-like actuation", _actuators(found, tables, drawings, simulated)),
@@ -98,9 +98,12 @@ def _presses(runs: Sequence[RunScores], tables: Mapping[str, Table]) -> str:
     )
 
 
-def _area(found: Discrimination, tables: Mapping[str, Table], drawings: Mapping[str, Drawing]) -> str:
+def _area(
+    runs: Sequence[RunScores], found: Discrimination, tables: Mapping[str, Table], drawings: Mapping[str, Drawing]
+) -> str:
     return (
-        html.heading("Does A_c0 depend on the specimen?")
+        html.paragraph(conclusions.first_frames(runs, found))
+        + html.heading("Does A_c0 depend on the specimen?")
         + html.paragraph("Claim: at one angle, the initial area is the same on all specimens.")
         + html.paragraph(conclusions.area_and_specimens(found))
         + tables["verdict_area"].html()

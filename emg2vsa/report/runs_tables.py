@@ -72,7 +72,9 @@ def _areas(found: Discrimination) -> Table:
         )
         for i in range(len(table.conditions))
     )  # fmt: skip
-    return Table("area_by_specimen", f"Mean A_c0 by specimen ({found.table.algorithm} algorithm)", columns, rows)
+    return Table(
+        "area_by_specimen", f"Mean initial area by specimen ({found.table.algorithm} algorithm)", columns, rows
+    )
 
 
 def _paper_area_p(condition: str, angle_deg: float) -> float | None:
@@ -96,7 +98,7 @@ def _angles(found: Discrimination) -> Table:
         )
         for i in range(len(by_angle.conditions))
     ] if by_angle else []  # fmt: skip
-    return Table("area_by_angle", "Mean A_c0 by angle", columns, tuple(rows))
+    return Table("area_by_angle", "Mean initial area by angle", columns, tuple(rows))
 
 
 def _rates(found: Discrimination) -> Table:

@@ -17,6 +17,9 @@ from emg2vsa.arrays import Floats
 from emg2vsa.runs.indentation import indentation_slope
 from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve
 
+_REACH = 0.8
+"""At 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."""
+
 
 @dataclass(frozen=True, eq=False)
 class Press:
@@ -35,9 +38,10 @@ class Press:
 
 @dataclass(frozen=True, eq=False)
 class ScoredPress:
-    """Numbers of one press; ``a_c0`` and ``casr`` by algorithm, NaN where an algorithm finds nothing."""
+    """Numbers of one press, by algorithm; NaN where an algorithm finds nothing (see ``RunScores``)."""
 
     a_c0: dict[str, float]
+    start_area: dict[str, float]
     casr: dict[str, float]
     area_unit: str
     indent_n_per_mm: float
@@ -53,6 +57,13 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     """
     assert press.frames is not None
     scored = score(press.frames, _within_reach(settings, press.frames))
+    if scored.initial.rule != settings.area_rule:
+        raise CasrError(
+            press.frames.name,
+            wanted=f"an initial area by rule {settings.area_rule!r}",
+            found=" ".join(scored.initial.notes),
+            do="Look at the first frames (casr score --page); if they are as they should be, set another algorithm.",
+        )
     if scored.rate is None or scored.force_n is None:
         raise CasrError(
             press.frames.name,
@@ -63,9 +74,13 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     a_c0 = {name: _first_area(scored, press.frames.camera, name, settings) for name in ALGORITHMS}
     casr = {name: scored.rate.value * area / scored.area[0] for name, area in a_c0.items()}
     casr["paper"] = _to_the_letter(scored, a_c0["paper"])
+    assert scored.rate.law is not None
+    growth = scored.rate.law.area(settings.force_start_n) / scored.area[0]
+    start_area = {name: area * growth for name, area in a_c0.items()} | {"paper": a_c0["paper"]}
     slope, indent_n, indent_mm = indentation_slope(press.force_n, press.depth_mm, settings.force_start_n)
     return ScoredPress(
         a_c0=a_c0,
+        start_area=start_area,
         casr=casr,
         area_unit=scored.area_unit,
         indent_n_per_mm=slope,
@@ -76,9 +91,22 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
 
 
 def _within_reach(settings: ScoreSettings, frames: FrameSequence) -> ScoreSettings:
-    """Loading ends at the largest force where no frame was taken at F_max: the press turns back between two."""
-    reached = frames.force_n is not None and np.nanmax(frames.force_n, initial=0.0) >= (settings.force_stop_n or 0.0)
-    return settings if reached else replace(settings, force_stop_n=None)
+    """Loading ends at the largest force where no frame was taken at F_max: the press turns back between two.
+
+    CasrError where that is far below: a law through the first newtons says little of the others.
+    """
+    stop_n = settings.force_stop_n
+    if frames.force_n is None or stop_n is None:
+        return settings
+    peak_n = float(np.nanmax(frames.force_n, initial=0.0))
+    if peak_n < _REACH * stop_n:
+        raise CasrError(
+            frames.name,
+            wanted=f"a press that reaches {_REACH * stop_n:.3g} N, {_REACH:.0%} of the force to score to",
+            found=f"{peak_n:.3g} N at most",
+            do="Press again, or lower force_n under [runs].",
+        )
+    return settings if peak_n >= stop_n else replace(settings, force_stop_n=None)
 
 
 def picture_of(press: Press, scored: ScoredPress) -> ContactPicture:
@@ -101,6 +129,8 @@ def _first_area(scored: Score, camera: Camera | None, rule: str, settings: Score
             scored.rest, scored.contact_px, camera=camera, rule=rule, threshold_px=settings.threshold_px
         )
     except CasrError:
+        return np.nan
+    if found.rule != rule:
         return np.nan
     return found.area_px2 if found.area_mm2 is None else found.area_mm2
 

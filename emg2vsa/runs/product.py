@@ -47,7 +47,9 @@ class RunScores:
 
     algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). verdicts : "ok"
     or "rejected". reasons : empty where ok.
-    a_c0, casr : algorithm to (R,), in ``area_unit`` and ``area_unit``/N. true_a_c0 : (R,) mm2, NaN unless simulated.
+    a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N. a_c0 is the area of
+    the first frame of the loading phase, whose force differs from press to press; start_area is the area at the force
+    where the phase begins, on the power law of the press (paper: a_c0). true_a_c0 : (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
     simulated : the run was emulated. notes : once each.
     """
@@ -62,6 +64,7 @@ class RunScores:
     reasons: tuple[str, ...]
     area_unit: str
     a_c0: dict[str, Floats]
+    start_area: dict[str, Floats]
     casr: dict[str, Floats]
     true_a_c0: Floats
     indent_n_per_mm: Floats

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from casr.errors import CasrError
 from casr.scored import ScoreSettings
+from emg2vsa.arrays import Floats
 from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
 from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
@@ -59,14 +60,20 @@ def score_run(
         verdicts=tuple("ok" if found else "rejected" for found in scored),
         reasons=tuple(reasons),
         area_unit=next((found.area_unit for found in scored if found), "mm2"),
-        a_c0={name: np.array([found.a_c0[name] if found else np.nan for found in scored]) for name in ALGORITHMS},
-        casr={name: np.array([found.casr[name] if found else np.nan for found in scored]) for name in ALGORITHMS},
+        a_c0=_by_algorithm([found.a_c0 if found else None for found in scored]),
+        start_area=_by_algorithm([found.start_area if found else None for found in scored]),
+        casr=_by_algorithm([found.casr if found else None for found in scored]),
         true_a_c0=np.full(len(scored), np.nan),
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
         curves=tuple(found.curve if found else _NOTHING for found in scored),
         picture=picture,
         notes=tuple(dict.fromkeys((*notes, *(note for found in scored if found for note in found.notes)))),
     )
+
+
+def _by_algorithm(numbers: Sequence[dict[str, float] | None]) -> dict[str, Floats]:
+    """(R,) of each algorithm, NaN for a press without."""
+    return {name: np.array([own[name] if own else np.nan for own in numbers]) for name in ALGORITHMS}
 
 
 def _tried(press: Press, how: ScoreSettings) -> tuple[ScoredPress | None, str]:

@@ -140,7 +140,9 @@ def test_the_scores_of_the_runs_own_algorithm_are_tested(run_of, stiffness_n_per
     found = discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, old_algorithm="edge"))
     assert found.algorithms.names[:2] == ("circle", "edge")
     as_if = [
-        replace(r, algorithm="edge", a_c0=r.a_c0 | {"edge": r.a_c0["circle"]}, casr=r.casr | {"edge": r.casr["circle"]})
+        replace(
+            r, algorithm="edge", start_area={"edge": r.start_area["circle"]}, casr=r.casr | {"edge": r.casr["circle"]}
+        )
         for r in runs
     ]
     other = discriminate(as_if, stiffness_n_per_mm, "S_new", FEW)

@@ -27,6 +27,7 @@ def test_every_score_is_at_its_place(runs, stiffness_n_per_mm):
         for name in run.casr:
             assert np.array_equal(table.casr[name][place], run.casr[name])
             assert np.array_equal(table.a_c0[name][place], run.a_c0[name])
+            assert np.array_equal(table.start_area[name][place], run.start_area[name])
         assert np.array_equal(table.true_a_c0[place], run.true_a_c0)
 
 

@@ -45,7 +45,7 @@ def dunn_by_hand(groups):
 
 @pytest.mark.parametrize(("design", "of"), [(0, ("high-stiffness", 0)), (5, ("modular", 45)), (6, ("constant-min", 0))])
 def test_known_specimens_as_scipy_tests_them(design, of, found, scores):
-    areas = [scores("a_c0", *of, specimen) for specimen in KNOWN]
+    areas = [scores("start_area", *of, specimen) for specimen in KNOWN]
     rates = [scores("casr", *of, specimen) for specimen in KNOWN]
     assert found.area.groups.kruskal.p[design] == pytest.approx(stats.kruskal(*areas).pvalue, rel=1e-12)
     assert found.spread.groups.kruskal.p[design] == pytest.approx(stats.kruskal(*rates).pvalue, rel=1e-12)
@@ -56,7 +56,7 @@ def test_known_specimens_as_scipy_tests_them(design, of, found, scores):
 
 
 def test_equality_is_tested_on_shares_of_the_mean(found, scores):
-    areas = [scores("a_c0", "high-stiffness", 0, specimen) for specimen in KNOWN]
+    areas = [scores("start_area", "high-stiffness", 0, specimen) for specimen in KNOWN]
     relative = [area / np.mean(areas) for area in areas]
     ours = found.area.equality.tost.p[0]
     assert ours.tolist() == pytest.approx([ttost_ind(a, b, -0.05, 0.05)[0] for a, b in combinations(relative, 2)])
@@ -66,7 +66,7 @@ def test_equality_is_tested_on_shares_of_the_mean(found, scores):
 def test_equal_areas_are_shown_equal(run_of, stiffness_n_per_mm):
     rng = np.random.default_rng(3)
     runs = [
-        replace(run_of(name, 0.0, "modular"), a_c0={"edge": 40 * (1 + 0.01 * rng.standard_normal(10))})
+        replace(run_of(name, 0.0, "modular"), start_area={"edge": 40 * (1 + 0.01 * rng.standard_normal(10))})
         for name in KNOWN
     ]
     found = discriminate(runs, stiffness_n_per_mm, "S_new")
@@ -80,8 +80,8 @@ def test_angles_are_compared_pooled_and_specimen_by_specimen(found, scores):
     angles = [0.0, 30.0, 45.0]
     assert of.conditions == ("high-stiffness",) * 4 + ("modular",) * 4
     assert of.specimens == ("", *KNOWN) * 2
-    pooled = [np.concatenate([scores("a_c0", "modular", angle, s) for s in KNOWN]) for angle in angles]
-    alone = [scores("a_c0", "modular", angle, "S3") for angle in angles]
+    pooled = [np.concatenate([scores("start_area", "modular", angle, s) for s in KNOWN]) for angle in angles]
+    alone = [scores("start_area", "modular", angle, "S3") for angle in angles]
     assert of.worst_p(4) == pytest.approx(dunn_by_hand(pooled).max(), rel=1e-10)
     assert of.worst_p(6) == pytest.approx(dunn_by_hand(alone).max(), rel=1e-10)
     assert of.groups.kruskal.p[6] == pytest.approx(stats.kruskal(*alone).pvalue, rel=1e-12)

@@ -162,7 +162,7 @@ def test_a_rejected_press_is_counted_with_its_reason(run_of, stiffness_n_per_mm)
 
 def equal_areas(run):
     rng = np.random.default_rng([*run.name.encode()])
-    return replace(run, a_c0={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.a_c0})
+    return replace(run, start_area={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.start_area})
 
 
 def told(runs, stiffness_n_per_mm, **settings):

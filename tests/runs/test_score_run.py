@@ -89,6 +89,39 @@ def test_the_picture_is_the_first_contact(run):
     assert run.picture.area_mm2 == pytest.approx(run.a_c0["edge"][0])
 
 
+def test_the_area_where_loading_begins_lies_on_the_power_law(run, sequence):
+    area, force_n = run.curves[0].area_mm2, run.curves[0].force_n
+    assert force_n[0] > 0.5
+    slope = np.polyfit(np.log(force_n), np.log(area), 1)[0]
+    assert run.start_area["edge"][0] == pytest.approx(area[0] * (0.5 / force_n[0]) ** slope, rel=0.02)
+    assert run.start_area["circle"][0] / run.a_c0["circle"][0] == pytest.approx(run.start_area["edge"][0] / area[0])
+    assert run.start_area["paper"][0] == run.a_c0["paper"][0]
+
+
+def test_the_area_where_loading_begins_hangs_on_no_first_frame(run, sequence):
+    later = replace(sequence, force_n=np.where(sequence.force_n < 1.2, 0.1, sequence.force_n))
+    found = scored(press(later))
+    assert found.a_c0["edge"][0] > 1.2 * run.a_c0["edge"][0]
+    assert found.start_area["edge"][0] == pytest.approx(run.start_area["edge"][0], rel=0.05)
+
+
+def test_a_press_that_turned_back_early_is_not_scored(sequence):
+    short = replace(sequence, force_n=np.where(sequence.force_n > 5, np.nan, sequence.force_n))
+    found = scored(press(short))
+    assert found.verdicts == ("rejected",)
+    assert "reaches 5.6 N" in found.reasons[0]
+
+
+def test_where_no_edge_is_found_hexagons_are_no_stand_in(sequence, monkeypatch):
+    monkeypatch.setattr("casr.contact_area.rules.edge_rule", lambda motion, camera: "the fit explains 12 %")
+    found = scored(press(sequence))
+    assert found.verdicts == ("rejected",)
+    assert "No contact edge: the fit explains 12 %" in found.reasons[0]
+    by_hexagons = scored(press(sequence), settings=RunSettings(algorithm="hexagon"))
+    assert by_hexagons.verdicts == ("ok",)
+    assert np.isnan(by_hexagons.a_c0["edge"][0])
+
+
 def test_loading_ends_at_the_largest_force_where_f_max_falls_between_two_frames(sequence):
     low = replace(sequence, force_n=np.where(sequence.force_n > 6.5, np.nan, sequence.force_n))
     assert scored(press(low)).verdicts == ("ok",)
