@@ -102,8 +102,7 @@ class FaultBench:
 
     def probe_mm(self) -> float:
         """Depth of the probe by the encoders of both motors."""
-        at = self._actuator().measurements()
-        return RigSettings().depth_at((at.motor_1 + at.motor_2) / 2)
+        return RigSettings().depth_at(self._actuator().position_ticks())
 
     def _actuator(self) -> Qbmove:
         return Qbmove(self.line, DEVICE_ID, clock=self.clock)

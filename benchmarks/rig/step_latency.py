@@ -41,6 +41,9 @@ class TimedActuator:
         self.actuator.set_position_stiffness(position_ticks, preset_ticks)
         self.commands.append((self.clock.now_s(), preset_ticks))
 
+    def position_ticks(self) -> float:
+        return self.actuator.position_ticks()
+
     def measurements(self) -> Measurements:
         at = self.actuator.measurements()
         self.presets.append((self.clock.now_s(), (at.motor_1 - at.motor_2) / 2))

@@ -47,10 +47,10 @@ class ControlCycle:
         """Motors on; the run begins where they are."""
         with ending("activation"):
             self._devices.actuator.activate()
-            at = self._devices.actuator.measurements()
+            position_ticks = self._devices.actuator.position_ticks()
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
-        self.motion = Motion("home", self._turned_s, self._rig.depth_at((at.motor_1 + at.motor_2) / 2))
+        self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
 
     def turn(self, now_s: float, late_s: float) -> Motion:
         """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""

@@ -25,8 +25,11 @@ class Actuator(Protocol):
     def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
         """Equilibrium and stiffness preset; a rigid motor has only the preset 0."""
 
+    def position_ticks(self) -> float:
+        """Where the motors stand, as the position that ``set_position_stiffness`` would command to keep them there."""
+
     def measurements(self) -> Measurements:
-        """Encoders of both motors and of the shaft."""
+        """Encoders of both motors and of the shaft; what each motor means for the position is the device's to say."""
 
     def currents_ma(self) -> tuple[int, int]:
         """Currents of both motors, mA."""

@@ -161,6 +161,11 @@ class Qbmove:
         # the Advanced of generation 6 stores them negated and forgets to turn them back
         return (-first, -second) if (self.generation, self.model) == ("v6", "advanced") else (first, second)
 
+    def position_ticks(self) -> float:
+        """Equilibrium (q1 + q2)/2 of the motors where they stand, ticks."""
+        at = self.measurements()
+        return (at.motor_1 + at.motor_2) / 2
+
     def measurements(self) -> Measurements:
         """Motors and shaft."""
         return Measurements(*self._ask_words(Command.GET_MEASUREMENTS, 3))

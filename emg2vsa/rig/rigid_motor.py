@@ -49,6 +49,10 @@ class RigidMotor:
             raise DeviceError(self.where, wanted="preset 0: it has no springs", found=f"{preset_ticks} ticks", do=do)
         self._board.set_inputs(position_ticks, 0)
 
+    def position_ticks(self) -> float:
+        """Where motor 1 stands, ticks; motor 2, not connected, has no say."""
+        return self._board.measurements().motor_1
+
     def measurements(self) -> Measurements:
         """Encoders in ticks, 8 to a step of the 12 bits; the shaft is motor 1's."""
         at = self._board.measurements()

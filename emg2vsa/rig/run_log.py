@@ -22,7 +22,9 @@ class Row(NamedTuple):
     preset_ticks: int | None
     motor_1_ticks: int | None
     motor_2_ticks: int | None
+    "Under high-stiffness not connected: no part of position or preset."
     shaft_ticks: int | None
+    "Under high-stiffness motor 1's."
     current_1_ma: int | None
     current_2_ma: int | None
     frame_index: int

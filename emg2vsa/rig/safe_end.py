@@ -74,8 +74,7 @@ def _ramp(
 
 
 def _check_retracted(actuator: Actuator, rig: RigSettings) -> None:
-    at = actuator.measurements()
-    depth_mm = rig.depth_at((at.motor_1 + at.motor_2) / 2)
+    depth_mm = rig.depth_at(actuator.position_ticks())
     if abs(depth_mm) > _THERE_MM:
         raise DeviceError(
             "probe",

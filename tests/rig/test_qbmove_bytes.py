@@ -53,6 +53,11 @@ def test_measurements() -> None:
         assert device.measurements() == Measurements(2500, -500, 1000)
 
 
+def test_the_position_is_halfway_between_the_motors() -> None:
+    with scripted(("3a3a 01 02 84 84", "3a3a 01 08 84 09c4 fe0c 03e8 50")) as device:
+        assert device.position_ticks() == 1000
+
+
 def test_currents_come_from_133() -> None:
     with scripted(("3a3a 01 02 85 85", "3a3a 01 06 85 0064 ff9c 82")) as device:
         assert device.currents_ma() == (100, -100)

@@ -81,10 +81,11 @@ def test_the_bytes_of_a_position(position_ticks: int, request_hex: str) -> None:
     ("reply_hex", "at"),
     [("3a3a 01 08 84 03e8 0000 1234 49", (1000, 0, 1000)), ("3a3a 01 08 84 fc18 0010 0000 70", (-1000, 16, -1000))],
 )
-def test_the_shaft_is_motor_1(reply_hex: str, at: tuple[int, int, int]) -> None:
+def test_shaft_and_position_are_motor_1(reply_hex: str, at: tuple[int, int, int]) -> None:
     replies = {bytes.fromhex("3a3a 01 02 84 84"): bytes.fromhex(reply_hex)}
-    board = Qbmove(LoopbackLine("bench", replies.__getitem__), 1, clock=VirtualClock())
-    assert RigidMotor(board).measurements() == at
+    motor = RigidMotor(Qbmove(LoopbackLine("bench", replies.__getitem__), 1, clock=VirtualClock()))
+    assert motor.measurements() == at
+    assert motor.position_ticks() == at[0]
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,8 @@ class EmulatedRig:
     Parameters
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
-    rig : gear and limits that the drivers are told. run : name of the run; other names, other draws.
+    rig : gear and limits that the drivers are told; both actuators begin retracted, and read its ``home_ticks`` there.
+    run : name of the run; other names, other draws.
 
     Attributes
     ----------
@@ -76,8 +77,9 @@ class EmulatedRig:
             clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
         )
         on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
-        qbmove = QbmoveFirmware(_ADVANCED if self.model == "advanced" else MAKER_PRO, on_springs, clock)
-        motor = motor_board(on_motor, clock)
+        switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, self.rig.home_ticks
+        qbmove = QbmoveFirmware(switches, on_springs, clock, memory=switches.factory((home_ticks,) * 3))
+        motor = motor_board(on_motor, clock, home_ticks)
         self.firmware, self.idle = (motor, qbmove) if rigid else (qbmove, motor)
         self.wire = FaultyWire(self.firmware)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
@@ -126,7 +128,7 @@ class EmulatedRig:
 
 
 def _check_fit(rig: RigSettings) -> None:
-    built = {"push_sign": 1, "push_axis": (0, 0, 1), "home_ticks": 0}
+    built = {"push_sign": 1, "push_axis": (0, 0, 1)}
     for name, value in built.items():
         if getattr(rig, name) != value:
             raise SettingError(

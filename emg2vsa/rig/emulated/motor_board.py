@@ -17,6 +17,6 @@ MOTOR_SPEED_RAD_PER_S = 3.0
 MOTOR_BOARD = replace(MAKER_PRO, supply_mv=12000, motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S)
 
 
-def motor_board(world: World, clock: Clock) -> QbmoveFirmware:
-    """The board, of id 1, its motor at 0, turning a world whose ``springs`` are None."""
-    return QbmoveFirmware(MOTOR_BOARD, world, clock)
+def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmware:
+    """The board, of id 1, turning a world whose ``springs`` are None; at the start its motor reads ``home_ticks``."""
+    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=MOTOR_BOARD.factory((home_ticks, 0, home_ticks)))

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 
 FIXED_POINT = 65536
 """Gains are kept as whole numbers of 1/65536, truncated."""
+INTERNAL_PER_TICK = 2
+"""At resolution 1, that of the factory."""
 CONTROL_MODES = ("Position", "PWM", "Current", "Position and current", "Deflection", "Deflection and current")
 INPUT_MODES = ("Usb", "Encoder 3")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from emg2vsa.rig.emulated.qbmove_memory import Memory, fixed
+from emg2vsa.rig.emulated.qbmove_memory import INTERNAL_PER_TICK, Memory, fixed
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,10 @@ class Switches:
     both_motors_or_none: bool
     "ACTIVATE with any bit switches both on."
 
-    def factory(self) -> Memory:
-        """Settings after INIT_MEM."""
+    def factory(self, zeros_ticks: tuple[int, int, int] = (0, 0, 0)) -> Memory:
+        """Settings after INIT_MEM; ``zeros_ticks``: what motor 1, motor 2 and shaft read where they begin."""
         return Memory(
+            offsets=[ticks * INTERNAL_PER_TICK for ticks in zeros_ticks],
             position_pid=fixed(*self.position_gains),
             current_pid=fixed(*self.current_gains),
             watchdog_counts=self.watchdog_counts,

@@ -113,6 +113,9 @@ class Bench:
             raise lost("qbmove 1")
         self._position = position_ticks
 
+    def position_ticks(self) -> float:
+        return self.measurements().shaft
+
     def measurements(self) -> Measurements:
         if self.once("Ctrl-C"):
             raise KeyboardInterrupt
