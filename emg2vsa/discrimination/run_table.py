@@ -53,6 +53,11 @@ class RunTable:
         """Numbers of the designs of a condition, by rising angle."""
         return [i for i, name in enumerate(self.conditions) if name == condition]
 
+    def unscored(self, design: int, specimens: Sequence[str]) -> list[str]:
+        """Which of ``specimens`` have no press with a CASR in a design."""
+        values = self.casr[self.algorithm][design]
+        return [name for name in specimens if not np.isfinite(values[self.specimens.index(name)]).any()]
+
 
 def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float], new: str) -> RunTable:
     """Sort ``runs`` into a table; rejected presses have no score.

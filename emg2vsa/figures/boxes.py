@@ -40,7 +40,16 @@ def hazen_box(values: Floats) -> tuple[float, float, float, float, float]:
     return float(inside.min()), float(low), float(median), float(high), float(inside.max())
 
 
-def draw_box(axes: Axes, place: float, values: Floats, look: Look, *, width: float = 0.5, filled: bool = False) -> None:
+def draw_box(
+    axes: Axes,
+    place: float,
+    values: Floats,
+    look: Look,
+    *,
+    width: float = 0.5,
+    filled: bool = False,
+    hollow_marks: bool = False,
+) -> None:
     """One box at ``place`` with all finite ``values`` (n,) as marks; nothing where there is none."""
     values = values[np.isfinite(values)]
     if not values.size:
@@ -55,9 +64,10 @@ def draw_box(axes: Axes, place: float, values: Floats, look: Look, *, width: flo
     # neighbours in rank lie side by side, the same at every run
     pattern = np.tile([-1.0, 0.0, 1.0, -0.5, 0.5], -(-values.size // 5))
     across = place + 0.32 * width * pattern[np.argsort(np.argsort(values, kind="stable"))]
+    inside, edge, edge_width = ("white", look.colour, 0.8) if hollow_marks else (look.colour, INK, 0.4)
     axes.plot(
-        across, values, linestyle="none", marker=look.marker, markersize=3, color=look.colour,
-        markeredgecolor=INK, markeredgewidth=0.4,
+        across, values, linestyle="none", marker=look.marker, markersize=3, markerfacecolor=inside,
+        markeredgecolor=edge, markeredgewidth=edge_width,
     )  # fmt: skip
 
 

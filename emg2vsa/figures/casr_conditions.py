@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.lines import Line2D
 
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import draw_box
@@ -14,6 +14,8 @@ from emg2vsa.figures.grid import panel_grid
 from emg2vsa.figures.palette import INK, Look
 
 _ASIDE = 0.21
+_RIGID = "left, hollow: rigid (high stiffness)"
+_HUMAN_LIKE = "right, filled: human-like (modular stiffness)"
 
 
 @dataclass(frozen=True)
@@ -27,11 +29,12 @@ class ConditionBoxes:
 
 
 def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str) -> Figure:
-    """panels : title and specimens, stiffest first; ``unit`` of the area. Hollow boxes are rigid, filled human-like."""
+    """panels : title and specimens, stiffest first; ``unit`` of the area. Left and hollow is rigid, right and
+    filled human-like."""
     figure, (row,) = panel_grid(1, [1] * len(panels), 52, (13, 2, 8, 13), (13, 0))
     for axes, (title, specimens) in zip(row, panels, strict=True):
         for place, each in enumerate(specimens):
-            draw_box(axes, place - _ASIDE, each.rigid, each.look, width=0.36)
+            draw_box(axes, place - _ASIDE, each.rigid, each.look, width=0.36, hollow_marks=True)
             draw_box(axes, place + _ASIDE, each.human_like, each.look, width=0.36, filled=True)
         axes.set_xticks(range(len(specimens)), [each.name for each in specimens])
         axes.set_xlim(-0.6, len(specimens) - 0.4)
@@ -40,8 +43,8 @@ def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit
     row[0].set_ylabel(f"CASR ({unit}/N)")
     figure.legend(
         handles=[
-            Patch(facecolor="none", edgecolor=INK, label="rigid (high stiffness)"),
-            Patch(facecolor="#bbbbbb", edgecolor=INK, label="human-like (modular stiffness)"),
+            Line2D([], [], marker="o", linestyle="none", markerfacecolor="white", markeredgecolor=INK, label=_RIGID),
+            Line2D([], [], marker="o", linestyle="none", markerfacecolor=INK, markeredgecolor=INK, label=_HUMAN_LIKE),
         ],
         loc="upper center",
         ncols=2,

@@ -32,6 +32,18 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class RunsResults:
+    """All products of a study of measured runs alone; what failed is None, and ``failures`` say why."""
+
+    study: Study
+    runs: tuple[RunScores, ...]
+    discrimination: Discrimination | None
+    calibration: CalibrationResults | None
+    failures: tuple[Failure, ...] = ()
+    provenance: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class StudyResults:
     """All products of a run. A stage that failed is None (or empty), and ``failures`` say why."""
 
@@ -59,8 +71,13 @@ class StudyResults:
 
     def why_absent(self, stage: str) -> str:
         """One sentence on why a section has nothing to show."""
-        reasons = [failure.message for failure in self.failures if failure.stage == stage]
-        return f"Failed: {' '.join(reasons)}" if reasons else f"The study has no {stage}."
+        return why_absent(self.failures, stage)
+
+
+def why_absent(failures: Sequence[Failure], stage: str) -> str:
+    """One sentence on why a section has nothing to show."""
+    reasons = [failure.message for failure in failures if failure.stage == stage]
+    return f"Failed: {' '.join(reasons)}" if reasons else f"The study has no {stage}."
 
 
 def with_short_paths(failures: Sequence[Failure], study: Study) -> tuple[Failure, ...]:
@@ -69,10 +86,11 @@ def with_short_paths(failures: Sequence[Failure], study: Study) -> tuple[Failure
 
 
 def short_paths(text: str, study: Study) -> str:
-    """``text`` with the folders of the study, its data and its recordings relative to the study file's folder."""
+    """``text`` with the folders of the study, its data, recordings and runs relative to the study file's folder."""
     base = study.path.parent
     files = [path for entry in study.recordings for path in (entry.emg_file, entry.force_file) if path]
     folders = {base, study.data, *(path.parent for path in files)}
+    folders |= {study.runs_source.root} if study.runs_source else set()
     for folder in sorted(folders, key=lambda path: len(path.parts), reverse=True):
         if folder.is_absolute() and folder.anchor == base.anchor != str(folder):
             short = Path(os.path.relpath(folder, base)).as_posix() + "/"

@@ -70,7 +70,7 @@ def _reach() -> list[tuple[Cell, ...]]:
     uncorrected, corrected = map(_p, bounds)
     mind = (
         "three groups of ten compared by pooled mean ranks, as MATLAB's multcompare does: .0034, .0037 and .0018 "
-        "cannot come from this test; .0111 is its uncorrected bound for groups that do not overlap"
+        "cannot come from this test; .0111 is its uncorrected bound for groups that do not overlap (.01109)"
     )
     here = f"the worst pair cannot have less than {uncorrected}, or {corrected} with Bonferroni"
     return [("worst p of CASR between specimens (section VI)", ".0111, .0034, .0037 and .0018", here, mind)]

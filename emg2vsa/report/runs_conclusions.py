@@ -8,6 +8,7 @@ import numpy as np
 
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+from emg2vsa.report.runs_tables import level_change
 from emg2vsa.report.runs_wording import design_name, gap_of, interval
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
 from emg2vsa.runs import RunScores
@@ -24,6 +25,13 @@ def first_frames(runs: Sequence[RunScores], found: Discrimination) -> str:
         f"{max(first_n):.2f} N. Areas grow with force: compared are the areas at the force where loading begins, on "
         "the power law of each press."
     )
+
+
+_ONE_PRESS = "a gap takes two scored presses or more of each specimen"
+_ONE_MOUNTING = (
+    "These intervals come from repeated presses within one mounting for each run: how far mounting again moves CASR is "
+    "not in them."
+)
 
 
 def area_and_specimens(found: Discrimination) -> str:
@@ -47,8 +55,8 @@ def area_and_specimens(found: Discrimination) -> str:
         )
     return (
         f"The initial area differs between specimens in {differ} of {count(tested, 'design')}: the paper's claim that "
-        f"it does not depend on the specimen does not hold here. {size} Contact mechanics expects this: at the same force a softer "
-        "specimen is touched over a larger area."
+        f"it does not depend on the specimen does not hold here. {size} Contact mechanics expects this: at the same "
+        "force a softer specimen is touched over a larger area."
     )
 
 
@@ -75,16 +83,19 @@ def area_and_angle(found: Discrimination) -> str:
 
 def specimens(found: Discrimination) -> str:
     """Does CASR tell the known specimens apart, softer ones larger?"""
-    spread, alpha, n = found.spread, found.settings.alpha, len(found.table.conditions)
-    apart = spread.worst_p_holm < alpha
-    failed = [design_name(found.table, i) for i in range(n) if not (apart[i] and spread.rises[i])]
-    names = listed(spread.specimens)
-    if not failed:
-        return f"CASR tells {names} apart pair by pair in all of {n} designs, and every softer one has the larger."
-    return (
-        f"CASR tells {names} apart pair by pair, softer ones larger, in {n - len(failed)} of {n} designs; it does not "
-        f"in {listed(failed)}."
+    spread, table, alpha = found.spread, found.table, found.settings.alpha
+    untested = {i: who for i in range(len(table.conditions)) if (who := table.unscored(i, spread.specimens))}
+    tested = [i for i in range(len(table.conditions)) if i not in untested]
+    failed = [design_name(table, i) for i in tested if not (spread.worst_p_holm[i] < alpha and spread.rises[i])]
+    n, names = count(len(tested), "design"), listed(spread.specimens)
+    told = (
+        f"CASR tells {names} apart pair by pair, softer ones larger, in {len(tested) - len(failed)} of {n}; it does "
+        f"not in {listed(failed)}."
+        if failed
+        else f"CASR tells {names} apart pair by pair in all of {n}, and every softer one has the larger."
     )
+    lacking = listed([f"{design_name(table, i)} (no scored press of {listed(which)})" for i, which in untested.items()])
+    return (told if tested else "") + (f" Not tested: {lacking}." if untested else "")
 
 
 def new_specimen(found: Discrimination) -> str:
@@ -92,21 +103,43 @@ def new_specimen(found: Discrimination) -> str:
     new, table = found.new, found.table
     if new is None:
         return "No new specimen was pressed."
+    if not all(new.neighbours):
+        return _at_the_end(found)
     n = new.discriminated.size
     failed = [f"{design_name(table, i)} ({_why_not(found, i)})" for i in np.flatnonzero(~new.discriminated).tolist()]
-    between = f"between {' and '.join(filter(None, new.neighbours))}"
+    between = f"between {listed(new.neighbours)}"
     told = f"CASR of {new.name} lies {between} and is told from its neighbours in {n - len(failed)} of {n} designs"
     return f"{told}; not in {listed(failed)}." if failed else f"{told}."
 
 
 def _why_not(found: Discrimination, design: int) -> str:
-    new = found.new
+    new, table = found.new, found.table
     assert new is not None
+    lacking = table.unscored(design, (new.name, *new.neighbours))
+    if lacking:
+        return f"no scored press of {listed(lacking)}"
     if not new.between[design]:
         return "it does not lie between"
     same = [new.neighbours[side] for side in (0, 1) if not new.p[design, side] < found.settings.alpha]
     side = new.neighbours.index(same[0])
     return f"not told from {listed(same)}, {p_text(float(new.p[design, side]))}"
+
+
+def _at_the_end(found: Discrimination) -> str:
+    """A new specimen that is the stiffest or the softest of all has one neighbour, or none."""
+    new = found.new
+    assert new is not None
+    if not any(new.neighbours):
+        return f"No other specimen was pressed beside {new.name}."
+    side = 0 if new.neighbours[0] else 1
+    end, size = (("softest", "larger"), ("stiffest", "smaller"))[side]
+    shift = new.shift[:, side] * (1, -1)[side]
+    told = np.count_nonzero((shift > 0) & (new.p[:, side] < found.settings.alpha))
+    scored = int(np.count_nonzero(np.isfinite(shift)))
+    return (
+        f"{new.name} is the {end} of all and lies between no two. Its CASR is {size} than that of "
+        f"{new.neighbours[side]}, and told from it, in {told} of {count(scored, 'design')} where both have scores."
+    )
 
 
 def mean_rank_bound(found: Discrimination) -> str:
@@ -140,11 +173,15 @@ def vision(found: Discrimination) -> str:
         f"{number(compared.gap(0, i)[0])} SD"
         for i in designs
     ]
-    wins = sum(compared.gap(0, i)[0] > compared.gap(at, i)[0] for i in designs)
-    return (
+    both = [i for i in designs if np.isfinite([compared.gap(0, i)[0], compared.gap(at, i)[0]]).all()]
+    wins = sum(compared.gap(0, i)[0] > compared.gap(at, i)[0] for i in both)
+    head = (
         f"{compared.names[0].capitalize()} (new) sets the specimens further apart than {old} (old) at {wins} of "
-        f"{len(designs)} angles, {table.conditions[designs[0]]}. {old.capitalize()} at {'; '.join(told)}."
+        f"{count(len(both), 'angle')}, {table.conditions[designs[0]]}"
+        if both
+        else f"{compared.names[0].capitalize()} (new) and {old} (old) cannot be compared by their gaps: {_ONE_PRESS}"
     )
+    return f"{head}. {old.capitalize()} at {'; '.join(told)}."
 
 
 def _errors(found: Discrimination, algorithm: int, design: int) -> str:
@@ -160,6 +197,9 @@ def actuators(found: Discrimination) -> str:
     against = [i for i, other in enumerate(compared.other.tolist()) if table.conditions[other] == RIGID]
     if not against:
         return f"The conditions {HUMAN_LIKE} and {RIGID} were not both pressed at the same angle."
+    against = [i for i in against if np.isfinite(compared.gap_differences.gap[i])]
+    if not against:
+        return f"Human-like stiffness and the rigid motor cannot be compared: {_ONE_PRESS}."
     better, worse = ([i for i in against if compared.wins(i) is verdict] for verdict in (True, False))
     n = count(len(against), "angle")
     if better or worse:
@@ -181,11 +221,21 @@ def constants(found: Discrimination) -> str:
     compared, table = found.conditions, found.table
     verdicts: dict[bool | None, list[str]] = {True: [], False: [], None: []}
     for i, other in enumerate(compared.other.tolist()):
-        if table.conditions[other] != RIGID:
+        if table.conditions[other] != RIGID and np.isfinite(compared.gap_differences.gap[i]):
             verdicts[compared.wins(i)].append(design_name(table, other))
     said = ((True, "better than"), (False, "worse than"), (None, "not to be told from"))
     told = [f"{words} {listed(verdicts[which])}" for which, words in said if verdicts[which]]
     return f"Beside the constant levels of the profile, human-like stiffness is {', '.join(told)}." if told else ""
+
+
+def constant_levels(found: Discrimination) -> str:
+    """How far mean CASR lies from that at the constant levels; "" where none was pressed."""
+    other = found.conditions.other.tolist()
+    levels = [
+        i for i, design in enumerate(other)
+        if found.table.conditions[design] != RIGID and np.isfinite(found.conditions.level_ratio.low[i])
+    ]  # fmt: skip
+    return f"{_levels(found, levels, 'a constant level')} {_ONE_MOUNTING}" if levels else ""
 
 
 def why(found: Discrimination, simulated: bool) -> str:
@@ -195,13 +245,13 @@ def why(found: Discrimination, simulated: bool) -> str:
     low, high = compared.level_ratio.low[against], compared.level_ratio.high[against]
     if not against or not np.isfinite([low, high]).all():
         return ""
-    level = (
-        f"Mean CASR of the same specimens, human-like over rigid, is {_range(compared.level_ratio.estimate[against])}"
-    )
-    within = percent(margin)
-    if not np.all((low > 1 - margin) & (high < 1 + margin)):
-        other = "the actuator changes CASR itself" if np.any((low > 1) | (high < 1)) else "no difference is found"
-        return f"{level}: {other}, and equality within ± {within} is not shown at every angle."
+    level, within = _levels(found, against, "the rigid motor"), percent(margin)
+    alike, beyond = (low > 1 - margin) & (high < 1 + margin), (low > 1 + margin) | (high < 1 - margin)
+    if not np.all(alike):
+        return (
+            f"{level} Equality within ± {within} is shown at {np.count_nonzero(alike)} of "
+            f"{count(alike.size, 'angle')}, a larger difference at {np.count_nonzero(beyond)}. {_ONE_MOUNTING}"
+        )
     noise = compared.cv_ratio
     quiet = bool(np.all((noise.low[against] < 1) & (noise.high[against] > 1)))
     scatter = (
@@ -210,12 +260,23 @@ def why(found: Discrimination, simulated: bool) -> str:
         else f"What differs is the scatter of presses (CV, human-like over rigid: {_range(noise.estimate[against])})"
     )
     built = (
-        " In the simulated world it could not be otherwise: the contact area follows from force alone, so that the "
-        "actuator's stiffness only changes how far the force steps from frame to frame."
+        " In the simulated world the contact area follows from force alone, so that the actuator's stiffness only "
+        "changes how far the force steps from frame to frame."
         if simulated
         else ""
     )
-    return f"{level}, the same within ± {within} at every angle: the actuator does not change CASR. {scatter}.{built}"
+    return f"{level} At every angle it is within ± {within} of the rigid motor's. {_ONE_MOUNTING} {scatter}.{built}"
+
+
+def _levels(found: Discrimination, which: Sequence[int], other: str) -> str:
+    """Mean CASR less that of the other conditions, in percent of it, and how many intervals leave 0 out."""
+    compared = found.conditions
+    each = [f"{level_change(compared, i)} ({design_name(found.table, int(compared.other[i]))})" for i in which]
+    apart = sum(bool(compared.level_ratio.low[i] > 1 or compared.level_ratio.high[i] < 1) for i in which)
+    return (
+        f"Mean CASR of the same specimens with human-like stiffness, less that with {other}, is {listed(each)} in "
+        f"percent; {apart} of {count(len(which), 'interval')} leave 0 out."
+    )
 
 
 def _difference(found: Discrimination, i: int) -> str:

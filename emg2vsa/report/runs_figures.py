@@ -79,8 +79,8 @@ def _areas(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str,
     figure = draw_areas(panels, pooled, area_unit(table.area_unit))
     each = "; ".join(f"{panel.title}: p = {number(float(p[i]))}" for panel, i in zip(panels, designs, strict=True))
     caption = (
-        f"Fig. 8. Initial area where loading begins, {condition}, by the {found.table.algorithm} algorithm: by specimen at "
-        f"each angle (Kruskal-Wallis, {each})"
+        f"Fig. 8. Initial area where loading begins, {condition}, by the {found.table.algorithm} algorithm: by "
+        f"specimen at each angle (Kruskal-Wallis, {each})"
     )
     caption += f", and by angle, all specimens together (Dunn, Bonferroni: {_STARS}). " if pooled else ". "
     told = "; ".join(
@@ -187,8 +187,8 @@ def _conditions(runs: Sequence[RunScores], found: Discrimination, looks: Mapping
         for title, boxes in panels
     )
     caption = (
-        f"Fig. 14. CASR with the rigid motor (hollow) and human-like stiffness (filled), {found.table.algorithm} "
-        f"algorithm at every angle. {_BOXES}"
+        f"Fig. 14. CASR with the rigid motor (left, hollow) and human-like stiffness (right, filled), "
+        f"{found.table.algorithm} algorithm at every angle. {_BOXES}"
     )
     title = "CASR with rigid and human-like stiffness"
     figure = draw_conditions(panels, unit)

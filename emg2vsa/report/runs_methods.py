@@ -28,6 +28,8 @@ _LAW = {
     "linear-log": "κ = a + b ln CASR",
 }
 
+_LEAST = {"casr": "CASR", "kappa": "κ", "ln kappa": "ln κ"}
+
 
 def runs_methods(study: Study, runs: Sequence[RunScores]) -> Iterable[str]:
     """Sentences on runs, scores, tests and calibration; none for a study without runs."""
@@ -41,11 +43,16 @@ def runs_methods(study: Study, runs: Sequence[RunScores]) -> Iterable[str]:
 
 def _pressed(runs: Sequence[RunScores]) -> str:
     specimens = listed(list(dict.fromkeys(run.specimen for run in runs)))
-    conditions = listed(list(dict.fromkeys(run.condition for run in runs)))
-    angles = listed([f"{angle:g}°" for angle in sorted({run.angle_deg for run in runs})])
+    angles: dict[str, set[float]] = {}
+    for run in runs:
+        angles.setdefault(run.condition, set()).add(run.angle_deg)
+    alike: dict[str, list[str]] = {}
+    for condition, own in angles.items():
+        alike.setdefault(listed([f"{angle:g}°" for angle in sorted(own)]), []).append(condition)
+    designs = "; ".join(f"{listed(conditions)} at {at}" for at, conditions in alike.items())
     presses = sum(len(run.verdicts) for run in runs)
     rig = "an emulated rig" if any(run.simulated for run in runs) else "a rig"
-    return f"{presses} presses on {specimens} were made by {rig} at {angles} under {conditions}."
+    return f"{presses} presses on {specimens} were made by {rig}: {designs}."
 
 
 def _scored(study: Study) -> str:
@@ -70,7 +77,25 @@ def _tested(settings: DiscriminationSettings) -> str:
 def _calibrated(settings: CalibrationSettings) -> str:
     scores = "mean scores" if settings.points == "means" else "all scores"
     return (
-        f"The stiffness of the new specimen was read off {_LAW[settings.law]}, fitted at every angle under every "
-        f"condition to {scores} of the others by least squares of {settings.minimise}, with "
-        f"{100 * settings.confidence:g} % intervals from repeated presses."
+        f"{_left_out(settings)}The stiffness of the new specimen was read off {_LAW[settings.law]}, fitted to {scores} "
+        f"of the others at each angle of each condition by least squares of {_LEAST[settings.minimise]}. Its "
+        f"{100 * settings.confidence:g} % interval joins the scatter of repeated presses, the standard errors of the "
+        f"known stiffnesses{_mounting(settings)}."
     )
+
+
+def _left_out(settings: CalibrationSettings) -> str:
+    if settings.outlier_mads == 0:
+        return ""
+    return (
+        f"A press further than {settings.outlier_mads:g} median absolute deviations, scaled to an SD, from the median "
+        "of its specimen was left out of the calibration, where the specimen had five presses or more. "
+    )
+
+
+def _mounting(settings: CalibrationSettings) -> str:
+    """The terms of the interval that presses of one mounting cannot show."""
+    angle = f"an SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting"
+    if settings.law != "compliance":
+        return f" and {angle}"
+    return f", {angle}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's 1.5"

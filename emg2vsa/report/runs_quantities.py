@@ -60,7 +60,8 @@ def _rates(found: Discrimination) -> Items:
         yield f"{name}.casr.specimens_epsilon2", float(spread.groups.kruskal.epsilon2[i])
         yield f"{name}.casr.worst_p", float(spread.worst_p[i])
         yield f"{name}.casr.worst_p.holm", float(spread.worst_p_holm[i])
-        yield f"{name}.casr.rises", bool(spread.rises[i])
+        if not table.unscored(i, spread.specimens):
+            yield f"{name}.casr.rises", bool(spread.rises[i])
         for specimen, values in zip(table.specimens, table.casr[found.table.algorithm][i], strict=True):
             yield from _moments(f"{name}.{specimen}.casr_{table.area_unit}_per_n", values)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -11,17 +12,22 @@ from emg2vsa.figures.palette import looks
 from emg2vsa.report import html
 from emg2vsa.report import runs_conclusions as conclusions
 from emg2vsa.report.drawing import Drawing, shown
+from emg2vsa.report.kappa_conclusion import kappa_conclusion
 from emg2vsa.report.kappa_quantities import kappa_quantities
-from emg2vsa.report.kappa_tables import kappa_conclusion, kappa_tables
+from emg2vsa.report.kappa_tables import kappa_tables
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.runs_comparison import runs_comparison
 from emg2vsa.report.runs_figures import kappa_figure, runs_figures
 from emg2vsa.report.runs_quantities import runs_quantities
 from emg2vsa.report.runs_tables import runs_tables
 from emg2vsa.report.runs_verdicts import runs_verdicts
+from emg2vsa.report.runs_wording import area_unit
 from emg2vsa.report.table import Table
 from emg2vsa.report.wording import count
 from emg2vsa.runs import RunScores
+
+_NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
+_SHOWN_RUNS = 3
 
 
 @dataclass(frozen=True)
@@ -90,12 +96,27 @@ def _presses(runs: Sequence[RunScores], tables: Mapping[str, Table]) -> str:
             "Emulated actuator, force sensor and camera share one world. Its numbers show what the method makes "
             "of that world; they are no measurement, and agreement with the paper is not a replication.",
         )
-    notes = dict.fromkeys(note for run in runs for note in run.notes)
+    notes = _notes(runs)
     return (
         origin
         + tables["runs"].html()
-        + (html.details(f"{count(len(notes), 'note')} of the runs", html.bullets(notes)) if notes else "")
+        + (html.details(f"{count(len(notes), 'kind')} of notes of the runs", html.bullets(notes)) if notes else "")
     )
+
+
+def _notes(runs: Sequence[RunScores]) -> list[str]:
+    """Notes that differ by their numbers alone are one kind: its first, and the runs it concerns."""
+    kinds: dict[str, list[tuple[str, str]]] = {}
+    for run in runs:
+        for note in run.notes:
+            kinds.setdefault(_NUMBER.sub("#", note), []).append((note, run.name))
+    return [_note([note for note, _ in of], list(dict.fromkeys(name for _, name in of))) for of in kinds.values()]
+
+
+def _note(notes: Sequence[str], names: list[str]) -> str:
+    like = f"{len(notes)} such notes with other numbers, " if len(set(notes)) > 1 else ""
+    where = ", ".join([*names[:_SHOWN_RUNS], *(["…"] if len(names) > _SHOWN_RUNS else [])])
+    return f"{notes[0]} ({like}{count(len(names), 'run')}: {where})"
 
 
 def _area(
@@ -117,7 +138,8 @@ def _area(
         + html.heading("Is each sample Gaussian?")
         + html.paragraph(
             "The paper chose rank tests because its samples were not Gaussian. The raw test finds every sample of "
-            "areas in mm² non-Gaussian whatever its shape, since none is near zero; rank tests are right either way."
+            f"areas in {area_unit(found.table.area_unit)} non-Gaussian whatever its shape, since none is near "
+            "zero; rank tests are right either way."
         )
         + tables["verdict_runs_normality"].html()
     )
@@ -171,7 +193,12 @@ def _vision(found: Discrimination, tables: Mapping[str, Table]) -> str:
 def _actuators(
     found: Discrimination, tables: Mapping[str, Table], drawings: Mapping[str, Drawing], simulated: bool
 ) -> str:
-    sentences = (conclusions.actuators(found), conclusions.why(found, simulated), conclusions.constants(found))
+    sentences = (
+        conclusions.actuators(found),
+        conclusions.why(found, simulated),
+        conclusions.constants(found),
+        conclusions.constant_levels(found),
+    )
     return (
         html.paragraph("Claim: pressed with the whole human profile, specimens are told apart best.")
         + "".join(html.paragraph(sentence) for sentence in sentences if sentence)
@@ -192,17 +219,24 @@ def _kappa(
     tables: Mapping[str, Table],
     drawings: Mapping[str, Drawing],
 ) -> str:
-    notes = dict.fromkeys(
-        note for each in calibration.conditions for note in each.algorithms[algorithms[0]].chosen.notes
-    )
+    notes: dict[str, list[str]] = {}
+    for each in calibration.conditions:
+        for note in each.algorithms[algorithms[0]].chosen.notes:
+            notes.setdefault(note, []).append(f"{each.condition}, {each.angle_deg:g}°")
+    everywhere = len(calibration.conditions)
+    told = [
+        f"{note} ({'every design' if len(designs) == everywhere else '; '.join(designs)})"
+        for note, designs in notes.items()
+    ]
     return (
         html.paragraph("Claim: both the new vision algorithm and human-like stiffness reduce the error (Table I).")
         + tables["table_one"].html()
+        + tables["table_one_laws"].html()
         + html.paragraph(kappa_conclusion(calibration, *algorithms))
         + tables["kappa_new"].html()
         + html.details("The fitted laws", tables["calibration_laws"].html())
         + _shown(drawings, "figcal_calibration")
-        + html.bullets([*notes, *calibration.notes])
+        + html.bullets([*told, *calibration.notes])
     )
 
 

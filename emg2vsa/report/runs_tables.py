@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from emg2vsa.discrimination import Discrimination
+from emg2vsa.discrimination.conditions import ConditionComparison
 from emg2vsa.discrimination.run_table import CONDITIONS, RIGID
 from emg2vsa.report import paper_runs
 from emg2vsa.report.runs_wording import area_unit, design_name, exact_p, gap_of, interval, interval_of
 from emg2vsa.report.table import Cell, Column, Table
-from emg2vsa.report.wording import listed
+from emg2vsa.report.wording import UNDEFINED, listed
 from emg2vsa.runs import RunScores
 
 _DESIGN = Column("design", "Condition, angle")
@@ -113,7 +114,8 @@ def _rates(found: Discrimination) -> Table:
     )  # fmt: skip
     rows = tuple(
         (
-            design_name(table, i), *spread.groups.anova.mean[i].tolist(), bool(spread.rises[i]),
+            design_name(table, i), *spread.groups.anova.mean[i].tolist(),
+            None if table.unscored(i, spread.specimens) else bool(spread.rises[i]),
             float(spread.groups.kruskal.p[i]), exact_p(float(spread.worst_p[i])), _paper_casr_p(found, i),
             exact_p(float(spread.worst_p_holm[i])), float(np.fmin.reduce(np.abs(spread.pairs.g[i]), initial=np.nan)),
         )
@@ -143,20 +145,20 @@ def _new(found: Discrimination) -> Table:
         (
             design_name(table, i), *new.p[i].tolist(),
             *(interval(*(float(each[i, side]) for each in (new.shift, new.low, new.high))) for side in (0, 1)),
-            bool(new.between[i]), bool(new.discriminated[i]), *new.p_mean_rank[i].tolist(),
-            _paper_new(table.conditions[i]),
+            *(None if np.isnan(new.shift[i]).any() else bool(each[i]) for each in (new.between, new.discriminated)),
+            *new.p_mean_rank[i].tolist(),
+            _paper_new(table.conditions[i], float(table.angles_deg[i])),
         )
         for i in range(len(table.conditions))
     )  # fmt: skip
     return Table("new_specimen", f"{new.name} beside its neighbours in stiffness", columns, rows)
 
 
-def _paper_new(condition: str) -> str:
-    return (
-        f"not told apart, p = {exact_p(paper_runs.NEW_MIN_STIFFNESS_P)}"
-        if condition == "constant-min"
-        else "told apart"
-    )
+def _paper_new(condition: str, angle_deg: float) -> str:
+    if (condition, angle_deg) not in paper_runs.DESIGNS:
+        return UNDEFINED
+    least = condition == "constant-min"
+    return f"not told apart, p = {exact_p(paper_runs.NEW_MIN_STIFFNESS_P)}" if least else "told apart"
 
 
 def _algorithms(found: Discrimination) -> Table:
@@ -203,19 +205,27 @@ def _compared(found: Discrimination) -> Table:
     compared, table = found.conditions, found.table
     columns = (
         Column("other", "Human-like (modular) against"), Column("gap_difference", "Gap: difference, in SDs"),
-        Column("cv_ratio", "CV: ratio"), Column("level_ratio", "Mean CASR: ratio"), Column("verdict", "Human-like is"),
+        Column("cv_ratio", "CV: ratio"),
+        Column("level_change_percent", "Mean CASR: difference (%)"), Column("verdict", "Human-like is"),
     )  # fmt: skip
     verdicts = {True: "better", False: "worse", None: "not to be told apart"}
     rows = tuple(
         (
             design_name(table, other), interval(*gap_of(compared.gap_differences, i)),
-            interval(*interval_of(compared.cv_ratio, i)), interval(*interval_of(compared.level_ratio, i)),
-            verdicts[compared.wins(i)],
+            interval(*interval_of(compared.cv_ratio, i)), level_change(compared, i),
+            verdicts[compared.wins(i)] if np.isfinite(compared.gap_differences.gap[i]) else UNDEFINED,
         )
         for i, other in enumerate(compared.other.tolist())
     )  # fmt: skip
     caption = f"The human-like condition against every other at the same angle, {_level(found)} intervals"
     return Table("conditions_compared", caption, columns, rows)
+
+
+def level_change(compared: ConditionComparison, i: int) -> str:
+    """Mean CASR, human-like less other, in percent of the other, with two decimals."""
+    ratios = interval_of(compared.level_ratio, i)
+    estimate, low, high = (f"{100 * (ratio - 1):+.2f}" for ratio in ratios)
+    return UNDEFINED if np.isnan(ratios).any() else f"{estimate} [{low}, {high}]"
 
 
 def _level(found: Discrimination) -> str:

@@ -141,6 +141,16 @@ def test_both_conditions_stand_side_by_side():
     assert len(axes.patches) == 4
 
 
+def test_marks_tell_both_conditions_apart_where_boxes_are_thin():
+    with style():
+        figure = draw_conditions([("0°", [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES)])], "mm²")
+    rigid, human_like = figure.axes[0].lines
+    assert (rigid.get_markerfacecolor(), rigid.get_markeredgecolor()) == ("white", LOOKS["S1"].colour)
+    assert human_like.get_markerfacecolor() == LOOKS["S1"].colour
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [label.split(":")[0] for label in labels] == ["left, hollow", "right, filled"]
+
+
 @pytest.mark.parametrize("law", ["compliance", "exponential", "power", "linear-log"])
 def test_the_curve_is_the_law_that_was_fitted(law):
     casr = np.array([[8.0, 8.1], [10.0, 9.9], [14.0, 14.2]])
