@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import datetime
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def add_to(commands: Commands) -> None:
-    summary = "Bring the report of a study up to date (runs what is stale) and list its files."
+    summary = "Bring the report of a study up to date (runs what is stale) and say where its files are."
     parser = add_command(commands, "report", run, summary)
     add_study(parser)
     package = parser.add_argument_group("authors' package")
@@ -59,12 +61,18 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({name: [str(path) for path in of] for name, of in paths.items()} | {"failed": failed})
     else:
         say_not_used(board)
-        for path in files:
-            print(path)
-        print(f"and {len(pages)} participant page{'s' if len(pages) != 1 else ''} beside it")
+        for line in _listed(files, pages):
+            print(line)
         if package:
             print(f"Authors' package, {len(package)} files: {folder}")
     return 1 if failed else 0
+
+
+def _listed(files: Sequence[Path], pages: Sequence[Path]) -> Iterator[str]:
+    """The page, and each folder with the number of its files."""
+    yield from (str(path) for path in files if path.name == "index.html")
+    for folder, count in Counter(path.parent for path in (*files, *pages)).items():
+        yield f"{folder}: {count} file{'s' if count != 1 else ''}"
 
 
 def _package(board: Board, folder: Path, arguments: argparse.Namespace) -> list[Path]:

@@ -10,34 +10,45 @@ from pathlib import Path
 from emg2vsa.errors import DataError
 
 
-def new_folder(runs: Path, name: str) -> Path:
-    """Folder for run ``name`` in ``runs``, not made yet: ``name``; ``name-2``, ``-3`` after runs that ended early.
+def new_folder(runs: Path, name: str, presses: int) -> Path:
+    """Folder for run ``name`` in ``runs``, not made yet: ``name``; ``name-2``, ``-3`` after runs cut short.
 
-    DataError : the run has been completed.
+    DataError : the run has been completed, with ``presses`` or more.
     """
-    if done := completed_folder(runs, name):
+    if done := completed_folder(runs, name, presses):
         do = "Move it away, or choose another folder with --out."
         raise DataError(done, wanted="a run that is still to do", found="a completed one", do=do)
     return next(folder for folder in _folders(runs, name) if not folder.exists())
 
 
-def completed_folder(runs: Path, name: str) -> Path | None:
-    """Folder of run ``name`` that was completed, if any."""
+def completed_folder(runs: Path, name: str, presses: int) -> Path | None:
+    """Folder of run ``name`` that was completed with ``presses`` or more, if any; a trial of fewer is not enough."""
     for folder in _folders(runs, name):
         if not folder.exists():
             return None
-        if how_ended(folder) == "completed":
+        if how_ended(folder) == "completed" and presses_done(folder) >= presses:
             return folder
     return None
 
 
 def how_ended(folder: Path) -> str | None:
     """``how`` of the folder's ended.json; None when there is none to read."""
+    how = _ended(folder, "how")
+    return None if how is None else str(how)
+
+
+def presses_done(folder: Path) -> int:
+    """Presses that the folder's ended.json counts; 0 when there is none to read."""
+    done = _ended(folder, "repetitions_done")
+    return done if isinstance(done, int) else 0
+
+
+def _ended(folder: Path, key: str) -> object:
     try:
-        how = json.loads((folder / "ended.json").read_text(encoding="utf-8"))["how"]
+        value: object = json.loads((folder / "ended.json").read_text(encoding="utf-8"))[key]
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    return str(how)
+    return value
 
 
 def _folders(runs: Path, name: str) -> Iterator[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
@@ -40,12 +41,7 @@ class SerialLine:
         try:
             self._port = serial.Serial(port, baud, timeout=0, write_timeout=1.0, exclusive=True)
         except (serial.SerialException, ValueError, OSError) as error:
-            raise DeviceError(
-                port,
-                wanted="a serial port",
-                found=str(error),
-                do="Check cable, power and permission, or the port's name.",
-            ) from error
+            raise _not_opened(port, error) from error
         # an FTDI bridge otherwise holds bytes back for 16 ms; a virtual port cannot and need not
         with contextlib.suppress(AttributeError, RuntimeError, ValueError, OSError):
             self._port.set_low_latency_mode(True)
@@ -74,6 +70,14 @@ class SerialLine:
             raise DeviceError(
                 self.name, wanted="a line that answers", found=str(error), do="Check the cable."
             ) from error
+
+
+def _not_opened(port: str, error: Exception) -> DeviceError:
+    if getattr(error, "errno", None) in (errno.EAGAIN, errno.EBUSY):
+        found, do = "one that another program uses", "End that program, perhaps another emg2vsa rig."
+        return DeviceError(port, wanted="a free serial port", found=found, do=do)
+    do = "Check cable, power and permission, or the port's name."
+    return DeviceError(port, wanted="a serial port", found=str(error), do=do)
 
 
 class LoopbackLine:

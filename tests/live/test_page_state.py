@@ -89,3 +89,20 @@ def test_no_message_while_rows_come(computed):
 def test_stop_button(computed, now, stop, clock_s, title, enabled):
     button = computed("stopStateOf", {"now": now, "silentS": 0}, stop, clock_s)
     assert (button["title"], button["enabled"]) == (title, enabled)
+
+
+@pytest.mark.parametrize(
+    ("run", "frame", "shown", "asked"),
+    [
+        (None, "", "", ""),
+        ({"name": "b"}, "", "", "b/"),  # opened after the end, or between presses
+        ({"name": "b"}, "", "b/", ""),
+        ({"name": "b"}, "", "b/2-7", ""),
+        ({"name": "b"}, "", "a/2-7", "b/"),
+        ({"name": "b-2"}, "", "b/2-7", "b-2/"),
+        ({"name": "b"}, "2-8", "b/2-7", "b/2-8"),
+        ({"name": "b"}, "2-8", "b/2-8", ""),
+    ],
+)
+def test_the_newest_frame_is_asked_for_once(computed, run, frame, shown, asked):
+    assert computed("frameToAsk", run, frame, shown) == asked

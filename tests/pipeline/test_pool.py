@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -21,6 +27,9 @@ def work(step: str, deed: str) -> list[Ended]:
             raise ZeroDivisionError("by zero")
         if deed == "die":
             os._exit(9)
+        if deed == "sleep":
+            Path(f"{step}.pid").write_text(str(os.getpid()))
+            time.sleep(60)
 
     return [guarded(step, make)]
 
@@ -48,3 +57,31 @@ def test_a_dead_process_costs_only_its_task(monkeypatch: pytest.MonkeyPatch) -> 
     run_tasks(tasks(["ok", "die", "ok", "ok", "ok"], monkeypatch), 2, lambda e: ended.__setitem__(e.step, e))
     assert [ended[f"s{i}"].status for i in range(5)] == ["done", "failed", "done", "done", "done"]
     assert "process died" in ended["s1"].message
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="looks into /proc")
+def test_workers_end_with_a_process_that_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    main = "import test_pool as t, pytest; t.run_tasks(t.tasks(['sleep'] * 2, pytest.MonkeyPatch()), 2, print)"
+    monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__))
+    parent = subprocess.Popen([sys.executable, "-c", main], cwd=tmp_path)
+    pids = [tmp_path / f"s{i}.pid" for i in range(2)]
+    assert soon(lambda: all(path.exists() and path.read_text() for path in pids), 30)
+    workers = [Path("/proc", path.read_text()) for path in pids]
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    assert soon(lambda: not any(map(runs, workers)), 3)
+
+
+def runs(process: Path) -> bool:
+    """Is there such a process? One that ended and whose end nobody has taken note of is none."""
+    try:
+        return (process / "stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def soon(happened: Callable[[], bool], within_s: float) -> bool:
+    end = time.monotonic() + within_s
+    while not happened() and time.monotonic() < end:
+        time.sleep(0.02)
+    return happened()

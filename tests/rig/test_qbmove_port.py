@@ -87,3 +87,10 @@ def test_a_port_that_goes_away_is_told_in_words() -> None:
 def test_a_port_that_is_not_there_is_told_in_words() -> None:
     with pytest.raises(DeviceError, match="Check cable, power and permission"):
         SerialLine("/dev/no-such-port", BAUD)
+
+
+def test_a_port_in_use_is_told_so(port: str) -> None:
+    line = SerialLine(port, BAUD)
+    with pytest.raises(DeviceError, match="wanted a free serial port; found one that another program uses"):
+        SerialLine(port, BAUD)
+    line.close()

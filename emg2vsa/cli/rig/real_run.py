@@ -17,7 +17,7 @@ from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig.execute import execute
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.moving_average import MovingAverage
-from emg2vsa.rig.new_folder import completed_folder, how_ended, new_folder
+from emg2vsa.rig.new_folder import completed_folder, how_ended, new_folder, presses_done
 from emg2vsa.rig.open_rig import OpenRig, open_rig
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.plan_limits import check_plan
@@ -34,7 +34,7 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
         raise _not_one(file, runs, root)
     (plan,) = plans_of(file, runs, repetitions)
     check_plan(plan, file.rig)
-    folder = new_folder(root, run_name(*runs[0]))
+    folder = new_folder(root, run_name(*runs[0]), file.experiment.repetitions)
     clock, started = WallClock(), datetime.now(UTC)
     ended = None
     try:
@@ -79,10 +79,12 @@ def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> No
 
 
 def _not_one(file: RigFile, runs: Sequence[Run], root: Path) -> SettingError:
-    left = [run for run in runs if completed_folder(root, run_name(*run)) is None]
+    presses = file.experiment.repetitions
+    left = [run for run in runs if completed_folder(root, run_name(*run), presses) is None]
     for specimen, angle_deg, condition in left:
-        how = how_ended(root / run_name(specimen, angle_deg, condition))
-        note = f"   # {how} before" if how else ""
+        before = root / run_name(specimen, angle_deg, condition)
+        how = how_ended(before)
+        note = f"   # {how} before, {presses_done(before)} of {presses} presses" if how else ""
         print(f"--specimen {specimen} --angle {angle_deg:g} --condition {condition}{note}")
     return SettingError(
         file.path,

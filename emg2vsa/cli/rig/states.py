@@ -38,7 +38,7 @@ def board_lines(settings: ActuatorSettings | MotorSettings, rig: RigSettings, cl
     with open_board(settings, rig.stiffness_percent, clock) as board:
         info = board.info()
         yield from _facts(info)
-        yield from _state(board)
+        yield from _state(board, rigid)
         yield _ready(info, board.where, rig)
         usable = within_device(rig, info, rigid)
         yield "a run may use: positions {} to {} ticks".format(*usable.position_ticks) + (
@@ -91,9 +91,14 @@ def _facts(info: QbmoveInfo) -> Lines:
     yield f"supply {info.voltage_mv / 1000:.1f} V"
 
 
-def _state(board: Qbmove) -> Lines:
+def _state(board: Qbmove, rigid: bool) -> Lines:
     yield f"motors {'on' if board.is_active() else 'off'}"
-    yield "motors at {} and {} ticks, shaft at {}".format(*board.measurements())
+    at = board.measurements()
+    if rigid:  # motor 2 is not connected
+        yield f"motor at {at.motor_1} ticks"
+        yield f"current {board.currents_ma()[0]} mA"
+        return
+    yield "motors at {} and {} ticks, shaft at {}".format(*at)
     yield "currents {} and {} mA".format(*board.currents_ma())
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from emg2vsa.cli.rig.ending import summary
 from emg2vsa.errors import Emg2vsaError, SettingError
+from emg2vsa.pipeline.pool import end_with_parent
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.ended import Ended
@@ -51,9 +52,11 @@ def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: i
     for plan in plans.values():
         check_plan(plan, file.rig)
     start = time.monotonic()
-    results: dict[Run, Ended | str] = {run: _BEFORE for run in runs if completed_folder(root, run_name(*run))}
+    results: dict[Run, Ended | str] = {
+        run: _BEFORE for run, plan in plans.items() if completed_folder(root, run_name(*run), plan.repetitions)
+    }
     waiting = {
-        run: _Job(plan, file.rig, file.emulated, new_folder(root, run_name(*run)))
+        run: _Job(plan, file.rig, file.emulated, new_folder(root, run_name(*run), plan.repetitions))
         for run, plan in plans.items()
         if run not in results
     }
@@ -76,7 +79,8 @@ def _carried_out(waiting: dict[Run, _Job], jobs: int) -> Iterator[tuple[Run, End
         for run, job in waiting.items():
             yield run, _outcome(job)
         return
-    with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=multiprocessing.get_context("spawn")) as pool:
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=context, initializer=end_with_parent) as pool:
         futures = {pool.submit(job): run for run, job in waiting.items()}
         try:
             for future in as_completed(futures):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -151,3 +152,27 @@ def test_tifffile_is_loaded_for_tiff_files_only(tmp_path, frames):
         [sys.executable, "-c", tell, tmp_path / "press.npy"], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "False"
+
+
+def test_broken_frames_are_told_by_our_errors_alone(tmp_path, frames):
+    for number, frame in enumerate(frames):
+        whole = cv2.imencode(".bmp", frame)[1].tobytes()
+        (tmp_path / "bmp").mkdir(exist_ok=True)
+        (tmp_path / "bmp" / f"{number}.bmp").write_bytes(whole[: 500 if number == 1 else None])
+    (tmp_path / "press.mp4").write_bytes(b"no video" * 50)
+    code = """
+import sys
+from casr.errors import FramesError
+from casr.frame_files import open_frames
+for name in sys.argv[1:]:
+    try:
+        list(open_frames(name))
+    except FramesError as error:
+        print(error)
+"""
+    names = [str(tmp_path / name) for name in ("bmp", "press.mp4")]
+    unset = {name: value for name, value in os.environ.items() if not name.startswith("OPENCV_")}
+    done = subprocess.run([sys.executable, "-c", code, *names], capture_output=True, text=True, check=True, env=unset)
+    assert "1.bmp, frame 1: wanted an image" in done.stdout
+    assert "press.mp4: wanted a video" in done.stdout
+    assert done.stderr == ""

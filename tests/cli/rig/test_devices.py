@@ -61,6 +61,16 @@ def test_info_tells_what_each_device_knows(rig: Rig, served: SimpleNamespace) ->
     assert "[camera] http://127.0.0.1:" in out
 
 
+def test_info_of_the_rigid_motor_tells_of_its_one_motor(
+    rig: Rig, rig_file: Callable[..., Path], served: SimpleNamespace
+) -> None:
+    _, out, _ = rig("info", rig_file(motor_port=served.servers.port))
+    motor = out[out.index("[motor]") :].partition("[force]")[0]
+    assert "\n  motor at " in motor
+    assert "shaft at" not in motor
+    assert "motors at" not in motor
+
+
 def test_info_without_any_device_says_so_of_each(rig: Rig, rig_file: Callable[..., Path]) -> None:
     status, out, err = rig("info", rig_file())
     assert (status, err) == (1, "")

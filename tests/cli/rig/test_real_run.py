@@ -64,6 +64,14 @@ def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
     assert ended_of(tmp_path / "runs" / "S1_0_modular-2")["how"] == "completed"
 
 
+def test_a_trial_of_fewer_presses_can_be_repeated_and_is_kept(
+    rig: Rig, served: SimpleNamespace, tmp_path: Path
+) -> None:
+    for name in ("S1_0_modular", "S1_0_modular-2"):
+        assert rig("run", served.path, *ONE, "--repetitions", 1)[0] == 0
+        assert ended_of(tmp_path / "runs" / name)["repetitions_done"] == 1
+
+
 def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
     rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
 ) -> None:
@@ -83,14 +91,16 @@ def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleName
 
 def test_more_than_one_run_is_listed_and_one_asked_for(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
     path = rig_file()
-    for name, how in (("S1_0_modular", "completed"), ("S3_0_modular", "guard")):
+    before = (("S1_0_modular", "completed", 2), ("S1_0_high-stiffness", "completed", 1), ("S3_0_modular", "guard", 0))
+    for name, how, done in before:
         (tmp_path / "runs" / name).mkdir(parents=True)
-        (tmp_path / "runs" / name / "ended.json").write_text(json.dumps({"how": how}))
+        ended = json.dumps({"how": how, "repetitions_done": done})
+        (tmp_path / "runs" / name / "ended.json").write_text(ended)
     status, out, err = rig("run", path, "--angle", 0)
     assert status == 2
     assert out.splitlines() == [
-        "--specimen S1 --angle 0 --condition high-stiffness",
+        "--specimen S1 --angle 0 --condition high-stiffness   # completed before, 1 of 2 presses",
         "--specimen S3 --angle 0 --condition high-stiffness",
-        "--specimen S3 --angle 0 --condition modular   # guard before",
+        "--specimen S3 --angle 0 --condition modular   # guard before, 0 of 2 presses",
     ]
     assert "wanted one run; found 4, of which 3 are still to do. Name one as listed, or add --virtual" in err

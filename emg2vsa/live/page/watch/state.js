@@ -22,6 +22,14 @@ export function messageOf({ now, silentS }) {
   return null;
 }
 
+// The frame to ask the server for, "" for none: the newest of the run also where the log says none at the moment,
+// after its end and between presses, if nothing of it is shown yet.
+export function frameToAsk(run, frame, shown) {
+  if (!run) return "";
+  const asked = `${run.name}/${frame}`;
+  return asked !== shown && (frame !== "" || !shown.startsWith(`${run.name}/`)) ? asked : "";
+}
+
 // {kind, title, hint, enabled}
 export function stopStateOf({ now, silentS }, { askedS, failure }, nowS) {
   if (!now?.run || now.ended) return { kind: "", title: "STOP", hint: now?.ended ? "the run is over" : "nothing is running", enabled: false };

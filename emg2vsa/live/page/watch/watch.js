@@ -1,6 +1,6 @@
 // Follows the server's stream of moments (emg2vsa/live/snapshot.py) and shows them; sends the stop.
 import { draw, ticksBetween } from "./plot.js";
-import { messageOf, stopStateOf } from "./state.js";
+import { frameToAsk, messageOf, stopStateOf } from "./state.js";
 
 const WINDOW_S = 15;
 const TOKEN = location.pathname.split("/")[1];
@@ -67,7 +67,7 @@ function showRun({ run, phase, repetition, frame, ended }) {
   showPresses(run?.repetitions ?? 0, repetition, phase, ended);
   $("#curves").hidden = $("#camera").hidden = !run;
   if (run && curves) showCurves(run);
-  showFrame(run ? frame : "");
+  showFrame(run, frame);
 }
 
 function factsOf(run) {
@@ -131,14 +131,16 @@ function last(values) {
   return null;
 }
 
-function showFrame(frame) {
-  const image = $("#frame");
+function showFrame(run, frame) {
+  const image = $("#frame"), asked = frameToAsk(run, frame, frameShown);
   image.classList.toggle("old", frame === ""); // frames are kept while loading only
-  if (frame === "" || frame === frameShown || !(image.complete || image.hidden)) return;
-  frameShown = frame;
-  image.hidden = false;
-  image.src = `frame?${now.run.name}-${frame}`;
+  if (asked === "" || !image.complete) return;
+  frameShown = asked;
+  image.src = `frame?${asked}`;
 }
+
+$("#frame").addEventListener("load", (event) => { event.target.hidden = false; });
+$("#frame").addEventListener("error", (event) => { event.target.hidden = true; }); // there is none yet
 
 function showStop({ kind, title, hint, enabled }) {
   const button = $("#stop");
