@@ -31,6 +31,7 @@ from emg2vsa.runs import ALGORITHMS, RunScores
 from emg2vsa.settings import PAPER, CalibrationSettings
 
 _LEAST_SPECIMENS = 2
+_NO_NEW_SPECIMEN = "No stiffness was estimated: the study names no new_specimen under [profile]."
 
 
 def calibrate_runs(
@@ -45,9 +46,12 @@ def calibrate_runs(
 
     kappa : specimen to its stiffness by plate indentation, N/mm; that of the new specimen, if there, is the truth that
     its estimate is held against and enters no fit. kappa_se : its standard error, 0 where not given. Specimens without
-    a stiffness are left out. DataError where no run is of the new specimen.
+    a stiffness are left out. Where the study names no new specimen there is nothing to calibrate, and a note says so.
+    DataError where no run is of the one it names.
     """
     settings = settings or CalibrationSettings()
+    if not new_specimen:
+        return CalibrationResults("", float("nan"), (), (_NO_NEW_SPECIMEN,))
     new_runs = [run for run in runs if run.specimen == new_specimen]
     if not new_runs:
         raise DataError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
+from typing import TYPE_CHECKING
 
 from emg2vsa.cli.arguments import (
     Commands,
@@ -16,6 +17,10 @@ from emg2vsa.cli.arguments import (
     print_json,
     say_not_used,
 )
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.plan import Board
+    from emg2vsa.study import Study
 
 STAGE_NAMES = (
     "trials", "fits", "hypotheses", "profiles", "schedules", "runs", "discrimination", "calibration", "pages", "report",
@@ -56,12 +61,14 @@ def run(arguments: argparse.Namespace) -> int:
 
     start = time.monotonic()
     study = load_study(arguments.study)
+    _check_people(arguments, study)
     board = run_study(
         study, stages=_stages(arguments), jobs=jobs_of(arguments), progress=progress(arguments.explain, arguments.json)
     )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)
     ran = [state.step.id for state in board.states.values() if state.status == "done"]
+    notes, rejected = _notes(board), _rejected(board)
     fresh = sum(state.status == "fresh" for state in board.states.values())
     if arguments.json:
         print_json(
@@ -70,16 +77,18 @@ def run(arguments: argparse.Namespace) -> int:
                 "ran": ran,
                 "fresh": fresh,
                 "failures": [dict(zip(("item", "stage", "message"), failure, strict=True)) for failure in failures],
+                "notes": notes,
+                "rejected_presses": rejected,
                 "report": str(study.reports / "index.html"),
                 "seconds": round(time.monotonic() - start, 3),
             }
         )
     else:
         say_not_used(board)
-        said = Counter(state.message for state in board.states.values() if state.status in {"done", "fresh"})
-        for note, count in said.items():
-            if note:
-                print(f"note: {note} ({count} recording{'s' if count != 1 else ''})")
+        for note in notes:
+            print(f"note: {note}")
+        for of in rejected:
+            print(f"{of['run']}: {of['message']}")
         seconds, steps = time.monotonic() - start, "step" if len(ran) == 1 else "steps"
         print(
             f"{study.name}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s"
@@ -87,3 +96,29 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.only in {None, "report"} and not study_failed:
             print(f"Report: {study.reports / 'index.html'}")
     return 1 if study_failed else 0
+
+
+def _check_people(arguments: argparse.Namespace, study: Study) -> None:
+    from emg2vsa.errors import SettingError
+
+    if arguments.human_only and not study.recordings:
+        do = "Leave --human-only out, or add [participants], [recordings] and [channels]."
+        raise SettingError(study.path, wanted="recordings of people", found="runs alone", do=do)
+
+
+def _notes(board: Board) -> list[str]:
+    """What the steps and the folders of runs have to say; the same words of several recordings once."""
+    said = [state for state in board.states.values() if state.message and state.status in {"done", "fresh"}]
+    of_study = [state.message for state in said if state.step.item == "study"]
+    counts = Counter(state.message for state in said if state.step.item != "study" and state.step.stage != "runs")
+    of_recordings = [f"{note} ({count} recording{'s' if count != 1 else ''})" for note, count in counts.items()]
+    return [*board.campaign.notes, *of_recordings, *of_study]
+
+
+def _rejected(board: Board) -> list[dict[str, str]]:
+    """Runs with presses that could not be scored: how many, and why most of them."""
+    return [
+        {"run": state.step.item, "message": state.message}
+        for state in board.states.values()
+        if state.step.stage == "runs" and state.message and state.status in {"done", "fresh"}
+    ]

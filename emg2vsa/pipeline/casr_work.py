@@ -8,7 +8,7 @@ from emg2vsa import artifacts
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.discrimination import discriminate
 from emg2vsa.pipeline.study_work import Inputs, stored
-from emg2vsa.pipeline.tasks import Ended
+from emg2vsa.pipeline.tasks import Ended, guarded
 from emg2vsa.study import Study
 
 
@@ -25,14 +25,16 @@ def discrimination(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
 def calibration(study: Study, inputs: Inputs, result: Path) -> list[Ended]:
     """Stiffness of the new specimen from its spread rate."""
 
-    def make() -> object:
+    def make() -> str:
         runs = [artifacts.load(path) for path in inputs["runs"]]
-        return calibrate_runs(
+        found = calibrate_runs(
             runs,
             study.pressed_n_per_mm,
             study.profile.new_specimen or "",
             study.calibration,
             kappa_se=study.pressed_se_n_per_mm,
         )
+        artifacts.save(result, found)
+        return "" if found.conditions else " ".join(found.notes)
 
-    return stored("calibration", result, make)
+    return [guarded("calibration/study", make)]

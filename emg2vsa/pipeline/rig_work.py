@@ -33,7 +33,7 @@ def run(
 ) -> list[Ended]:
     """Score the presses of one run and store them in ``result``."""
 
-    def make() -> None:
+    def make() -> str:
         folders = entry.folders if emulation is None else (_emulated(entry, source.root, emulation),)
         scores = score_run(
             read_presses(folders, source.camera),
@@ -50,6 +50,9 @@ def run(
         if emulation is not None:
             scores = replace(scores, true_a_c0=_true_a_c0(entry, scores, emulation))
         artifacts.save(result, scores)
+        rejected = scores.verdicts.count("rejected")
+        of_all = f"{rejected} of {len(scores.verdicts)} presses rejected: {scores.most_frequent_reason}"
+        return of_all if rejected else ""
 
     return [guarded(f"runs/{entry.key}", make)]
 

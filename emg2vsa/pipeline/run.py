@@ -95,6 +95,7 @@ def _modules(board: Board, stale: Sequence[State], all_stages: Sequence[str]) ->
     return Modules(tuple(sorted(workers)), tuple(sorted(here)))
 
 
+_REPORT_OF_RUNS = "emg2vsa.pipeline.runs_report_work:report"
 _WORK = {"report": "report_work", "discrimination": "casr_work", "calibration": "casr_work"}
 
 
@@ -172,5 +173,8 @@ def _study_task(board: Board, state: State) -> Task:
         "result": board.result(state.step.id),
     }
     if stage == "report":
-        arguments |= {"failures": board.failures(), "truth": next(iter(truth_files(board.study)), None)}
+        arguments["failures"] = board.failures()
+        if not board.study.recordings:
+            return Task((state.step.id,), _REPORT_OF_RUNS, arguments)
+        arguments["truth"] = next(iter(truth_files(board.study)), None)
     return Task((state.step.id,), _function(stage), arguments)

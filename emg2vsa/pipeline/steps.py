@@ -89,7 +89,8 @@ def stages_for(wanted: str | None) -> tuple[str, ...]:
 
 OF_RUNS = frozenset({"runs", "discrimination", "calibration"})
 """The stages of the rig's runs."""
-
+OF_PEOPLE = frozenset(STAGES) - OF_RUNS - {"report"}
+"""The stages of the recordings."""
 
 HUMAN_STAGES = tuple(name for name in STAGES if name not in OF_RUNS)
 """Everything about people, and its report."""
@@ -99,7 +100,7 @@ CASR_STAGES = tuple(name for name in STAGES if name not in ("hypotheses", "pages
 
 def items(study: Study, stage: str) -> tuple[str, ...]:
     """The items of a stage, in the study's order."""
-    if stage in OF_RUNS and not study.runs:
+    if (stage in OF_RUNS and not study.runs) or (stage in OF_PEOPLE and not study.recordings):
         return ()
     match STAGES[stage].per:
         case "recording":

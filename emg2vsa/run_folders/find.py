@@ -3,39 +3,82 @@
 from __future__ import annotations
 
 import csv
+import difflib
+import importlib
 import json
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
+from casr.errors import CasrError
 from emg2vsa.errors import DataError
+from emg2vsa.settings import Condition
 from emg2vsa.study import RunEntry
 
 RUNS_TABLE = "runs.tsv"
 PLAN_FILE = "plan.json"
 _COLUMNS = ("folder", "specimen", "angle_deg", "condition")
+_NEAR = 0.85
+"""Names at least so alike are taken for one misspelt: "modularr", not "constant" for "constant-min"."""
 
 
-def find_runs(root: Path) -> tuple[RunEntry, ...]:
+@dataclass(frozen=True)
+class _Found:
+    """A folder of presses, and the ``where`` that says what it is."""
+
+    where: str
+    folder: Path
+    specimen: str
+    angle_deg: float
+    condition: str
+
+
+def find_runs(root: Path, specimens: Collection[str]) -> tuple[RunEntry, ...]:
     """Runs below ``root``: those that its table runs.tsv lists, or without one the folders that hold a plan.json.
 
-    Folders of the same specimen, angle and condition are one run, their presses one after the other.
+    Folders of the same specimen, angle and condition are one run, their presses one after the other. specimens : those
+    that may have been pressed.
 
     Raises
     ------
-    DataError : a table or plan that makes no sense, naming its line or key.
+    DataError : a table or plan that makes no sense, naming its line or key; another specimen; a condition spelt nearly
+    as a standard one; a folder listed twice.
     """
     table = root / RUNS_TABLE
-    rows = _listed(table) if table.is_file() else _planned(root)
+    rows = list(_listed(table) if table.is_file() else _planned(root))
+    _check_folders(rows)
     runs: dict[tuple[str, float, str], list[Path]] = {}
-    for folder, *of_run in rows:
-        runs.setdefault(tuple(of_run), []).append(folder)  # type: ignore[arg-type]
+    for row in rows:
+        _check_names(row, specimens)
+        runs.setdefault((row.specimen, row.angle_deg, row.condition), []).append(row.folder)
     return tuple(RunEntry(*of_run, tuple(folders)) for of_run, folders in runs.items())
 
 
-Found = tuple[Path, str, float, str]
+def left_out(root: Path, runs: Sequence[RunEntry]) -> tuple[str, ...]:
+    """Names of the folders in ``root`` that hold frames, but are of no run."""
+    taken = [folder for run in runs for folder in run.folders]
+    others = [path for path in _folders_in(root) if not any(_overlap(path, folder) for folder in taken)]
+    return tuple(path.name for path in others if _holds_frames(path))
 
 
-def _listed(table: Path) -> Iterator[Found]:
+def _folders_in(root: Path) -> list[Path]:
+    return sorted(path for path in root.glob("[!.]*") if path.is_dir())
+
+
+def _overlap(one: Path, other: Path) -> bool:
+    return one.is_relative_to(other) or other.is_relative_to(one)
+
+
+def _holds_frames(folder: Path) -> bool:
+    # what opens frames is loaded for the folders in question alone: most tables list them all
+    try:
+        return bool(importlib.import_module("casr.frame_files").find_presses(folder))
+    except CasrError:
+        return False
+
+
+def _listed(table: Path) -> Iterator[_Found]:
     try:
         text = table.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -49,17 +92,17 @@ def _listed(table: Path) -> Iterator[Found]:
         yield _row(f"{table}, line {reader.line_num}", table.parent, row)
 
 
-def _row(where: str, root: Path, row: dict[str, str | None]) -> Found:
+def _row(where: str, root: Path, row: dict[str, str | None]) -> _Found:
     empty = [name for name in _COLUMNS if not (row[name] or "").strip()]
     if empty:
         raise _unusable(where, f"a value for {', '.join(empty)}", "nothing")
     folder, specimen, angle, condition = ((row[name] or "").strip() for name in _COLUMNS)
     if not (root / folder).is_dir():
         raise _unusable(f"{where}, folder", "a folder beside the table", repr(folder))
-    return root / folder, specimen, _angle(f"{where}, angle_deg", angle), condition
+    return _Found(where, root / folder, specimen, _angle(f"{where}, angle_deg", angle), condition)
 
 
-def _planned(root: Path) -> Iterator[Found]:
+def _planned(root: Path) -> Iterator[_Found]:
     for path in sorted(root.glob(f"*/{PLAN_FILE}")):
         try:
             plan = json.loads(path.read_text(encoding="utf-8"))["plan"]
@@ -67,7 +110,7 @@ def _planned(root: Path) -> Iterator[Found]:
         except (OSError, ValueError, TypeError, KeyError) as error:
             found = f"{type(error).__name__}: {error}"
             raise _unusable(path, "a plan with specimen, angle_deg and condition", found) from error
-        yield path.parent, specimen, _angle(f"{path}, angle_deg", angle), condition
+        yield _Found(str(path), path.parent, specimen, _angle(f"{path}, angle_deg", angle), condition)
 
 
 def _angle(where: str, value: object) -> float:
@@ -78,6 +121,49 @@ def _angle(where: str, value: object) -> float:
     if not 0 <= angle_deg < 90:
         raise _unusable(where, "0 to below 90 degrees", repr(value))
     return angle_deg
+
+
+def _check_folders(rows: Sequence[_Found]) -> None:
+    """No press is counted twice."""
+    seen: list[tuple[Path, _Found]] = []
+    for row in rows:
+        folder = row.folder.resolve()
+        for other, earlier in seen:
+            if _overlap(folder, other):
+                found = f"{row.folder.name!r}, whose presses {earlier.where.rpartition(', ')[2]} has already"
+                raise _unusable(f"{row.where}, folder", "every folder once", found)
+        seen.append((folder, row))
+
+
+def _check_names(row: _Found, specimens: Collection[str]) -> None:
+    if row.specimen not in specimens:
+        known = ", ".join(specimens) or "none"
+        near = _nearest(row.specimen, specimens)
+        raise DataError(
+            f"{row.where}, specimen",
+            wanted=f"a specimen whose stiffness the study file gives ({known})",
+            found=repr(row.specimen),
+            do=f"Did you mean {near!r}?" if near else "Mend it, or give its stiffness under [[specimens]].",
+        )
+    near = _nearest(row.condition, get_args(Condition))
+    if near and near != row.condition:
+        raise DataError(
+            f"{row.where}, condition",
+            wanted=f"one of {', '.join(get_args(Condition))}, or a name unlike them",
+            found=repr(row.condition),
+            do=f"Did you mean {near!r}?",
+        )
+
+
+def _nearest(name: str, known: Collection[str]) -> str:
+    """The known name that ``name`` is, but for a slip of the keys, case, or what joins its words."""
+    plain = {_plain(other): other for other in known}
+    near = difflib.get_close_matches(_plain(name), plain, n=1, cutoff=_NEAR)
+    return plain[near[0]] if near else ""
+
+
+def _plain(name: str) -> str:
+    return name.casefold().replace("_", "-").replace(" ", "-")
 
 
 def _unusable(where: object, wanted: str, found: str) -> DataError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ import pandas as pd
 from casr.camera import Camera
 from casr.errors import CasrError
 from casr.frame_files import find_presses, open_frames, read_camera
-from casr.frame_files.folder import CAMERA_FILE
+from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.rig_settings import RigSettings
@@ -23,6 +24,7 @@ from emg2vsa.run_folders.find import PLAN_FILE
 from emg2vsa.runs.press import Press
 
 _LOG = "log.csv"
+_PRESS = re.compile(r"press[-_ ]?\d", re.IGNORECASE)
 _NONE: Floats = np.empty(0)
 
 
@@ -46,31 +48,50 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     """Presses of the folders, numbered on from folder to folder.
 
     ``camera``: the camera file where neither the press nor its run has a camera.toml of its own. A press whose frames
-    cannot be read comes with the reason; a log that is missing or foreign leaves out the force over indentation.
+    are missing or cannot be read comes with the reason; a log that is missing or foreign leaves out the force over
+    indentation.
     """
     repetition = 0
     for folder in folders:
         travel = _travel(folder)
-        own = folder / CAMERA_FILE
-        seen_by, trouble = _camera(own if own.is_file() else camera)
+        camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
+        seen_by, trouble = _camera(camera_file)
         for number, path in enumerate(_press_folders(folder), start=1):
             repetition += 1
             force_n, depth_mm = travel.get(_number(path, number), (_NONE, _NONE))
+            unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
             try:
                 if trouble:
                     raise trouble
                 frames = open_frames(path)
                 frames = frames if frames.camera or seen_by is None else replace(frames, camera=seen_by)
-                yield Press(repetition, frames, "", force_n, depth_mm)
+                frames.source.name = path.relative_to(folder.parent).as_posix()  # as errors name it
+                yield Press(repetition, frames, "", force_n, depth_mm, unit)
             except CasrError as error:
-                yield Press(repetition, None, str(error), force_n, depth_mm)
+                yield Press(repetition, None, str(error), force_n, depth_mm, unit)
 
 
 def _press_folders(folder: Path) -> list[Path]:
+    """Where presses are, and where only their frames are missing."""
+    if _with_frames(folder) == [folder]:
+        return [folder]
+    try:
+        contents = folder_contents(folder)
+    except CasrError:
+        return []
+    below = [path for path in contents.folders if not path.is_symlink()]
+    return [*contents.stacks, *(press for path in below for press in _with_frames(path) or [path] * _is_press(path))]
+
+
+def _with_frames(folder: Path) -> list[Path]:
     try:
         return find_presses(folder)
     except CasrError:
         return []
+
+
+def _is_press(path: Path) -> bool:
+    return bool(_PRESS.match(path.name)) or (path / FORCE_FILE).is_file()
 
 
 def _number(path: Path, number: int) -> int:

@@ -26,7 +26,7 @@ class Press:
     """A press as it was recorded.
 
     frames : None where they cannot be read, and ``problem`` says why. force_n, depth_mm : (K,) of the loading phase
-    from the rig's log, empty without one.
+    from the rig's log, empty without one. area_unit : of its areas, whether or not it can be scored.
     """
 
     repetition: int
@@ -34,6 +34,7 @@ class Press:
     problem: str
     force_n: Floats
     depth_mm: Floats
+    area_unit: str = "mm2"
 
 
 @dataclass(frozen=True, eq=False)

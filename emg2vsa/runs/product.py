@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,9 @@ from emg2vsa.arrays import Floats, Ints
 ALGORITHMS = ("edge", "hexagon", "circle", "paper")
 """Vision algorithms: initial area by the edge of contact (default), by hexagons (paper, new), by a circle (previous
 work), each with the consistent area law and the slope rate; and the paper's equations to the letter on hexagons."""
+
+
+_NUMBER = re.compile(r"\d+(\.\d+)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,3 +80,15 @@ class RunScores:
     def name(self) -> str:
         """Specimen, angle and condition in one word, as the run's folder is called."""
         return f"{self.specimen}_{self.angle_deg:g}_{self.condition}"
+
+    @property
+    def most_frequent_reason(self) -> str:
+        """The reason for which most presses were rejected, in the words of the first of them; empty where none was.
+
+        Presses and numbers aside, reasons that say the same are one.
+        """
+        kinds: dict[str, list[str]] = {}
+        for reason in filter(None, self.reasons):
+            where, colon, why = reason.partition(": wanted ")
+            kinds.setdefault(_NUMBER.sub("#", why if colon else where), []).append(reason)
+        return max(kinds.values(), key=len)[0] if kinds else ""

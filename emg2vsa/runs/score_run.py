@@ -42,11 +42,14 @@ def score_run(
     repetitions: list[int] = []
     reasons: list[str] = []
     scored: list[ScoredPress | None] = []
+    unit_of_rejected = "mm2"
     picture: ContactPicture | None = None
     for press in presses:
         found, reason = _tried(press, how)
         if found and picture is None:
             picture = picture_of(press, found)
+        if not found:
+            unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
         reasons.append(reason)
         scored.append(found)
@@ -59,7 +62,7 @@ def score_run(
         repetitions=np.array(repetitions, dtype=np.int64),
         verdicts=tuple("ok" if found else "rejected" for found in scored),
         reasons=tuple(reasons),
-        area_unit=next((found.area_unit for found in scored if found), "mm2"),
+        area_unit=next((found.area_unit for found in scored if found), unit_of_rejected),
         a_c0=_by_algorithm([found.a_c0 if found else None for found in scored]),
         start_area=_by_algorithm([found.start_area if found else None for found in scored]),
         casr=_by_algorithm([found.casr if found else None for found in scored]),

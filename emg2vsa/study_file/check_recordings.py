@@ -28,7 +28,8 @@ def recording_problems(draft: Draft) -> Iterator[Problem]:
         if draft.recordings.layout == "bids":
             yield from _labels(draft, draft.recordings)
         yield from _files(draft, draft.recordings)
-    yield from _channels(draft)
+    if not draft.is_of_runs_alone:
+        yield from _channels(draft)
 
 
 def _layout(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:

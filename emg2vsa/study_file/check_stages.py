@@ -99,6 +99,8 @@ def _new_specimen(draft: Draft, profile: ProfileSettings) -> Iterator[Problem]:
     names = profile.specimens or draft.specimen_names
     if profile.new_specimen is None or stiffness is None or names is None or profile.extrapolate:
         return
+    if draft.is_of_runs_alone:  # no profile is interpolated
+        return
     known = [
         s.stiffness_n_per_mm for s in draft.specimens if s and s.name in names and s.stiffness_n_per_mm is not None
     ]

@@ -34,6 +34,7 @@ from emg2vsa.study_file.tables import (
 )
 
 Settings = TypeVar("Settings", FilterSettings, WindowSettings)
+_OF_PEOPLE = ("participants", "recordings", "channels", "simulation")
 
 
 @dataclass
@@ -66,6 +67,12 @@ class Draft:
     simulation: SimulationSettings | None = None
 
     @property
+    def is_of_runs_alone(self) -> bool:
+        """Measured runs, and no word of people; an emulated rig needs the schedules that people give."""
+        runs = self.raw.get("runs")
+        return isinstance(runs, dict) and "rig" not in runs and not any(name in self.raw for name in _OF_PEOPLE)
+
+    @property
     def specimen_names(self) -> tuple[str, ...] | None:
         """Names of all specimens; None where one of them is not known."""
         names = tuple(s.name for s in self.specimens if s)
@@ -75,7 +82,8 @@ class Draft:
         """The study file that a draft without problems is."""
         tables: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(StudyFile)}
         tables["specimens"] = tuple(self.specimens)
-        tables["recordings"] = replace(tables["recordings"], files=tuple(self.files))
+        if self.recordings is not None:
+            tables["recordings"] = replace(tables["recordings"], files=tuple(self.files))
         return StudyFile(**tables)
 
     def muscle_sets(self) -> tuple[tuple[str, ...], ...]:
@@ -104,6 +112,7 @@ def read_draft(raw: Mapping[str, Any], folder: Path) -> Draft:
     kinds = get_type_hints(StudyFile)
     draft.problems += [unknown_key(StudyFile, (key,), ()) for key in raw if key not in kinds]
     required = [f.name for f in fields(StudyFile) if f.default is MISSING and f.default_factory is MISSING]
+    required += [] if draft.is_of_runs_alone else ["participants", "recordings"]
     draft.problems += [Problem((key,), f"a table {_heading(key)}", "nothing") for key in required if key not in raw]
     paper = PAPER if _is_paper(raw) else {}
     for name, kind in kinds.items():

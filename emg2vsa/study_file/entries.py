@@ -20,16 +20,24 @@ def beside(folder: Path, path: str) -> Path:
 def entries(draft: Draft) -> tuple[RecordingEntry, ...]:
     """All recordings of a draft without problems: the layout's by participant and specimen, or the listed ones."""
     file = draft.whole()
-    listed = {(f.participant, f.specimen): index for index, f in enumerate(file.recordings.files)}
+    table = file.recordings
+    if table is None:
+        return ()
+    listed = {(f.participant, f.specimen): index for index, f in enumerate(table.files)}
     cells = [(p, s.name) for p in draft.participant_ids or () for s in file.specimens]
-    if file.recordings.layout == "files":
+    if table.layout == "files":
         cells = list(listed)
-    return tuple(_entry(draft, file, cell, listed.get(cell)) for cell in cells)
+    return tuple(_entry(draft, file, table, cell, listed.get(cell)) for cell in cells)
 
 
 def data_folder(draft: Draft) -> Path:
-    """The folder that holds the recordings of a layout; for listed files the one around them all."""
+    """The folder that holds the recordings of a layout; for listed files the one around them all.
+
+    A study without recordings has the folder of its file.
+    """
     table = draft.whole().recordings
+    if table is None:
+        return draft.folder
     match table.layout:
         case "bids":
             return beside(draft.folder, table.root or "")
@@ -40,12 +48,14 @@ def data_folder(draft: Draft) -> Path:
             return Path(os.path.commonpath([entry.emg_file.parent for entry in entries(draft)]))
 
 
-def _entry(draft: Draft, file: StudyFile, cell: tuple[str, str], index: int | None) -> RecordingEntry:
+def _entry(
+    draft: Draft, file: StudyFile, table: RecordingsTable, cell: tuple[str, str], index: int | None
+) -> RecordingEntry:
     own, filters, window = None, file.filters, file.window
     if index is not None:
-        own = file.recordings.files[index]
+        own = table.files[index]
         filters, window = draft.overlaid(filters, index, "filters"), draft.overlaid(window, index, "window")
-    emg, force = _paths(file.recordings, cell, own)
+    emg, force = _paths(table, cell, own)
     return RecordingEntry(
         participant=cell[0],
         specimen=cell[1],

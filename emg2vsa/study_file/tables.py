@@ -153,12 +153,12 @@ class StudyFile:
 
     study: StudyTable
     "Name, title, mode and folders."
-    participants: ParticipantsTable
-    "Who took part."
+    participants: ParticipantsTable | None = None
+    "Who took part; a study of measured runs alone has neither this nor recordings."
     specimens: Annotated[tuple[SpecimenTable, ...], MinLen(1)]
     "The soft specimens."
-    recordings: RecordingsTable
-    "Where the recordings are."
+    recordings: RecordingsTable | None = None
+    "Where the recordings are; a study of measured runs alone has none."
     channels: ChannelSettings | None = None
     "Which channel plays which role; may be omitted where every recording has its own."
     filters: FilterSettings = field(default_factory=FilterSettings)

@@ -147,3 +147,9 @@ def test_too_few_specimens_are_noted_and_no_new_specimen_is_refused(run_of, stif
     assert found.notes == ("0°, modular: 1 known specimens, too few to calibrate",)
     with pytest.raises(DataError, match="a run of the new specimen, S9"):
         calibrate_runs(runs, stiffness_n_per_mm, "S9", QUICK)
+
+
+def test_without_a_new_specimen_there_is_nothing_to_calibrate_and_a_note_says_so(run_of, stiffness_n_per_mm):
+    found = calibrate_runs([run_of("S1", 0.0, "modular")], stiffness_n_per_mm, "", QUICK)
+    assert found.conditions == ()
+    assert "names no new_specimen" in found.notes[0]

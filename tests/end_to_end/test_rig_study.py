@@ -160,6 +160,104 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated,
     assert "emulated rig" not in page
 
 
+ALONE = """
+[study]
+name = "small"
+[[specimens]]
+name = "S1"
+stiffness_n_per_mm = 7.63
+[[specimens]]
+name = "S3"
+stiffness_n_per_mm = 3.35
+[[specimens]]
+name = "S5"
+stiffness_n_per_mm = 1.11
+[[specimens]]
+name = "S_new"
+stiffness_n_per_mm = 5.32
+[runs]
+root = "lab"
+"""
+NEW = """
+[profile]
+new_specimen = "S_new"
+new_stiffness_n_per_mm = 5.32
+"""
+
+
+@pytest.fixture
+def alone(pressed: Path, tmp_path: Path) -> Path:
+    """A study of measured runs, without people and without a new specimen."""
+    study = tmp_path / "studies" / "small" / "study.toml"
+    stripped(pressed, study.parent / "lab")
+    study.write_text(ALONE)
+    return study
+
+
+@pytest.mark.parametrize("more", [[], ["--casr-only"]])
+def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, more):
+    text = alone.read_text()
+    alone.write_text(text[: text.rindex("[[specimens]]")] + text[text.index("[runs]") :] + NEW)
+    assert main(["run", str(alone), "--json", *more]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["failures"] == result["notes"] == result["rejected_presses"] == []
+    reports = alone.parents[2] / "reports" / "small"
+    page = (reports / "index.html").read_text()
+    assert 'id="casr"' in page
+    assert 'id="kappa"' in page
+    assert 'id="fits"' not in page
+    assert "runs.kappa.new_specimen" in json.loads((reports / "results.json").read_text())
+    assert main(["run", str(alone)]) == 0
+    assert "0 steps run" in capsys.readouterr().out
+    assert main(["run", str(alone), "--human-only"]) == 2
+
+
+def test_without_a_new_specimen_the_report_says_that_nothing_was_estimated(alone, capsys):
+    assert main(["run", str(alone)]) == 0
+    assert "note: No stiffness was estimated" in capsys.readouterr().out
+    page = (alone.parents[2] / "reports" / "small" / "index.html").read_text()
+    assert "No stiffness was estimated" in page
+    assert 'id="casr"' in page
+
+
+def test_rejected_presses_and_folders_left_out_are_said_aloud(alone, capsys):
+    lab = alone.parent / "lab"
+    table = (lab / "runs.tsv").read_text().splitlines()
+    (lab / "runs.tsv").write_text("\n".join(row for row in table if not row.startswith("day-7")))
+    shutil.rmtree(lab / "day-0" / "press-002" / "frames")
+    (lab / "day-1" / "press-001" / "force.csv").unlink()
+    for _ in range(2):  # the second time nothing runs, and all is said again
+        assert main(["run", str(alone)]) == 0
+        said = capsys.readouterr().out
+        assert f"note: {lab / 'day-7'} holds frames but is no run: add it to {lab / 'runs.tsv'}" in said
+        assert f"{RUNS[0]}: 1 of 2 presses rejected: {lab / 'day-0' / 'press-002'}: wanted images" in said
+        assert f"{RUNS[1]}: 1 of 2 presses rejected: day-1/press-001: wanted a force for every frame" in said
+    (of, _) = run(alone, capsys)["rejected_presses"]
+    assert of["run"] == RUNS[0]
+    assert of["message"].startswith("1 of 2 presses rejected: ")
+
+
+def test_a_specimen_that_the_study_does_not_know_is_found_before_anything_runs(alone, copy, capsys):
+    alone.write_text(alone.read_text().replace('"S5"', '"S4"'))
+    assert main(["run", str(alone)]) == 2
+    assert "runs.tsv, line 4, specimen: wanted a specimen whose stiffness" in capsys.readouterr().err
+    assert not (alone.parent / ".emg2vsa" / "small" / "store").exists()
+    rig = copy.parent / "rig.toml"
+    rig.write_text(rig.read_text().replace('"S_new"]', '"S_new", "S9"]').replace("S_new = 5.32", "S_new = 5, S9 = 6"))
+    assert main(["run", str(copy)]) == 2
+    assert "experiment.specimens: wanted specimens whose stiffness" in capsys.readouterr().err
+
+
+def test_a_folder_of_runs_that_holds_none(alone, simulated, capsys):
+    shutil.rmtree(alone.parent / "lab")
+    assert main(["run", str(alone)]) == 2
+    assert "lab: wanted one run or more; found none" in capsys.readouterr().err
+    shutil.copytree(simulated, alone.parent, dirs_exist_ok=True)
+    alone.write_text(alone.read_text() + '\n[runs]\nroot = "lab"\n')
+    assert main(["run", str(alone), "--only", "runs"]) == 0
+    assert f"note: no runs in {alone.parent / 'lab'}" in capsys.readouterr().out
+
+
 def test_what_is_wrong_with_the_runs_stops_no_session_check(simulated, tmp_path, capsys):
     study = tmp_path / "studies" / "small" / "study.toml"
     shutil.copytree(simulated, study.parent)

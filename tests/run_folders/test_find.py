@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.errors import DataError
-from emg2vsa.run_folders.find import find_runs
+from emg2vsa.run_folders.find import find_runs, left_out
+
+KNOWN = ("S1", "S3", "S5", "S_new")
 
 
 def own_run(root: Path, name: str, specimen: str = "S1", angle_deg: float = 30, condition: str = "modular") -> Path:
@@ -27,7 +29,7 @@ def test_the_rigs_own_runs_say_what_they_are(tmp_path):
     first, again = own_run(tmp_path, "S1_30_modular"), own_run(tmp_path, "S1_30_modular-2")
     other = own_run(tmp_path, "S3_0_high-stiffness", "S3", 0, "high-stiffness")
     (tmp_path / "notes").mkdir()
-    runs = find_runs(tmp_path)
+    runs = find_runs(tmp_path, KNOWN)
     assert [(run.key, run.folders) for run in runs] == [
         ("S1_30_modular", (first, again)),
         ("S3_0_high-stiffness", (other,)),
@@ -39,7 +41,7 @@ def test_a_table_names_runs_of_any_origin(tmp_path):
         (tmp_path / name).mkdir()
     own_run(tmp_path, "not-listed")
     table(tmp_path, "a\tS1\t45\tmodular", "b\tS5\t0\tconstant-min")
-    assert [run.key for run in find_runs(tmp_path)] == ["S1_45_modular", "S5_0_constant-min"]
+    assert [run.key for run in find_runs(tmp_path, KNOWN)] == ["S1_45_modular", "S5_0_constant-min"]
 
 
 @pytest.mark.parametrize(
@@ -47,6 +49,10 @@ def test_a_table_names_runs_of_any_origin(tmp_path):
     [
         ("a\tS1\t\tmodular", "line 2: wanted a value for angle_deg; found nothing"),
         ("a\tS1\tsteep\tmodular", "line 2, angle_deg: wanted 0 to below 90 degrees; found 'steep'"),
+        ("a\tS9\t0\tmodular", r"line 2, specimen: .* \(S1, S3, S5, S_new\); found 'S9'"),
+        ("a\ts_new\t0\tmodular", "line 2, specimen: .* Did you mean 'S_new'"),
+        ("a\tS1\t0\tmodularr", "line 2, condition: wanted one of high-stiffness, .* Did you mean 'modular'"),
+        ("a\tS1\t0\tHigh stiffness", "line 2, condition: .* Did you mean 'high-stiffness'"),
         ("gone\tS1\t0\tmodular", "line 2, folder: wanted a folder beside the table; found 'gone'"),
     ],
 )
@@ -54,21 +60,44 @@ def test_a_row_that_makes_no_sense_is_named(tmp_path, row, wanted):
     (tmp_path / "a").mkdir()
     table(tmp_path, row)
     with pytest.raises(DataError, match=wanted):
-        find_runs(tmp_path)
+        find_runs(tmp_path, KNOWN)
 
 
 def test_a_table_without_its_columns(tmp_path):
     table(tmp_path, "a\tS1", head="folder\tname")
     with pytest.raises(DataError, match="columns folder, specimen, angle_deg, condition; found folder, name"):
-        find_runs(tmp_path)
+        find_runs(tmp_path, KNOWN)
 
 
 def test_a_plan_that_is_no_plan(tmp_path):
     folder = own_run(tmp_path, "S1_0_modular")
     (folder / "plan.json").write_text("{}")
     with pytest.raises(DataError, match=r"plan.json: wanted a plan with specimen, angle_deg and condition"):
-        find_runs(tmp_path)
+        find_runs(tmp_path, KNOWN)
 
 
 def test_no_folder_holds_no_run(tmp_path):
-    assert find_runs(tmp_path / "nowhere") == ()
+    assert find_runs(tmp_path / "nowhere", KNOWN) == ()
+
+
+def test_another_name_of_a_condition_is_its_users_own(tmp_path):
+    (tmp_path / "a").mkdir()
+    table(tmp_path, "a\tS1\t0\tconstant-low")
+    assert [run.condition for run in find_runs(tmp_path, KNOWN)] == ["constant-low"]
+
+
+@pytest.mark.parametrize("again", ["a", "a/inner", "."])
+def test_no_press_is_in_two_rows(tmp_path, again):
+    (tmp_path / "a" / "inner").mkdir(parents=True)
+    table(tmp_path, "a\tS1\t45\tmodular", f"{again}\tS1\t0\tmodular")
+    with pytest.raises(DataError, match=r"line 3, folder: wanted every folder once; found .*whose presses line 2 has"):
+        find_runs(tmp_path, KNOWN)
+
+
+def test_folders_with_frames_that_no_row_lists_are_known(tmp_path):
+    for name in ("a", "b", "notes"):
+        (tmp_path / name / "press-001").mkdir(parents=True)
+    (tmp_path / "a" / "press-001" / "frames.tif").touch()
+    (tmp_path / "b" / "press-001" / "frames.tif").touch()
+    table(tmp_path, "a\tS1\t45\tmodular")
+    assert left_out(tmp_path, find_runs(tmp_path, KNOWN)) == ("b",)

@@ -125,3 +125,19 @@ def test_where_no_edge_is_found_hexagons_are_no_stand_in(sequence, monkeypatch):
 def test_loading_ends_at_the_largest_force_where_f_max_falls_between_two_frames(sequence):
     low = replace(sequence, force_n=np.where(sequence.force_n > 6.5, np.nan, sequence.force_n))
     assert scored(press(low)).verdicts == ("ok",)
+
+
+def test_the_most_frequent_reason_counts_alike_what_differs_by_press_and_number(run):
+    reasons = (
+        "",
+        "a/press-1: wanted a force for every frame; found no force log. Do.",
+        "a/press-2: wanted a press that reaches 5.6 N; found 3.1 N at most. Do.",
+        "a/press-3: wanted a press that reaches 5.6 N; found 2.2 N at most. Do.",
+    )
+    assert replace(run, reasons=reasons).most_frequent_reason == reasons[2]
+    assert replace(run, reasons=("", "")).most_frequent_reason == ""
+
+
+def test_a_run_without_a_scored_press_has_the_unit_of_its_camera():
+    assert scored(replace(press(None, 1, "cut off"), area_unit="px2")).area_unit == "px2"
+    assert scored(press(None, 1, "cut off")).area_unit == "mm2"

@@ -1,0 +1,42 @@
+"""The presses of a run's folders, those without frames too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+from emg2vsa.run_folders.presses import read_presses
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    """Presses 1, 2 and 10 of a run; the second holds a force log alone. Other logs are no press."""
+    folder = tmp_path / "monday-1"
+    for name in ("press-001", "press-10"):
+        (folder / name).mkdir(parents=True)
+        tifffile.imwrite(folder / name / "frames.tif", np.zeros((3, 20, 20), np.uint8), photometric="minisblack")
+    (folder / "press-002").mkdir()
+    (folder / "press-002" / "force.csv").write_text("time_s,force_n,frame_index\n")
+    (folder / "pressure-logs").mkdir()
+    return folder
+
+
+def test_a_press_without_frames_counts_and_says_so(run):
+    presses = list(read_presses([run]))
+    assert [press.frames is None for press in presses] == [False, True, False]
+    assert "monday-1/press-002: wanted images" in presses[1].problem.replace("\\", "/")
+
+
+def test_a_run_without_any_frames_has_its_presses(run):
+    for path in run.rglob("frames.tif"):
+        path.unlink()
+    assert [press.frames for press in read_presses([run])] == [None, None, None]
+
+
+def test_errors_of_a_press_name_its_run(run):
+    first = next(read_presses([run]))
+    assert first.frames is not None
+    assert first.frames.name == "monday-1/press-001"
