@@ -38,7 +38,8 @@ def runs_methods(study: Study, runs: Sequence[RunScores]) -> Iterable[str]:
     yield _pressed(runs)
     yield _scored(study)
     yield _tested(study.discrimination)
-    yield _calibrated(study.calibration)
+    if study.profile.new_specimen:
+        yield _calibrated(study.calibration)
 
 
 def _pressed(runs: Sequence[RunScores]) -> str:
