@@ -53,7 +53,8 @@ def gaps_of(pairs: Floats, confidence: float) -> Gaps:
     gap, low, high = hedges_g(t, n1, n2, confidence)
     # the noncentral t is exact for the ends without the correction that frees the estimate of its bias
     unbiased = hedges_g(np.ones(len(d)), n1, n2, confidence)[0] / np.sqrt(1 / n1 + 1 / n2)
-    return Gaps(gap, low / unbiased, high / unbiased)
+    with np.errstate(invalid="ignore"):
+        return Gaps(gap, low / unbiased, high / unbiased)
 
 
 def steps(samples: Floats) -> Floats:

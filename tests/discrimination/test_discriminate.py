@@ -112,6 +112,13 @@ def test_a_missing_run_is_told_and_stops_nothing(runs, stiffness_n_per_mm):
     assert found.conditions.specimens == KNOWN
 
 
+@pytest.mark.parametrize("name", ["S1_0_modular", "S5_45_high-stiffness", "S_new_0_constant-max"])
+def test_a_run_without_a_scored_press_is_no_warning(name, runs, stiffness_n_per_mm):
+    rejected = [replace(run, verdicts=("rejected",) * 10) if run.name == name else run for run in runs]
+    found = discriminate(rejected, stiffness_n_per_mm, "S_new", FEW)
+    assert np.isfinite(found.conditions.gaps.gap).any()
+
+
 def test_one_press_each_is_tested_without_a_warning(run_of, stiffness_n_per_mm):
     found = discriminate([run_of(name, 0.0, "modular", presses=1) for name in KNOWN], stiffness_n_per_mm, "S_new", FEW)
     assert np.isnan(found.conditions.gaps.gap).all()
