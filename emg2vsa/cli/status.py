@@ -34,10 +34,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json({s.step.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in states})
         return 0
-    print(f"{'stage':<12}{'fresh':>7}{'stale':>7}{'failed':>8}{'blocked':>9}")
+    print(f"{'stage':<15}{'fresh':>7}{'stale':>7}{'failed':>8}{'blocked':>9}")
     for stage in stages:
         count = Counter(state.status for state in states if state.step.stage == stage)
-        print(f"{stage:<12}{count['fresh']:>7}{count['stale']:>7}{count['failed']:>8}{count['blocked']:>9}")
+        print(f"{stage:<15}{count['fresh']:>7}{count['stale']:>7}{count['failed']:>8}{count['blocked']:>9}")
     if arguments.explain:
         for state in states:
             if state.status != "fresh":
