@@ -5,8 +5,10 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 
+import numpy as np
+
 from emg2vsa.actuator import SPRINGS
-from emg2vsa.errors import SettingError
+from emg2vsa.arrays import Floats
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.datagrams import LoopbackDatagrams
 from emg2vsa.rig.devices import Devices
@@ -41,7 +43,7 @@ class EmulatedRig:
     Parameters
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
-    rig : gear and limits that the drivers are told; both actuators begin retracted, and read its ``home_ticks`` there.
+    rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
     run : name of the run; other names, other draws.
 
     Attributes
@@ -52,7 +54,7 @@ class EmulatedRig:
 
     Raises
     ------
-    SettingError : the specimen is not known, the contact would leave the image, or the rig is built another way round.
+    SettingError : the specimen is not known, or the contact would leave the image.
     """
 
     def __init__(
@@ -68,8 +70,7 @@ class EmulatedRig:
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        _check_fit(self.rig)
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig.gear_mm_per_degree, run)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
@@ -84,6 +85,7 @@ class EmulatedRig:
         self.wire = FaultyWire(self.firmware)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
+        self._mounting = _turned_to(self.rig.push_axis)
         self.box = RdtBox(self._wrench, box)
         self.camera = EmulatedCamera(self._draws.scene(0), self._normal_force_n, clock)
 
@@ -116,7 +118,7 @@ class EmulatedRig:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self.firmware.advance()
-            return (*self.world.force_n(time_s).tolist(), 0.0, 0.0, 0.0)
+            return (*(self._mounting @ self.world.force_n(time_s)).tolist(), 0.0, 0.0, 0.0)
 
     def _normal_force_n(self, time_s: float) -> float:
         with self._lock:
@@ -127,13 +129,11 @@ class EmulatedRig:
             return self.world.normal_force_n(time_s)
 
 
-def _check_fit(rig: RigSettings) -> None:
-    built = {"push_sign": 1, "push_axis": (0, 0, 1)}
-    for name, value in built.items():
-        if getattr(rig, name) != value:
-            raise SettingError(
-                f"rig.{name}",
-                wanted=f"{value}, as the emulated bench is built",
-                found=f"{getattr(rig, name)}",
-                do="Emulate with a copy of the rig file that says so.",
-            )
+def _turned_to(axis: tuple[float, float, float]) -> Floats:
+    """(3, 3) rotation that takes z the shortest way to ``axis``, of length 1 (Rodrigues)."""
+    x, y, z = axis
+    if z <= -1:
+        return np.diag([1.0, -1.0, -1.0])
+    cross = np.array([[0, 0, x], [0, 0, y], [-x, -y, 0]])
+    turned: Floats = np.eye(3) + cross + cross @ cross / (1 + z)
+    return turned

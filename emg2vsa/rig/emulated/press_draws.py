@@ -12,6 +12,7 @@ from emg2vsa.actuator import SPRINGS
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world_settings import WorldSettings
+from emg2vsa.rig.rig_settings import RigSettings
 
 _OF_SENSOR, _OF_RUN, _OF_FIRST_PRESS = range(3)
 _MOST_SD = 2.0
@@ -25,7 +26,7 @@ class PressDraws:
     Parameters
     ----------
     emulated : the bench. specimen : on it; SettingError when its stiffness is not known.
-    angle_deg : as it was meant to be. rigid : under the rigid motor. gear_mm_per_degree : of the rig.
+    angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear.
     run : name of the run; other names, other draws.
     """
 
@@ -33,7 +34,7 @@ class PressDraws:
     specimen: str
     angle_deg: float
     rigid: bool
-    gear_mm_per_degree: float
+    rig: RigSettings
     run: str = ""
 
     def __post_init__(self) -> None:
@@ -55,7 +56,8 @@ class PressDraws:
             stiffness_n_per_mm=e.stiffness_n_per_mm[self.specimen] * (1 + e.stiffness_sd * stiffness),
             angle_deg=abs(self.angle_deg + e.angle_sd_deg * angle),
             springs=None if self.rigid else SPRINGS[e.springs],
-            mm_per_degree=self.gear_mm_per_degree,
+            mm_per_degree=self.rig.gear_mm_per_degree,
+            turns_to_push=self.rig.push_sign,
             gap_mm=e.gap_mm + e.gap_sd_mm * gap,
         )
 

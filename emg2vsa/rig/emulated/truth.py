@@ -20,7 +20,7 @@ def true_areas_mm2(
     """(R,) true contact area in the image, mm2, of press r at ``force_n``[r], N along the probe's axis; NaN for NaN."""
     name = run_name(plan.specimen, plan.angle_deg, plan.condition)
     rigid = plan.condition == RIGID
-    draws = PressDraws(emulated, plan.specimen, plan.angle_deg, rigid, rig.gear_mm_per_degree, name)
+    draws = PressDraws(emulated, plan.specimen, plan.angle_deg, rigid, rig, name)
     areas = []
     for press, force in enumerate(np.asarray(force_n, dtype=np.float64).tolist()):
         world = draws.world(press)

@@ -50,12 +50,15 @@ class World:
 
     def shaft_rad(self, time_s: float, motors_rad: Motors) -> float:
         """Shaft angle, rad, with the motors there at ``time_s``, after an even motion from where they last were."""
+        # seen from the other side of the gear: springs and friction are the same both ways round
+        side = self.settings.turns_to_push
+        motors_rad = side * motors_rad[0], side * motors_rad[1]
         with self._lock:
             if self._motors_rad is None:
                 start_rad = self._joint.moved(sum(motors_rad) / 2, math.inf, motors_rad, self._probe)
                 self._motors_rad, self._path = motors_rad, ShaftPath(self._path.end_s, start_rad)
             self._run(time_s, motors_rad)
-            return self._path.end_rad
+            return side * self._path.end_rad
 
     def advance(self, time_s: float) -> None:
         """Let time pass with the motors where they are; nothing when it has passed."""

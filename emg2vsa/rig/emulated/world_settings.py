@@ -24,6 +24,7 @@ class WorldSettings:
     friction_nm : Coulomb friction of the shaft (source: nickparnenzini/qbmove_plugin, qbmove_project.pdf); 0 is none.
     settling_s : time constant with which the shaft comes to rest, 0 is at once (guess).
     mm_per_degree : of the probe per turn of the shaft: a cogwheel of 11.5 mm pitch radius (guess; the paper is silent).
+    turns_to_push : which way the shaft turns to move the probe down, 1 or -1.
     gap_mm : from the probe with the shaft at 0 to first contact, along the probe's axis (guess).
     """
 
@@ -34,6 +35,7 @@ class WorldSettings:
     friction_nm: float = 0.01
     settling_s: float = 0.01
     mm_per_degree: float = 0.2
+    turns_to_push: int = 1
     gap_mm: float = 5.0
 
     def __post_init__(self) -> None:

@@ -91,7 +91,6 @@ def test_it_serves_until_quit(
         (("[emulated]\ngap_mm = 2\n", ""), (), "a table [emulated]"),
         (("", ""), ("--specimen", "S9"), "stiffness of the specimen"),
         (("", ""), ("--angle", "90"), "0 to below 90"),
-        (("[rig.guards]", "[rig]\npush_sign = -1\n[rig.guards]"), (), "push_sign"),
     ],
 )
 def test_what_cannot_be_emulated(

@@ -44,7 +44,7 @@ def press_to(bench: EmulatedRig, devices: Devices, depth_mm: float) -> float:
 
 
 def draws(**changes: object) -> PressDraws:
-    return PressDraws(EmulatedSettings(**changes), "S1", 30.0, False, 0.2, "run")  # type: ignore[arg-type]
+    return PressDraws(EmulatedSettings(**changes), "S1", 30.0, False, RigSettings(), "run")  # type: ignore[arg-type]
 
 
 def test_presses_differ_and_come_again() -> None:
@@ -52,7 +52,7 @@ def test_presses_differ_and_come_again() -> None:
     worlds = [draws().world(press) for press in range(50)]
     assert worlds == [draws().world(press) for press in range(50)]
     assert len({world.angle_deg for world in worlds}) == 1
-    assert worlds[0] != PressDraws(settings, "S1", 30.0, False, 0.2, "another run").world(0)
+    assert worlds[0] != PressDraws(settings, "S1", 30.0, False, RigSettings(), "another run").world(0)
     stiffness = np.array([world.stiffness_n_per_mm for world in worlds])
     assert np.std(stiffness / 7.63) == pytest.approx(settings.stiffness_sd, rel=0.3)
     assert np.abs(stiffness / 7.63 - 1).max() == pytest.approx(2 * settings.stiffness_sd)

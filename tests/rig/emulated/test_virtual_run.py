@@ -12,12 +12,13 @@ import pytest
 
 from casr.frame_files import open_frames
 from casr.score import score
+from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import read_log
+from emg2vsa.rig.run_log import Row, read_log
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 RIG = RigSettings()
@@ -67,6 +68,28 @@ def test_a_run_of_every_kind(plan: Plan, tmp_path: Path, condition: str, angle_d
     assert (yielded_mm < 0.25) == (condition == "high-stiffness")
 
 
+@pytest.mark.parametrize("condition", ["high-stiffness", "modular"])
+@pytest.mark.parametrize("axis", [(0.0, -0.6, 0.8), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])
+def test_a_rig_built_the_other_way_round(
+    plan: Plan, tmp_path: Path, condition: str, axis: tuple[float, float, float]
+) -> None:
+    mirrored = RigSettings(push_sign=-1, push_axis=axis, home_ticks=700)
+    found = {}
+    for name, rig in (("usual", RIG), ("mirrored", mirrored)):
+        emulated = EmulatedSettings(force_noise_n=0.002)
+        ended = run_virtual(plan(condition, repetitions=1), rig, emulated, tmp_path / name, started=STARTED)
+        assert (ended.how, ended.retracted) == ("completed", True)
+        load = [row for row in read_log(tmp_path / name / "log.csv") if row.phase == "load"]
+        found[name] = depth_at_n([1.0, 2.0, 4.0, 6.0], load, rig)
+    encoder_mm = 0.2 * 360 / 4096  # rounds to different sides in the two mountings, as the motors' loop does
+    np.testing.assert_allclose(found["mirrored"], found["usual"], atol=2 * encoder_mm)
+
+
+def depth_at_n(force_n: list[float], load: list[Row], rig: RigSettings) -> Floats:
+    """Depth of the shaft, mm, at forces of a loading phase."""
+    return np.interp(force_n, [row.force_n or 0 for row in load], [rig.depth_at(row.shaft_ticks or 0) for row in load])
+
+
 def test_the_softer_specimen_spreads_faster(plan: Plan, tmp_path: Path) -> None:
     rates = []
     for specimen in ("S1", "S5"):
@@ -111,7 +134,6 @@ def test_another_run_is_neither_overwritten_nor_marked(plan: Plan, tmp_path: Pat
     [
         ({"f_max_n": 12.0}, RIG, EmulatedSettings(), SettingError, "guard"),
         ({"specimen": "S9"}, RIG, EmulatedSettings(), SettingError, "stiffness of the specimen"),
-        ({}, RigSettings(push_sign=-1, position_ticks=(-12000, 12000)), EmulatedSettings(), SettingError, "push_sign"),
         ({"angle_deg": 45.0}, RIG, EmulatedSettings(stiffness_n_per_mm={"S3": 0.05}), SettingError, "inside the rim"),
         ({}, RigSettings(max_preset_ticks=1000), EmulatedSettings(), ScheduleError, "preset_ticks"),
     ],
