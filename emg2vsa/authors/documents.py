@@ -11,6 +11,11 @@ import emg2vsa
 from emg2vsa.authors.contents import description
 from emg2vsa.report.latex import latex_text
 
+_EXAMPLES = (
+    r"\emgFitUsed{} of \emgTrialsTotal{} presses entered the tests.",
+    r"The probe pressed \emgRunsPresses{} times in \emgRunsCount{} runs.",
+)
+_ONE_MACRO = re.compile(r"\\\w+")
 _MACRO = re.compile(r"^\\newcommand\{\\(\w+)\}.*% (.+)$", re.M)
 
 
@@ -39,7 +44,7 @@ def readme(name: str, title: str, about: str, files: Mapping[str, bytes]) -> str
         "",
         "and in the text:",
         "",
-        r"  \emgFitUsed{} of \emgTrialsTotal{} presses entered the tests.",
+        *(f"  {example}" for example in _EXAMPLES if _ONE_MACRO.findall(example)[0].encode() in files["numbers.tex"]),
         *(rf"  \input{{paper/{part}}}" for part in (table, figure) if part),
         "",
         "numbers.tex names, after each macro, the key of its number; results.csv lists keys, values, units, macros and",

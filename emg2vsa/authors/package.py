@@ -26,7 +26,8 @@ SUPPLEMENT = "supplement.zip"
 _FOR_SCREENS = {".html", ".svg", ".png"}
 _SIMULATED = "The recordings were simulated: these numbers are no evidence about people."
 _RECORDED = "The recordings are taken as made with people."
-_EMULATED = " The rig was emulated: its runs are no measurements."
+_EMULATED = "The rig was emulated: its runs are no measurements."
+_MEASURED = "The runs are taken as measured on a rig."
 
 
 def write_package(board: Board, folder: Path, publication: Publication) -> list[Path]:
@@ -53,7 +54,7 @@ def _files(board: Board, publication: Publication) -> dict[str, bytes]:
     files["results.csv"] = _results_csv(found, traced).encode()
     files["provenance.json"] = traced.json().encode()
     files["proof.tex"] = proof(study.title, files).encode()
-    about = (_SIMULATED if found["study.truth_found"] else _RECORDED) + _EMULATED * bool(found.get("runs.simulated"))
+    about = _about(found)
     files["README.txt"] = readme(study.name, study.title, about, files).encode()
     described = f"Numbers, tables, figures and schedules of the study {study.name}, for a paper. {about}"
     if publication.date == UNPUBLISHED:
@@ -61,6 +62,16 @@ def _files(board: Board, publication: Publication) -> dict[str, bytes]:
     inputs = _sha256(study, traced.inputs)
     crate = metadata(study.title, described, files, inputs, traced.libraries, publication)
     return files | {METADATA: crate.encode()}
+
+
+def _about(found: Mapping[str, object]) -> str:
+    """Who or what made the data, for the parts that this study has."""
+    said = []
+    if "study.participants" in found:
+        said.append(_SIMULATED if found["study.truth_found"] else _RECORDED)
+    if found.get("runs.count"):
+        said.append(_EMULATED if found["runs.simulated"] else _MEASURED)
+    return " ".join(said)
 
 
 def _from_report(board: Board) -> dict[str, bytes]:

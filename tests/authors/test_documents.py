@@ -26,6 +26,14 @@ def test_the_readme_shows_inputs_that_exist_and_lists_every_file():
         assert name in text
 
 
+def test_the_readme_shows_macros_that_exist():
+    runs = {"numbers.tex": b"\\newcommand{\\emgRunsPresses}{90} % runs.presses\n"}
+    assert r"\emgFitUsed{} of" in readme("small", "A small study", "Simulated.", FILES)
+    text = readme("rig", "A rig", "Measured.", runs)
+    assert r"The probe pressed \emgRunsPresses{} times" in text
+    assert r"\emgFitUsed" not in text
+
+
 def test_the_proof_holds_each_float_once_and_each_macro_beside_its_key():
     text = proof("A & B", FILES)
     for name in ("numbers.tex", "figures/f.tex", "tables/t.tex", "tables/long.tex"):

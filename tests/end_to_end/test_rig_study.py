@@ -210,6 +210,10 @@ def test_measured_runs_alone_end_with_a_report_of_section_six(alone, capsys, mor
     assert main(["run", str(alone)]) == 0
     assert "0 steps run" in capsys.readouterr().out
     assert main(["run", str(alone), "--human-only"]) == 2
+    assert main(["report", str(alone), "--paper"]) == 0
+    about = (reports / "paper" / "README.txt").read_text()
+    assert "taken as measured on a rig" in about
+    assert "people" not in about
 
 
 def test_without_a_new_specimen_the_report_says_that_nothing_was_estimated(alone, capsys):
