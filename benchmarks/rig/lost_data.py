@@ -19,7 +19,7 @@ class Lost(NamedTuple):
     rows: int
     "Turns before the fault without a row in log.csv, and the last row when it is not whole."
     forces: int
-    "Rows of the loading before the fault that force.csv lacks."
+    "Readings of the loading before the fault that force.csv lacks."
     frames: int
     "Frames that the log knows and the press has not."
 
@@ -35,7 +35,7 @@ def lost_data(folder: Path, until_s: float) -> Lost:
     if n_frames > 1:
         press = next(folder.glob("press-*"))
         times = read_force_log(press / "force.csv").time_s
-        forces = len({row.time_s for row in loading} - set([] if times is None else times.tolist()))
+        forces = len({row.force_time_s for row in loading} - set([] if times is None else times.tolist()))
         frames = max(0, n_frames - len(open_frames(press)))
     return Lost(_turns(rows, until_s) + (not log.read_bytes().endswith(b"\n")), forces, frames)
 

@@ -34,7 +34,8 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
     """The frames, and the files that go with them."""
     kinds = "a folder of images, a TIFF, AVI, MP4 or .npy file, or a press folder (frames, force.csv, camera.toml)"
     parser.add_argument("path", type=Path, metavar=metavar, help=help or kinds)
-    parser.add_argument("--force", type=Path, metavar="FILE", help="force log, CSV: time_s,force_n,frame_index")
+    columns = "force log, CSV: force_n, frame_index; time_s, frame_time_s if known"
+    parser.add_argument("--force", type=Path, metavar="FILE", help=columns)
     parser.add_argument(
         "--force-column", default="force_n", metavar="NAME", help="column of the log to take (default %(default)s)"
     )

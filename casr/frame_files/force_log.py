@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from casr.errors import FramesError
 from casr.frame_files.delimited import Table, read_table
 
+_TIMES = ("time_s", "frame_time_s")
+
 
 @dataclass(frozen=True)
 class ForceLog:
@@ -21,22 +23,25 @@ class ForceLog:
     time_s : (rows,) time, s; None when the log has no such column.
     force_n : (rows,) force, N; NaN where it is missing.
     frame_index : (rows,) index from 0 of the last frame saved, -1 before the first.
+    frame_time_s : (rows,) when that frame was taken, s on the clock of ``time_s``; NaN where it is missing, None when
+        the log has no such column.
     notes : what was left out.
     """
 
     time_s: NDArray[np.float64] | None
     force_n: NDArray[np.float64]
     frame_index: NDArray[np.int64]
+    frame_time_s: NDArray[np.float64] | None = None
     notes: tuple[str, ...] = ()
 
 
 def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     """A force log from delimited text with a header line.
 
-    Columns ``force_n`` and ``frame_index`` are needed, ``time_s`` is optional, others are not read; their order is
-    free. Comma, semicolon (then a decimal comma is understood) or tab between cells; lines starting with # and empty
-    lines are skipped. A row for each frame is a force log too. An empty cell or ``nan`` is a missing force; a row
-    without frame index is left out.
+    Columns ``force_n`` and ``frame_index`` are needed, ``time_s`` and ``frame_time_s`` are optional, others are not
+    read; their order is free. Comma, semicolon (then a decimal comma is understood) or tab between cells; lines
+    starting with # and empty lines are skipped. A row for each frame is a force log too. An empty cell or ``nan`` is
+    a missing force; a row without frame index is left out.
 
     Parameters
     ----------
@@ -44,16 +49,17 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
 
     Raises
     ------
-    FramesError : not readable, no such columns, a row of another length, a cell that is no number, time or frame
+    FramesError : not readable, no such columns, a row of another length, a cell that is no number, a time or frame
         index running backwards; the message names the line.
     """
     table = read_table(Path(path))
     force_n, frame_index = table.numbers(column.lower()), table.numbers("frame_index")
-    time_s = table.numbers("time_s") if "time_s" in table.header else None
+    time_s, frame_time_s = (table.numbers(name) if name in table.header else None for name in _TIMES)
     _check_frame_index(table, frame_index)
     _check_order(table, "frame_index", frame_index)
-    if time_s is not None:
-        _check_order(table, "time_s", time_s)
+    for name, values in zip(_TIMES, (time_s, frame_time_s), strict=True):
+        if values is not None:
+            _check_order(table, name, values)
     placed = np.isfinite(frame_index)
     if not (placed & np.isfinite(force_n)).any():
         raise FramesError(
@@ -63,6 +69,7 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
         None if time_s is None else time_s[placed],
         force_n[placed],
         frame_index[placed].astype(np.int64),
+        None if frame_time_s is None else frame_time_s[placed],
         _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n)),
     )
 

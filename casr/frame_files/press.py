@@ -89,6 +89,9 @@ def _beside(path: Path, name: str) -> Path | None:
 
 def _forces(path: Path, n_frames: int, column: str, rule: str) -> tuple[NDArray[np.float64], list[str]]:
     log = read_force_log(path, column=column)
-    forces = force_per_frame(log.force_n, log.frame_index, n_frames, rule=rule, where=path)
+    forces = force_per_frame(
+        log.force_n, log.frame_index, n_frames,
+        time_s=log.time_s, frame_time_s=log.frame_time_s, rule=rule, where=path,
+    )  # fmt: skip
     without = int(np.isnan(forces).sum())
     return forces, [*log.notes, *([f"{without} of {n_frames} frames have no force"] if without else [])]

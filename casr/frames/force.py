@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, SettingError
+from casr.frames.exposure import force_at_exposure
 
 FORCE_RULES = ("exposure", "mean")
 
@@ -15,6 +16,8 @@ def force_per_frame(
     frame_index: ArrayLike,
     n_frames: int,
     *,
+    time_s: ArrayLike | None = None,
+    frame_time_s: ArrayLike | None = None,
     rule: str = "exposure",
     where: object = "force log",
 ) -> NDArray[np.float64]:
@@ -27,10 +30,13 @@ def force_per_frame(
     force_n : (rows,) force, N.
     frame_index : (rows,) index from 0 of the last frame saved when the row was written, -1 before the first.
     n_frames : number of frames.
+    time_s, frame_time_s : (rows,) when the force was read, and when the frame with the row's index was taken, s on one
+        clock; NaN where that is not known.
     rule : ``mean``: of the rows that carry the frame's index, as the paper resamples 200 Hz to 20 Hz (section VI-B).
         These rows were written after the frame, so a rising force comes out as it was half a frame later: at 5 mm/s
-        into a stiff specimen 0.4 N too large. ``exposure``: between the means of the frame before and of the frame,
-        where the frame was taken; exact for a force that rises evenly. A first frame keeps its mean.
+        into a stiff specimen 0.4 N too large. ``exposure``: where the frame was taken. With both times, see
+        `force_at_exposure`; without, between the means of the frame before and of the frame, which is exact for a
+        force that rises evenly and frames that come halfway between rows, and a first frame keeps its mean.
     where : named in errors.
 
     Raises
@@ -57,12 +63,38 @@ def force_per_frame(
             found=f"index {bad}",
             do="Give the frames this log belongs to; frames are counted from 0, and -1 is before the first.",
         )
+    if rule == "exposure" and time_s is not None and frame_time_s is not None:
+        return _timed(force, index, n_frames, np.asarray(time_s, float), np.asarray(frame_time_s, float), where)
     counted = (index >= 0) & np.isfinite(force)
     rows = np.bincount(index[counted], minlength=n_frames)
     total = np.bincount(index[counted], weights=force[counted], minlength=n_frames)
     with np.errstate(invalid="ignore"):
         mean: NDArray[np.float64] = total / rows
     return mean if rule == "mean" else _between(mean, rows)
+
+
+def _timed(
+    force_n: NDArray[np.float64],
+    index: NDArray[np.int64],
+    n_frames: int,
+    time_s: NDArray[np.float64],
+    frame_time_s: NDArray[np.float64],
+    where: object,
+) -> NDArray[np.float64]:
+    """A time belongs to the first row that carries its frame's index; rows before the first frame are readings too."""
+    frame_s = np.full(n_frames, np.nan)
+    first = np.flatnonzero((index >= 0) & (np.diff(index, prepend=-1) > 0))
+    frame_s[index[first]] = frame_time_s[first]
+    read = np.isfinite(force_n) & np.isfinite(time_s)
+    force = force_at_exposure(frame_s, time_s[read], force_n[read])
+    if read.any() and np.isfinite(frame_s).any() and np.isnan(force).all():
+        raise FramesError(
+            where,
+            wanted="frame_time_s on the clock of time_s",
+            found=f"frames from {np.nanmin(frame_s):.6g} s and readings from {time_s[read].min():.6g} s on",
+            do="Write both times by one clock, or leave frame_time_s out.",
+        )
+    return force
 
 
 def _between(mean: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.float64]:

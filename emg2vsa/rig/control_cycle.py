@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import NamedTuple
 
 from emg2vsa.errors import DeviceError
@@ -74,13 +74,13 @@ class ControlCycle:
     def log_escape(self, position_ticks: int, preset_ticks: int) -> None:
         """A row while the probe is taken away after the end. DeviceError when the disk is full."""
         assert self.motion is not None
-        try:
-            raw_n = self._rig.pushing_n(self._devices.force.read())
-        except DeviceError:
-            raw_n = None
+        force: tuple[float | None, float | None] = None, None
+        with suppress(DeviceError):
+            sample = self._devices.force.read()
+            force = sample.time_s, self._rig.pushing_n(sample)
         self._record.row(
             Row(
-                self._clock.now_s(), self.motion.repetition, "escape", raw_n, None, position_ticks, preset_ticks,
+                self._clock.now_s(), self.motion.repetition, "escape", *force, None, position_ticks, preset_ticks,
                 None, None, None, None, None, self._record.frame_index,
             )
         )  # fmt: skip
@@ -140,9 +140,8 @@ class ControlCycle:
         assert self.motion is not None
         position, preset = self._sent or (None, None)
         row = Row(
-            now_s, self.motion.repetition, self.motion.phase, force.raw_n, force.filtered_n,
-            position, preset, *readings,
-            self._record.frame_index,
+            now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
+            position, preset, *readings, self._record.frame_index,
         )  # fmt: skip
         with ending("recording"):
             self._record.row(row)

@@ -40,7 +40,8 @@ class PressRecorder:
             ) from error
         self.folder = folder
         self._force = AppendFile(folder / "force.csv")
-        self._force.append(b"time_s,force_n,frame_index\n")
+        self._force.append(b"time_s,force_n,frame_index,frame_time_s\n")
+        self._frame_time = ""
         self._frames = TiffPages(
             folder / "frames.tif", shape, big=frames_expected * shape[0] * shape[1] > BIG_FROM_BYTES
         )
@@ -50,14 +51,15 @@ class PressRecorder:
         """Frames saved."""
         return self._frames.n_pages
 
-    def frame(self, image: NDArray[np.uint8]) -> int:
-        """Save a frame; its index, from 0. Raises DeviceError, as `force`, when the disk is full."""
+    def frame(self, image: NDArray[np.uint8], time_s: float) -> int:
+        """Save a frame taken then; its index, from 0. Raises DeviceError, as `force`, when the disk is full."""
         self._frames.append(image)
+        self._frame_time = f"{time_s:.6f}"
         return self.n_frames - 1
 
     def force(self, time_s: float, force_n: float) -> None:
-        """Save a force row with the index of the last frame saved, -1 before the first."""
-        self._force.append(f"{time_s:.6f},{force_n:.6f},{self.n_frames - 1}\n".encode())
+        """Save the force of a time with index and time of the last frame saved, -1 and none before the first."""
+        self._force.append(f"{time_s:.6f},{force_n:.6f},{self.n_frames - 1},{self._frame_time}\n".encode())
 
     def close(self) -> None:
         """Give the files back."""

@@ -15,6 +15,8 @@ class Row(NamedTuple):
     time_s: float
     repetition: int
     phase: str
+    force_time_s: float | None
+    "When the reading of the force came; its age is what the turn's time is later."
     force_n: float | None
     filtered_n: float | None
     position_ticks: int | None

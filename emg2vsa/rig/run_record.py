@@ -61,7 +61,7 @@ class RunRecord:
     def frame(self, frame: Frame) -> None:
         """Keep a frame; outside of a loading nobody looks at it."""
         if self._press is not None:
-            self._press.frame(frame.image)
+            self._press.frame(frame.image, frame.time_s)
 
     @property
     def frame_index(self) -> int:
@@ -71,8 +71,8 @@ class RunRecord:
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
         self.log.append(row)
-        if self._press is not None and row.force_n is not None:
-            self._press.force(row.time_s, row.force_n)
+        if self._press is not None and row.force_n is not None and row.force_time_s is not None:
+            self._press.force(row.force_time_s, row.force_n)
 
     def end_loading(self) -> None:
         """The press has turned back: its files are given back. What follows says nothing of how the contact spreads,

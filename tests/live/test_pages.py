@@ -102,7 +102,7 @@ def test_the_newest_frame(client, begin, runs):
     assert client.get(f"{IN}/frame").status_code == 204
     for repetition, grey in ((1, 30), (2, 200)):
         press = PressRecorder(runs / "run" / f"press-{repetition:03d}", (12, 16))
-        press.frame(np.full((12, 16), grey, np.uint8))
+        press.frame(np.full((12, 16), grey, np.uint8), 0.0)
         shown = cv2.imdecode(np.frombuffer(client.get(f"{IN}/frame").content, np.uint8), cv2.IMREAD_GRAYSCALE)
         assert shown.shape == (12, 16)
         assert abs(shown.astype(int) - grey).max() <= 2

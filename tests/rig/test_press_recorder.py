@@ -29,7 +29,7 @@ def record(folder, frames, rows_per_frame=10):
     recorder = PressRecorder(folder, frames.shape[1:])
     recorder.force(0.0, 0.01)
     for index, image in enumerate(frames):
-        assert recorder.frame(image) == index
+        assert recorder.frame(image, index / 20) == index
         for row in range(rows_per_frame):
             recorder.force((index * rows_per_frame + row + 1) / 200, index + row / 100)
     return recorder
@@ -46,13 +46,14 @@ def test_a_press_comes_back(tmp_path):
     log = read_force_log(tmp_path / "press" / "force.csv")
     assert log.frame_index[:2].tolist() == [-1, 0]
     np.testing.assert_allclose(log.time_s, np.arange(121) / 200)
+    np.testing.assert_allclose(log.frame_time_s[[0, 1, -1]], [np.nan, 0.0, 11 / 20])
 
 
 def test_it_is_readable_while_it_is_written(tmp_path):
     frames = images(6)
     recorder = PressRecorder(tmp_path / "press", SHAPE)
     for index, image in enumerate(frames):
-        recorder.frame(image)
+        recorder.frame(image, index / 20)
         recorder.force(index / 20, 1.0)
         if index:
             np.testing.assert_array_equal(list(open_frames(tmp_path / "press")), frames[: index + 1])
@@ -82,7 +83,7 @@ from pathlib import Path
 from emg2vsa.rig.press_recorder import PressRecorder
 recorder = PressRecorder(Path(sys.argv[1]), (300, 300))
 for index in range(1000):
-    recorder.frame(np.full((300, 300), index % 251, np.uint8))
+    recorder.frame(np.full((300, 300), index % 251, np.uint8), index / 20)
     recorder.force(index / 20, index)
     if index == 20:
         print("go", flush=True)
@@ -130,7 +131,7 @@ recorder = PressRecorder(Path(sys.argv[1]), (30, 30))
 for index in range(10):
     recorder.force(index / 20, index)
     try:
-        recorder.frame(np.full((30, 30), index, np.uint8))
+        recorder.frame(np.full((30, 30), index, np.uint8), index / 20)
     except DeviceError as error:
         print(error)
         break
@@ -167,7 +168,7 @@ def test_a_folder_that_cannot_be(tmp_path):
 def test_images_of_another_kind(tmp_path, image):
     recorder = PressRecorder(tmp_path / "press", SHAPE)
     with pytest.raises(DeviceError, match="31 x 25 px"):
-        recorder.frame(image)
+        recorder.frame(image, 0.0)
 
 
 def test_long_presses_are_bigtiff(tmp_path):

@@ -47,6 +47,14 @@ def test_one_row_for_each_frame_without_time(tmp_path):
     np.testing.assert_array_equal(log.force_n, [0.1, 0.5])
 
 
+def test_times_of_frames_are_optional_and_may_begin_late(tmp_path):
+    assert log_of(tmp_path, PLAIN).frame_time_s is None
+    text = "time_s,force_n,frame_index,frame_time_s\n0,0.1,-1,\n0.01,0.2,0,0.004\n0.02,0.3,0,0.004\n"
+    np.testing.assert_array_equal(log_of(tmp_path, text).frame_time_s, [np.nan, 0.004, 0.004])
+    with pytest.raises(FramesError, match=r"line 4: wanted frame_time_s not below 0\.004"):
+        log_of(tmp_path, text.replace("0,0.004\n0.02,0.3,0,0.004", "0,0.004\n0.02,0.3,1,0.003"))
+
+
 def test_missing_forces_stay_and_rows_without_frame_go_with_notes(tmp_path):
     log = log_of(tmp_path, "time_s,force_n,frame_index\n0,,0\n1,nan,0\n2,3,\n3,4,1\n,,\n")
     np.testing.assert_array_equal(log.force_n, [np.nan, np.nan, 4])

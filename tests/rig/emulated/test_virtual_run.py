@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casr.frame_files import open_frames
+from casr.frame_files import open_frames, read_force_log
 from casr.score import score
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
+from emg2vsa.rig.camera import Frame
+from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.plan import RunPlan
@@ -103,15 +105,39 @@ def test_the_softer_specimen_spreads_faster(plan: Plan, tmp_path: Path) -> None:
     assert rates[1] > 1.2 * rates[0]
 
 
+def test_the_force_of_a_frame_is_that_under_which_it_was_drawn(
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn_n: dict[str, float] = {}
+    exposed = EmulatedCamera.exposed
+
+    def watched(camera: EmulatedCamera) -> list[Frame]:
+        frames = exposed(camera)
+        drawn_n.update((f"{frame.time_s:.6f}", frame._drawn_from[1]) for frame in frames)  # type: ignore[attr-defined]
+        return frames
+
+    monkeypatch.setattr(EmulatedCamera, "exposed", watched)
+    stiff = plan("high-stiffness", specimen="S1", repetitions=1)
+    run_virtual(stiff, RIG, EmulatedSettings(angle_sd_deg=0.0), tmp_path / "run", started=STARTED)
+    press = tmp_path / "run" / "press-001"
+    frame_s = read_force_log(press / "force.csv").frame_time_s
+    logged_n = open_frames(press).force_n
+    assert frame_s is not None
+    assert logged_n is not None
+    true_n = [drawn_n[f"{time_s:.6f}"] for time_s in np.unique(frame_s[np.isfinite(frame_s)])]
+    np.testing.assert_allclose(logged_n, true_n, atol=0.03)  # of a force that rises by 38 N/s
+    assert np.mean(logged_n - true_n) == pytest.approx(0, abs=0.005)
+
+
 def test_a_press_is_kept_up_to_its_turning_point(plan: Plan, tmp_path: Path) -> None:
     run_virtual(plan(), RIG, EmulatedSettings(), tmp_path / "run", started=STARTED)
     rows = read_log(tmp_path / "run" / "log.csv")
     for repetition in (1, 2):
         press = tmp_path / "run" / f"press-{repetition:03d}"
-        kept = np.loadtxt(press / "force.csv", delimiter=",", skiprows=1)
+        kept = np.genfromtxt(press / "force.csv", delimiter=",", skip_header=1)
         loading = [row for row in rows if row.repetition == repetition and row.phase in ("approach", "contact", "load")]
         turn = next(row for row in rows if row.repetition == repetition and row.phase == "retract")
-        np.testing.assert_array_equal(kept[:, 0], [row.time_s for row in [*loading, turn]])
+        np.testing.assert_array_equal(kept[:, 0], [row.force_time_s for row in [*loading, turn]])
         assert kept[-1, 2] == turn.frame_index == len(open_frames(press)) - 1
     after = [row for row in rows if row.phase in ("retract", "pause") and row.filtered_n is not None]
     assert {row.frame_index for row in after if row.filtered_n is not None and row.filtered_n < 7} == {-1}

@@ -9,7 +9,10 @@ import pytest
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.run_log import Row, RunLog, read_log
 
-ROWS = [Row(n / 200, 1, "load", 0.25 * n, None, 100 + n, 600, None, None, n, -3, None, n // 10 - 1) for n in range(40)]
+ROWS = [
+    Row(n / 200, 1, "load", n / 200, 0.25 * n, None, 100 + n, 600, None, None, n, -3, None, n // 10 - 1)
+    for n in range(40)
+]
 
 
 def written(path: Path) -> bytes:

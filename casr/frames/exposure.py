@@ -1,0 +1,55 @@
+"""The force at the moment a frame was taken, from readings with times on the same clock."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Array = NDArray[np.float64]
+WINDOW = 0.25
+"Part of a frame's period, before and after the frame, whose readings tell its force."
+FEWEST = 3
+"With fewer readings in the window the neighbours of the frame do."
+
+
+def force_at_exposure(frame_time_s: _Array, time_s: _Array, force_n: _Array) -> _Array:
+    """(T,) force, N, when each frame was taken: of the straight line through the readings around it.
+
+    A quarter of a period is short against the loading and long against the noise of one reading: at 20 frames and
+    200 readings a second five readings share it. Where there are fewer than three, the force lies between the reading
+    before and the one after; less than a period before the first reading or after the last it is theirs. NaN farther
+    outside, and where a frame's time is NaN.
+
+    Parameters
+    ----------
+    frame_time_s : (T,) rising, s. time_s, force_n : (n,) readings in the order of time, s and N, all finite.
+    """
+    known = np.flatnonzero(np.isfinite(frame_time_s))
+    found = np.full(frame_time_s.shape, np.nan)
+    if known.size and time_s.size:
+        found[known] = _at(frame_time_s[known], time_s, force_n)
+    return found
+
+
+def _at(frame_s: _Array, time_s: _Array, force_n: _Array) -> _Array:
+    period_s = float(np.median(np.diff(frame_s))) if frame_s.size > 1 else 0.0
+    after = np.searchsorted(frame_s, time_s).clip(1, max(1, frame_s.size - 1))
+    before_is_nearer = time_s - frame_s[after - 1] <= frame_s[np.minimum(after, frame_s.size - 1)] - time_s
+    frame = np.minimum(after - before_is_nearer, frame_s.size - 1)
+    apart_s = time_s - frame_s[frame]
+    near = np.abs(apart_s) <= WINDOW * period_s
+    line = _line_at_0(frame[near], apart_s[near], force_n[near], frame_s.size)
+    reached = (frame_s >= time_s[0] - period_s) & (frame_s <= time_s[-1] + period_s)
+    between = np.where(reached, np.interp(frame_s, time_s, force_n), np.nan)
+    return np.where(np.isfinite(line), line, between)
+
+
+def _line_at_0(group: NDArray[np.intp], x: _Array, y: _Array, n_groups: int) -> _Array:
+    """(n_groups,) value at x = 0 of the line of least squares through each group; NaN for too few points."""
+    n, sx, sy, sxx, sxy = (
+        np.bincount(group, weights=values, minlength=n_groups) for values in (np.ones_like(x), x, y, x * x, x * y)
+    )
+    spread = n * sxx - sx * sx
+    told = (n >= FEWEST) & (spread > 1e-9 * n * sxx)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(told, (sxx * sy - sx * sxy) / spread, np.nan)
