@@ -58,7 +58,7 @@ class ControlCycle:
         force = self._feel()
         readings = _UNREAD
         try:
-            self._look()
+            self._look(now_s)
             self._ask(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
             self._judge(force, wanted, now_s, late_s)
@@ -91,7 +91,7 @@ class ControlCycle:
         raw_n = self._rig.pushing_n(sample)
         return Force(raw_n, self._average.update(raw_n), sample)
 
-    def _look(self) -> None:
+    def _look(self, now_s: float) -> None:
         if self._devices.camera is None:
             return
         with ending("lost camera"):
@@ -99,7 +99,7 @@ class ControlCycle:
         with ending("recording"):
             for frame in frames:
                 self._record.frame(frame)
-                self._frame_s = frame.time_s
+                self._frame_s = now_s
 
     def _ask(self, now_s: float) -> None:
         if now_s - self._asked_s >= self._rig.guards.motors_every_s:
@@ -128,7 +128,7 @@ class ControlCycle:
             if abs(force.filtered_n) >= self._plan.f_contact_n:
                 raise EndRun("guard", "preload", f"{force.filtered_n:.2f} N before the press, with the probe retracted")
             with ending("recording"):
-                self._record.begin_press(wanted.repetition)
+                self._record.begin_press(wanted.repetition, force.sample.time_s)
 
     def _send(self, wanted: Motion) -> None:
         command = self._rig.ticks_at(wanted.depth_mm), self._plan.preset_ticks(wanted.step)

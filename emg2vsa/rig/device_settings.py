@@ -95,6 +95,8 @@ class CameraSettings:
     "Columns of the frames that are kept, pixels."
     rate_hz: Positive = RATE_HZ
     "Frames kept a second; a faster camera is thinned out."
+    delay_s: Annotated[float, Ge(0), Le(0.5)] = 0.0
+    "From the exposure of a frame until it arrives here; frames are timed so much earlier, and meet the force of then."
 
 
 @dataclass(frozen=True, kw_only=True)

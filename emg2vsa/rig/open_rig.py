@@ -114,7 +114,10 @@ def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
     """The camera, not yet started."""
     shape = settings.height, settings.width
-    return OpenCvCamera(settings.source, clock, shape=shape, rate_hz=settings.rate_hz, lost_s=guards.camera_s)
+    return OpenCvCamera(
+        settings.source, clock,
+        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s,
+    )  # fmt: skip
 
 
 def within_device(rig: RigSettings, info: QbmoveInfo, rigid: bool) -> RigSettings:

@@ -43,6 +43,7 @@ class RunRecord:
         self._ended = EndedFile(folder / "ended.json", replace(_KILLED, at=started.isoformat()))
         self.log = RunLog(folder / "log.csv")
         self._press: PressRecorder | None = None
+        self._begun_s = 0.0
         self.presses_done = 0
 
     def plan(self, plan: RunPlan, rig: RigSettings) -> None:
@@ -53,14 +54,15 @@ class RunRecord:
         file.append((json.dumps(document, indent=2) + "\n").encode())
         file.close()
 
-    def begin_press(self, repetition: int) -> None:
-        """From here on, to the end of loading, frames and forces are kept as one press."""
+    def begin_press(self, repetition: int, time_s: float) -> None:
+        """Frames taken from ``time_s`` on, and forces, are kept as one press to the end of loading."""
+        self._begun_s = time_s
         if self._frame_shape is not None:
             self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape)
 
     def frame(self, frame: Frame) -> None:
-        """Keep a frame; outside of a loading nobody looks at it."""
-        if self._press is not None:
+        """Keep a frame; outside of a loading nobody looks at it, nor at one that was taken before and came late."""
+        if self._press is not None and frame.time_s >= self._begun_s:
             self._press.frame(frame.image, frame.time_s)
 
     @property

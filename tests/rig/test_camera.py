@@ -147,6 +147,18 @@ def test_frames_come_with_their_times(hand, capture, camera):
     assert capture.set_to[cv2.CAP_PROP_FPS] == 20
 
 
+def test_a_frame_is_timed_when_it_was_exposed(hand, capture):
+    capture.allowed.release()
+    camera = OpenCvCamera(3, hand, delay_s=0.06, open_capture=lambda source: capture)
+    camera.start()
+    capture.taken.acquire(timeout=5)
+    assert camera.frames()[0].time_s == pytest.approx(hand.now_s() - 0.06)
+    hand.time_s = 0.45  # lost is one that brings nothing, not one whose frames are old
+    assert camera.frames() == []
+    capture.give(fails=True)
+    assert capture.released.wait(5)
+
+
 def test_a_camera_that_falls_silent(hand, camera):
     camera.frames()
     hand.time_s = 0.4

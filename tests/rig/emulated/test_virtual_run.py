@@ -105,18 +105,22 @@ def test_the_softer_specimen_spreads_faster(plan: Plan, tmp_path: Path) -> None:
     assert rates[1] > 1.2 * rates[0]
 
 
+@pytest.mark.parametrize("delay_s", [0.0, 0.0625])
 def test_the_force_of_a_frame_is_that_under_which_it_was_drawn(
-    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, delay_s: float
 ) -> None:
     drawn_n: dict[str, float] = {}
+    on_their_way: list[Frame] = []
     exposed = EmulatedCamera.exposed
 
-    def watched(camera: EmulatedCamera) -> list[Frame]:
-        frames = exposed(camera)
+    def arrived(camera: EmulatedCamera) -> list[Frame]:
+        on_their_way.extend(frames := exposed(camera))
         drawn_n.update((f"{frame.time_s:.6f}", frame._drawn_from[1]) for frame in frames)  # type: ignore[attr-defined]
-        return frames
+        here = [frame for frame in on_their_way if frame.time_s + delay_s <= camera._clock.now_s()]
+        del on_their_way[: len(here)]
+        return here
 
-    monkeypatch.setattr(EmulatedCamera, "exposed", watched)
+    monkeypatch.setattr(EmulatedCamera, "exposed", arrived)
     stiff = plan("high-stiffness", specimen="S1", repetitions=1)
     run_virtual(stiff, RIG, EmulatedSettings(angle_sd_deg=0.0), tmp_path / "run", started=STARTED)
     press = tmp_path / "run" / "press-001"
