@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats
+from emg2vsa.stats.noncentral import noncentral_f, noncentral_t
 
 _BISECTIONS = 100
-_MOST = 2.0**40
 
 
 def eta2(f: ArrayLike, df1: ArrayLike, df2: ArrayLike) -> Floats:
@@ -47,7 +47,7 @@ def eta2_interval(f: ArrayLike, df1: ArrayLike, df2: ArrayLike, confidence: floa
     total = df1 + df2 + 1
 
     def share(probability: float) -> Floats:
-        at = _noncentrality(lambda nc: special.ncfdtr(df1, df2, nc, f), probability, f)
+        at = _noncentrality(lambda nc: noncentral_f(df1, df2, nc, f), probability, f)
         return np.where(np.isinf(f), 1.0, at / (at + total))
 
     return share(1 - tail), share(tail)
@@ -64,7 +64,7 @@ def hedges_g(t: ArrayLike, n1: ArrayLike, n2: ArrayLike, confidence: float = 0.9
     scale = correction * np.sqrt(1 / n1 + 1 / n2)
     tail = (1 - confidence) / 2
     size = np.abs(t)
-    high = _noncentrality(lambda nc: special.nctdtr(df, nc, size), tail, size)
+    high = _noncentrality(lambda nc: noncentral_t(df, nc, size), tail, size)
     low = _signed_noncentrality(df, size, 1 - tail)
     low, high = np.where(t < 0, -high, low), np.where(t < 0, -low, high)
     return np.asarray(t * scale), np.asarray(low * scale), np.asarray(high * scale)
@@ -73,8 +73,9 @@ def hedges_g(t: ArrayLike, n1: ArrayLike, n2: ArrayLike, confidence: float = 0.9
 def _signed_noncentrality(df: Floats, t: Floats, probability: float) -> Floats:
     """Noncentrality of either sign at which t >= 0 has the distribution function ``probability``."""
     positive = special.stdtr(df, t) > probability
-    above = _noncentrality(lambda nc: special.nctdtr(df, nc, t), probability, t)
-    below = _noncentrality(lambda nc: 1 - special.nctdtr(df, -nc, t), 1 - probability, t)
+    over, under = np.where(positive, t, np.nan), np.where(positive, np.nan, t)
+    above = _noncentrality(lambda nc: noncentral_t(df, nc, over), probability, over)
+    below = _noncentrality(lambda nc: 1 - noncentral_t(df, -nc, under), 1 - probability, under)
     return np.asarray(np.where(positive, above, -below))
 
 
@@ -85,8 +86,8 @@ def _noncentrality(distribution: Callable[[Floats], Any], probability: float, li
     def too_small(nc: Floats) -> np.ndarray:
         return np.asarray(distribution(nc) > probability) & ~undefined
 
-    high = np.ones_like(like)
-    while np.any(short := too_small(high) & (high < _MOST)):
+    high = np.fmax(1.0, np.where(undefined, 1.0, like))
+    while np.any(short := too_small(high)):
         high = np.where(short, 2 * high, high)
     low = np.zeros_like(high)
     for _ in range(_BISECTIONS):
