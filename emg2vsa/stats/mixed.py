@@ -104,12 +104,13 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
     steps = np.stack([level[:, 2] - level[:, 1], level[:, 1] - level[:, 0], level[:, 0]], axis=1)
     variance = np.maximum(steps, 0.0) / scale
     low, high = _variance_intervals(ms, df, scale, confidence)
-    data = np.ldexp(1.0, 2 * unit)[:, None]
     likelihood = _log_likelihood(level, squares, df, (n_p, n_s, n_r)) - (n_p * n_s * n_r - n_s) * unit * np.log(2.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         total = np.sum(variance, axis=1)
         ratios = [np.sqrt(v / variance[:, 2]) for v in (variance[:, 0], low[:, 0], high[:, 0])]
         icc = variance[:, 0] / total
+    with np.errstate(over="ignore"):
+        of_data = [np.ldexp(v, 2 * unit[:, None]) for v in (variance, low, high)]
     return MixedModel(
         mean=origin[:, None] + np.ldexp(specimen, unit[:, None]),
         se_mean=np.ldexp(np.sqrt((level[:, 2] + (n_s - 1) * level[:, 1]) / (n_s * n_p * n_r)), unit),
@@ -118,9 +119,9 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         df1=n_s - 1,
         df2=int(df[1]),
         p=special.fdtrc(n_s - 1, df[1], f),
-        variance=variance * data,
-        low=low * data,
-        high=high * data,
+        variance=of_data[0],
+        low=of_data[1],
+        high=of_data[2],
         icc=icc,
         sd_ratio=ratios[0],
         ratio_low=ratios[1],
