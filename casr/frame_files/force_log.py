@@ -65,12 +65,15 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
         raise FramesError(
             path, wanted="rows with a force and a frame index", found="none", do="Give the force log of the press."
         )
+    notes = _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
+    if time_s is None and frame_time_s is not None:
+        notes = (*notes, "frame_time_s is not used without time_s")
     return ForceLog(
         None if time_s is None else time_s[placed],
         force_n[placed],
         frame_index[placed].astype(np.int64),
         None if frame_time_s is None else frame_time_s[placed],
-        _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n)),
+        notes,
     )
 
 

@@ -51,6 +51,8 @@ def test_times_of_frames_are_optional_and_may_begin_late(tmp_path):
     assert log_of(tmp_path, PLAIN).frame_time_s is None
     text = "time_s,force_n,frame_index,frame_time_s\n0,0.1,-1,\n0.01,0.2,0,0.004\n0.02,0.3,0,0.004\n"
     np.testing.assert_array_equal(log_of(tmp_path, text).frame_time_s, [np.nan, 0.004, 0.004])
+    alone = log_of(tmp_path, "force_n,frame_index,frame_time_s\n0.1,0,0.004\n0.2,1,0.054\n")
+    assert alone.notes == ("frame_time_s is not used without time_s",)
     with pytest.raises(FramesError, match=r"line 4: wanted frame_time_s not below 0\.004"):
         log_of(tmp_path, text.replace("0,0.004\n0.02,0.3,0,0.004", "0,0.004\n0.02,0.3,1,0.003"))
 
