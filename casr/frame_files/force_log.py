@@ -23,16 +23,16 @@ class ForceLog:
     time_s : (rows,) time, s; None when the log has no such column.
     force_n : (rows,) force, N; NaN where it is missing.
     frame_index : (rows,) index from 0 of the last frame saved, -1 before the first.
+    notes : what was left out.
     frame_time_s : (rows,) when that frame was taken, s on the clock of ``time_s``; NaN where it is missing, None when
         the log has no such column.
-    notes : what was left out.
     """
 
     time_s: NDArray[np.float64] | None
     force_n: NDArray[np.float64]
     frame_index: NDArray[np.int64]
-    frame_time_s: NDArray[np.float64] | None = None
     notes: tuple[str, ...] = ()
+    frame_time_s: NDArray[np.float64] | None = None
 
 
 def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
@@ -66,14 +66,14 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
             path, wanted="rows with a force and a frame index", found="none", do="Give the force log of the press."
         )
     notes = _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
-    if time_s is None and frame_time_s is not None:
-        notes = (*notes, "frame_time_s is not used without time_s")
+    if frame_time_s is not None:
+        notes += _notes_on_times(time_s, frame_time_s, frame_index)
     return ForceLog(
         None if time_s is None else time_s[placed],
         force_n[placed],
         frame_index[placed].astype(np.int64),
-        None if frame_time_s is None else frame_time_s[placed],
         notes,
+        None if frame_time_s is None else frame_time_s[placed],
     )
 
 
@@ -98,4 +98,20 @@ def _notes(no_force: int, no_frame: int, n_rows: int) -> tuple[str, ...]:
         notes.append(f"{no_force} of {n_rows} rows of the force log have no force")
     if no_frame:
         notes.append(f"{no_frame} of {n_rows} rows of the force log have no frame index and are left out")
+    return tuple(notes)
+
+
+def _notes_on_times(
+    time_s: NDArray[np.float64] | None, frame_time_s: NDArray[np.float64], frame_index: NDArray[np.float64]
+) -> tuple[str, ...]:
+    if time_s is None or np.isnan(time_s).all():
+        return ("frame_time_s is not used without time_s",)
+    if np.isnan(frame_time_s).all():
+        return ("frame_time_s is empty and not used",)
+    notes = []
+    if no_time := int(np.isnan(time_s).sum()):
+        notes.append(f"{no_time} of {len(time_s)} rows of the force log have no time_s, and their force is not used")
+    carried = np.unique(frame_index[frame_index >= 0])
+    if untimed := carried.size - np.unique(frame_index[(frame_index >= 0) & np.isfinite(frame_time_s)]).size:
+        notes.append(f"{untimed} of {carried.size} frames have no frame_time_s")
     return tuple(notes)

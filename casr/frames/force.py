@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, SettingError
 from casr.frames.exposure import force_at_exposure
+from casr.frames.frame_times import times_of_frames
 
 FORCE_RULES = ("exposure", "mean")
 
@@ -64,37 +65,16 @@ def force_per_frame(
             do="Give the frames this log belongs to; frames are counted from 0, and -1 is before the first.",
         )
     if rule == "exposure" and time_s is not None and frame_time_s is not None:
-        return _timed(force, index, n_frames, np.asarray(time_s, float), np.asarray(frame_time_s, float), where)
+        row_s, taken_s = np.asarray(time_s, dtype=np.float64), np.asarray(frame_time_s, dtype=np.float64)
+        frame_s, read = times_of_frames(index, n_frames, row_s, taken_s, where), np.isfinite(force + row_s)
+        if np.isfinite(frame_s).any() and read.any():
+            return force_at_exposure(frame_s, row_s[read], force[read])
     counted = (index >= 0) & np.isfinite(force)
     rows = np.bincount(index[counted], minlength=n_frames)
     total = np.bincount(index[counted], weights=force[counted], minlength=n_frames)
     with np.errstate(invalid="ignore"):
         mean: NDArray[np.float64] = total / rows
     return mean if rule == "mean" else _between(mean, rows)
-
-
-def _timed(
-    force_n: NDArray[np.float64],
-    index: NDArray[np.int64],
-    n_frames: int,
-    time_s: NDArray[np.float64],
-    frame_time_s: NDArray[np.float64],
-    where: object,
-) -> NDArray[np.float64]:
-    """A time belongs to the first row that carries its frame's index; rows before the first frame are readings too."""
-    frame_s = np.full(n_frames, np.nan)
-    first = np.flatnonzero((index >= 0) & (np.diff(index, prepend=-1) > 0))
-    frame_s[index[first]] = frame_time_s[first]
-    read = np.isfinite(force_n) & np.isfinite(time_s)
-    force = force_at_exposure(frame_s, time_s[read], force_n[read])
-    if read.any() and np.isfinite(frame_s).any() and np.isnan(force).all():
-        raise FramesError(
-            where,
-            wanted="frame_time_s on the clock of time_s",
-            found=f"frames from {np.nanmin(frame_s):.6g} s and readings from {time_s[read].min():.6g} s on",
-            do="Write both times by one clock, or leave frame_time_s out.",
-        )
-    return force
 
 
 def _between(mean: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.float64]:

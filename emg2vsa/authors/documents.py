@@ -15,7 +15,7 @@ _EXAMPLES = (
     r"\emgFitUsed{} of \emgTrialsTotal{} presses entered the tests.",
     r"The probe pressed \emgRunsPresses{} times in \emgRunsCount{} runs.",
 )
-_ONE_MACRO = re.compile(r"\\\w+")
+_NAME = re.compile(r"\\(\w+)")
 _MACRO = re.compile(r"^\\newcommand\{\\(\w+)\}.*% (.+)$", re.M)
 
 
@@ -28,6 +28,7 @@ def packages(files: Mapping[str, bytes]) -> list[str]:
 
 def readme(name: str, title: str, about: str, files: Mapping[str, bytes]) -> str:
     """How to put the package into a paper, and what each file is."""
+    macros = {macro for macro, _ in _MACRO.findall(files["numbers.tex"].decode())}
     table, figure = (_first(files, folder) for folder in ("tables", "figures"))
     lines = [
         f"Authors' package of the study {name}: {title}",
@@ -44,7 +45,7 @@ def readme(name: str, title: str, about: str, files: Mapping[str, bytes]) -> str
         "",
         "and in the text:",
         "",
-        *(f"  {example}" for example in _EXAMPLES if _ONE_MACRO.findall(example)[0].encode() in files["numbers.tex"]),
+        *(f"  {example}" for example in _EXAMPLES if set(_NAME.findall(example)) <= macros),
         *(rf"  \input{{paper/{part}}}" for part in (table, figure) if part),
         "",
         "numbers.tex names, after each macro, the key of its number; results.csv lists keys, values, units, macros and",

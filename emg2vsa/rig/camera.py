@@ -30,10 +30,14 @@ class Frame:
 
 
 class Camera(Protocol):
-    """A camera that takes frames by itself once started."""
+    """A camera that takes frames by itself once started.
+
+    delay_s : from the exposure of a frame, which is its time, until it can be had.
+    """
 
     name: str
     shape: tuple[int, int]
+    delay_s: float
 
     def start(self) -> None:
         """Begin, and return once a first frame has come. DeviceError when none comes."""

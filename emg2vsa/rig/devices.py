@@ -43,9 +43,10 @@ class ForceReader(Protocol):
 
 
 class FrameSource(Protocol):
-    """A camera that has been started."""
+    """A camera that has been started; ``delay_s`` is from the exposure of a frame until it can be had."""
 
     shape: tuple[int, int]
+    delay_s: float
 
     def frames(self) -> list[Frame]:
         """Frames since the last call; never waits. DeviceError when the camera is lost."""

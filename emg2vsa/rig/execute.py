@@ -41,7 +41,8 @@ def execute(
     Any error of the program itself, after the safe end.
     """
     check_plan(plan, rig)
-    record = RunRecord(folder, started, None if devices.camera is None else devices.camera.shape)
+    seen = devices.camera
+    record = RunRecord(folder, started, seen.shape if seen else None, delay_s=seen.delay_s if seen else 0.0)
     record.plan(plan, rig)
     cycle = ControlCycle(plan, rig, devices, record, clock)
     beat = Beat(clock, rig.period_s)
@@ -72,7 +73,7 @@ def _press_all(cycle: ControlCycle, beat: Beat, record: RunRecord, stop: Callabl
         if motion.phase == "done":
             return
         if motion.since_s == now_s and motion.phase == "retract":
-            record.end_loading()
+            record.end_loading(now_s)
         elif motion.since_s == now_s and motion.phase == "pause":
             record.end_press()
 

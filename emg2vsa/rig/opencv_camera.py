@@ -56,7 +56,7 @@ class OpenCvCamera:
         open_capture: Callable[[int | str], Any] = open_capture,
     ) -> None:
         self.name, self.shape, self.rate_hz = f"camera {source}", shape, rate_hz
-        self.dropped, self._delay_s, self._lost_s = 0, delay_s, lost_s
+        self.dropped, self.delay_s, self._lost_s = 0, delay_s, lost_s
         self._source, self._clock, self._open = source, clock, open_capture
         self._pace = FramePace(rate_hz)
         self._waiting: deque[Frame] = deque()
@@ -84,7 +84,7 @@ class OpenCvCamera:
         alive = self._thread.is_alive()
         frames = [self._waiting.popleft() for _ in range(len(self._waiting))]
         if frames:
-            self._newest_s = frames[-1].time_s + self._delay_s
+            self._newest_s = frames[-1].time_s + self.delay_s
             self.dropped += sum(frame.dropped for frame in frames)
             return frames
         if self._newest_s is None:
@@ -108,7 +108,7 @@ class OpenCvCamera:
                 taken, image = self._capture.retrieve()
                 if not taken:
                     break
-                self._waiting.append(Frame(time_s - self._delay_s, fitted(image, self.shape), dropped))
+                self._waiting.append(Frame(time_s - self.delay_s, fitted(image, self.shape), dropped))
         self._capture.release()
 
     def _lost(self, found: str) -> DeviceError:

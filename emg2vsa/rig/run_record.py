@@ -6,6 +6,7 @@ A press holds frames and forces from the approach to the end of loading, which i
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, replace
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -31,19 +32,22 @@ class RunRecord:
     """Writes it. DeviceError, here and in every method: a run is there already, or the disk is full.
 
     ``started`` : date and time at 0 s of the log's clock. ``frame_shape`` : (height, width) px; None without a camera.
+    ``delay_s`` : of the camera; frames are on their way for so long.
     """
 
-    def __init__(self, folder: Path, started: datetime, frame_shape: tuple[int, int] | None) -> None:
+    def __init__(
+        self, folder: Path, started: datetime, frame_shape: tuple[int, int] | None, *, delay_s: float = 0.0
+    ) -> None:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             do = "Choose another."
             raise DeviceError(folder, wanted="a folder to record to", found=str(error), do=do) from error
-        self._folder, self._started, self._frame_shape = folder, started, frame_shape
+        self._folder, self._started, self._frame_shape, self._delay_s = folder, started, frame_shape, delay_s
         self._ended = EndedFile(folder / "ended.json", replace(_KILLED, at=started.isoformat()))
         self.log = RunLog(folder / "log.csv")
         self._press: PressRecorder | None = None
-        self._begun_s = 0.0
+        self._begun_s, self._turned_s = 0.0, math.inf
         self.presses_done = 0
 
     def plan(self, plan: RunPlan, rig: RigSettings) -> None:
@@ -56,13 +60,18 @@ class RunRecord:
 
     def begin_press(self, repetition: int, time_s: float) -> None:
         """Frames taken from ``time_s`` on, and forces, are kept as one press to the end of loading."""
-        self._begun_s = time_s
+        self._close_press()
+        self._begun_s, self._turned_s = time_s, math.inf
         if self._frame_shape is not None:
             self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape)
 
     def frame(self, frame: Frame) -> None:
-        """Keep a frame; outside of a loading nobody looks at it, nor at one that was taken before and came late."""
-        if self._press is not None and frame.time_s >= self._begun_s:
+        """Keep a frame that was taken during a loading; nobody looks at others."""
+        if self._press is None or frame.time_s < self._begun_s:
+            return
+        if frame.time_s > self._turned_s:
+            self._close_press()
+        else:
             self._press.frame(frame.image, frame.time_s)
 
     @property
@@ -76,12 +85,12 @@ class RunRecord:
         if self._press is not None and row.force_n is not None and row.force_time_s is not None:
             self._press.force(row.force_time_s, row.force_n)
 
-    def end_loading(self) -> None:
-        """The press has turned back: its files are given back. What follows says nothing of how the contact spreads,
-        and is in the log."""
-        if self._press is not None:
-            self._press.close()
-            self._press = None
+    def end_loading(self, time_s: float) -> None:
+        """The press turned back then: its files are given back, once all frames of its loading have come. What follows
+        says nothing of how the contact spreads, and is in the log."""
+        self._turned_s = time_s
+        if self._delay_s == 0:
+            self._close_press()
 
     def end_press(self) -> None:
         """The press is over."""
@@ -95,7 +104,12 @@ class RunRecord:
             self._ended.write(ended)
         except DeviceError as error:
             ended = replace(ended, notes=(*ended.notes, str(error)))
-        self.end_loading()
+        self._close_press()
         self.log.close()
         self._ended.close()
         return ended
+
+    def _close_press(self) -> None:
+        if self._press is not None:
+            self._press.close()
+            self._press = None

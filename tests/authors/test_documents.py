@@ -27,11 +27,12 @@ def test_the_readme_shows_inputs_that_exist_and_lists_every_file():
 
 
 def test_the_readme_shows_macros_that_exist():
-    runs = {"numbers.tex": b"\\newcommand{\\emgRunsPresses}{90} % runs.presses\n"}
-    assert r"\emgFitUsed{} of" in readme("small", "A small study", "Simulated.", FILES)
-    text = readme("rig", "A rig", "Measured.", runs)
-    assert r"The probe pressed \emgRunsPresses{} times" in text
+    one = b"\\newcommand{\\emgRunsPresses}{90} % runs.presses\n"
+    both = one + b"\\newcommand{\\emgRunsCount}{9} % runs.count\n"
+    text = readme("rig", "A rig", "Measured.", {"numbers.tex": both})
+    assert r"The probe pressed \emgRunsPresses{} times in \emgRunsCount{} runs" in text
     assert r"\emgFitUsed" not in text
+    assert "The probe pressed" not in readme("rig", "A rig", "Measured.", {"numbers.tex": one})
 
 
 def test_the_proof_holds_each_float_once_and_each_macro_beside_its_key():

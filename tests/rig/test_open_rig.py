@@ -43,7 +43,7 @@ def settings(servers: EmulatedServers) -> DeviceSettings:
         force=ForceSettings(
             kind="net-ft", host="127.0.0.1", rdt_port=servers.force.rdt_port, http_port=servers.force.http_port
         ),
-        camera=CameraSettings(source=servers.camera_url),
+        camera=CameraSettings(source=servers.camera_url, delay_s=0.03),
     )
 
 
@@ -81,7 +81,7 @@ def test_the_devices_of_the_file_are_open_and_closed_again(
         assert opened.info.max_stiffness_ticks == 3000
         assert opened.rig == PATIENT
         assert opened.devices.camera is not None
-        assert opened.devices.camera.shape == (300, 300)
+        assert (opened.devices.camera.shape, opened.devices.camera.delay_s) == ((300, 300), 0.03)
         assert abs(opened.devices.force.read().force_n[2]) < 1.0
         opened.devices.actuator.activate()
         opened.devices.actuator.set_position_stiffness(0, 1500)

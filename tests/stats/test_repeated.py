@@ -141,6 +141,14 @@ def test_unit_and_origin_of_the_mixed_model(seed: int, shift: float, scale: floa
     assert other.log_likelihood[0] == pytest.approx(found.log_likelihood[0] - n * np.log(scale), rel=1e-8, abs=1e-6)
 
 
+def test_beyond_all_numbers_a_variance_of_zero_stays_zero() -> None:
+    y = study(next(s for s in range(50) if balanced_mixed(study(s, 0.0, 0.0)).variance[0, 0] == 0), 0.0, 0.0)
+    with np.errstate(all="raise"):
+        variance = balanced_mixed(y * 1e160).variance[0]
+    assert variance[0] == 0
+    assert np.isinf(variance[2])
+
+
 def test_variance_zero_is_said() -> None:
     seed = next(s for s in range(50) if balanced_mixed(study(s, 0.0, 0.0)).variance[0, 0] == 0)
     outcome = balanced_mixed(study(seed, 0.0, 0.0)).outcome()

@@ -130,10 +130,10 @@ class EmulatedRig:
 
 
 def _turned_to(axis: tuple[float, float, float]) -> Floats:
-    """(3, 3) rotation that takes z the shortest way to ``axis``, of length 1 (Rodrigues)."""
-    x, y, z = axis
-    if z <= -1:
-        return np.diag([1.0, -1.0, -1.0])
+    """(3, 3) rotation that takes z to ``axis`` (Rodrigues)."""
+    x, y, z = (float(part) for part in np.array(axis) / np.linalg.norm(axis))
+    if z < 0:  # by way of -axis, as 1 + z may be next to nothing
+        return _turned_to((-x, -y, -z)) @ np.diag([1.0, -1.0, -1.0])
     cross = np.array([[0, 0, x], [0, 0, y], [-x, -y, 0]])
     turned: Floats = np.eye(3) + cross + cross @ cross / (1 + z)
     return turned

@@ -52,6 +52,8 @@ class EmulatedCamera:
     clock : the rig's time.
     """
 
+    delay_s = 0.0
+
     def __init__(
         self, scene: Scene, force_n: Callable[[float], float], clock: Clock, *, rate_hz: float = RATE_HZ
     ) -> None:

@@ -26,7 +26,7 @@ class PressDraws:
     Parameters
     ----------
     emulated : the bench. specimen : on it; SettingError when its stiffness is not known.
-    angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear.
+    angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear, and which way it turns.
     run : name of the run; other names, other draws.
     """
 

@@ -53,6 +53,13 @@ def test_times_of_frames_are_optional_and_may_begin_late(tmp_path):
     np.testing.assert_array_equal(log_of(tmp_path, text).frame_time_s, [np.nan, 0.004, 0.004])
     alone = log_of(tmp_path, "force_n,frame_index,frame_time_s\n0.1,0,0.004\n0.2,1,0.054\n")
     assert alone.notes == ("frame_time_s is not used without time_s",)
+    empty = log_of(tmp_path, "time_s,force_n,frame_index,frame_time_s\n0,0.1,0,\n1,0.2,1,\n")
+    assert empty.notes == ("frame_time_s is empty and not used",)
+    holes = log_of(tmp_path, "time_s,force_n,frame_index,frame_time_s\n,0.1,0,0\n1,0.2,1,\n")
+    assert holes.notes == (
+        "1 of 2 rows of the force log have no time_s, and their force is not used",
+        "1 of 2 frames have no frame_time_s",
+    )
     with pytest.raises(FramesError, match=r"line 4: wanted frame_time_s not below 0\.004"):
         log_of(tmp_path, text.replace("0,0.004\n0.02,0.3,0,0.004", "0,0.004\n0.02,0.3,1,0.003"))
 

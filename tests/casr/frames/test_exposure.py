@@ -80,10 +80,45 @@ def test_a_missing_force_or_frame_is_left_out():
     np.testing.assert_allclose(found, np.where(np.arange(8) == 5, np.nan, 3 * FRAME_S), atol=1e-9)
 
 
-def test_two_clocks_are_an_error():
+def test_an_empty_column_of_times_leaves_the_rows_to_tell():
+    time_s, index = np.arange(0, 80) / 200, np.repeat(np.arange(8), 10)
+    counted, nothing = force_per_frame(time_s, index, 8), np.full(80, np.nan)
+    for times in ((nothing, FRAME_S[index]), (time_s, nothing)):
+        found = force_per_frame(time_s, index, 8, time_s=times[0], frame_time_s=times[1])
+        np.testing.assert_array_equal(found, counted)
+
+
+def test_the_first_known_time_of_a_frame_counts():
+    time_s, index = np.arange(0, 80) / 200, np.repeat(np.arange(8), 10)
+    of_row = np.where(np.arange(80) % 10 < 3, np.nan, FRAME_S[index])
+    found = force_per_frame(3 * time_s, index, 8, time_s=time_s, frame_time_s=of_row)
+    np.testing.assert_allclose(found, 3 * FRAME_S, atol=1e-9)
+
+
+@pytest.mark.parametrize("apart_s", [2e-6, 5e-5, 2e-4, 5e-4])
+def test_readings_that_come_in_packets_are_no_line(apart_s):
+    rng = np.random.default_rng(3)
+    time_s = np.sort(np.add.outer(np.arange(0, 0.4, 0.015), apart_s * np.arange(3)).ravel())
+    found = force_at_exposure(FRAME_S, time_s, 2 * time_s + rng.normal(0, 0.01, time_s.size))
+    assert np.abs(found - 2 * FRAME_S).max() < 0.05
+
+
+def test_a_gap_of_the_force_is_not_bridged():
     time_s = np.arange(0, 80) / 200
-    with pytest.raises(FramesError, match=r"rig\.csv: wanted frame_time_s on the clock of time_s"):
-        force_per_frame(
-            time_s, np.repeat(np.arange(8), 10), 8,
-            time_s=time_s, frame_time_s=1.7e9 + time_s, where="rig.csv",
-        )  # fmt: skip
+    read = (time_s < 0.06) | (time_s > 0.29)
+    found = force_at_exposure(FRAME_S, time_s[read], time_s[read])
+    np.testing.assert_allclose(found[[0, 1, 2, 5, 6, 7]], FRAME_S[[0, 1, 2, 5, 6, 7]], atol=1e-9)
+    assert np.isnan(found[[3, 4]]).all()
+
+
+@pytest.mark.parametrize("wrong", [lambda s: 1000 * s, lambda s: s + 1.7e9, lambda s: s + 0.5, lambda s: s - 2])
+def test_another_clock_or_unit_is_an_error(wrong):
+    time_s, index = np.arange(0, 80) / 200, np.repeat(np.arange(8), 10)
+    with pytest.raises(FramesError, match=r"rig\.csv: wanted frame_time_s in seconds, on the clock of time_s"):
+        force_per_frame(time_s, index, 8, time_s=time_s, frame_time_s=wrong(FRAME_S[index]), where="rig.csv")
+
+
+def test_times_without_their_digits_are_an_error():
+    time_s, index = np.arange(0, 80) / 200, np.repeat(np.arange(8), 10)
+    with pytest.raises(FramesError, match=r"another frame_time_s for each frame; found 0 s of two frames"):
+        force_per_frame(time_s, index, 8, time_s=time_s, frame_time_s=np.floor(FRAME_S[index]))

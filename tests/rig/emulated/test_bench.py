@@ -47,6 +47,15 @@ def draws(**changes: object) -> PressDraws:
     return PressDraws(EmulatedSettings(**changes), "S1", 30.0, False, RigSettings(), "run")  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, -0.6, 0.8), (0, 0, -1), (0.04, 0, -0.999), (0, 0, -0.9995), (1, 0, 0)])
+def test_the_push_is_felt_along_the_axis_of_the_rig_file(axis: tuple[float, float, float]) -> None:
+    bench = EmulatedRig(EmulatedSettings(), "S1", 30.0, True, VirtualClock(), rig=RigSettings(push_axis=axis))
+    turned = bench._mounting
+    np.testing.assert_allclose(turned.T @ turned, np.eye(3), atol=1e-12)
+    assert np.linalg.det(turned) == pytest.approx(1)
+    np.testing.assert_allclose(turned[:, 2], np.array(axis) / np.linalg.norm(axis), atol=1e-12)
+
+
 def test_presses_differ_and_come_again() -> None:
     settings = EmulatedSettings()
     worlds = [draws().world(press) for press in range(50)]

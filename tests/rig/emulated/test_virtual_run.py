@@ -105,7 +105,7 @@ def test_the_softer_specimen_spreads_faster(plan: Plan, tmp_path: Path) -> None:
     assert rates[1] > 1.2 * rates[0]
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 0.0625])
+@pytest.mark.parametrize("delay_s", [0.0, 0.0625, 0.4625])
 def test_the_force_of_a_frame_is_that_under_which_it_was_drawn(
     plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, delay_s: float
 ) -> None:
@@ -121,8 +121,10 @@ def test_the_force_of_a_frame_is_that_under_which_it_was_drawn(
         return here
 
     monkeypatch.setattr(EmulatedCamera, "exposed", arrived)
+    monkeypatch.setattr(EmulatedCamera, "delay_s", delay_s)
     stiff = plan("high-stiffness", specimen="S1", repetitions=1)
-    run_virtual(stiff, RIG, EmulatedSettings(angle_sd_deg=0.0), tmp_path / "run", started=STARTED)
+    ended = run_virtual(stiff, RIG, EmulatedSettings(angle_sd_deg=0.0), tmp_path / "run", started=STARTED)
+    assert ended.how == "completed"
     press = tmp_path / "run" / "press-001"
     frame_s = read_force_log(press / "force.csv").frame_time_s
     logged_n = open_frames(press).force_n
@@ -131,6 +133,9 @@ def test_the_force_of_a_frame_is_that_under_which_it_was_drawn(
     true_n = [drawn_n[f"{time_s:.6f}"] for time_s in np.unique(frame_s[np.isfinite(frame_s)])]
     np.testing.assert_allclose(logged_n, true_n, atol=0.03)  # of a force that rises by 38 N/s
     assert np.mean(logged_n - true_n) == pytest.approx(0, abs=0.005)
+    # the last one is that before the turn, however late it came
+    turn_s = next(row.time_s for row in read_log(tmp_path / "run" / "log.csv") if row.phase == "retract")
+    assert 0 <= turn_s - frame_s[-1] < 1 / 20
 
 
 def test_a_press_is_kept_up_to_its_turning_point(plan: Plan, tmp_path: Path) -> None:

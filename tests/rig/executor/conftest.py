@@ -80,6 +80,7 @@ class Bench:
     forces_n: list[float] = field(default_factory=list)
     "Every force handed out."
     shape: tuple[int, int] = (12, 16)
+    delay_s: float = 0.0
     _position: int = START_TICKS
     _frames: int = 0
     _fresh_s: float = 0.0
