@@ -10,6 +10,8 @@ WINDOW = 0.25
 "Part of a frame's period, before and after the frame, whose readings tell its force."
 FEWEST = 3
 "With fewer readings in the window the neighbours of the frame do."
+MOST_VARIANCE = 2.0
+"Nor if the line's variance at the frame were more than so many times a reading's; at the end of a log it is 1 to 2."
 
 
 def force_at_exposure(frame_time_s: _Array, time_s: _Array, force_n: _Array) -> _Array:
@@ -17,7 +19,7 @@ def force_at_exposure(frame_time_s: _Array, time_s: _Array, force_n: _Array) -> 
 
     A quarter of a period is short against the loading and long against the noise of one reading: at 20 frames and
     200 readings a second five readings share it. Where there are fewer than three, or so close together that the line
-    would be less sure at the frame than one of them is, the force lies between the reading before and the one after.
+    would be far less sure at the frame than one of them is, the force lies between the reading before and that after.
     Up to half a period before the first reading or after the last it is theirs. NaN farther outside, where no reading
     is within a period, and where a frame's time is NaN.
 
@@ -62,6 +64,6 @@ def _line_at_0(group: NDArray[np.intp], x: _Array, y: _Array, n_groups: int) -> 
     )
     spread = n * sxx - sx * sx
     # the variance of the line at 0 is that of a reading times sxx / spread
-    told = (n >= FEWEST) & (spread > 0) & (sxx <= spread)
+    told = (n >= FEWEST) & (spread > 0) & (sxx <= MOST_VARIANCE * spread)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(told, (sxx * sy - sx * sxy) / spread, np.nan)
