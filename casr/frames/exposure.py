@@ -36,9 +36,7 @@ def force_at_exposure(frame_time_s: _Array, time_s: _Array, force_n: _Array) -> 
 
 def _at(frame_s: _Array, time_s: _Array, force_n: _Array) -> _Array:
     period_s = float(np.median(np.diff(frame_s))) if frame_s.size > 1 else 0.0
-    after = np.searchsorted(frame_s, time_s).clip(1, max(1, frame_s.size - 1))
-    before_is_nearer = time_s - frame_s[after - 1] <= frame_s[np.minimum(after, frame_s.size - 1)] - time_s
-    frame = np.minimum(after - before_is_nearer, frame_s.size - 1)
+    frame = np.searchsorted((frame_s[1:] + frame_s[:-1]) / 2, time_s)  # the nearest
     apart_s = time_s - frame_s[frame]
     near = np.abs(apart_s) <= WINDOW * period_s
     line = _line_at_0(frame[near], apart_s[near], force_n[near], frame_s.size)

@@ -89,7 +89,7 @@ class RunRecord:
         """The press turned back then: its files are given back, once all frames of its loading have come. What follows
         says nothing of how the contact spreads, and is in the log."""
         self._turned_s = time_s
-        if self._delay_s == 0:
+        if self._delay_s == 0:  # none is on its way
             self._close_press()
 
     def end_press(self) -> None:

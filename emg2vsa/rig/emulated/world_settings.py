@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
@@ -35,7 +36,7 @@ class WorldSettings:
     friction_nm: float = 0.01
     settling_s: float = 0.01
     mm_per_degree: float = 0.2
-    turns_to_push: int = 1
+    turns_to_push: Literal[1, -1] = 1
     gap_mm: float = 5.0
 
     def __post_init__(self) -> None:
