@@ -23,14 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.optical_flow_data import Flow, Frames, barron_output, middlebury, translating_tree, yosemite
-from casr.bench.jacobi import relaxed
-from casr.bench.method import Method
-from casr.bench.metrics import angular_error_deg, endpoint_error_px, percent_error
-from casr.bench.ours import horn_schunck_method
-from casr.bench.peers import peers
-from casr.bench.table import Cell, Table
-from casr.bench.timing import Run, best_times, one_thread
-from casr.flow.field_fit import fit_field
+from benchmarks.tactile.jacobi import relaxed
+from benchmarks.tactile.method import Method
+from benchmarks.tactile.metrics import angular_error_deg, endpoint_error_px, percent_error
+from benchmarks.tactile.ours import NATURAL_IMAGES, horn_schunck_method
+from benchmarks.tactile.peers import peers
+from benchmarks.tactile.table import Cell, Table
+from benchmarks.tactile.timing import Run, best_times, one_thread
+from casr.flow.dense_engine import fit_field
 from casr.flow.horn_schunck import HornSchunckSettings
 from casr.flow.region import Region
 
@@ -96,7 +96,7 @@ def fitted_divergence(flow: Flow) -> float:
     known = flow[np.ix_(*(np.isfinite(flow[..., 0]).any(axis=axis) for axis in (1, 0)))]
     height, width = known.shape[:2]
     edge = np.array([[0, 0], [width - 1, 0], [width - 1, height - 1], [0, height - 1]], dtype=np.float64)
-    return fit_field(known, Region(edge)).divergence
+    return float(np.trace(fit_field(known, Region(edge)).matrix))
 
 
 def middlebury_table(name: str) -> Table:
@@ -117,7 +117,7 @@ def methods() -> list[Method]:
     """The dense solver with both sets of defaults, and every peer that is installed."""
     ours = [
         horn_schunck_method("Horn-Schunck, defaults for pins", HornSchunckSettings()),
-        horn_schunck_method("Horn-Schunck, for natural images", HornSchunckSettings.natural_images()),
+        horn_schunck_method("Horn-Schunck, for natural images", NATURAL_IMAGES),
     ]
     return [method for method in (*ours, *peers()) if method.installed]
 

@@ -13,7 +13,7 @@ from dataclasses import asdict
 import numpy as np
 
 from benchmarks.rig.loop_run import LoopReport, run_loop
-from emg2vsa.rig.loop_timing import LoopTiming
+from emg2vsa.rig.clock import LoopTiming
 
 TARGET_MS = 1.0
 """99.9 % of period errors below."""

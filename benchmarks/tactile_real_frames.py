@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.optical_flow_data import DATA
-from casr.bench.table import Cell, Table
-from casr.bench.timing import best_times, one_thread
+from benchmarks.tactile.table import Cell, Table
+from benchmarks.tactile.timing import best_times, one_thread
 from casr.errors import CasrError
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
 from casr.flow.region import Region

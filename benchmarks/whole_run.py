@@ -1,4 +1,4 @@
-"""The demo study from files: a cold run, one with nothing changed, one with one session changed, and reading alone.
+"""The people of the demo study from files: cold runs, nothing changed, one session changed, and reading alone.
 
 Run with ``python -m benchmarks.whole_run [--repeats N]``. Every figure is a whole process, interpreter start included.
 """
@@ -18,7 +18,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 STUDY = ROOT / "studies" / "palpation"
-HEAVY = ("scipy", "pandas", "cv2", "matplotlib", "numba")
+PEOPLE = ("--human-only",)
+HEAVY = ("numpy", "scipy", "pandas", "cv2", "matplotlib", "numba")
 
 READ_ALONE = """
 import sys
@@ -42,17 +43,23 @@ if __name__ == "__main__":
 WARM = """
 import sys, time
 from emg2vsa.fits import fit_trials
-from emg2vsa.pipeline.recording_work import trials_of
+from emg2vsa.pipeline.campaign import Campaign
+from emg2vsa.pipeline.stage import Given, value_of
+from emg2vsa.pipeline.stages import trials
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.study_file import load_study
 study = load_study(sys.argv[1])
-fit_trials(trials_of(study.recordings[0], study.cocontraction), study.fit, study.window)
+whole = Campaign(study)
+def trials_of(key):
+    settings = {name: value_of(each) for name, each in trials.settings(whole, key).items()}
+    return trials.run(Given(key, settings, trials.files(whole, key)))
+fit_trials(trials_of(next(iter(whole.recordings))), study.fit, study.window)
 start = time.process_time()
 for entry in study.recordings:
     read_roles(entry.emg_file, entry.force_file, entry.channels)
 middle = time.process_time()
 for entry in study.recordings:
-    fit_trials(trials_of(entry, study.cocontraction), study.fit, entry.window)
+    fit_trials(trials_of(entry.key), study.fit, entry.window)
 print(middle - start, time.process_time() - middle)
 """
 LOADED = "import sys; from emg2vsa.cli import main; main(sys.argv[1:]); print(*sys.modules, file=sys.stderr)"
@@ -67,7 +74,8 @@ def main() -> None:
         folder = Path(name) / "studies" / "palpation"
         folder.mkdir(parents=True)
         study = folder / "study.toml"
-        shutil.copy(STUDY / "study.toml", study)
+        for name_of_file in ("study.toml", "rig.toml"):
+            shutil.copy(STUDY / name_of_file, folder)
         _python("-m", "emg2vsa.cli", "simulate", str(study))
         script = Path(name) / "read_alone.py"
         script.write_text(READ_ALONE)
@@ -75,16 +83,18 @@ def main() -> None:
         for _ in range(repeats):
             for jobs in (1, 2):
                 _timed(times, f"reading alone, {jobs} process{'es' * (jobs > 1)}", str(script), str(study), str(jobs))
-            for what, only in (("to schedules", ["--only", "schedules"]), ("to the report", [])):
+            for what, only in (("to schedules", ["--only", "schedules"]), ("to the report", PEOPLE)):
                 shutil.rmtree(folder / ".emg2vsa", ignore_errors=True)
                 shutil.rmtree(Path(name) / "reports", ignore_errors=True)
                 for jobs in (2, 1):
                     shutil.rmtree(folder / ".emg2vsa", ignore_errors=True)
                     cold = f"cold run {what}, {jobs} process{'es' * (jobs > 1)}"
                     _timed(times, cold, "-m", "emg2vsa.cli", "run", str(study), "--jobs", str(jobs), *only)
-            _timed(times, "nothing changed", "-m", "emg2vsa.cli", "run", str(study))
+            _timed(times, "nothing changed", "-m", "emg2vsa.cli", "run", str(study), *PEOPLE)
             changed = _touch_one_recording(folder)
-            ran = json.loads(_timed(times, "one recording changed", "-m", "emg2vsa.cli", "run", str(study), "--json"))
+            ran = json.loads(
+                _timed(times, "one recording changed", "-m", "emg2vsa.cli", "run", str(study), *PEOPLE, "--json")
+            )
         reading = {jobs: min(times[f"reading alone, {jobs} process{'es' * (jobs > 1)}"]) for jobs in (1, 2)}
         print(f"{'whole process':<38}{'best s':>8}{'median s':>10}{'x reading':>11}")
         for what, seconds in times.items():
@@ -94,7 +104,7 @@ def main() -> None:
         _in_process(study)
         print(f"after a change of {changed}: {', '.join(ran['ran'])}; {ran['fresh']} steps fresh")
         done = subprocess.run(
-            [sys.executable, "-c", LOADED, "run", str(study)], capture_output=True, text=True, check=True
+            [sys.executable, "-c", LOADED, "run", str(study), *PEOPLE], capture_output=True, text=True, check=True
         )
         loaded = [module for module in HEAVY if module in done.stderr.split()]
         print(f"loaded when nothing changed: {', '.join(loaded) or 'none of ' + ', '.join(HEAVY)}")

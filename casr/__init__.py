@@ -1,3 +1,3 @@
 """From tactile frames and force to the contact area spread rate (CASR) of a soft specimen."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -82,10 +82,6 @@ class Camera:
         )
         return undistorted[:, 0, :].astype(np.float64)
 
-    def to_mm(self, points_px: ArrayLike) -> NDArray[np.float64]:
-        """(N, 2) undistorted points from the principal point in the plane of the pins, mm, eq. (5)."""
-        return (np.asarray(points_px, dtype=np.float64) - (self.cx_px, self.cy_px)) * self.mm_per_px
-
 
 def _number(name: str, value: object) -> int | float:
     count, above_zero = name in _COUNTS, name in _ABOVE_ZERO

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TypeVar
+
+Kind = TypeVar("Kind", bound="InputError")
 
 
-class CasrError(Exception):
-    """Something given is not usable; the command line prints it without a traceback.
+class UserError(Exception):
+    """Base of what a user can mend; the command line prints it without a traceback."""
+
+    def told_by(self, program: str) -> str:
+        """What the program prints."""
+        return f"{program}: {self}"
+
+
+class InputError(UserError):
+    """Something given is not usable.
 
     Parameters
     ----------
@@ -27,6 +38,10 @@ class CasrError(Exception):
         return _rebuild, (type(self), self.where, self.wanted, self.found, self.do)
 
 
+class CasrError(InputError):
+    """Base of the errors of casr."""
+
+
 @contextmanager
 def said_of(place: object) -> Iterator[None]:
     """Errors raised inside name the place, such as a press or a file, before their own ``where``."""
@@ -36,7 +51,7 @@ def said_of(place: object) -> Iterator[None]:
         raise _rebuild(type(error), f"{place}, {error.where}", error.wanted, error.found, error.do) from error
 
 
-def _rebuild(kind: type[CasrError], where: str, wanted: str, found: str, do: str) -> CasrError:
+def _rebuild(kind: type[Kind], where: str, wanted: str, found: str, do: str) -> Kind:
     return kind(where, wanted=wanted, found=found, do=do)
 
 

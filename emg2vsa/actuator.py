@@ -20,9 +20,8 @@ from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import ScheduleError
+from emg2vsa.settings import TICKS_PER_TURN
 
-TICKS_PER_TURN = 32768
-"""Wire ticks in a turn of the output shaft, at the default resolution 1 of the firmware."""
 RAD_PER_TICK = 2 * math.pi / TICKS_PER_TURN
 MOTOR_LIMIT_TICKS = 15000
 """Default position limit of each motor (164.8 degrees): no larger preset can be commanded."""

@@ -2,38 +2,23 @@
 
 from __future__ import annotations
 
-
-class Emg2vsaError(Exception):
-    """Base of all errors that are the input's fault; the command line prints it without a traceback."""
+import casr.errors
 
 
-class InputError(Emg2vsaError):
-    """Something given is not usable.
-
-    Parameters
-    ----------
-    where : file and key, line or channel, e.g. ``"rec.csv, channel 'Fz'"``.
-    wanted, found, do : what was expected, what was there, what the user can do; short clauses.
-    """
-
-    def __init__(self, where: object, *, wanted: str, found: str, do: str) -> None:
-        self.where, self.wanted, self.found, self.do = str(where), wanted, found, do
-        super().__init__(self.where, wanted, found, do)
-
-    def __str__(self) -> str:
-        return f"{self.where}: wanted {self.wanted}; found {self.found}. {self.do}"
-
-    def __reduce__(self) -> tuple[object, ...]:
-        # exceptions cross process borders; keyword-only arguments need their own way back
-        return _rebuild, (type(self), self.where, self.wanted, self.found, self.do)
+class Emg2vsaError(casr.errors.UserError):
+    """Base of the errors of emg2vsa."""
 
 
-def _rebuild(kind: type[InputError], where: str, wanted: str, found: str, do: str) -> InputError:
-    return kind(where, wanted=wanted, found=found, do=do)
+class InputError(casr.errors.InputError, Emg2vsaError):
+    """Something given is not usable: where, what was wanted, what was found, what to do."""
 
 
 class RecordingError(InputError):
     """A recording, or one of its channels, cannot be read as asked."""
+
+
+class SlowReadingError(RecordingError):
+    """Reading a recording took too long; on a computer that is less busy it may not."""
 
 
 class SignalError(InputError):
@@ -65,3 +50,7 @@ class StudyError(Emg2vsaError):
 
     def __str__(self) -> str:
         return "\n".join(self.problems)
+
+    def told_by(self, program: str) -> str:
+        count = len(self.problems)
+        return f"{self}\n{count} problem{'s' if count != 1 else ''}; nothing was run."

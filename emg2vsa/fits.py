@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,8 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.curves.press_fits import fit_presses
 from emg2vsa.errors import DataError
-from emg2vsa.settings import FitSettings, WindowSettings
+from emg2vsa.settings import CocontractionSettings, FitSettings, WindowSettings
+from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.trials import Trials
 
 MIN_POINTS = 3
@@ -81,7 +82,7 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
     """Fit every trial of a recording, the rejected ones too.
 
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
-    (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_errors``). On samples they do not.
+    (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
     """
     edges = bin_edges(*window.force_n, fit.bin_n)
     curves = fit_presses(trials.force_n, trials.activity, trials.offsets, edges, fit)
@@ -152,3 +153,21 @@ def concatenate(parts: Sequence[Fits]) -> Fits:
         if f.name not in _COMMON
     }
     return dataclasses.replace(parts[0], **joined)
+
+
+def in_session(trials: Trials, session: Sequence[Trials], settings: CocontractionSettings) -> Trials:
+    """``trials`` with its activity relative to the largest envelope of each muscle in the whole ``session``.
+
+    One level for all recordings of a participant keeps specimens comparable. Rejected trials do not set the level: an
+    artefact would.
+    """
+    levels_v = {muscle: max(_largest_v(part, muscle) for part in session) for muscle in trials.muscles}
+    activity, unit, said = cocontraction_index(trials.envelopes_v, trials.muscles, settings, levels_v)
+    return replace(trials, activity=activity, activity_unit=unit, notes=(*trials.notes, *said))
+
+
+def _largest_v(trials: Trials, muscle: str) -> float:
+    counted = np.repeat(trials.verdict != "rejected", np.diff(trials.offsets))
+    if muscle not in trials.muscles:
+        return 0.0
+    return float(trials.envelopes_v[trials.muscles.index(muscle), counted].max(initial=0.0))

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.atomic import write_text_atomic
+from casr.atomic import write_text_atomic
 from emg2vsa.errors import ScheduleError
 from emg2vsa.schedules import Schedule, check
 from emg2vsa.schedules.checks import EXPORT_AGAIN

@@ -8,26 +8,35 @@ choices of a careful analyst, and ``paper`` mode replaces them with what the pap
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
-
-from annotated_types import Ge, Gt, Le, Lt, MinLen
+from functools import partial
+from typing import Annotated, Any, Literal, NamedTuple
 
 Condition = Literal["high-stiffness", "modular", "constant-min", "constant-mean", "constant-max"]
 RIGID: Condition = "high-stiffness"
 """How the rig presses (paper, section V): a rigid motor, or the actuator with a whole profile or one level of it."""
 
+
+class Limit(NamedTuple):
+    """What a value, or with "length >=" its length, must be."""
+
+    sign: Literal[">", ">=", "<", "<=", "length >="]
+    bound: float
+
+
+Gt, Ge, Lt, Le = partial(Limit, ">"), partial(Limit, ">="), partial(Limit, "<"), partial(Limit, "<=")
+MinLen = partial(Limit, "length >=")
+
+TICKS_PER_TURN = 32768
+"""Wire ticks of a qbmove in a turn of its output shaft, at the default resolution 1 of the firmware."""
+
 Positive = Annotated[float, Gt(0)]
 NonNegative = Annotated[float, Ge(0)]
 Fraction = Annotated[float, Gt(0), Le(1)]
-
-FORBID_UNKNOWN_KEYS: dict[str, Any] = {"extra": "forbid", "allow_inf_nan": False}
 
 
 @dataclass(frozen=True, kw_only=True)
 class EmgChannelSettings:
     """One muscle's EMG channel."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     name: Annotated[str, MinLen(1)]
     "Channel name as the file writes it."
@@ -40,8 +49,6 @@ class EmgChannelSettings:
 @dataclass(frozen=True, kw_only=True)
 class ForceChannelSettings:
     """The pressing force channel."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     name: Annotated[str, MinLen(1)]
     "Channel name as the file writes it."
@@ -61,8 +68,6 @@ class ForceChannelSettings:
 class ChannelSettings:
     """Which channel plays which role."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     emg: Annotated[dict[str, EmgChannelSettings], MinLen(1)]
     "Muscle role (EDC, FDS, ...) to channel."
     force: ForceChannelSettings
@@ -70,10 +75,18 @@ class ChannelSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ReadingSettings:
+    """What the decoder of a binary recording (EDF, BDF, C3D, .mat) may cost before the file is refused."""
+
+    max_seconds: Annotated[float, Ge(1), Le(3600)] = 10.0
+    "Longest time for opening the file and for each decoding, seconds; 1 s more for every 10 MB of the file."
+    max_memory_mb: Annotated[float, Ge(200), Le(1_000_000)] = 600.0
+    "Most memory of the decoder, MB, and ten times the file's size more; macOS and Windows do not enforce it."
+
+
+@dataclass(frozen=True, kw_only=True)
 class FilterSettings:
     """Conditioning of EMG and force (paper IV.B)."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     band_hz: tuple[Positive, Positive] = (10.0, 450.0)
     "EMG band-pass: -3 dB edges of the whole run, both passes. An upper edge at or above fs/2 is dropped (recorded)."
@@ -103,8 +116,6 @@ class FilterSettings:
 class CocontractionSettings:
     """How the envelopes of the muscles become one activity."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     index: Literal["sum", "rudolph", "falconer-winter", "minimum"] = "sum"
     "sum (paper); Rudolph 2000; Falconer and Winter 1985; minimum ('wasted contraction')."
     normalise: Literal["none", "session-max", "mvc"] = "none"
@@ -121,8 +132,6 @@ class CocontractionSettings:
 @dataclass(frozen=True, kw_only=True)
 class WindowSettings:
     """Which part of a recording is a trial, and which trials are good."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
     "Loading phase, lower and upper force in newtons."
@@ -148,8 +157,6 @@ class WindowSettings:
 class FitSettings:
     """The logarithmic fit v = a + b log F, equation (6)."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     points: Literal["bins", "samples"] = "bins"
     "bins: means over force bins, honest standard errors; samples: the paper's fit on the curve itself."
     bin_n: Positive = 0.3
@@ -166,8 +173,6 @@ class FitSettings:
 class HypothesisSettings:
     """The tests on b of section IV.B."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
     "Significance level."
     kept_specimens: tuple[str, ...] = ()
@@ -181,8 +186,6 @@ class HypothesisSettings:
 @dataclass(frozen=True, kw_only=True)
 class ProfileSettings:
     """Mean trends and the profile of a new specimen."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     participant: str | None = None
     "Exemplary participant; omitted: mean over all."
@@ -203,8 +206,6 @@ class ProfileSettings:
 @dataclass(frozen=True, kw_only=True)
 class ScheduleSettings:
     """Mapping (7) of co-contraction to actuator stiffness, and the ramp of (8)."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     stiffness_percent: tuple[NonNegative, Annotated[float, Gt(0), Le(100)]] = (20.0, 80.0)
     "Stiffness at the smallest and the largest co-contraction, percent of the device's maximum on ``scale``."
@@ -234,8 +235,6 @@ class ScheduleSettings:
 @dataclass(frozen=True, kw_only=True)
 class SimulationSettings:
     """The synthetic study: continuous recordings whose truth is known (``emg2vsa simulate``)."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     seed: Annotated[int, Ge(0)] = 1
     "Same seed, same bytes."
@@ -273,8 +272,6 @@ class SimulationSettings:
 class RunSettings:
     """How the presses of the rig are scored (paper III.A, IV.A)."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
     "Initial area: edge of the contact; hexagons (the paper's new one); circle (previous work); paper: to the letter."
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
@@ -286,8 +283,6 @@ class RunSettings:
 @dataclass(frozen=True, kw_only=True)
 class DiscriminationSettings:
     """The tests of the presses of the rig (paper VI)."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
     "Significance level."
@@ -309,8 +304,6 @@ Minimise = Literal["casr", "kappa", "ln kappa"]
 class CalibrationSettings:
     """From scores to stiffness: which law, how it is fitted, and how its intervals are made (paper VI)."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     law: Law = "compliance"
     "compliance: 1/kappa = a + b CASR^1.5 (Hertz); exponential (paper): p exp(q CASR); power: p CASR^q; linear-log."
     minimise: Minimise = "casr"
@@ -327,6 +320,34 @@ class CalibrationSettings:
     "Of the bootstrap over repetitions."
     seed: Annotated[int, Ge(0)] = 0
     "Same seed, same bootstrap."
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageSettings:
+    """The settings of all stages: a table of the study file and a field of the study for each."""
+
+    reading: ReadingSettings = field(default_factory=ReadingSettings)
+    "What the decoder of a binary recording may cost."
+    filters: FilterSettings = field(default_factory=FilterSettings)
+    "Conditioning of EMG and force."
+    cocontraction: CocontractionSettings = field(default_factory=CocontractionSettings)
+    "How muscles become one activity."
+    window: WindowSettings = field(default_factory=WindowSettings)
+    "What is a trial, and which trials are good. All recordings share its forces, and may differ in the rest."
+    fit: FitSettings = field(default_factory=FitSettings)
+    "The logarithmic fit."
+    hypotheses: HypothesisSettings = field(default_factory=HypothesisSettings)
+    "The tests on its slope."
+    profile: ProfileSettings = field(default_factory=ProfileSettings)
+    "Mean trends and the new specimen."
+    schedule: ScheduleSettings = field(default_factory=ScheduleSettings)
+    "From co-contraction to actuator stiffness."
+    discrimination: DiscriminationSettings = field(default_factory=DiscriminationSettings)
+    "The tests on contact areas and spread rates."
+    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
+    "From spread rate to stiffness."
+    simulation: SimulationSettings | None = None
+    "The synthetic study; omitted: the study cannot be simulated."
 
 
 PAPER: dict[str, dict[str, Any]] = {

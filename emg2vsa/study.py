@@ -5,20 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from emg2vsa.settings import (
-    CalibrationSettings,
-    ChannelSettings,
-    CocontractionSettings,
-    DiscriminationSettings,
-    FilterSettings,
-    FitSettings,
-    HypothesisSettings,
-    ProfileSettings,
-    RunSettings,
-    ScheduleSettings,
-    SimulationSettings,
-    WindowSettings,
-)
+from emg2vsa.settings import ChannelSettings, FilterSettings, RunSettings, StageSettings, WindowSettings
 
 
 @dataclass(frozen=True)
@@ -73,9 +60,9 @@ class RunsSource:
     camera: Path | None
 
 
-@dataclass(frozen=True)
-class Study:
-    """A whole study. ``path`` is its study file; ``results`` and ``reports`` are where outcomes go."""
+@dataclass(frozen=True, kw_only=True)
+class Study(StageSettings):
+    """A whole study, with the settings of every stage. ``path``: its study file."""
 
     name: str
     title: str
@@ -84,22 +71,12 @@ class Study:
     participants: tuple[str, ...]
     specimens: tuple[Specimen, ...]
     recordings: tuple[RecordingEntry, ...]
-    cocontraction: CocontractionSettings
-    fit: FitSettings
-    hypotheses: HypothesisSettings
-    profile: ProfileSettings
-    schedule: ScheduleSettings
-    simulation: SimulationSettings | None
     results: Path
     reports: Path
     data: Path
     "Folder of the recordings; a simulation writes there."
-    window: WindowSettings
-    "The study's force window; all recordings share its forces, and may differ in the rest."
     scoring: RunSettings = field(default_factory=RunSettings)
     "How the rig's presses are scored."
-    discrimination: DiscriminationSettings = field(default_factory=DiscriminationSettings)
-    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
     runs_source: RunsSource | None = None
     "Where the rig's runs come from; None: the study has none."
     runs: tuple[RunEntry, ...] = ()

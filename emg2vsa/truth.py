@@ -1,14 +1,15 @@
-"""The truth of a synthetic study, matched to the trials that were found."""
+"""The truth of a synthetic study: matched to the trials that were found, and how well their fits recover it."""
 
 from __future__ import annotations
 
 import csv
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from emg2vsa.errors import DataError
-from emg2vsa.fits import Fits
+from emg2vsa.fits import Fits, usable
 
 Truth = dict[tuple[str, str, int], tuple[float, float]]
 
@@ -42,3 +43,45 @@ def read_truth(path: Path, fits: Fits) -> Truth:
             _, a_v, b_v = known[np.abs(known[:, 0] - start_s).argmin()].tolist()
             truth[participant, specimen, repetition] = (a_v, b_v)
     return truth
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """Over the usable trials whose truth is known; errors of b are relative to the true b of the trial.
+
+    ``..._mcse`` are Monte-Carlo standard errors: what another seed would change.
+    """
+
+    n: int
+    mean_b_error: float
+    mean_b_error_mcse: float
+    sd_b_error: float
+    coverage: float
+    coverage_mcse: float
+    confidence: float
+
+
+def recover(fits: Fits, truth: Truth, use: str, specimen: str | None = None) -> Recovery:
+    """Recovery over all specimens, or over one."""
+    keys = zip(fits.participant.tolist(), fits.specimen.tolist(), fits.repetition.tolist(), strict=True)
+    true_b = np.array([truth.get(key, (np.nan, np.nan))[1] for key in keys], dtype=np.float64)
+    entering = usable(fits, use) & np.isfinite(true_b)
+    if specimen is not None:
+        entering &= fits.specimen == specimen
+    n = int(np.count_nonzero(entering))
+    if n == 0:
+        nan = float("nan")
+        return Recovery(0, nan, nan, nan, nan, nan, fits.confidence)
+    true_b = true_b[entering]
+    error = fits.b_v[entering] / true_b - 1
+    coverage = float(np.mean((fits.b_lo_v[entering] <= true_b) & (true_b <= fits.b_hi_v[entering])))
+    spread = float(np.std(error, ddof=1)) if n > 1 else float("nan")
+    return Recovery(
+        n=n,
+        mean_b_error=float(np.mean(error)),
+        mean_b_error_mcse=spread / n**0.5,
+        sd_b_error=spread,
+        coverage=coverage,
+        coverage_mcse=(coverage * (1 - coverage) / n) ** 0.5,
+        confidence=fits.confidence,
+    )

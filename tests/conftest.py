@@ -52,8 +52,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
     wide = _TILTED[angle_deg] * (1 + 0.05 * rng.standard_normal(presses))
     step = 6.0  # a hexagon
     curves = tuple(
-        PressCurve(force, area_mm2(specimen, angle_deg, force) * n + rng.normal(0, 0.3, force.size), force, force / 2)
-        for n in noise
+        PressCurve(force, area_mm2(specimen, angle_deg, force) * n + rng.normal(0, 0.3, force.size)) for n in noise
     )
     return RunScores(
         specimen=specimen,

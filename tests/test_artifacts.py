@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from emg2vsa import artifacts
+from emg2vsa.artifacts import DamagedResult
 from emg2vsa.errors import DataError
 from emg2vsa.recordings import Channel, ChannelInfo
 
@@ -52,9 +53,48 @@ def test_damaged_file_is_one_clear_error(tmp_path: Path, damage) -> None:
 def test_a_foreign_type_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.result"
     artifacts.save(path, ChannelInfo("a", None, 1.0, 2))
-    path.write_bytes(path.read_bytes().replace(b"emg2vsa.recordings:", b"subprocess.recordi:"))
-    with pytest.raises(DataError, match="foreign type"):
+    write_sealed(path, path.read_bytes().replace(b"emg2vsa.recordings:", b"subprocess.recordi:"))
+    with pytest.raises(DamagedResult, match="foreign type"):
         artifacts.load(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [(b"ChannelInfo", b"ChannelGone"), (b".recordings", b".recordingz"), (b'"fs_hz"', b'"fs_Hz"')]
+)
+def test_a_result_of_another_version_is_refused(tmp_path: Path, old: bytes, new: bytes) -> None:
+    path = tmp_path / "x.result"
+    artifacts.save(path, ChannelInfo("a", None, 1.0, 2))
+    assert old in path.read_bytes()
+    write_sealed(path, path.read_bytes().replace(old, new))
+    with pytest.raises(DamagedResult, match="another version's"):
+        artifacts.load(path)
+
+
+def write_sealed(path: Path, data: bytes) -> None:
+    """As if it had been saved so."""
+    start = artifacts._START
+    path.write_bytes(artifacts._MAGIC + artifacts._sum(data[start:]) + data[start:])
+
+
+def test_every_flipped_bit_is_noticed(tmp_path: Path) -> None:
+    path = tmp_path / "x.result"
+    artifacts.save(path, (Channel("F", np.arange(9.0), "N", 1.0, 0.0, ""), {"a": 1}))
+    whole = path.read_bytes()
+    for at in range(8 * len(whole)):
+        path.write_bytes(whole[: at // 8] + bytes([whole[at // 8] ^ 1 << at % 8]) + whole[at // 8 + 1 :])
+        with pytest.raises(DamagedResult, match=r"not a result file|a wrong checksum"):
+            artifacts.load(path)
+
+
+def test_equal_results_have_equal_digests(tmp_path: Path) -> None:
+    for name, last in (("a", 4.0), ("b", 4.0), ("c", 5.0)):
+        artifacts.save(tmp_path / name, np.arange(last))
+    first, same, other = (artifacts.digest_of(tmp_path / name) for name in "abc")
+    assert first == same != other
+    assert len(first) == 32
+    (tmp_path / "a").write_bytes(b"")
+    with pytest.raises(DamagedResult):
+        artifacts.digest_of(tmp_path / "a")
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ import sys
 import threading
 from dataclasses import asdict
 
-from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.loop_timing import Beat
+from emg2vsa.rig.clock import Beat, WallClock
 
 
 def main() -> None:

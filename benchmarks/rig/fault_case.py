@@ -13,12 +13,12 @@ from typing import Any
 
 from benchmarks.rig.fault_bench import FaultBench
 from benchmarks.rig.faults import FAULTS, End
+from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.rig.ended import Ended
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import read_log
 
 PHASES = ("activation", "home", "approach", "contact", "load", "retract", "pause", "escape")
 F_MAX_N, PAUSE_S = 5.0, 1.0

@@ -13,18 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.rig.child import bare_loop, hogs, served_rig
+from benchmarks.rig.logs import read_log
 from benchmarks.rig.plans import modular_plan
 from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
-from emg2vsa.rig.clock import WallClock
+from emg2vsa.rig.clock import LoopTiming, WallClock, undisturbed
 from emg2vsa.rig.device_settings import DeviceSettings
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.execute import execute
-from emg2vsa.rig.guards import GuardSettings
-from emg2vsa.rig.loop_timing import LoopTiming
 from emg2vsa.rig.open_rig import open_rig
-from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row, read_log
-from emg2vsa.rig.undisturbed import undisturbed
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+from emg2vsa.rig.run_log import Row
 
 PATIENT = GuardSettings(stale_s=1.0, camera_s=2.0, late_s=1.0)
 """What is measured must not end the measurement; the run of a rig is ended by a turn that is 50 ms late."""
@@ -91,7 +89,7 @@ def _pressed(settings: DeviceSettings, rig: RigSettings, folder: Path, duration_
         )  # fmt: skip
         return {
             "how": ended.how, "why": ended.why, "loop": ended.timing, "timed": timed,
-            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.sequence.lost,
+            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.lost,
             "replies_lost": devices.actuator.counts.lost, "memory_mb": (before_mb, _memory_mb()),
             "cpu_share": (time.process_time() - before_s) / duration_s,
         }  # fmt: skip

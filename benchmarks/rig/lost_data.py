@@ -6,9 +6,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row, read_log
+from emg2vsa.rig.run_log import Row
 
 LOADING = ("approach", "contact", "load")
 

@@ -11,19 +11,17 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 
-from pydantic import TypeAdapter
-
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig.device_settings import DeviceSettings
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.execute import execute
-from emg2vsa.rig.guards import GuardSettings
 from emg2vsa.rig.net_ft import open_net_ft
 from emg2vsa.rig.opencv_camera import OpenCvCamera
 from emg2vsa.rig.qbmove import BAUD, Qbmove
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig.transport import SerialLine
+from emg2vsa.study_file.problems import checked
 
 LONG_S = 2.0
 REPLY_S, WATCHDOG_S = 0.5, 5.0
@@ -62,7 +60,7 @@ def as_json(settings: DeviceSettings) -> str:
 
 def main() -> None:
     """Run once."""
-    settings = TypeAdapter(DeviceSettings).validate_json(sys.stdin.read())
+    settings, _ = checked(DeviceSettings, json.load(sys.stdin), ())
     patient_run(settings, Path(sys.argv[1]))
 
 

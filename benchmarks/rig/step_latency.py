@@ -8,8 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Actuator
-from emg2vsa.rig.qbmove import Measurements
+from emg2vsa.rig.devices import Actuator, Measurements
 from emg2vsa.rig.run_log import Row
 
 SETTLED = 0.9

@@ -112,17 +112,16 @@ def _grid_peers(grid: np.ndarray, v: np.ndarray) -> Iterator[Peer]:
 
 
 def _refits(title: str, x: np.ndarray, y: np.ndarray) -> Task:
-    names = ("p", "q", "SE(q)")
+    names = ("p", "q")
 
     def ours() -> Numbers:
         fit = fit_exponential(x, np.broadcast_to(y, x.shape))
-        return {"p": fit.p, "q": fit.q, "SE(q)": fit.q_se}
+        return {"p": fit.y0 * np.exp(-fit.q * fit.x0), "q": fit.q}
 
     def curve_fit() -> Numbers:
         rows = []
         for row in x:
-            (p, q), covariance = optimize.curve_fit(lambda z, p, q: p * np.exp(q * z), row, y, p0=(8.0, -1.0))
-            rows.append((p, q, np.sqrt(covariance[1, 1])))
+            rows.append(optimize.curve_fit(lambda z, p, q: p * np.exp(q * z), row, y, p0=(8.0, -1.0))[0])
         return _columns(rows, names)
 
     peers = (Peer("scipy curve_fit, good start, loop", curve_fit, (75, 948)),)

@@ -31,7 +31,7 @@ def exact_log_fit(force: np.ndarray, v: np.ndarray) -> dict[str, mpf]:
 
 
 def exact_exponential(x: Any, y: Any) -> dict[str, mpf]:
-    """p exp(q x) by Gauss-Newton from the log-linear fit, and the standard error of q."""
+    """p exp(q x) by Gauss-Newton from the log-linear fit."""
     x, y = [mpf(float(value)) for value in x], [mpf(float(value)) for value in y]
     start = exact_line(x, [mp.log(value) for value in y])
     p, q = mp.exp(start["a"]), start["b"]
@@ -46,6 +46,4 @@ def exact_exponential(x: Any, y: Any) -> dict[str, mpf]:
         p, q = p + step_p, q + step_q
         if abs(step_q) < mpf("1e-25") * abs(q):
             break
-    sse = mp.fdot(r, r)
-    errors = {"SE(q)": mp.sqrt(sse / (len(x) - 2) * uu / determinant)} if len(x) > 2 else {}
-    return {"p": p, "q": q, **errors}
+    return {"p": p, "q": q}

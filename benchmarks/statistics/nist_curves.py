@@ -11,9 +11,9 @@ from scipy import optimize
 
 from benchmarks.nist import LINEAR_DEGREE, MODELS, Regression, digits, nonlinear_data, read_regression
 from benchmarks.statistics.digit_table import DigitTable, files
+from benchmarks.statistics.linear import fit_linear, powers
 from benchmarks.statistics.peers import statsmodels_api
 from emg2vsa.curves.exponential import fit_exponential
-from emg2vsa.curves.linear import fit_linear, powers
 from emg2vsa.curves.nonlinear import fit_nonlinear
 
 CERTIFIED = 11.0
@@ -89,5 +89,5 @@ def exponential_digits() -> dict[str, float]:
         x, y = nonlinear_data(data)
         z = np.log(x) if name == "DanWood" else 1 / (x + float(data.estimates[2]))
         fit = fit_exponential(z, y)
-        found[name] = worst((fit.p[0], fit.q[0]), data.estimates[:2])
+        found[name] = worst((fit.y0[0] * np.exp(-fit.q[0] * fit.x0[0]), fit.q[0]), data.estimates[:2])
     return found

@@ -15,9 +15,9 @@ from benchmarks.nist import digits
 from benchmarks.statistics.digit_table import DigitTable, files
 from benchmarks.statistics.exact_tests import f_statistic, fractions, mpq
 from benchmarks.statistics.peers import pingouin, statsmodels_api, statsmodels_formula
-from emg2vsa.curves.autocorrelation import autocorrelation
+from emg2vsa.curves.press_fits import autocorrelation
 from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.group_moments import group_moments
+from emg2vsa.stats.moments import group_moments
 
 OURS, FROM_TEXT, CEILING = "emg2vsa", "from decimal text", "doubles allow"
 

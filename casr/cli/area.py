@@ -6,19 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.cli.arguments import (
-    AREA_RULES,
-    Commands,
-    add_command,
-    add_frames,
-    add_json,
-    add_threshold,
-    frame_pair,
-    open_sequence,
-    positive,
-    print_json,
-    say_notes,
-)
+from casr.cli.arguments import AREA_RULES, add_frames, add_threshold, frame_pair, open_sequence, positive, say_notes
+from casr.command_line import Commands, add_command, add_json, print_json
 
 if TYPE_CHECKING:
     from casr.contact_area import InitialArea

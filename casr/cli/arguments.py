@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from casr.command_line import Group
 
 if TYPE_CHECKING:
     from casr.frames import FrameSequence
-
-Group = argparse._ActionsContainer  # a parser or a group of its options
-Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
 AREA_RULES = ("edge", "hexagon", "circle", "paper")
 FORCE_RULES = ("exposure", "mean")
 "Written out once more, because the modules that own them load NumPy; a test compares them."
-
-
-def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: str = "") -> argparse.ArgumentParser:
-    """A sub-command whose help opens with its one-line summary."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=summary, description=summary, epilog=epilog or None
-    )
-    parser.set_defaults(run=run)
-    return parser
 
 
 def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str = "") -> None:
@@ -61,11 +50,6 @@ def add_threshold(parser: Group) -> None:
     )  # fmt: skip
 
 
-def add_json(parser: Group) -> None:
-    """Output for programs."""
-    parser.add_argument("--json", action="store_true", help="print JSON for a program to read")
-
-
 def open_sequence(arguments: argparse.Namespace, path: Path | None = None) -> FrameSequence:
     """The frames that were asked for."""
     from casr.frame_files import open_frames
@@ -83,11 +67,6 @@ def say_notes(notes: Iterable[str], name: str = "") -> None:
     """One line on the error stream for each."""
     for note in notes:
         print(f"note: {name}: {note}" if name else f"note: {note}", file=sys.stderr)
-
-
-def print_json(value: object) -> None:
-    """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
-    print(json.dumps(_finite(value), indent=2, sort_keys=True))
 
 
 def frame_pair(text: str) -> tuple[int, int]:
@@ -130,21 +109,4 @@ def not_negative(text: str) -> float:
     (value,) = numbers(text, 1)
     if value < 0:
         raise argparse.ArgumentTypeError(f"wanted a number from 0; found {text!r}")
-    return value
-
-
-def whole_number(text: str) -> int:
-    """A whole number from 1."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
-    return int(text)
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and value - value != 0:
-        return None
     return value

@@ -1,13 +1,19 @@
-"""``casr bench``: time against error of the engines and their peers."""
+"""``casr bench``: runs the benchmarks of a source checkout, which the installed package leaves out."""
 
 from __future__ import annotations
 
 import argparse
+import sys
+from importlib import import_module
 from pathlib import Path
 
-from casr.cli.arguments import Commands, add_command, whole_number
+import casr
+from casr.command_line import Commands, add_command, whole_number
+from casr.errors import SettingError
 
 KINDS = ("flow", "presses", "numerics")
+SOURCE = Path(casr.__file__).parents[1]
+"Folder of the package; in a source checkout the benchmarks lie there too."
 
 
 def add_to(commands: Commands) -> None:
@@ -18,7 +24,7 @@ def add_to(commands: Commands) -> None:
         "Measure speed and error together, side by side with other libraries.",
         "flow: optical flow on frames whose motion is known. presses: initial area and CASR of simulated presses, and "
         "the stiffness they give. numerics: single against double precision, and inputs at the edge. "
-        "Other libraries take part where they are installed.",
+        "Other libraries take part where they are installed. Needs the folder benchmarks/ of a source checkout.",
     )
     parser.add_argument("what", choices=KINDS, nargs="?", default="flow", help="default %(default)s")
     parser.add_argument("--seeds", type=whole_number, default=6, metavar="N", help="flow, numerics: pairs (default 6)")
@@ -31,9 +37,14 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from casr.bench import run as measure
-
-    measure(
+    if not (SOURCE / "benchmarks" / "tactile").is_dir():
+        raise SettingError(
+            "bench", wanted=f"a source checkout, with benchmarks/ beside {SOURCE / 'casr'}", found="none",
+            do=f"Get the sources of emg2vsa {casr.__version__} and run there: python -m casr.cli bench",
+        )  # fmt: skip
+    if str(SOURCE) not in sys.path:
+        sys.path.insert(0, str(SOURCE))
+    import_module("benchmarks.tactile").run(
         arguments.what,
         arguments.out,
         n_seeds=arguments.seeds,

@@ -7,17 +7,8 @@ import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.cli.arguments import (
-    Commands,
-    add_command,
-    add_engine,
-    add_frames,
-    add_json,
-    frame_pair,
-    open_sequence,
-    print_json,
-    say_notes,
-)
+from casr.cli.arguments import add_engine, add_frames, frame_pair, open_sequence, say_notes
+from casr.command_line import Commands, add_command, add_json, print_json
 
 if TYPE_CHECKING:
     from casr.flow.region import Region
@@ -147,11 +138,14 @@ def _picture(sequence: FrameSequence, steps: list[dict[str, Any]], regions: list
         frames = [steps[0]["from"], *(step["to"] for step in steps)]
         ways, span = pin_ways(sequence, frames), f"frames {frames[0]} to {frames[-1]}"
         return spreading_picture(sequence[frames[0]], *ways, regions[0].polygon_px, span)
-    from casr.flow.dis import dis_flow
-    from casr.flow.horn_schunck import horn_schunck
-
     place = max(range(len(steps)), key=lambda i: abs(steps[i]["log_growth"]))
     before, after = steps[place]["from"], steps[place]["to"]
-    flow_of = horn_schunck if engine == "horn-schunck" else dis_flow
-    flow = flow_of(sequence[before], sequence[after])
+    if engine == "dis":
+        from casr.flow.dis import dis_flow
+
+        flow = dis_flow(sequence[before], sequence[after])
+    else:
+        from casr.flow.horn_schunck import horn_schunck
+
+        flow = horn_schunck(sequence[before], sequence[after])
     return flow_picture(sequence[before], flow, regions[place].polygon_px, f"frames {before} to {after}")

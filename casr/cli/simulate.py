@@ -8,16 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.cli.arguments import (
-    Commands,
-    add_command,
-    add_json,
-    not_negative,
-    numbers,
-    positive,
-    print_json,
-    whole_number,
-)
+from casr.cli.arguments import not_negative, numbers, positive
+from casr.command_line import Commands, add_command, add_json, print_json, whole_number
 
 if TYPE_CHECKING:
     from casr.synthetic import PressSettings

@@ -1,6 +1,5 @@
 """Area of the first contact, A_c0, from the pins of the frames before and at contact (paper, section IV.A)."""
 
-from casr.contact_area.initial import InitialArea
-from casr.contact_area.rules import RULES, initial_area
+from casr.contact_area.rules import RULES, InitialArea, initial_area
 
 __all__ = ["RULES", "InitialArea", "initial_area"]

@@ -44,11 +44,11 @@ class ContactEdge:
 def fit_edge(rest_px: Array, displacement_px: Array, pitch_px: float) -> ContactEdge:
     """Least-squares edge of the contact.
 
-    The displacement is a common shift, a bending and a stretching of the skin around an ellipse (``skin_shapes``), none
-    of the two negative. Those strengths are linear and eliminated. Left are six parameters, by Levenberg-Marquardt:
-    centre, size and ellipse of the contact, and the radius of the rim that holds the skin; the rim lies around the
-    middle of the pins, and the search begins with one row beyond the outermost. Several sizes start, and the best is
-    tried on both sides, as the cost has a dent wherever the edge crosses a pin.
+    The displacement is a common shift, a bending and a stretching of the skin around an ellipse (see
+    displacement_field.py), none of the two negative. Those strengths are linear and eliminated. Left are six
+    parameters, by Levenberg-Marquardt: centre, size and ellipse of the contact, and the radius of the rim that holds
+    the skin; the rim lies around the middle of the pins, and the search begins with one row beyond the outermost.
+    Several sizes start, and the best is tried on both sides, as the cost has a dent wherever the edge crosses a pin.
 
     Parameters
     ----------

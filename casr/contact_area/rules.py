@@ -1,19 +1,197 @@
-"""Initial area by the rule asked for."""
+"""Initial area by the rule asked for: a count of pins, one hexagon each (eqs 3 to 5), or the area within an outline."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
-from casr.contact_area.counted import hexagon_rule, paper_rule
-from casr.contact_area.initial import InitialArea
-from casr.contact_area.motion import pin_motion
-from casr.contact_area.outlined import circle_rule, edge_rule
-from casr.errors import SettingError
-from casr.pins import Pins
+from casr.contact_area.edge import ContactEdge, fit_edge
+from casr.contact_area.motion import PinMotion, contact_cluster, pin_motion
+from casr.errors import NoContactError, SettingError
+from casr.flow.region import Region
+from casr.pins import Pins, pin_pitch_px
+
+
+@dataclass(frozen=True, eq=False)
+class InitialArea:
+    """Area of the first contact.
+
+    Parameters
+    ----------
+    area_mm2 : A_c0, mm^2; None without camera.
+    area_px2 : the same in pixels of the undistorted image.
+    rule : the rule that gave it.
+    selected : (n,) rows of the rest frame's pins in the contact.
+    polygon_px : (K, 2) outline of the contact in the first-contact frame. For hexagons it is their convex hull, whose
+        area need not be A_c0.
+    notes : what was left out, filled or fell back.
+    relative_sd : standard deviation of the area for the noise of single pins, as a share of it; None where the rule
+        does not tell.
+    saturated : nearly all pins moved, so that the threshold shows the size of the array instead of the contact's.
+    """
+
+    area_mm2: float | None
+    area_px2: float
+    rule: str
+    selected: NDArray[np.intp]
+    polygon_px: NDArray[np.float64]
+    notes: tuple[str, ...]
+    relative_sd: float | None = None
+    saturated: bool = False
+
+
+def hexagon_radius_px(pitch_px: float) -> float:
+    """Radius r_h of the hexagons that tile a grid of this pitch without gaps: the apothem is half the pitch."""
+    return float(pitch_px / np.sqrt(3))
+
+
+def _hexagon_area(radius_px: float, camera: Camera | None) -> tuple[float, float | None]:
+    """Area of one hexagon, px^2 and mm^2 (None without camera): a and l of eq. (3), in mm by (5), A = 6 l a / 2."""
+    apothem_px, side_px = radius_px * np.cos(np.pi / 6), 2 * radius_px * np.sin(np.pi / 6)
+    area_px2 = float(3 * side_px * apothem_px)
+    if camera is None:
+        return area_px2, None
+    x_mm, y_mm = camera.mm_per_px
+    return area_px2, float(3 * (side_px * x_mm) * (apothem_px * y_mm))
+
+
+def _hexagons_outline(centres_px: NDArray[np.float64], radius_px: float) -> NDArray[np.float64]:
+    """(K, 2) convex hull of upright hexagons around (n, 2) centres, px."""
+    angle = np.deg2rad(np.arange(30, 390, 60))
+    corners = radius_px * np.column_stack([np.cos(angle), np.sin(angle)])
+    return Region.from_points((centres_px[:, None] + corners).reshape(-1, 2)).polygon_px
+
+
+SATURATED_SHARE = 0.9
+
+
+def _hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+    """Pins that moved more than the threshold and those they enclose.
+
+    Raises
+    ------
+    NoContactError : none moved.
+    """
+    inside, notes = contact_cluster(motion, threshold_px)
+    moved = int((motion.distance_px > threshold_px).sum())
+    if moved == 0:
+        farthest = int(np.argmax(motion.distance_px))
+        raise NoContactError(
+            "first contact",
+            wanted=f"pins that moved more than {threshold_px:g} px from the rest frame",
+            found=f"at most {motion.distance_px[farthest]:.2f} px, by pin {motion.ids[farthest]}",
+            do="Start at a higher force, or lower threshold_px (--threshold-px).",
+        )
+    saturated = moved >= SATURATED_SHARE * motion.ids.size
+    if saturated:
+        notes += (
+            f"{moved} of {motion.ids.size} pins moved more than {threshold_px:g} px: the skin bulges everywhere, so "
+            "this is the area of the array, not of the contact. Take an earlier first-contact frame, or rule 'edge'.",
+        )
+    return _hexagons(motion, camera, np.flatnonzero(inside), int(inside.sum()), "hexagon", notes, saturated)
+
+
+def _paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+    """Algorithm 1 as printed: whole-pixel centroids, every pin of the first frame against every one of the second.
+
+    ``signpin.append`` runs for each pair further apart than the threshold, so a pin counts once for nearly every pin of
+    the other frame and a motionless array of N pins has N (N - 1) hexagons.
+    """
+    first, second = np.trunc(motion.rest_px), np.trunc(motion.contact_px)
+    apart = np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1)) > threshold_px
+    count, chosen = int(apart.sum()), np.flatnonzero(apart.any(axis=1))
+    own = int(np.diagonal(apart).sum())
+    notes = (
+        f"As printed, {count} pairs of {motion.ids.size} pins are more than {threshold_px:g} px apart and each adds a "
+        f"hexagon; {own} pins are that far from their own place.",
+    )
+    return _hexagons(motion, camera, chosen, count, "paper", notes, chosen.size >= SATURATED_SHARE * motion.ids.size)
+
+
+def _hexagons(
+    motion: PinMotion,
+    camera: Camera | None,
+    chosen: NDArray[np.intp],
+    count: int,
+    rule: str,
+    notes: tuple[str, ...],
+    saturated: bool,
+) -> InitialArea:
+    rest = motion.rest_px if camera is None else camera.undistorted_px(motion.rest_px)
+    one_px2, one_mm2 = _hexagon_area(hexagon_radius_px(pin_pitch_px(rest)), camera)
+    return InitialArea(
+        area_mm2=None if one_mm2 is None else count * one_mm2,
+        area_px2=count * one_px2,
+        rule=rule,
+        selected=motion.ids[chosen],
+        polygon_px=_hexagons_outline(motion.contact_px[chosen], hexagon_radius_px(motion.pitch_px)),
+        notes=motion.notes + notes,
+        saturated=saturated,
+    )
+
+
+MIN_EXPLAINED = 0.7  # noise alone reaches 0.57, presses of a real sensor 0.98
+MAX_AREA_ERROR = 0.3
+
+
+def _edge_rule(motion: PinMotion, camera: Camera | None) -> InitialArea | str:
+    """Ellipse at the contact edge as it lies in the first-contact frame; where the fit is not sound, why."""
+    if not motion.displacement_px.any():
+        return "no pin moved"
+    edge = fit_edge(motion.rest_px, motion.displacement_px, motion.pitch_px)
+    if (doubt := _doubt(edge)) is not None:
+        return doubt
+    shift = np.median(motion.contact_px - motion.rest_px - motion.displacement_px, axis=0) + edge.shift_px
+    # inside the edge the rest frame is stretched about the centre, so this is the same piece of skin
+    grow = 1 + edge.stretch
+    x_px, y_px = (edge.centre_px + shift).tolist()
+    region = Region.ellipse(x_px, y_px, edge.a_px * grow, edge.b_px * grow, turn_deg=edge.turn_deg)
+    inside = region.contains(motion.contact_px)
+    if not 3 <= inside.sum() <= motion.ids.size / 2:
+        return f"{int(inside.sum())} of {motion.ids.size} pins would lie inside"
+    return replace(_within(region, motion, camera, "edge", inside), relative_sd=edge.area_error)
+
+
+def _doubt(edge: ContactEdge) -> str | None:
+    if edge.explained < MIN_EXPLAINED:
+        return f"only {100 * max(edge.explained, 0):.0f} % of the motion has the form of a contact"
+    if not edge.area_error <= MAX_AREA_ERROR:
+        return f"its area would be good to {100 * edge.area_error:.0f} % only"
+    if edge.stretch <= 0:
+        return "pins move towards a centre, not away from it"
+    return None
+
+
+def _circle_rule(motion: PinMotion, camera: Camera | None) -> InitialArea:
+    """Circle around the pin nearest the middle of the array through the pin farthest from it."""
+    rest = motion.rest_px
+    centre = rest[np.argmin(((rest - rest.mean(axis=0)) ** 2).sum(axis=1))]
+    region = Region.circle(float(centre[0]), float(centre[1]), float(np.hypot(*(rest - centre).T).max()))
+    notes = ("The circle encloses all pins: it does not depend on the contact.",)
+    return _within(region, motion, camera, "circle", np.ones(motion.ids.size, dtype=bool), notes)
+
+
+def _within(
+    region: Region,
+    motion: PinMotion,
+    camera: Camera | None,
+    rule: str,
+    inside: NDArray[np.bool_],
+    notes: tuple[str, ...] = (),
+) -> InitialArea:
+    flat = region if camera is None else Region(camera.undistorted_px(region.polygon_px))
+    return InitialArea(
+        area_mm2=None if camera is None else flat.area_px2 * camera.mm2_per_px2,
+        area_px2=flat.area_px2,
+        rule=rule,
+        selected=motion.ids[inside],
+        polygon_px=region.polygon_px,
+        notes=motion.notes + notes,
+    )
+
 
 RULES = ("edge", "hexagon", "circle", "paper")
 
@@ -54,12 +232,12 @@ def initial_area(
         )
     motion = pin_motion(rest.centroids_px, contact_px)
     if rule == "circle":
-        return circle_rule(motion, camera)
+        return _circle_rule(motion, camera)
     if rule == "paper":
-        return paper_rule(motion, camera, threshold_px)
+        return _paper_rule(motion, camera, threshold_px)
     if rule == "edge":
-        found = edge_rule(motion, camera)
+        found = _edge_rule(motion, camera)
         if isinstance(found, InitialArea):
             return found
         motion = replace(motion, notes=(*motion.notes, f"No contact edge: {found}; hexagons instead."))
-    return hexagon_rule(motion, camera, threshold_px)
+    return _hexagon_rule(motion, camera, threshold_px)

@@ -10,8 +10,19 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from casr.errors import SettingError
+
+try:
+    from numba import njit
+except ModuleNotFoundError as error:
+    raise SettingError(
+        "flow engine horn-schunck",
+        wanted="the package numba, which compiles this engine",
+        found="no such package",
+        do="Install it (pip install 'emg2vsa[flow]'), or choose another engine: pin-affine or dis.",
+    ) from error
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Floats = NDArray[np.floating[Any]]

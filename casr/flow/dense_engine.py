@@ -1,16 +1,66 @@
-"""Flow engines on dense fields: the field around the contact region only, and the affine motion in its core."""
+"""Flow engines on dense fields: the field around the contact region only, and the affine map that fits its core."""
 
 from __future__ import annotations
 
 from typing import Any, Protocol
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.flow.field_fit import fit_field
+from casr.errors import SettingError
+from casr.flow.pin_affine import Affine
 from casr.flow.region import Region
 from casr.flow.step import FlowStep
 from casr.images import Grey
+
+Array = NDArray[np.float64]
+FEWEST_ROWS = 3
+
+
+def fit_field(flow: NDArray[np.floating[Any]], region: Region) -> Affine:
+    """Least-squares affine motion of the flow over the region; identical frames, so no flow, give exactly 0.
+
+    By Gauss's theorem the trace of the fit is a mean of the divergence over the region with a weight that falls to 0
+    towards its border (on a disc of radius R as R^2 - r^2). There dense flow rounds off the kink of a contact, and
+    there pixels enter as the region grows: whole pixels do, where a plain mean needs shares of them.
+
+    Parameters
+    ----------
+    flow : (H, W, 2) px; only the region's box is read.
+    region : in pixels of the flow.
+
+    Raises
+    ------
+    SettingError : the region lies outside the flow, or holds too few pixels for a fit.
+    """
+    x0, y0, x1, y1 = region.box(flow.shape)
+    left_top = np.array([x0, y0])
+    inside = np.zeros((y1 - y0, x1 - x0), np.uint8)
+    cv2.fillPoly(inside, [np.rint((region.polygon_px - left_top) * 16).astype(np.int32)], 1, shift=4)
+    weight = inside.astype(np.float64)
+    middle = region.centre_px - left_top
+    x, y = np.arange(x1 - x0) - middle[0], np.arange(y1 - y0) - middle[1]
+    # sums over rows and columns, not matrix products: on this size those would wake the threads of the linear algebra
+    along_x, along_y = weight.sum(axis=0), weight.sum(axis=1)
+    total = along_x.sum()
+    if min(np.count_nonzero(along_x), np.count_nonzero(along_y)) < FEWEST_ROWS:
+        raise SettingError(
+            "region",
+            wanted=f"{FEWEST_ROWS} or more rows and columns of pixels in its core",
+            found=f"{total:.0f} pixels around ({region.centre_px[0]:.0f}, {region.centre_px[1]:.0f})",
+            do="Give a larger region.",
+        )
+    mean = np.array([(along_x * x).sum(), (along_y * y).sum()]) / total
+    sum_xy = ((weight * x).sum(axis=1) * y).sum()
+    second = np.array([[(along_x * x * x).sum(), sum_xy], [sum_xy, (along_y * y * y).sum()]]) / total
+    spread = second - np.outer(mean, mean)
+    u, v = (weight * flow[y0:y1, x0:x1, part] for part in (0, 1))
+    offset = np.array([u.sum(), v.sum()]) / total
+    of_u, of_v = (np.array([(w.sum(axis=0) * x).sum(), (w.sum(axis=1) * y).sum()]) / total for w in (u, v))
+    matrix = np.linalg.solve(spread, (np.array([of_u, of_v]) - np.outer(offset, mean)).T).T
+    return Affine(matrix, offset, middle + mean + left_top, int(total))
+
 
 Box = tuple[int, int, int, int]
 

@@ -1,4 +1,4 @@
-"""How fast a region grows: the divergence of a flow field and the growth of area it carries."""
+"""How fast a region grows: the divergence of a flow field."""
 
 from __future__ import annotations
 
@@ -13,13 +13,7 @@ SUBPIXELS = 8
 
 def divergence(flow: NDArray[np.float32]) -> NDArray[np.float32]:
     """(H, W) du/dx + dv/dy of an (H, W, 2) flow, 1/frame; central differences, one-sided at the image border."""
-    return _along_x(flow[..., 0]) + _along_y(flow[..., 1])
-
-
-def growth(flow: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(H, W) det(I + grad flow): the area each pixel's skin takes in the next frame, per area in this one."""
-    u, v = flow[..., 0], flow[..., 1]
-    return (1 + _along_x(u)) * (1 + _along_y(v)) - _along_y(u) * _along_x(v)
+    return np.asarray(np.gradient(flow[..., 0], axis=1) + np.gradient(flow[..., 1], axis=0))
 
 
 def region_mask(polygon_px: Points, shape: tuple[int, int]) -> NDArray[np.float32]:
@@ -37,30 +31,13 @@ def region_mask(polygon_px: Points, shape: tuple[int, int]) -> NDArray[np.float3
 
 
 def mean_divergence(flow: NDArray[np.float32], polygon_px: Points) -> float:
-    """Mean divergence of an (H, W, 2) flow over the polygon, 1/frame."""
-    return region_growth(flow, Region(polygon_px))[0]
-
-
-def region_growth(flow: NDArray[np.float32], region: Region) -> tuple[float, float]:
-    """Mean divergence over the region, and the logarithm of the factor its area grows by.
-
-    The first is D of the paper's eq. (1); the second, ln(mean det(I + grad flow)), is exact for steps of any size
-    and agrees with the first for small ones.
+    """Mean divergence of an (H, W, 2) flow over the polygon, 1/frame: D of the paper's eq. (1).
 
     Raises
     ------
-    SettingError : the region lies outside the image.
+    SettingError : the polygon lies outside the image.
     """
-    x0, y0, x1, y1 = region.box(flow.shape, margin_px=1)
+    x0, y0, x1, y1 = Region(polygon_px).box(flow.shape, margin_px=1)
     inside = flow[y0:y1, x0:x1]
-    weights = region_mask(region.polygon_px - (x0, y0), inside.shape[:2])
-    share = weights / weights.sum(dtype=np.float64)
-    return float((share * divergence(inside)).sum()), float(np.log((share * growth(inside)).sum()))
-
-
-def _along_x(field: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.asarray(np.gradient(field, axis=1))
-
-
-def _along_y(field: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.asarray(np.gradient(field, axis=0))
+    weights = region_mask(polygon_px - (x0, y0), inside.shape[:2])
+    return float((weights / weights.sum(dtype=np.float64) * divergence(inside)).sum())

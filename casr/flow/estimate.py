@@ -64,7 +64,7 @@ def _engine(settings: FlowSettings) -> Engine:
         return PinEngine(settings)
     if settings.engine == "dis":
         return DenseEngine(Dis(settings.dis_preset), settings.core_fraction)
-    # loaded when used: it compiles its kernels with numba, which the other engines never need
+    # loaded when used: it compiles its kernels with numba, which the other engines never need and may be absent
     horn_schunck = import_module("casr.flow.horn_schunck")
     method = horn_schunck.HornSchunck(settings.horn_schunck)
     return DenseEngine(method, settings.core_fraction)

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from casr.errors import ImageError
 from casr.flow.compiled import Floats
-from casr.flow.horn_schunck_settings import HornSchunckSettings
 from casr.flow.pyramid import Pyramid
+from casr.flow.step import HornSchunckSettings
 from casr.images import Grey, as_grey
 
 __all__ = ["HornSchunck", "HornSchunckSettings", "horn_schunck"]

@@ -1,4 +1,10 @@
-"""Full multigrid for the linear system of Horn and Schunck (equations in relaxation.py).
+"""Full multigrid for the linear system of Horn and Schunck, relaxed by red-black Gauss-Seidel.
+
+Both components of a cell are solved at once. In every cell, with n its neighbours left, right, above and below that
+exist, and A11 = J11 + lam * their number, A12 = J12, A22 = J22 + lam * their number,
+
+    A11 u + A12 v = lam * sum of u_n - B1
+    A12 u + A22 v = lam * sum of v_n - B2
 
 Cells are joined four to one. Data sums and residuals add up; lam stays, for in two dimensions the sum of squared
 differences between neighbours does not depend on the cell size. Flow comes back bilinearly between cell centres.
@@ -8,9 +14,61 @@ from __future__ import annotations
 
 import numpy as np
 
-from casr.flow.coloured_grid import A11, A22, B1, B2, PLANES, Table, U, V, level, put_row, take_row
-from casr.flow.compiled import Floats, kernel
-from casr.flow.relaxation import add_residual, relax
+from casr.flow.coloured_grid import A11, A12, A22, B1, B2, PLANES, Table, U, V, level, neighbours, put_row, take_row
+from casr.flow.compiled import Floats, Rows, kernel
+
+
+@kernel
+def _cells(f: Floats, c: int, y: int) -> Rows:
+    return f[A11, c, y], f[A12, c, y], f[A22, c, y], f[B1, c, y], f[B2, c, y]
+
+
+@kernel
+def _relax_row(u: Floats, v: Floats, around: tuple[Rows, Rows], cells: Rows, lam: float, det_floor: float) -> None:
+    (up_u, down_u, side_u), (up_v, down_v, side_v) = around
+    a11, a12, a22, b1, b2 = cells
+    for k in range(u.size - 2):
+        su = lam * ((up_u[k + 1] + down_u[k + 1]) + (side_u[k] + side_u[k + 1])) - b1[k + 1]
+        sv = lam * ((up_v[k + 1] + down_v[k + 1]) + (side_v[k] + side_v[k + 1])) - b2[k + 1]
+        product = a11[k + 1] * a22[k + 1]
+        det = max(product - a12[k + 1] * a12[k + 1], det_floor * product)
+        u[k + 1] = (a22[k + 1] * su - a12[k + 1] * sv) / det
+        v[k + 1] = (a11[k + 1] * sv - a12[k + 1] * su) / det
+
+
+@kernel
+def _relax(f: Floats, lam: float, det_floor: float, sweeps: int) -> None:
+    """Sweep over colour 0, then 1; the second follows one row behind, while the rows are still in the cache."""
+    rows = f.shape[2] - 2
+    for _ in range(sweeps):
+        for y in range(1, rows + 2):
+            if y <= rows:
+                _relax_row(f[U, 0, y], f[V, 0, y], neighbours(f, 0, y), _cells(f, 0, y), lam, det_floor)
+            if y >= 2:
+                _relax_row(f[U, 1, y - 1], f[V, 1, y - 1], neighbours(f, 1, y - 1), _cells(f, 1, y - 1), lam, det_floor)
+
+
+@kernel
+def _residual_row(
+    u: Floats, v: Floats, around: tuple[Rows, Rows], cells: Rows, lam: float, ru: Floats, rv: Floats
+) -> None:
+    (up_u, down_u, side_u), (up_v, down_v, side_v) = around
+    a11, a12, a22, b1, b2 = cells
+    for k in range(u.size - 2):
+        su = lam * ((up_u[k + 1] + down_u[k + 1]) + (side_u[k] + side_u[k + 1])) - b1[k + 1]
+        sv = lam * ((up_v[k + 1] + down_v[k + 1]) + (side_v[k] + side_v[k + 1])) - b2[k + 1]
+        ru[k] += a11[k + 1] * u[k + 1] + a12[k + 1] * v[k + 1] - su
+        rv[k] += a12[k + 1] * u[k + 1] + a22[k + 1] * v[k + 1] - sv
+
+
+@kernel
+def _add_residual(f: Floats, y: int, lam: float, ru: Floats, rv: Floats) -> None:
+    """Add left minus right side of the equations of colour 0 in array row y to ru and rv.
+
+    Colour 1, relaxed last, has no residual.
+    """
+    _residual_row(f[U, 0, y], f[V, 0, y], neighbours(f, 0, y), _cells(f, 0, y), lam, ru, rv)
+
 
 COARSEST_SWEEPS = 8
 
@@ -22,7 +80,7 @@ def _restrict_residual(f: Floats, coarse: Floats, lam: float, rows2: Floats) -> 
     for y in range(1, coarse.shape[2] - 1):
         rows2[:] = 0
         for fine_y in range(2 * y - 1, min(2 * y + 1, f.shape[2] - 1)):
-            add_residual(f, fine_y, lam, rows2[0], rows2[1])
+            _add_residual(f, fine_y, lam, rows2[0], rows2[1])
         put_row(coarse[B1], y, rows2[0])
         put_row(coarse[B2], y, rows2[1])
 
@@ -53,13 +111,13 @@ def _v_cycle(work: Floats, table: Table, top: int, lam: float, det_floor: float,
     last = table.shape[0] - 2
     for i in range(top, last):
         f = level(work, table, i)
-        relax(f, lam, det_floor, sweeps)
+        _relax(f, lam, det_floor, sweeps)
         _restrict_residual(f, level(work, table, i + 1), lam, rows2)
-    relax(level(work, table, last), lam, det_floor, COARSEST_SWEEPS * sweeps)
+    _relax(level(work, table, last), lam, det_floor, COARSEST_SWEEPS * sweeps)
     for i in range(last - 1, top - 1, -1):
         f = level(work, table, i)
         _prolong(level(work, table, i + 1), f, rows2)
-        relax(f, lam, det_floor, sweeps)
+        _relax(f, lam, det_floor, sweeps)
 
 
 @kernel
@@ -109,7 +167,7 @@ def solve(work: Floats, table: Table, lam: float, det_floor: float, sweeps: int,
         _add_neighbours(level(work, table, i), lam)
     coarsest = level(work, table, last)
     coarsest[U], coarsest[V] = 0, 0
-    relax(coarsest, lam, det_floor, COARSEST_SWEEPS * sweeps)
+    _relax(coarsest, lam, det_floor, COARSEST_SWEEPS * sweeps)
     for top in range(last - 1, -1, -1):
         f = level(work, table, top)
         f[U], f[V] = 0, 0

@@ -25,26 +25,14 @@ class Affine:
 
     matrix : (2, 2) displacement gradient per frame pair, [[du/dx, du/dy], [dv/dx, dv/dy]].
     offset_px : (2,) motion of the centre. centre_px : (2,) mean of the pins used.
-    rms_px : scatter about the fit, per axis. n : pins used. notes : pins left out.
+    n : pins used. notes : pins left out.
     """
 
     matrix: NDArray[np.float64]
     offset_px: NDArray[np.float64]
     centre_px: NDArray[np.float64]
-    rms_px: float
     n: int
     notes: tuple[str, ...] = ()
-
-    @property
-    def divergence(self) -> float:
-        """du/dx + dv/dy, per frame pair."""
-        return float(np.trace(self.matrix))
-
-    @property
-    def log_growth(self) -> float:
-        """ln of the factor by which every area grows, ln det(I + matrix); -inf where the map folds the plane."""
-        growth = float(np.linalg.det(np.eye(2) + self.matrix))
-        return float(np.log(growth)) if growth > 0 else float("-inf")
 
     def displacement_px(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
         """Motion (N, 2) of points (N, 2)."""
@@ -86,8 +74,7 @@ def _fit(before: NDArray[np.float64], after: NDArray[np.float64]) -> tuple[Affin
     matrix = (inverse @ (arm.T @ rest)).T
     error = rest - arm @ matrix.T
     squared = np.einsum("ij,ij->i", error, error)
-    rms = math.sqrt(float(squared.mean()) / 2)
-    return Affine(matrix, offset, centre, rms, len(before)), np.sqrt(squared)
+    return Affine(matrix, offset, centre, len(before)), np.sqrt(squared)
 
 
 def _mistaken(before: NDArray[np.float64], residual: NDArray[np.float64]) -> int | None:

@@ -2,15 +2,79 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
 import numpy as np
 
+from casr.flow.brightness import data_term
+from casr.flow.coloured_grid import flow_of_cells, level, level_table, subtract_from_right
 from casr.flow.compiled import Floats
-from casr.flow.horn_schunck_settings import HornSchunckSettings
-from casr.flow.linear_flow import Grid, Solver
+from casr.flow.multigrid import solve
+from casr.flow.step import HornSchunckSettings
 from casr.flow.warp import doubled, halved, warp
+
+FOUR_NEIGHBOURS = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]], dtype=np.float64)
+# a cell whose determinant drowns in rounding is solved as if it were this far from rank one
+DET_FLOOR = {np.dtype(np.float32): 1e-6, np.dtype(np.float64): 1e-14}
+
+
+@dataclass(frozen=True)
+class _Solver:
+    """How a linear problem is solved: cell size, weight of smoothness, effort."""
+
+    cell_px: int
+    smoothness: float
+    sweeps: int
+    cycles: int
+
+
+class _Grid:
+    """Work arrays for frames of one shape and type, used again for every pair."""
+
+    def __init__(self, shape: tuple[int, ...], dtype: np.dtype[Any], solver: _Solver) -> None:
+        self.shape, self.dtype, self._solver = shape, dtype, solver
+        rows, columns = (-(-n // solver.cell_px) for n in shape)
+        self._table = level_table(rows, columns)
+        self._work = np.zeros(self._table[-1, 2], dtype)
+        self._finest = level(self._work, self._table, 0)
+        self._cells = np.zeros((rows, 2 * int(self._table[0, 1]), 2), dtype)
+        self._sums = np.zeros((2, 5, self._cells.shape[1] * solver.cell_px), dtype)
+
+    def flow(self, first: Floats, second: Floats, margin: int, start: Floats | None = None) -> Floats:
+        """Flow (H, W, 2) from first to second, NaN pixels and margin px at the edges left out of the data.
+
+        With a start, second is already warped along it, and the sum of start and what is left is returned.
+        """
+        solver, kind = self._solver, self.dtype.type
+        data_term(first, second, margin, solver.cell_px, self._finest, self._sums)
+        if start is not None:
+            subtract_from_right(self._finest, kind(solver.smoothness) * self._roughness(start))
+        lam = kind(solver.smoothness)
+        solve(self._work, self._table, lam, kind(DET_FLOOR[self.dtype]), solver.sweeps, solver.cycles)
+        flow_of_cells(self._finest, self._cells)
+        flow = self._at_pixels()
+        return flow if start is None else flow + start
+
+    def _roughness(self, flow: Floats) -> Floats:
+        """Five-point Laplacian of a flow averaged over cells."""
+        height, width = self.shape
+        size = self._solver.cell_px
+        below, right = self._cells.shape[0] * size - height, self._cells.shape[1] * size - width
+        cells = cv2.copyMakeBorder(flow, 0, below, 0, right, cv2.BORDER_REPLICATE)
+        if size > 1:
+            cells = cv2.resize(cells, self._cells.shape[1::-1], interpolation=cv2.INTER_AREA)
+        return np.asarray(cv2.filter2D(cells, -1, FOUR_NEIGHBOURS, borderType=cv2.BORDER_REPLICATE), self.dtype)
+
+    def _at_pixels(self) -> Floats:
+        height, width = self.shape
+        size = self._solver.cell_px
+        if size == 1:
+            return np.array(self._cells[:, :width])
+        large = cv2.resize(self._cells, None, fx=size, fy=size, interpolation=cv2.INTER_LINEAR)
+        return np.asarray(large[:height, :width], self.dtype)
+
 
 # frames narrower than this are not halved again
 SMALLEST_PX = 32
@@ -22,8 +86,8 @@ class Pyramid:
 
     def __init__(self, settings: HornSchunckSettings, dtype: np.dtype[Any]) -> None:
         self._settings, self._dtype = settings, dtype
-        self._solver = Solver(settings.cell_px, settings.alpha**2 / 3, settings.sweeps, settings.cycles)
-        self._grids: dict[tuple[int, ...], Grid] = {}
+        self._solver = _Solver(settings.cell_px, settings.alpha**2 / 3, settings.sweeps, settings.cycles)
+        self._grids: dict[tuple[int, ...], _Grid] = {}
 
     def flow(self, first: Floats, second: Floats, margin: int) -> Floats:
         """Flow (H, W, 2) between smoothed frames (H, W) whose outermost margin px carry no data."""
@@ -34,11 +98,11 @@ class Pyramid:
                 return flow
         return self._coarse_to_fine(first, second, margin, self._settings.pyramid_levels)
 
-    def _grid(self, shape: tuple[int, ...]) -> Grid:
+    def _grid(self, shape: tuple[int, ...]) -> _Grid:
         if shape not in self._grids:
             if len(self._grids) == MOST_SHAPES:
                 self._grids.clear()
-            self._grids[shape] = Grid(shape, self._dtype, self._solver)
+            self._grids[shape] = _Grid(shape, self._dtype, self._solver)
         return self._grids[shape]
 
     def _coarse_to_fine(self, first: Floats, second: Floats, margin: int, levels: int) -> Floats:

@@ -4,8 +4,5 @@ from casr.frame_files.camera_file import read_camera, write_camera
 from casr.frame_files.folder import find_presses
 from casr.frame_files.force_log import ForceLog, read_force_log
 from casr.frame_files.press import open_frames
-from casr.frame_files.quiet import silence_opencv
-
-silence_opencv()
 
 __all__ = ["ForceLog", "find_presses", "open_frames", "read_camera", "read_force_log", "write_camera"]

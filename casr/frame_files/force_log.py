@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import difflib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.errors import FramesError
-from casr.frame_files.delimited import Table, read_table
+from casr.frame_files.trouble import unreadable
 
 _TIMES = ("time_s", "frame_time_s")
 
@@ -52,7 +54,7 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     FramesError : not readable, no such columns, a row of another length, a cell that is no number, a time or frame
         index running backwards; the message names the line.
     """
-    table = read_table(Path(path))
+    table = _read_table(Path(path))
     force_n, frame_index = table.numbers(column.lower()), table.numbers("frame_index")
     time_s, frame_time_s = (table.numbers(name) if name in table.header else None for name in _TIMES)
     _check_frame_index(table, frame_index)
@@ -77,14 +79,14 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     )
 
 
-def _check_frame_index(table: Table, frame_index: NDArray[np.float64]) -> None:
+def _check_frame_index(table: _Table, frame_index: NDArray[np.float64]) -> None:
     wrong = (frame_index < -1) | (frame_index != np.floor(frame_index)) & np.isfinite(frame_index)
     if wrong.any():
         row = int(np.argmax(wrong))
         raise table.error(row, "a frame index: a whole number, -1 before the first frame", f"{frame_index[row]:g}")
 
 
-def _check_order(table: Table, name: str, values: NDArray[np.float64]) -> None:
+def _check_order(table: _Table, name: str, values: NDArray[np.float64]) -> None:
     rows = np.flatnonzero(np.isfinite(values))
     back = np.flatnonzero(np.diff(values[rows]) < 0)
     if back.size:
@@ -115,3 +117,93 @@ def _notes_on_times(
     if untimed := carried.size - np.unique(frame_index[(frame_index >= 0) & np.isfinite(frame_time_s)]).size:
         notes.append(f"{untimed} of {carried.size} frames have no frame_time_s")
     return tuple(notes)
+
+
+@dataclass(frozen=True)
+class _Table:
+    """Cells of a text file.
+
+    Parameters
+    ----------
+    path : the file.
+    header : column names, lower case.
+    rows : the cells below the header.
+    lines : line number in the file of every row, from 1.
+    decimal_comma : 0,5 means one half.
+    """
+
+    path: Path
+    header: list[str]
+    rows: list[list[str]]
+    lines: list[int]
+    decimal_comma: bool
+
+    def numbers(self, column: str) -> NDArray[np.float64]:
+        """(rows,) values of a column; NaN for an empty cell. Raises FramesError for a cell that is no number."""
+        place = self._place(column)
+        cells = [row[place].strip() or "nan" for row in self.rows]
+        if self.decimal_comma:
+            cells = [cell.replace(",", ".") for cell in cells]
+        try:
+            values = np.array([float(cell) for cell in cells])
+        except ValueError:
+            bad = next(row for row, cell in enumerate(cells) if not _is_number(cell))
+            raise self.error(bad, f"a number in {column}", repr(self.rows[bad][place])) from None
+        if np.isinf(values).any():
+            bad = int(np.argmax(np.isinf(values)))
+            raise self.error(bad, f"a finite number in {column}", repr(self.rows[bad][place]))
+        return values
+
+    def error(self, row: int, wanted: str, found: str) -> FramesError:
+        """Something is wrong in one row."""
+        return FramesError(
+            f"{self.path}, line {self.lines[row]}", wanted=wanted, found=found, do="Correct or remove this line."
+        )
+
+    def _place(self, column: str) -> int:
+        times = self.header.count(column)
+        if times == 1:
+            return self.header.index(column)
+        near = difflib.get_close_matches(column, self.header, n=1)
+        raise FramesError(
+            self.path,
+            wanted=f"a column {column}",
+            found=f"{times} of that name" if times else f"columns {', '.join(self.header)}",
+            do=f"Is it {near[0]}? Rename it or ask for that column." if near else "Name the columns in the first line.",
+        )
+
+
+def _read_table(path: Path) -> _Table:
+    """Comma, semicolon or tab between cells, told by the header; # starts a comment line; decimal comma unless the
+    comma separates. Raises FramesError for an unreadable or empty file and for a row of another length."""
+    lines = [
+        (n, line) for n, line in enumerate(_text(path).splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
+    ]
+    if len(lines) < 2:
+        raise FramesError(
+            path, wanted="a header line and rows", found=f"{len(lines)} lines", do="Give the force log of the press."
+        )
+    delimiter = next((mark for mark in "\t;" if mark in lines[0][1]), ",")
+    header, *rows = csv.reader((line for _, line in lines), delimiter=delimiter, skipinitialspace=True)
+    table = _Table(path, [name.strip().lower() for name in header], rows, [n for n, _ in lines[1:]], delimiter != ",")
+    for row, cells in enumerate(rows):
+        if len(cells) != len(header):
+            raise table.error(row, f"{len(header)} cells as in the header", f"{len(cells)}")
+    return table
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise unreadable(path, error) from error
+    except UnicodeDecodeError as error:
+        raise FramesError(path, wanted="text in UTF-8", found=str(error), do="Save it as CSV in UTF-8.") from error
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import cv2
@@ -10,6 +11,10 @@ import numpy as np
 from casr.errors import FramesError
 from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
+
+# OpenCV keeps still about broken images: our errors name the file and the frame
+if "OPENCV_LOG_LEVEL" not in os.environ:
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
 # suffix -> kind; a folder holds frames of one kind
 PAGE_KINDS = {

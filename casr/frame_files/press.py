@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from casr.errors import FramesError
 from casr.frame_files.camera_file import read_camera
-from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents, open_folder
+from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, FileFrames, folder_contents, open_file, open_folder
 from casr.frame_files.force_log import read_force_log
-from casr.frame_files.sources import FileFrames, open_file
 from casr.frames import FrameSequence, force_per_frame
 
 
@@ -31,7 +30,8 @@ def open_frames(
         natural order of their names; or a press folder: ``frames.tif`` (or another format, or a folder ``frames`` of
         images) with ``force.csv`` and ``camera.toml`` beside.
     force : force log, see `read_force_log`; without it ``force.csv`` in the folder, if there is one.
-    camera : camera file, see `read_camera`; without it ``camera.toml`` in the folder, if there is one.
+    camera : camera file, see `read_camera`; without it ``camera.toml`` in the folder or, for all presses of a run, in
+        the folder above it, if there is one.
     column : the force column to take from the log.
     force_rule : from the log to one force a frame, see `force_per_frame`.
 
@@ -47,7 +47,7 @@ def open_frames(
     _check_frames(path, frames)
     notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
     if in_folder:
-        force, camera = force or _beside(path, FORCE_FILE), camera or _beside(path, CAMERA_FILE)
+        force, camera = force or _beside(path, FORCE_FILE), camera or _camera_of(path)
     forces = None
     if force is not None:
         forces, force_notes = _forces(Path(force), len(frames), column, force_rule)
@@ -85,6 +85,11 @@ def _ignored(path: Path) -> list[str]:
 
 def _beside(path: Path, name: str) -> Path | None:
     return path / name if (path / name).exists() else None
+
+
+def _camera_of(press: Path) -> Path | None:
+    """The rig writes one camera file for all presses of a run."""
+    return _beside(press, CAMERA_FILE) or _beside(press.absolute().parent, CAMERA_FILE)
 
 
 def _forces(path: Path, n_frames: int, column: str, rule: str) -> tuple[NDArray[np.float64], list[str]]:

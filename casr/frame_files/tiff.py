@@ -8,16 +8,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
 from casr.errors import FramesError
-from casr.frame_files.tiff_opencv import OpenCvPages
 from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
 
 Decode = Callable[[int], NDArray[Any]]
+# pages decoded in one call: OpenCV walks the file from its first page every time
+_BLOCK = 32
 
 
 def open_file(path: Path) -> TiffFrames:
@@ -86,7 +88,7 @@ def _decoder(path: Path, file: tifffile.TiffFile, n_pages: int) -> Decode:
     try:
         by_tifffile(0)
     except Exception:  # the error that counts is OpenCV's, on reading
-        return OpenCvPages(path, n_pages)
+        return _OpenCvPages(path, n_pages)
     return by_tifffile
 
 
@@ -104,6 +106,28 @@ class _TifffilePages:
         if page.photometric == tifffile.PHOTOMETRIC.RGB and pixels.ndim == 3 and pixels.shape[2] in (3, 4):
             return pixels[:, :, 2::-1]
         raise ValueError(f"pages of {page.photometric!s} pixels with shape {pixels.shape}")
+
+
+class _OpenCvPages:
+    """(H, W) or (H, W, 3) BGR pixels of a page that needs OpenCV's decoders; keeps one block of pages."""
+
+    def __init__(self, path: Path, n_pages: int) -> None:
+        self._path, self._n = path, n_pages
+        self._first, self._block = 0, []  # type: int, list[NDArray[Any]]
+
+    def __call__(self, index: int) -> NDArray[Any]:
+        if not self._first <= index < self._first + len(self._block):
+            self._first, self._block = index, self._pages(index, min(_BLOCK, self._n - index))
+        if not self._block:
+            # one damaged page spoils its whole block
+            self._block = self._pages(index, 1)
+        if not self._block:
+            raise ValueError("data that neither tifffile nor OpenCV decodes")
+        return self._block[index - self._first]
+
+    def _pages(self, first: int, count: int) -> list[NDArray[Any]]:
+        _, pages = cv2.imreadmulti(str(self._path), start=first, count=count, flags=cv2.IMREAD_UNCHANGED)
+        return list(pages)
 
 
 def _hidden_stack(path: Path, file: tifffile.TiffFile) -> tuple[int, Decode] | None:

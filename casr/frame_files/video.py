@@ -1,13 +1,17 @@
-"""Video files (AVI, MP4, Matroska) through OpenCV, decoded forward, never by seeking."""
+"""Video files (AVI, MP4, Matroska) through OpenCV in the child process, decoded forward, never by seeking."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.decoder_child import Limits
+from casr.decoder_process import DecoderFailed, InChild
 from casr.errors import FramesError
 from casr.frame_files.trouble import other_size, undecodable, unreadable
 from casr.images import Grey, as_grey
@@ -16,12 +20,64 @@ from casr.images import Grey, as_grey
 _LOSSLESS = {"FFV1", "HFYU", "FFVH", "PNG", "MPNG", "Y800", "GREY", "DIB", ""}
 
 
+LIMITS = Limits()
+"""Of opening a video and of each batch of its frames; both grow with the size of the file."""
+_BATCH_BYTES = 8_000_000
+_MOST_IN_BATCH = 32
+
+
 def open_file(path: Path) -> VideoFrames:
     return VideoFrames(path)
 
 
 class VideoFrames:
-    """Frames of a video, decoded one after the other.
+    """Frames of a video from the child process; frames read in turn come in batches.
+
+    Raises
+    ------
+    FramesError : not a video, or OpenCV crashed on it or met a limit; on reading, as `VideoDecoder`.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.name = path.stem
+        self._path = path
+        self._first, self._batch = -1, []  # type: int, list[Grey]
+        with self._failures():
+            self._decoder = InChild("OpenCV", "casr.frame_files.video", "VideoDecoder", (path,), LIMITS.for_file(path))
+            self._n: int = self._decoder.ask("__len__")
+            self.shape: tuple[int, int] = self._decoder.ask("shape")
+            self.notes: tuple[str, ...] = self._decoder.ask("notes")
+
+    def __len__(self) -> int:
+        return self._n
+
+    def read(self, index: int) -> Grey:
+        following = self._first + len(self._batch)
+        if not self._first <= index < following:
+            count = self._in_batch() if index == following else 1
+            with self._failures():
+                self._batch = self._decoder.ask("read_from", index, count)
+            self._first = index
+        return self._batch[index - self._first]
+
+    def _in_batch(self) -> int:
+        return min(max(1, _BATCH_BYTES // (self.shape[0] * self.shape[1])), _MOST_IN_BATCH)
+
+    @contextmanager
+    def _failures(self) -> Iterator[None]:
+        try:
+            yield
+        except DecoderFailed as error:
+            raise FramesError(
+                self._path,
+                wanted="a video that OpenCV can read",
+                found=f"that {error.reason}",
+                do="Copy the file again, or save the frames as TIFF or PNG.",
+            ) from error
+
+
+class VideoDecoder:
+    """Frames of a video, decoded one after the other; made in the child process.
 
     A container's own frame count may be wrong, so the packets are counted, without decoding them. Seeking is exact
     for some codecs only, so a later frame is reached by decoding those between, an earlier one from the start. A
@@ -34,7 +90,6 @@ class VideoFrames:
     """
 
     def __init__(self, path: Path) -> None:
-        self.name = path.stem
         self._path = path
         # number of the frame the decoder stands at, and whether it holds it
         self._at, self._grabbed = -1, False
@@ -57,6 +112,18 @@ class VideoFrames:
         if frame.shape != self.shape:
             raise other_size(self._path, index, frame.shape, self.shape)
         return frame
+
+    def read_from(self, first: int, count: int) -> list[Grey]:
+        """``count`` frames from ``first`` on; fewer where the video ends or a later one of them is damaged."""
+        frames: list[Grey] = []
+        for index in range(first, min(first + count, len(self))):
+            try:
+                frames.append(self.read(index))
+            except FramesError:
+                if not frames:
+                    raise
+                break
+        return frames
 
     def _decoded(self, index: int) -> Grey:
         if index < self._at or (index == self._at and not self._grabbed):

@@ -2,11 +2,10 @@
 
 from casr.frames.force import FORCE_RULES, force_per_frame
 from casr.frames.loading import LoadingPhase, loading_phase
-from casr.frames.sequence import ArrayFrames, FrameSequence, FrameSource
+from casr.frames.sequence import FrameSequence, FrameSource
 
 __all__ = [
     "FORCE_RULES",
-    "ArrayFrames",
     "FrameSequence",
     "FrameSource",
     "LoadingPhase",

@@ -1,10 +1,51 @@
-"""Pictures of one press: pins, initial area, contact region, motion, area against force."""
+"""Pictures of one press: pins, initial area, contact region, motion, area against force; all of a press at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from casr.overlays.area import area_picture, pins_picture
 from casr.overlays.canvas import Picture
-from casr.overlays.motion import flow_picture, spreading_picture
-from casr.overlays.press import pin_ways, press_pictures
+from casr.overlays.curves import area_curve, growth_curve
+from casr.overlays.motion import flow_picture, region_picture, spreading_picture
+from casr.pins import PinTracker
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from casr.frames import FrameSequence
+    from casr.score import Score
 
 __all__ = [
     "Picture", "area_picture", "flow_picture", "pin_ways", "pins_picture", "press_pictures", "spreading_picture",
 ]  # fmt: skip
+
+
+def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]:
+    """Pictures of ``score``, which comes from ``sequence``; the curve over force only where there is a force."""
+    first, last = int(score.frames[0]), int(score.frames[-1])
+    rest_px = score.rest.centroids_px
+    initial = score.initial
+    ways = pin_ways(sequence, score.frames.tolist())
+    curves = [growth_curve(score.frames, score.log_growth)]
+    if score.force_n is not None:
+        curves.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
+    photos = [
+        pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
+        area_picture(sequence[first], rest_px, score.contact_px, initial, score.regions[0]),
+        region_picture(sequence[last], rest_px, score.regions, score.frames, score.force_n),
+        spreading_picture(sequence[first], *ways, score.regions[0], f"frames {first} to {last}"),
+    ]
+    return (*curves, *photos)
+
+
+def pin_ways(sequence: FrameSequence, frames: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(N, 2) the pins of the first of ``frames``, there and in the last, px, followed frame by frame; NaN: lost."""
+    tracker = PinTracker()
+    first_px = last_px = tracker.start(sequence[frames[0]]).centroids_px
+    for index in frames[1:]:
+        last_px = tracker.step(sequence[index])
+    return first_px, last_px

@@ -9,9 +9,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from casr.contact_area.hexagons import hexagon_radius_px
+from casr.contact_area.rules import hexagon_radius_px
 from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, legend_below, photo, styled, view_of
 from casr.pins import pin_pitch_px
+from casr.pins.lattice import nearest_pins
 
 if TYPE_CHECKING:
     from casr.contact_area import InitialArea
@@ -76,7 +77,7 @@ def area_picture(
     pitch_px = pin_pitch_px(rest_px)
     figure, axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pitch_px))
     if initial.rule in _HEXAGON_RULES:
-        cells = hexagons(rest_px[initial.selected], pitch_px)
+        cells = hexagons(rest_px[initial.selected], rest_px)
         axes.add_collection(
             PolyCollection(
                 list(cells),
@@ -105,21 +106,14 @@ def _about(rule: str) -> str:
     return "Hexagons are drawn where the pins are at rest." if rule in _HEXAGON_RULES else "The area is the outline's."
 
 
-def hexagons(centres_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.float64]:
-    """(N, 6, 2) corners of hexagons whose flat sides are half a pitch from their centres, px; drawing only.
+def hexagons(at_px: NDArray[np.float64], pins_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(M, 6, 2) corners of regular hexagons around ``at_px`` (M, 2) that tile the lattice of ``pins_px`` (N >= 2, 2).
 
-    The sides face the nearest neighbours, as in the lattice: its direction is the one most pairs of neighbours share.
+    Their flat sides are half a pitch from their centres and face the nearest neighbours; drawing only.
     """
-    angle = _lattice_angle(centres_px, pitch_px) + np.deg2rad(30 + 60 * np.arange(6))
-    corners = hexagon_radius_px(pitch_px) * np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.asarray(centres_px[:, None, :] + corners)
-
-
-def _lattice_angle(centres_px: NDArray[np.float64], pitch_px: float) -> float:
-    """Direction of the lattice's rows modulo 60 degrees, rad."""
-    steps = (centres_px[:, None] - centres_px[None]).reshape(-1, 2)
-    length = np.hypot(*steps.T)
-    steps = steps[(length > 0) & (length < 1.3 * pitch_px)]
-    if steps.size == 0:
-        return 0.0
-    return float(np.angle(np.exp(6j * np.arctan2(steps[:, 1], steps[:, 0])).mean()) / 6)
+    steps = pins_px[nearest_pins(pins_px, 1)[1][:, 0]] - pins_px
+    # the direction of the lattice's rows, folded into one sixth of a turn
+    direction = np.angle(np.exp(6j * np.arctan2(steps[:, 1], steps[:, 0])).mean()) / 6
+    angle = direction + np.deg2rad(30 + 60 * np.arange(6))
+    corners = hexagon_radius_px(pin_pitch_px(pins_px)) * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.asarray(at_px[:, None, :] + corners)

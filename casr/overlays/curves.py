@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.overlays.canvas import BLUE, GREEN, MUTED, ORANGE, Picture, plot, styled
+from casr.spread import readable
 
 if TYPE_CHECKING:
     from casr.spread import PowerLaw, SpreadRate
@@ -56,11 +57,6 @@ def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> P
         f"Sum at the end {total[-1]:.3f}: the area grew to {np.exp(total[-1]):.2f} times its initial size.",
         figure,
     )
-
-
-def readable(unit: str) -> str:
-    """``mm2/N`` with a raised 2."""
-    return unit.replace("2", "²")
 
 
 def _line_through(force_n: NDArray[np.float64], area: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:

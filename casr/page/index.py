@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-import casr
-from casr.page import html
-from casr.page.wording import readable, verdict
+from casr import html
+from casr.page.press import whole_page
+from casr.page.wording import UNDEFINED, number, verdict
+from casr.spread import readable
 
 if TYPE_CHECKING:
     from casr.score import Score
@@ -21,11 +22,11 @@ _WIDTH, _HEIGHT, _LEFT, _BOTTOM, _TOP = 240, 170, 44, 30, 10
 def index_page(title: str, scores: Mapping[str, Score], failures: Mapping[str, str], folder: str) -> str:
     """The page as HTML; each press links to ``folder/<name>.html``. failures : press to the reason in words."""
     links = {name: f"{folder}/{name}.html" for name in scores}
-    body = _summary(scores, failures) + html.section("Presses", _table(scores, links))
+    body = _summary(scores, failures) + html.section("presses", "Presses", _table(scores, links))
     drawn = {name: score for name, score in scores.items() if score.force_n is not None}
     if drawn:
-        body += html.section("Contact area against force, all on the same axes", _curves(drawn, links))
-    return html.document(title, "Contact area spread rate (CASR) of every press", body, f"casr {casr.__version__}")
+        body += html.section("curves", "Contact area against force, all on the same axes", _curves(drawn, links))
+    return whole_page(title, "Contact area spread rate (CASR) of every press", body)
 
 
 def _summary(scores: Mapping[str, Score], failures: Mapping[str, str]) -> str:
@@ -41,9 +42,9 @@ def _table(scores: Mapping[str, Score], links: Mapping[str, str]) -> str:
     rows = []
     for name, score in scores.items():
         rate = score.rate
-        shown = [html.number(getattr(rate, key, None)) for key in ("value", "low", "high")]
+        shown = [number(getattr(rate, key, None)) for key in ("value", "low", "high")]
         rows.append((
-            name, *shown, readable(rate.unit) if rate else html.UNDEFINED, html.number(float(score.area[0])),
+            name, *shown, readable(rate.unit) if rate else UNDEFINED, number(float(score.area[0])),
             readable(score.area_unit), f"{score.area[-1] / score.area[0]:.3f}", str(len(score.frames)),
             str(len(score.notes)),
         ))  # fmt: skip
@@ -74,7 +75,7 @@ def _curve(score: Score, high_n: float, high: float) -> str:
     unit = readable(score.area_unit)
     words = (
         f'<text x="{_LEFT}" y="{_HEIGHT - 10}">0</text><text x="{right}" y="{_HEIGHT - 10}" text-anchor="end">'
-        f'{high_n:.2g} N</text><text x="{_LEFT - 4}" y="{_TOP + 10}" text-anchor="end">{html.number(high, 3)}</text>'
+        f'{high_n:.2g} N</text><text x="{_LEFT - 4}" y="{_TOP + 10}" text-anchor="end">{number(high, 3)}</text>'
         f'<text x="{_LEFT - 4}" y="{_TOP + 24}" text-anchor="end">{unit}</text>'
     )
     label = f"contact area against force, {escape(score.name)}"

@@ -10,8 +10,9 @@ from html import escape
 from typing import TYPE_CHECKING
 
 import casr
-from casr.page import html
-from casr.page.wording import headline, readable, verdict
+from casr import html
+from casr.page.wording import headline, number, verdict
+from casr.spread import readable
 
 if TYPE_CHECKING:
     from casr.camera import Camera
@@ -35,21 +36,27 @@ def press_page(
 
     n_frames, shape : number of frames in the sequence and their (height, width), px.
     """
-    notes = html.section("Notes", html.bullets(score.notes)) if score.notes else ""
+    notes = html.section("notes", "Notes", html.bullets(score.notes)) if score.notes else ""
     body = (
         html.statement(*verdict(score))
         + html.tiles(headline(score))
         + notes
-        + html.section("Pictures", _pictures(pictures))
+        + html.section("pictures", "Pictures", _pictures(pictures))
         + html.section(
+            "numbers",
             "Numbers and settings",
             html.details("Every frame", _frames(score)),
             html.details("Settings", html.pairs(_settings(score.settings))),
             html.details("Where the numbers come from", html.pairs(_origin(score, camera, n_frames, shape))),
         )
     )
-    sub = "Contact area spread rate (CASR) of one press"
-    return html.document(score.name, sub, body, f"casr {casr.__version__}")
+    return whole_page(score.name, "Contact area spread rate (CASR) of one press", body)
+
+
+def whole_page(title: str, sub: str, body: str) -> str:
+    """Title, subtitle and program around a body of HTML."""
+    header = f'<h1>{escape(title)}</h1><p class="sub">{escape(sub)}</p>'
+    return html.page(title, header, (), body, f'<p class="small">casr {casr.__version__}</p>')
 
 
 def _pictures(pictures: Iterable[Embedded]) -> str:
@@ -69,7 +76,7 @@ def _frames(score: Score) -> str:
     for i, frame in enumerate(score.frames.tolist()):
         steps = (score.divergence[i - 1], score.log_growth[i - 1]) if i else (None, None)
         force = score.force_n[i] if score.force_n is not None else None
-        rows.append((str(frame), html.number(force), *map(html.number, steps), html.number(score.area[i], 5)))
+        rows.append((str(frame), number(force), *map(number, steps), number(score.area[i], 5)))
     return html.table("Divergence and log growth are of the step that leads to the frame.", heads, rows)
 
 

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from casr.page.html import number
+from casr.spread import readable
 
 if TYPE_CHECKING:
     from casr.score import Score
 
 
-def readable(unit: str) -> str:
-    """``mm2/N`` as mm²/N."""
-    return unit.replace("2", "²")
+UNDEFINED = "–"
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Significant digits for people; a dash for what is not known."""
+    if value is None or value != value:
+        return UNDEFINED
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text and abs(value) < 1e7 else text
 
 
 def verdict(score: Score) -> tuple[str, str, str]:

@@ -1,8 +1,7 @@
 """Pins of the tactile skin: sub-pixel detection, one-to-one matching, tracking from frame to frame."""
 
 from casr.pins.detect import Pins, detect_pins
-from casr.pins.lattice import pin_pitch_px
-from casr.pins.match import match_pins
+from casr.pins.lattice import match_pins, pin_pitch_px
 from casr.pins.settings import PinSettings
 from casr.pins.track import PinTracker
 

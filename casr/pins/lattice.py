@@ -1,4 +1,4 @@
-"""Who is next to whom: nearest neighbours and pitch of a set of pins."""
+"""Who is next to whom: nearest neighbours and pitch of a set of pins, and one-to-one matches of two sets."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def nearest_pins(points_px: NDArray[np.float64], k: int) -> tuple[NDArray[np.flo
     """Distance (N, k) px and row number (N, k) of the ``k`` nearest other pins, nearest first, of two or
     more; k falls to N - 1."""
     k = min(k, len(points_px) - 1)
-    squared = squared_distance(points_px, points_px)
+    squared = _squared_distance(points_px, points_px)
     np.fill_diagonal(squared, np.inf)
     near = np.argpartition(squared, k - 1, axis=1)[:, :k]
     near_squared = np.take_along_axis(squared, near, axis=1)
@@ -18,7 +18,7 @@ def nearest_pins(points_px: NDArray[np.float64], k: int) -> tuple[NDArray[np.flo
     return np.sqrt(np.take_along_axis(near_squared, order, axis=1)), np.take_along_axis(near, order, axis=1)
 
 
-def squared_distance(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> NDArray[np.float64]:
+def _squared_distance(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> NDArray[np.float64]:
     """Squared distance (N, M) px² of every point of ``a_px`` (N, 2) to every point of ``b_px`` (M, 2)."""
     dx, dy = a_px[:, None, 0] - b_px[:, 0], a_px[:, None, 1] - b_px[:, 1]
     squared: NDArray[np.float64] = dx * dx + dy * dy
@@ -32,3 +32,29 @@ def pin_pitch_px(centroids_px: NDArray[np.float64]) -> float:
     if len(points) < 2:
         return float("nan")
     return float(np.median(nearest_pins(points, 1)[0]))
+
+
+def match_pins(
+    before_px: NDArray[np.float64], after_px: NDArray[np.float64], *, max_distance_px: float | NDArray[np.float64]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pairs of rows (i_before, i_after) that are each other's nearest pin and at most ``max_distance_px`` apart.
+
+    Where two pins claim the same one, the nearer gets it and the other stays unmatched: a second choice would be
+    a guess. Half the pitch is the largest sensible distance. Among equals the lower row wins. NaN rows match nothing.
+    The paper's Algorithm 1 compares all pairs instead, which selects nearly every pin.
+
+    Parameters
+    ----------
+    before_px, after_px : (N, 2), (M, 2) centroids.
+    max_distance_px : one distance, or one for each row of ``before_px``.
+    """
+    rows = np.flatnonzero(np.isfinite(before_px).all(axis=1))
+    columns = np.flatnonzero(np.isfinite(after_px).all(axis=1))
+    if not rows.size or not columns.size:
+        return np.empty(0, np.intp), np.empty(0, np.intp)
+    squared = _squared_distance(before_px[rows], after_px[columns])
+    nearest = squared.argmin(axis=1)
+    own = np.arange(rows.size)
+    limit = np.broadcast_to(np.asarray(max_distance_px, float), (len(before_px),))[rows]
+    mutual = (squared.argmin(axis=0)[nearest] == own) & (squared[own, nearest] <= limit**2)
+    return rows[mutual], columns[nearest[mutual]]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.pins.match import match_pins
+from casr.pins.lattice import match_pins
 
 SEED_REACH, GROWTH_REACH = 0.2, 0.35  # of the spacing: how close a pin must be to its guess, to its neighbours' motion
 ENOUGH_NEIGHBOURS = 3

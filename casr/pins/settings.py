@@ -24,7 +24,6 @@ class PinSettings:
     touching_ratio, most_touching : a blob larger than this many median pins, but not than so many of the largest,
         may be pins that touch; it is cut where it has a waist.
     dark_pins : pins are darker than the skin.
-    integer_centroids : cut centroids to whole pixels as the paper's Algorithm 1 does (0.7 px rms; for comparison).
     """
 
     block_px: int = 31
@@ -37,7 +36,6 @@ class PinSettings:
     touching_ratio: float = 1.6
     most_touching: int = 3
     dark_pins: bool = False
-    integer_centroids: bool = False
 
     def __post_init__(self) -> None:
         checks = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from casr.errors import PinsError
 from casr.images import Grey
-from casr.pins.detect import Pins, find_pins, pins_bright, reach_px, reported_px
+from casr.pins.detect import Pins, find_pins, pins_bright, reach_px
 from casr.pins.lattice import nearest_pins
 from casr.pins.propagate import common_shift_px, follow_neighbours, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
@@ -55,7 +54,7 @@ class PinTracker:
         self._lost = np.zeros(self._n, bool)
         self._link()
         self.pitch_px = float(np.median(self._spacing_px))
-        return replace(pins, centroids_px=reported_px(pins.centroids_px, self._settings))
+        return pins
 
     def restrict(self, ids: Sequence[int] | NDArray[np.integer[Any]]) -> None:
         """From now on follow these pins (and those next to them, to know where each ends); all others stay NaN.
@@ -97,9 +96,9 @@ class PinTracker:
             self._advance(grey)
         positions = np.full((self._n, 2), np.nan)
         positions[self._ids[~self._lost]] = self._place_px[~self._lost]
-        reported = np.full_like(positions, np.nan)
-        reported[self._wanted] = reported_px(positions[self._wanted], self._settings)
-        return reported
+        wanted = np.full_like(positions, np.nan)
+        wanted[self._wanted] = positions[self._wanted]
+        return wanted
 
     def _link(self) -> None:
         """Who is beside whom, how far, and how bright against them."""

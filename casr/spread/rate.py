@@ -11,12 +11,16 @@ from casr.errors import FramesError, SettingError
 from casr.spread.correlated_errors import normal_quantile, student_quantile
 from casr.spread.loading_points import frames_with_force, outside_dips, pooled
 from casr.spread.power_law import PowerLaw, fit_power_law
-from casr.spread.quotients import sum_of_quotients
 from casr.spread.slope import force_slope
 
 RATE_RULES = ("power", "slope", "paper")
 WINDOW_N = (0.5, 7.0)
 "Loading phase of the paper."
+MIN_STEP_N = 0.02
+"""``paper`` divides only by steps of force this large; smaller ones are merged with the next, so no change of area is
+lost."""
+CONFIDENCE = 0.95
+"Of the intervals."
 FAR = 2.0  # times; frames that miss an end of the window by more are said to
 
 
@@ -47,6 +51,11 @@ class SpreadRate:
     window_n: tuple[float, float] | None = None
 
 
+def readable(unit: str) -> str:
+    """``mm2/N`` as mm²/N."""
+    return unit.replace("2", "²")
+
+
 def spread_rate(
     area: ArrayLike,
     force_n: ArrayLike,
@@ -54,8 +63,6 @@ def spread_rate(
     rule: str = "power",
     area_unit: str = "mm2",
     window_n: tuple[float, float] = WINDOW_N,
-    min_step_n: float = 0.02,
-    confidence: float = 0.95,
 ) -> SpreadRate:
     """Contact area spread rate of a loading phase.
 
@@ -70,9 +77,6 @@ def spread_rate(
         over frames of dA/dF with F_0 = 0.
     area_unit : ``mm2`` or ``px2``, for the unit of the result.
     window_n : of ``power``, N.
-    min_step_n : ``paper`` divides only by steps of force this large, N; smaller ones are merged with the next, so no
-        change of area is lost.
-    confidence : of the interval of ``power`` and ``slope``.
 
     Raises
     ------
@@ -82,20 +86,16 @@ def spread_rate(
     """
     if rule not in RATE_RULES:
         raise SettingError("rule", wanted=" or ".join(RATE_RULES), found=repr(rule), do="Choose one of these.")
-    if not (0 < confidence < 1 and 0 < min_step_n < np.inf and 0 < window_n[0] < window_n[1] < np.inf):
-        raise SettingError(
-            "confidence, min_step_n, window_n",
-            wanted="a confidence between 0 and 1, a step above 0 N and two forces above 0 N, the lower first",
-            found=f"{confidence!r}, {min_step_n!r}, {window_n!r}",
-            do="Correct the setting.",
-        )
+    if not 0 < window_n[0] < window_n[1] < np.inf:
+        wanted = "two forces above 0 N, the lower first"
+        raise SettingError("window_n", wanted=wanted, found=repr(window_n), do="Correct the setting.")
     if rule == "paper":
-        return _paper(area, force_n, area_unit, min_step_n)
+        return _paper(area, force_n, area_unit)
     known_area, known_force, lost = frames_with_force(area, force_n)
     loading_area, loading_force, dips = outside_dips(known_area, known_force)
     if rule == "power":
-        return _power(loading_area, loading_force, f"{area_unit}/N", window_n, confidence, lost + dips)
-    return _slope(loading_area, loading_force, f"{area_unit}/N", confidence, lost + dips)
+        return _power(loading_area, loading_force, f"{area_unit}/N", window_n, lost + dips)
+    return _slope(loading_area, loading_force, f"{area_unit}/N", lost + dips)
 
 
 def _power(
@@ -103,7 +103,6 @@ def _power(
     force_n: NDArray[np.float64],
     unit: str,
     window_n: tuple[float, float],
-    confidence: float,
     notes: tuple[str, ...],
 ) -> SpreadRate:
     pressed = force_n > 0
@@ -123,18 +122,16 @@ def _power(
     if not (force_n[0] <= FAR * window_n[0] and force_n.max() >= window_n[1] / FAR):
         seen = f"{force_n[0]:.2g} to {force_n.max():.2g} N"
         notes += (f"Frames from {seen} tell of the rate from {window_n[0]:g} to {window_n[1]:g} N by the power law.",)
-    half = None if error is None else student_quantile(confidence, error[1]) * error[0]
+    half = None if error is None else student_quantile(CONFIDENCE, error[1]) * error[0]
     low, high, few = _interval(value, half, force_n.size)
     return SpreadRate(value, low, high, unit, "power", force_n.size, notes + few, fit.law, window_n)
 
 
-def _slope(
-    area: NDArray[np.float64], force_n: NDArray[np.float64], unit: str, confidence: float, notes: tuple[str, ...]
-) -> SpreadRate:
+def _slope(area: NDArray[np.float64], force_n: NDArray[np.float64], unit: str, notes: tuple[str, ...]) -> SpreadRate:
     rising_area, rising_force, merged = pooled(area, force_n)
     _check_rises(rising_force)
     value, error = force_slope(rising_area, rising_force)
-    half = None if error is None else normal_quantile(confidence) * error
+    half = None if error is None else normal_quantile(CONFIDENCE) * error
     low, high, few = _interval(value, half, rising_force.size)
     return SpreadRate(value, low, high, unit, "slope", force_n.size, notes + merged + few)
 
@@ -145,11 +142,11 @@ def _interval(value: float, half: float | None, n_points: int) -> tuple[float | 
     return value - half, value + half, ()
 
 
-def _paper(area: ArrayLike, force_n: ArrayLike, area_unit: str, min_step_n: float) -> SpreadRate:
+def _paper(area: ArrayLike, force_n: ArrayLike, area_unit: str) -> SpreadRate:
     force: NDArray[np.float64] = np.array(force_n, dtype=np.float64).reshape(-1)
     force[:1] = 0.0
     known_area, known_force, lost = frames_with_force(area, force)
-    value, notes = sum_of_quotients(known_area, known_force, min_step_n)
+    value, notes = _sum_of_quotients(known_area, known_force)
     if value is None:
         raise _flat(known_force)
     return SpreadRate(value, None, None, f"{area_unit}/N summed over frames", "paper", known_force.size, lost + notes)
@@ -170,3 +167,33 @@ def _flat(force_n: NDArray[np.float64]) -> FramesError:
         found=found,
         do="Score frames in which the force rises; check the force log.",
     )
+
+
+Vector = NDArray[np.float64]
+
+
+def _sum_of_quotients(area: Vector, force_n: Vector) -> tuple[float | None, tuple[str, ...]]:
+    """The sum, with steps of force below ``MIN_STEP_N`` merged with the next; None when no step is left."""
+    ends = _steps(force_n)
+    if len(ends) < 2:
+        return None, ()
+    merged = force_n.size - len(ends)
+    notes: tuple[str, ...] = ()
+    if merged:
+        notes = (f"{merged} of {force_n.size - 1} steps of force below {MIN_STEP_N:g} N merged with their neighbours.",)
+    notes += (f"A sum of {len(ends) - 1} quotients: it grows with the number of frames.",)
+    return float(np.sum(np.diff(area[ends]) / np.diff(force_n[ends]))), notes
+
+
+def _steps(force_n: Vector) -> list[int]:
+    """Frames at which steps end, each at least ``MIN_STEP_N`` away from the one before; the last frame is one."""
+    ends = [0]
+    for frame, force in enumerate(force_n.tolist()):
+        if abs(force - force_n[ends[-1]]) >= MIN_STEP_N:
+            ends.append(frame)
+    last = force_n.size - 1
+    while len(ends) > 1 and ends[-1] != last:
+        ends.pop()
+        if abs(force_n[last] - force_n[ends[-1]]) >= MIN_STEP_N:
+            ends.append(last)
+    return ends

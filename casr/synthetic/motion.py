@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from casr.synthetic.region import ContactEllipse, Points, Rim, rim_distance
 
@@ -61,13 +60,6 @@ def spread(points_px: Points, before: ContactEllipse, after: ContactEllipse, rim
     return np.asarray(before.centre_px + from_centre * gain[..., None])
 
 
-def true_flow(before: ContactEllipse, after: ContactEllipse, rim: Rim, shape: tuple[int, int]) -> NDArray[np.float32]:
-    """(H, W, 2) displacement of the skin seen in each pixel of the first frame, px; 0 beyond the rim."""
-    rows, columns = np.mgrid[: shape[0], : shape[1]]
-    grid = np.stack([columns, rows], axis=-1).astype(np.float64)
-    return (spread(grid, before, after, rim) - grid).astype(np.float32)
-
-
 def true_divergence(before: ContactEllipse, after: ContactEllipse) -> float:
-    """Divergence of ``true_flow`` everywhere inside ``before``: 2 (s - 1), per frame pair."""
+    """Divergence of ``spread`` less identity everywhere inside ``before``: 2 (s - 1), per frame pair."""
     return 2 * (after.semi_axes_px[0] / before.semi_axes_px[0] - 1)

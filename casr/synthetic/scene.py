@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from casr.errors import SettingError
 from casr.synthetic.appearance import Surface, draw_surface
 from casr.synthetic.draws import Draws
-from casr.synthetic.motion import lever, spread, true_divergence, true_flow
+from casr.synthetic.motion import lever, spread, true_divergence
 from casr.synthetic.region import ContactEllipse, Points, Rim, rim_distance
 from casr.synthetic.render import render
 from casr.synthetic.settings import PressSettings
@@ -77,13 +77,8 @@ class Scene:
             rng=self.draws.of("frame", frame),
         )
 
-    def flow(self, before_n: float, after_n: float) -> NDArray[np.float32]:
-        """(H, W, 2) true displacement of the skin between two forces, both from ``stick_force_n`` on, px."""
-        shape = (self.settings.camera.height_px, self.settings.camera.width_px)
-        return true_flow(*self._sticking(before_n, after_n), self.rim, shape)
-
     def divergence(self, before_n: float, after_n: float) -> float:
-        """True divergence of ``flow`` inside the contact, per frame pair."""
+        """True divergence inside the contact between two forces, both from ``stick_force_n`` on, per frame pair."""
         return true_divergence(*self._sticking(before_n, after_n))
 
     def _stretched(self, points_px: Points, force_n: float) -> Points:

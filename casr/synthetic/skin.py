@@ -55,5 +55,3 @@ class Skin:
 
 TACTIP_127 = Skin()
 "The sensor of the paper: 127 pins."
-TACTIP_331 = Skin(rings=10, pitch_px=12.4, pin_radius_px=2.8)
-"A denser sensor in the same image."

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
-from emg2vsa.pipeline.fingerprint import digest
-from emg2vsa.pipeline.plan import Board
-from emg2vsa.pipeline.steps import STAGES, Step
+from emg2vsa.pipeline.plan import DONE, Board, Step
+from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.study import Study
 
 _MADE_BY = {
@@ -43,13 +42,13 @@ class Lineage:
 
 def lineage(board: Board, keys: Iterable[str]) -> Lineage:
     """Lineage of the numbers ``keys`` of a study that has just been run."""
-    done = [state.step for state in board.states.values() if state.status in {"fresh", "done"}]
+    done = [step for step in board.steps.values() if step.status in DONE]
     base = board.study.path.parent
     files: dict[str, str] = {}
     libraries: dict[str, str] = {}
     for step in done:
         files |= {_beside(path, base): value for path, value in step.parts.files.items()}
-        libraries |= step.parts.libraries
+        libraries |= step.parts.libraries.value
     return Lineage(
         numbers={key: _steps_of(key, done, board.study) for key in keys},
         steps={step.id: _plain(step, base) for step in done},
@@ -61,17 +60,24 @@ def lineage(board: Board, keys: Iterable[str]) -> Lineage:
 def _steps_of(key: str, steps: Iterable[Step], study: Study) -> tuple[str, ...]:
     """Steps of the key's stages; of one specimen where the key names it. The report made what no stage claims."""
     first, second = [*key.split("."), ""][:2]
-    stages = _MADE_BY.get(first, (first,) if first in STAGES else ("report",))
+    stages = _MADE_BY.get(first, (first,) if first in ORDER else ("report",))
     of = [step for step in steps if step.stage in stages]
     if second in {specimen.name for specimen in study.specimens}:
-        of = [step for step in of if STAGES[step.stage].per != "recording" or step.item.endswith(f"/{second}")]
+        of = [step for step in of if stage(step.stage).per != "recording" or step.item.endswith(f"/{second}")]
     return tuple(step.id for step in of)
 
 
 def _plain(step: Step, base: Path) -> dict[str, object]:
-    parts = asdict(step.parts)
-    files = {_beside(path, base): value for path, value in step.parts.files.items()}
-    return parts | {"key": step.key, "files": files, "code": digest(repr(sorted(step.parts.code.items())))}
+    parts = step.parts
+    return {
+        "key": step.key,
+        "result": step.result,
+        "settings": parts.settings.value,
+        "files": {_beside(path, base): value for path, value in parts.files.items()},
+        "inputs": dict(parts.inputs),
+        "code": parts.code.digest,
+        "libraries": parts.libraries.value,
+    }
 
 
 def _beside(path: str, base: Path) -> str:

@@ -7,19 +7,21 @@ import hashlib
 import io
 import json
 import os
+import tempfile
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from emg2vsa.atomic import write_bytes_atomic
-from emg2vsa.authors.archive import zip_bytes
+from casr.atomic import write_bytes_atomic
 from emg2vsa.authors.crate import METADATA, SOURCES, UNPUBLISHED, Publication, metadata, parts_of
 from emg2vsa.authors.documents import proof, readme
 from emg2vsa.authors.lineage import Lineage, lineage
 from emg2vsa.errors import DataError
-from emg2vsa.pipeline.manifest import manifest_files
 from emg2vsa.pipeline.plan import Board
+from emg2vsa.pipeline.stages.report import results_of
 from emg2vsa.report.numbers_files import macro_names
-from emg2vsa.report.units import unit_of
+from emg2vsa.report.quantity import unit_of
+from emg2vsa.report.study_report import write_figure_pdfs
 from emg2vsa.study import Study
 
 SUPPLEMENT = "supplement.zip"
@@ -75,8 +77,12 @@ def _about(found: Mapping[str, object]) -> str:
 
 
 def _from_report(board: Board) -> dict[str, bytes]:
-    paths = [path for path in manifest_files(board.result("report/study")) if path.suffix not in _FOR_SCREENS]
-    return {Path(os.path.relpath(path, board.study.reports)).as_posix(): path.read_bytes() for path in paths}
+    """What the report wrote that is not for screens, and its figures as PDF, which only a paper needs."""
+    paths = [path for path in board.files("report") if path.suffix not in _FOR_SCREENS]
+    files = {Path(os.path.relpath(path, board.study.reports)).as_posix(): path.read_bytes() for path in paths}
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = write_figure_pdfs(results_of(board.given(board.steps["report/study"])), Path(folder))
+        return files | {path.relative_to(folder).as_posix(): path.read_bytes() for path in drawn}
 
 
 def _sources(study: Study) -> dict[str, bytes]:
@@ -119,3 +125,22 @@ def _files_of_earlier(folder: Path) -> set[str]:
         ) from error  # fmt: skip
     inside = folder.resolve()
     return {name for name in names if (folder / name).resolve().is_relative_to(inside)}
+
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+"""The first time that a zip archive can say."""
+
+
+def zip_bytes(files: Mapping[str, bytes]) -> bytes:
+    """Archive of ``files`` (name to content), sorted by name, without times, owners or compression.
+
+    Compressed bytes change with the version of the compressor; stored ones never do.
+    """
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.create_system = 3
+            entry.external_attr = 0o100644 << 16
+            archive.writestr(entry, files[name])
+    return buffer.getvalue()

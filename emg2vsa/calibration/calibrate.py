@@ -86,8 +86,8 @@ def calibrate(
     """Fit a law through specimens of known stiffness.
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
-    kappa_se : standard errors of kappa. mount_share : see ``mounting``. other_exponent : that the presses show in place
-    of Hertz's, see ``growth``. All three widen the interval from repeats and do not change the fit.
+    kappa_se : standard errors of kappa. mount_share : see ``forms``. other_exponent : that the presses show in place
+    of Hertz's, see ``forms``. All three widen the interval from repeats and do not change the fit.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()

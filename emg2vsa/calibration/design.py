@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.calibrate import Calibration, calibrate
+from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import HERTZ
-from emg2vsa.calibration.repeats import repeat_interval, within
+from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import CalibrationSettings
 
@@ -24,7 +24,7 @@ class Situation:
     kappa : N/mm, of the specimen to be estimated. kappa_range : of the calibration specimens, N/mm, which are spread
     evenly in ln kappa. noise : standard deviation of a press's CASR, as a share of it. kappa_error : standard error of
     each known kappa, as a share of it. sensor_n_per_mm : stiffness of the sensor under the punch that measured kappa,
-    the -1/a of a compliance calibration (``situation_of``).
+    the -1/a of a compliance calibration.
     """
 
     kappa: float
@@ -63,26 +63,6 @@ class Design:
     def presses(self) -> int:
         """Presses in all, those of the new specimen included."""
         return (self.specimens + 1) * self.repetitions
-
-
-def situation_of(calibration: Calibration, kappa: float, i: int = 0) -> Situation:
-    """The situation of a calibration that was made, by the compliance law. SettingError for another one."""
-    stiffness = -1 / float(calibration.fit.parameters[i, 0])
-    if calibration.settings.law != "compliance" or not stiffness > 0:
-        raise SettingError(
-            "design",
-            wanted="a calibration by the compliance law whose a is below 0",
-            found=calibration.equation(i),
-            do="Give noise and sensor stiffness yourself.",
-        )
-    variance, _ = within(calibration.casr[[i]])
-    return Situation(
-        kappa=kappa,
-        kappa_range=(float(calibration.kappa[i].min()), float(calibration.kappa[i].max())),
-        noise=float(np.sqrt(np.mean(variance[0] / calibration.mean_casr[i] ** 2))),
-        kappa_error=float(np.mean(calibration.kappa_se[i] / calibration.kappa[i])),
-        sensor_n_per_mm=stiffness,
-    )
 
 
 def try_designs(

@@ -22,17 +22,41 @@ Two parameters: what the sensor itself gives way, and the scale of the score. Th
 unit of the score go into b. The exponent follows from Hertz and is not fitted; a contact whose area grows as F^(3/10)
 in place of F^(2/3) costs 3 % at most (decision 16). The indentation under a force goes as E*^(-2/3) too (Johnson,
 eq. 4.23), which makes this the law of the kinesthetic cue, with millimetres per newton in place of CASR.
+
+**A mounting whose angle is off** moves every press alike, so that the presses of one mounting cannot show it. Under a
+probe that is tilted by theta the force along its axis is F = N cos(theta) of the normal force N, the indentation takes
+1 / cos(theta) of travel, and the camera sees cos(theta) of the contact's area. Over the same forces F, therefore
+
+    dA/dF ~ cos(theta)^(1/3),  travel per newton ~ cos(theta)^(-5/3).
+
+An error of theta moves CASR by -(1/3) tan(theta) of itself per radian and the millimetres per newton by
+(5/3) tan(theta): nothing along the normal, and at 45 degrees 0.3 % and 1.5 % for half a degree.
+
+**The power by which the contact grows**, as the presses themselves show it, says what the exponent should be. If the
+area depends on F/E* alone, as it must in any elastic contact that one modulus describes, then A ~ F^p is A ~ (F/E*)^p:
+the score goes as E*^(-p), and 1/E* as CASR^(1/p). Hertz has p = 2/3. The stiffness of a round contact is
+2 E* sqrt(A/pi) whatever the shape of the bodies (Pharr, Oliver and Brotzen 1992, Journal of Materials Research 7, 613),
+so that the indentation goes as F^(1 - p/2) E*^(p/2 - 1), and 1/E* as the millimetres per newton to the power of
+1/(1 - p/2).
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.runs import RunScores
 from emg2vsa.settings import Law
 
 HERTZ = 1.5
 "Exponent of the score in the compliance law: 1/E* over dA/dF, or over mm per N, in a Hertz contact."
+CASR_POWER, INDENTATION_POWER = 1 / 3, -5 / 3
+"Of cos(theta) in either score."
+_LEAST_FRAMES = 3
+_MOST_POWER = 2.0  # a contact growing faster would not resist at all
 
 
 def x_of(law: Law, casr: Floats) -> Floats:
@@ -51,14 +75,6 @@ def x_slope(law: Law, casr: Floats) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         positive = np.where(casr > 0, casr, np.nan)
         return np.asarray(HERTZ * positive ** (HERTZ - 1) if law == "compliance" else 1 / positive)
-
-
-def casr_of(law: Law, x: Floats) -> Floats:
-    """The score at a place on the axis of the law; NaN where there is none."""
-    if law == "exponential":
-        return x
-    with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray(x ** (1 / HERTZ) if law == "compliance" else np.exp(x))
 
 
 def eta_of(law: Law, kappa: Floats) -> Floats:
@@ -81,3 +97,33 @@ def kappa_slope(law: Law, kappa: Floats) -> Floats:
     if law == "compliance":
         return np.asarray(-(kappa**2))
     return np.ones_like(kappa) if law == "linear-log" else kappa
+
+
+def mount_share(power: float, angle_deg: float, angle_sd_deg: float) -> float:
+    """Change of a score that goes as cos(angle)^power for one standard deviation of the angle, as a share of it."""
+    return -power * math.tan(math.radians(angle_deg)) * math.radians(angle_sd_deg)
+
+
+def growth_power(runs: Sequence[RunScores]) -> float:
+    """p of A ~ F^p: the median over presses of the slope of ln A over ln F in the loading phase; NaN without curves.
+
+    In a contact that grows as a power of F/E* the score goes as E*^(-p), whatever p is; Hertz has 2/3.
+    """
+    powers = []
+    for curve in (curve for run in runs for curve in run.curves):
+        usable = (curve.force_n > 0) & (curve.area_mm2 > 0)
+        if np.count_nonzero(usable) >= _LEAST_FRAMES:
+            x, y = np.log(curve.force_n[usable]), np.log(curve.area_mm2[usable])
+            x -= x.mean()
+            powers.append(float(x @ y / (x @ x)))
+    return float(np.median(powers)) if powers else float("nan")
+
+
+def casr_exponent(power: float) -> float:
+    """Exponent of CASR in the compliance law for a contact that grows as F^power; Hertz's where it is not known."""
+    return 1 / power if power > 0 else HERTZ
+
+
+def indentation_exponent(power: float) -> float:
+    """The same of millimetres per newton."""
+    return 1 / (1 - power / 2) if 0 < power < _MOST_POWER else HERTZ

@@ -40,7 +40,7 @@ _LEAST_FREEDOM = 10
 class Fusion:
     """d fused estimates; (d,), NaN where undefined.
 
-    kappa, low, high : N/mm, the fused estimate and its interval. se : of ln kappa. df : of se.
+    kappa, low, high : N/mm, the fused estimate and its interval.
     weight : of the cutaneous cue, 0 to 1. correlation : of the two scores of a press, within specimens.
     chi2, p : squared difference of the cues over its variance, and its p. cutaneous, kinesthetic : kappa by each alone.
     """
@@ -48,8 +48,6 @@ class Fusion:
     kappa: Floats
     low: Floats
     high: Floats
-    se: Floats
-    df: Floats
     weight: Floats
     correlation: Floats
     chi2: Floats
@@ -132,8 +130,6 @@ def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_
         kappa=np.exp(middle),
         low=np.exp(middle - reach),
         high=np.exp(middle + reach),
-        se=np.sqrt(variance),
-        df=df,
         weight=weight,
         correlation=correlation,
         chi2=chi2,

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints
-from emg2vsa.calibration.forms import casr_of, eta_of, kappa_of, kappa_slope, x_of, x_slope
+from emg2vsa.arrays import Floats
+from emg2vsa.calibration.forms import eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.curves.exponential import ExponentialFit, fit_exponential, fit_exponential_log
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.weighted_rows import weighted_rows
@@ -32,16 +32,12 @@ LAWS = tuple(WAYS)
 
 @dataclass(frozen=True)
 class LawFit:
-    """d fits of one law; every field (d,), NaN where undefined. level, slope and their standard errors are of eta."""
+    """d fits of one law; every field (d,), NaN where undefined. level, slope : of eta."""
 
     law: Law
     x0: Floats
     level: Floats
     slope: Floats
-    level_se: Floats
-    slope_se: Floats
-    n: Ints
-    dof: Ints
 
     @property
     def parameters(self) -> Floats:
@@ -49,14 +45,6 @@ class LawFit:
         with np.errstate(over="ignore"):
             at_zero = self.level - self.slope * self.x0
             return np.stack([np.exp(at_zero) if self._logarithmic else at_zero, self.slope], axis=1)
-
-    @property
-    def parameter_se(self) -> Floats:
-        """(d, 2) standard errors of ``parameters``."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            at_zero = np.hypot(self.level_se, self.x0 * self.slope_se)
-            unit = self.parameters[:, 0] if self._logarithmic else 1.0
-            return np.stack([at_zero * unit, self.slope_se], axis=1)
 
     @property
     def rises(self) -> NDArray[np.bool_]:
@@ -71,19 +59,6 @@ class LawFit:
     def at(self, casr: Floats) -> Floats:
         """kappa (d, m) at scores (d, m); NaN where the law has none."""
         return kappa_of(self.law, self.eta(casr))
-
-    def casr(self, kappa: Floats) -> Floats:
-        """Score (d, m) that the law expects at stiffnesses (d, m); NaN where it has none."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            x = self.x0[:, None] + (eta_of(self.law, kappa) - self.level[:, None]) / self.slope[:, None]
-        return casr_of(self.law, x)
-
-    def se_at(self, casr: Floats) -> Floats:
-        """Standard error (d, m) of the fitted kappa, from the fit alone."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            distance = x_of(self.law, casr) - self.x0[:, None]
-            of_eta = np.hypot(self.level_se[:, None], distance * self.slope_se[:, None])
-            return np.asarray(of_eta * np.abs(kappa_slope(self.law, self.at(casr))))
 
     def steepness(self, casr: Floats) -> Floats:
         """d kappa / d CASR (d, m)."""
@@ -121,13 +96,13 @@ def fit_law(law: Law, minimise: Minimise, casr: Floats, kappa: Floats) -> LawFit
 def _of_exponential(law: Law, fit: ExponentialFit) -> LawFit:
     with np.errstate(divide="ignore", invalid="ignore"):
         level = np.log(np.where(fit.y0 > 0, fit.y0, np.nan))
-    return LawFit(law, fit.x0, level, fit.q, fit.level_se, fit.q_se, fit.n, fit.dof)
+    return LawFit(law, fit.x0, level, fit.q)
 
 
 def _straight(law: Law, x: Floats, eta: Floats, weights: Floats | None) -> LawFit:
     rows = weighted_rows(x, eta, weights, where="calibration")
     line = fit_line(rows.x - rows.x_centre[:, None], rows.y, rows.w)
-    return LawFit(law, rows.x_centre, line.intercept, line.slope, line.intercept_se, line.slope_se, line.n, line.dof)
+    return LawFit(law, rows.x_centre, line.intercept, line.slope)
 
 
 def _inverse(law: Law, x: Floats, slope_of_x: Floats, kappa: Floats) -> LawFit:
@@ -137,13 +112,4 @@ def _inverse(law: Law, x: Floats, slope_of_x: Floats, kappa: Floats) -> LawFit:
     turned = _straight(law, eta_of(law, kappa), x, weights)
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = np.where(turned.slope != 0, 1 / turned.slope, np.nan)
-        return LawFit(
-            law,
-            x0=turned.level,
-            level=turned.x0 + 0 * slope,
-            slope=slope,
-            level_se=turned.level_se * np.abs(slope),
-            slope_se=turned.slope_se * slope**2,
-            n=turned.n,
-            dof=turned.dof,
-        )
+        return LawFit(law, x0=turned.level, level=turned.x0 + 0 * slope, slope=slope)

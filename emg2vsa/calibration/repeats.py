@@ -5,15 +5,16 @@ that: every specimen was pressed ten times. To first order the estimate on the a
 
     eta = sum over known specimens of g_s mean_s + g_new mean_new + sum of h_s kappa_s,
 
-with the slopes g, h of ``sensitivity``, so that
+with the slopes g, h of ``by_mean_score`` and ``by_kappa``, found by refitting beside the estimate, so that
 
     var(eta) = sum g_s^2 (s_s^2 / n_s + m^2 mean_s^2) + the same for the new one + sum h_s^2 se(kappa_s)^2 + l^2.
 
 s_s is the standard deviation of the presses of specimen s: soft specimens scatter less than stiff ones, and one pooled
 value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
 (1946). m is the share of a score by which one mounting differs from the next, which its presses do not show
-(``mounting``); l is how far eta would move with the exponent that the growth of the contacts shows in place of Hertz's
-(``growth``), taken as one standard deviation of the law. Whether the law holds at all is for ``left_out`` to test.
+(``mount_share``); l is how far eta would move with the exponent that the growth of the contacts shows in place of
+Hertz's (``growth_power``), taken as one standard deviation of the law. Whether the law holds at all is for ``left_out``
+to test.
 """
 
 from __future__ import annotations
@@ -24,11 +25,13 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.calibration.calibrate import Calibration
-from emg2vsa.calibration.forms import kappa_of, kappa_slope
+from emg2vsa.calibration.calibrate import Calibration, fitted_points
+from emg2vsa.calibration.forms import HERTZ, kappa_of, kappa_slope
+from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.presses import mean_of
-from emg2vsa.calibration.sensitivity import by_exponent, by_kappa, by_mean_score
 from emg2vsa.settings import Law
+
+_SHARE = 1e-5  # of a score or a stiffness; central differences are then good to ten digits
 
 
 @dataclass(frozen=True)
@@ -121,3 +124,41 @@ def side_by_side(known: Floats, new: Floats) -> Floats:
     whole = np.full((d, s + 1, max(r, new.shape[1])), np.nan)
     whole[:, :s, :r], whole[:, s, : new.shape[1]] = known, new
     return whole
+
+
+def by_mean_score(calibration: Calibration, casr: Floats) -> Floats:
+    """d eta / d mean score (d, S): of the estimate at score ``casr`` (d,), for the presses of each known specimen."""
+    step = _SHARE * np.abs(calibration.mean_casr)
+    return _difference(calibration, casr, step, np.zeros_like(step)) / step
+
+
+def by_kappa(calibration: Calibration, casr: Floats) -> Floats:
+    """d eta / d kappa (d, S): of the estimate at score ``casr`` (d,), for each known stiffness."""
+    step = _SHARE * calibration.kappa
+    return _difference(calibration, casr, np.zeros_like(step), step) / step
+
+
+def by_exponent(calibration: Calibration, casr: Floats) -> Floats:
+    """Change of eta (d,) of the estimate at score ``casr`` (d,), were the exponent of the compliance law the other one.
+
+    1/kappa over CASR^m is the law itself over scores raised to m / (3/2).
+    """
+    settings, power = calibration.settings, calibration.other_exponent / HERTZ
+    if settings.law != "compliance":
+        return np.zeros_like(casr)
+    with np.errstate(invalid="ignore", over="ignore"):
+        raised, known = casr**power, calibration.casr**power
+    fit = fit_law(settings.law, settings.minimise, *fitted_points(known, calibration.kappa, settings.points))
+    return np.asarray((fit.eta(raised[:, None]) - calibration.fit.eta(casr[:, None]))[:, 0])
+
+
+def _difference(calibration: Calibration, casr: Floats, score_step: Floats, kappa_step: Floats) -> Floats:
+    """Half of the change of eta (d, S) between one specimen's score and kappa moved up and both moved down."""
+    d, s, r = calibration.casr.shape
+    move = np.array([1.0, -1.0])[:, None, None, None] * np.eye(s)  # (up or down, 1, moved specimen, specimen)
+    scores = calibration.casr[:, None] + (move * score_step[:, None])[..., None]
+    known = calibration.kappa[:, None] + move * kappa_step[:, None]
+    x, y = fitted_points(scores.reshape(2 * d * s, s, r), known.reshape(2 * d * s, s), calibration.settings.points)
+    fit = fit_law(calibration.settings.law, calibration.settings.minimise, x, y)
+    up, down = fit.eta(np.tile(np.repeat(casr, s), 2)[:, None]).reshape(2, d, s)
+    return np.asarray((up - down) / 2)

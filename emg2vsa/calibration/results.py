@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from emg2vsa.arrays import Floats
 
 
@@ -16,8 +14,8 @@ class LawResult:
     law, minimise, equation : how, and the fit in numbers. parameters : a and b, or p and q, of the equation.
     r2, adj_r2 : of kappa, which on three specimens say next to nothing. kappa, low, high : N/mm, with the interval from
     repeated presses. bootstrap_low, bootstrap_high : by drawing presses again. error : kappa over the known kappa of
-    the new specimen, minus 1; NaN where that is not known. left_out, left_out_low, left_out_high : (S,) N/mm, each
-    specimen as the others say. law_p : of the law, from the left-out specimens. notes : for the reader.
+    the new specimen, minus 1; NaN where that is not known. left_out : (S,) N/mm, each specimen as the others say.
+    law_p : of the law, from the left-out specimens. notes : for the reader.
     """
 
     law: str
@@ -33,8 +31,6 @@ class LawResult:
     bootstrap_high: float
     error: float
     left_out: Floats
-    left_out_low: Floats
-    left_out_high: Floats
     law_p: float
     notes: tuple[str, ...]
 
@@ -64,9 +60,6 @@ class AlgorithmResult:
     casr : (S, R) scores of the known specimens; new_casr : (R,); NaN where there is none, in casr_unit.
     chosen : by the settings. paper : exponential, least squares of kappa. left_out_rms : law to the root mean square
     error of left-out specimens; best_law : the law with the smallest, '' where none has one.
-    kappa_by_growth : N/mm by the compliance law with the exponent that the growth of the contact shows in place of
-    Hertz's; how far it lies from ``chosen`` counts as the law's standard deviation in its interval. NaN for
-    another law.
     fused : with the indentation; None without a log of it.
     """
 
@@ -77,7 +70,6 @@ class AlgorithmResult:
     paper: LawResult
     left_out_rms: dict[str, float]
     best_law: str
-    kappa_by_growth: float
     fused: FusedResult | None
 
 
@@ -117,9 +109,3 @@ class CalibrationResults:
         return next(
             (each for each in self.conditions if (each.angle_deg, each.condition) == (angle_deg, condition)), None
         )
-
-    def median_error(self, condition: str, algorithm: str) -> float:
-        """Median over angles of the size of the error on kappa; NaN where it is nowhere known."""
-        errors = [each.algorithms[algorithm].chosen.error for each in self.conditions if each.condition == condition]
-        known = np.abs([error for error in errors if np.isfinite(error)])
-        return float(np.median(known)) if known.size else float("nan")

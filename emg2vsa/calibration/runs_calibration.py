@@ -10,14 +10,17 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
-from emg2vsa.calibration.comparison import compare_laws
-from emg2vsa.calibration.forms import kappa_of
+from emg2vsa.calibration.forms import (
+    CASR_POWER,
+    INDENTATION_POWER,
+    casr_exponent,
+    growth_power,
+    indentation_exponent,
+    mount_share,
+)
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
-from emg2vsa.calibration.growth import casr_exponent, growth_power, indentation_exponent
-from emg2vsa.calibration.left_out import left_out
-from emg2vsa.calibration.mounting import CASR_POWER, INDENTATION_POWER, mount_share
+from emg2vsa.calibration.left_out import compare_laws, left_out
 from emg2vsa.calibration.presses import without_outliers
-from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.calibration.results import (
     AlgorithmResult,
     CalibrationResults,
@@ -113,7 +116,6 @@ class _OneCondition:
             paper=self._law(paper, new_casr),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            kappa_by_growth=_by_growth(chosen, new_kept),
             fused=None if depth is None else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm)),
         )
 
@@ -170,8 +172,6 @@ class _OneCondition:
             bootstrap_high=float(found.bootstrap_high[0]),
             error=float(found.kappa[0] / self.truth - 1),
             left_out=without.kappa[0],
-            left_out_low=without.low[0],
-            left_out_high=without.high[0],
             law_p=float(without.law_p[0]),
             notes=(*notes, *found.notes()),
         )
@@ -200,12 +200,6 @@ class _OneCondition:
     @property
     def _casr_unit(self) -> str:
         return f"{self.new.area_unit}/N"
-
-
-def _by_growth(calibration: Calibration, scores: Floats) -> float:
-    found = repeat_interval(calibration, scores[None])
-    law = calibration.settings.law
-    return float(kappa_of(law, found.eta + found.law_step)[0]) if law == "compliance" else float("nan")
 
 
 def _padded(rows: Sequence[Floats]) -> Floats:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration
@@ -15,9 +13,7 @@ from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.presses import mean_of, redrawn
 from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
 from emg2vsa.errors import DataError
-from emg2vsa.stats.outcome import Outcome
 
-Interval = Literal["repeats", "delta", "bootstrap"]
 _SCORES_AT_ONCE = 2_000_000
 
 
@@ -26,50 +22,20 @@ class Estimate:
     """One unknown specimen by each of d calibrations; (d,), NaN where undefined.
 
     kappa : N/mm. repeats : the interval from repeated presses (``repeats``), the one to report.
-    se : delta method, from the variance of the fit and that of the mean score. delta_low, delta_high : Student t with
-    ``df``, Satterthwaite's for the two variances. bootstrap_low, bootstrap_high : percentiles over presses drawn again
-    (``redrawn``), of calibration and unknown. mean_casr, n : of its presses. extrapolated : whether the mean lies
-    outside the calibration's.
-    With an exact law and ten presses, 95 % intervals cover 94 to 96 % (repeats), 94 to 96 % (delta, least squares of
-    kappa; of CASR 98 to 99.8 %, too much) and 91 to 93 % (bootstrap). Only ``repeats`` knows of errors of the
-    calibration's kappa, and only delta, by one residual, of those of the law.
+    bootstrap_low, bootstrap_high : percentiles over presses drawn again (``redrawn``), of calibration and unknown.
+    mean_casr, n : of its presses. extrapolated : whether the mean lies outside the calibration's.
+    With an exact law and ten presses, 95 % intervals cover 94 to 96 % (repeats) and 91 to 93 % (bootstrap). Only
+    ``repeats`` knows of errors of the calibration's kappa.
     """
 
     calibration: Calibration
     kappa: Floats
     repeats: RepeatInterval
-    se: Floats
-    df: Floats
-    delta_low: Floats
-    delta_high: Floats
     bootstrap_low: Floats
     bootstrap_high: Floats
     mean_casr: Floats
     n: Ints
     extrapolated: NDArray[np.bool_]
-
-    def outcome(self, i: int = 0, interval: Interval = "repeats") -> Outcome:
-        """Calibration ``i`` alone, with one of its three intervals."""
-        settings = self.calibration.settings
-        low, high, how = {
-            "repeats": (self.repeats.low, self.repeats.high, "noise of repeated presses"),
-            "delta": (self.delta_low, self.delta_high, "delta method"),
-            "bootstrap": (
-                self.bootstrap_low,
-                self.bootstrap_high,
-                f"{settings.resamples} bootstrap resamples of presses",
-            ),
-        }[interval]
-        chosen = f"least squares of {settings.minimise}, {settings.points}"
-        return Outcome(
-            method=f"{settings.law} calibration ({chosen}), {how}",
-            n=int(self.n[i]),
-            estimate_name="kappa",
-            estimate=float(self.kappa[i]),
-            interval=(float(low[i]), float(high[i])),
-            confidence=settings.confidence,
-            notes=self.notes(i),
-        )
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
@@ -87,17 +53,10 @@ class Estimate:
 def estimate(calibration: Calibration, casr: ArrayLike) -> Estimate:
     """kappa of a specimen with scores (R,) or (d, R), NaN where there is none. DataError for another shape."""
     scores = _checked(casr, len(calibration.casr))
-    settings, fit = calibration.settings, calibration.fit
     n = np.count_nonzero(np.isfinite(scores), axis=1)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
         mean = np.nansum(scores, axis=1) / n
-        squares = np.nansum((scores - mean[:, None]) ** 2, axis=1)
-        column = mean[:, None]
-        of_mean = fit.steepness(column)[:, 0] ** 2 * squares / np.where(n > 1, (n - 1) * n, np.nan)
-        of_fit = fit.se_at(column)[:, 0] ** 2
-        df = _satterthwaite(of_fit, fit.dof, of_mean, n - 1)
-        kappa, se = fit.at(column)[:, 0], np.sqrt(of_fit + of_mean)
-        reach = special.stdtrit(df, 0.5 + 0.5 * settings.confidence) * se
+        kappa = calibration.fit.at(mean[:, None])[:, 0]
     low, high = _bootstrap(calibration, np.where((n > 1)[:, None], scores, np.nan))
     known = calibration.mean_casr
     below = mean < np.min(known, axis=1, initial=np.inf, where=np.isfinite(known))
@@ -106,24 +65,12 @@ def estimate(calibration: Calibration, casr: ArrayLike) -> Estimate:
         calibration=calibration,
         kappa=kappa,
         repeats=repeat_interval(calibration, scores),
-        se=se,
-        df=df,
-        delta_low=kappa - reach,
-        delta_high=kappa + reach,
         bootstrap_low=low,
         bootstrap_high=high,
         mean_casr=mean,
         n=n,
         extrapolated=below | above,
     )
-
-
-def _satterthwaite(first: Floats, first_df: Ints, second: Floats, second_df: Ints) -> Floats:
-    """Degrees of freedom (d,) of the sum of two variances (Satterthwaite 1946); NaN where one has none."""
-    total = first + second
-    share = np.where(total > 0, first / total, 0.0)
-    df = 1 / (share**2 / first_df + (1 - share) ** 2 / second_df)
-    return np.asarray(np.where((first_df > 0) & (second_df > 0), df, np.nan) + 0 * total)
 
 
 def _bootstrap(calibration: Calibration, scores: Floats) -> tuple[Floats, Floats]:

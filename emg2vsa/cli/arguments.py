@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from casr.command_line import whole_number
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.plan import Board
-
-Commands = Any  # argparse gives its collection of sub-parsers no public type
-
-
-def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: str = "") -> argparse.ArgumentParser:
-    """A sub-command whose help opens with its one-line summary."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=summary, description=summary, epilog=epilog or None
-    )
-    parser.set_defaults(run=run)
-    return parser
+    from emg2vsa.study import Study
 
 
 def add_study(parser: argparse.ArgumentParser) -> None:
@@ -30,14 +21,35 @@ def add_study(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """Output for programs."""
-    parser.add_argument("--json", action="store_true", help="print JSON for a program to read")
-
-
 def add_jobs(parser: argparse.ArgumentParser) -> None:
     """Number of processes."""
-    parser.add_argument("--jobs", type=positive, metavar="N", help="processes to use (default: all cores)")
+    parser.add_argument("--jobs", type=whole_number, metavar="N", help="processes to use (default: all cores)")
+
+
+def add_work(parser: argparse.ArgumentParser) -> None:
+    """Another place for what is written."""
+    parser.add_argument(
+        "--work", type=Path, metavar="DIR", help="write results, report and emulated runs into DIR, nothing elsewhere"
+    )
+
+
+def add_wait(parser: argparse.ArgumentParser) -> None:
+    """What to do while another run holds the study."""
+    parser.add_argument(
+        "--no-wait", action="store_true", help="end with a message when another run holds the study, instead of waiting"
+    )
+
+
+def study_of(arguments: argparse.Namespace) -> tuple[Study, Path | None]:
+    """The study, placed in --work where that is given, and the results beside its study file that are then read."""
+    from emg2vsa.study_file import load_study
+
+    study = load_study(arguments.study)
+    if arguments.work is None:
+        return study, None
+    from emg2vsa.pipeline.places import placed_in
+
+    return placed_in(study, arguments.work), study.results
 
 
 def jobs_of(arguments: argparse.Namespace) -> int:
@@ -51,25 +63,3 @@ def say_not_used(board: Board) -> None:
     """One line on the error stream for every step that was refused or failed, in this run or before it."""
     for item, stage, message in board.failures():
         print(f"not used: {item} ({stage}): {message}", file=sys.stderr)
-
-
-def print_json(value: object) -> None:
-    """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
-    print(json.dumps(_finite(value), indent=2, sort_keys=True))
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and value - value != 0:
-        return None
-    return value
-
-
-def positive(text: str) -> int:
-    """A whole number from 1, for argparse."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
-    return int(text)

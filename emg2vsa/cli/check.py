@@ -6,9 +6,11 @@ import argparse
 import dataclasses
 from typing import TYPE_CHECKING
 
-from emg2vsa.cli.arguments import Commands, add_command, add_jobs, add_json, add_study, jobs_of, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_jobs, add_study, add_work, jobs_of, study_of
 
 if TYPE_CHECKING:
+    from emg2vsa.pipeline.plan import Board
     from emg2vsa.session_verdict import SessionVerdict
     from emg2vsa.study import Study
 
@@ -25,24 +27,27 @@ def add_to(commands: Commands) -> None:
     )
     add_study(parser)
     parser.add_argument("participants", nargs="*", metavar="PARTICIPANT", help="sessions to judge (default: all)")
+    add_work(parser)
     add_jobs(parser)
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.places import writable_or_temporary
     from emg2vsa.pipeline.run import run_study
-    from emg2vsa.pipeline.steps import stages_for
-    from emg2vsa.study_file import load_study
 
-    study = _only(load_study(arguments.study), arguments.participants)
-    board = run_study(
-        study, stages=stages_for("trials"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json)
-    )
-    failures = {item: message for item, _, message in board.failures()}
-    verdicts = [
-        _judge(study, participant, board.done("trials", f"{participant}/"), failures) for participant in _people(study)
-    ]
+    whole, below = study_of(arguments)
+    with writable_or_temporary(_only(whole, arguments.participants), below, now=True) as (study, below):
+        board = run_study(
+            study,
+            stages=("trials",),
+            jobs=jobs_of(arguments),
+            progress=progress(quiet=arguments.json),
+            below=below,
+        )
+        failures = {item: message for item, _, message in board.failures()}
+        verdicts = [_judge(board, participant, failures) for participant in board.campaign.cells]
     if arguments.json:
         print_json({verdict.participant: dataclasses.asdict(verdict) for verdict in verdicts})
     else:
@@ -65,18 +70,15 @@ def _only(study: Study, participants: list[str]) -> Study:
     return dataclasses.replace(study, recordings=tuple(e for e in study.recordings if e.participant in chosen))
 
 
-def _people(study: Study) -> list[str]:
-    return list(dict.fromkeys(entry.participant for entry in study.recordings))
-
-
-def _judge(study: Study, participant: str, results: tuple, failures: dict[str, str]) -> SessionVerdict:  # type: ignore[type-arg]
+def _judge(board: Board, participant: str, failures: dict[str, str]) -> SessionVerdict:
     from emg2vsa import artifacts
     from emg2vsa.session_verdict import judge_session
 
-    entries = [entry for entry in study.recordings if entry.participant == participant]
+    cells = board.campaign.cells[participant]
+    entries = [board.campaign.recordings[cell] for cell in cells]
     return judge_session(
         participant,
-        [artifacts.load(path) for path in results],
+        [artifacts.load(path) for path in board.done("trials", cells)],
         {entry.specimen: entry.window.expected_trials for entry in entries},
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
     )

@@ -6,10 +6,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
 
 if TYPE_CHECKING:
     from emg2vsa.fits import Fits
+    from emg2vsa.settings import ReadingSettings
     from emg2vsa.trials import Trials
 
 
@@ -43,6 +44,11 @@ def add_to(commands: Commands) -> None:
         "--sign", type=int, choices=(1, -1), default=1, help="-1: the sensor reports pressing as negative"
     )
     channels.add_argument("--no-tare", action="store_true", help="the force is zeroed already, or there is no rest")
+    reading = parser.add_argument_group("limits of a binary file's decoder")
+    reading.add_argument("--max-seconds", type=float, metavar="S", help="longest time, s, and 1 s per 10 MB (10)")
+    reading.add_argument(
+        "--max-memory", type=float, metavar="MB", help="most memory, MB, and ten times the file's size (600)"
+    )
     method = parser.add_argument_group("method")
     method.add_argument(
         "--window", type=float, nargs=2, metavar=("LOW", "HIGH"), help="force window, N (default 0.5 7)"
@@ -62,15 +68,15 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.emg or arguments.force is None:
         return _list_channels(arguments)
     from emg2vsa.fits import fit_trials
-    from emg2vsa.pipeline.recording_work import trials_of
+    from emg2vsa.pipeline.stages.trials import trials_of
     from emg2vsa.settings import CocontractionSettings
-    from emg2vsa.study import RecordingEntry
 
     settings = _settings(arguments)
     fit = settings.pop("fit")
-    entry = RecordingEntry(arguments.file.stem, "", arguments.file, arguments.force_file, **settings)
-    trials = trials_of(entry, CocontractionSettings())
-    fits = fit_trials(trials, fit, entry.window)
+    trials = trials_of(
+        arguments.file, arguments.force_file, arguments.file.stem, "", cocontraction=CocontractionSettings(), **settings
+    )
+    fits = fit_trials(trials, fit, settings["window"])
     if arguments.json:
         print_json({"file": str(arguments.file), "notes": list(trials.notes), "trials": _rows(trials, fits)})
     else:
@@ -80,9 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
     """The settings of each stage, checked as a study file's are."""
-    from emg2vsa.errors import StudyError
     from emg2vsa.settings import PAPER, ChannelSettings, FilterSettings, FitSettings, WindowSettings
-    from emg2vsa.study_file.problems import checked
 
     paper = PAPER if arguments.paper else {}
     emg = {name: {"name": name, "unit": arguments.emg_unit, "gain": arguments.gain} for name in arguments.emg}
@@ -102,7 +106,24 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
         "window": (WindowSettings, _given({"force_n": arguments.window, "min_duration_s": arguments.min_duration})),
         "fit": (FitSettings, {**paper.get("fit", {}), **_given({"bin_n": arguments.bin})}),
     }
-    made, problems = {}, []
+    return _checked(asked) | {"reading": _reading(arguments)}
+
+
+def _reading(arguments: argparse.Namespace) -> ReadingSettings:
+    from emg2vsa.settings import ReadingSettings
+
+    limits = _given({"max_seconds": arguments.max_seconds, "max_memory_mb": arguments.max_memory})
+    reading: ReadingSettings = _checked({"reading": (ReadingSettings, limits)})["reading"]
+    return reading
+
+
+def _checked(asked: dict[str, tuple[type, dict[str, Any]]]) -> dict[str, Any]:
+    """The settings of each name, or every problem in them."""
+    from emg2vsa.errors import StudyError
+    from emg2vsa.study_file.problems import checked
+
+    made: dict[str, Any] = {}
+    problems: list[str] = []
     for name, (kind, values) in asked.items():
         made[name], found = checked(kind, values, (name,))
         problems += [f"emg2vsa fit: {problem}" for problem in found]
@@ -118,7 +139,7 @@ def _given(values: dict[str, Any]) -> dict[str, Any]:
 def _list_channels(arguments: argparse.Namespace) -> int:
     from emg2vsa.readers.front_door import open_recording
 
-    name, opened = open_recording(arguments.file)
+    name, opened = open_recording(arguments.file, _reading(arguments))
     channels = opened.describe()
     if arguments.json:
         notes = list(opened.contents.notes)

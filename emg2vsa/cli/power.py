@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
 
 
 def add_to(commands: Commands) -> None:

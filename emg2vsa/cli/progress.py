@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TextIO
 
-from emg2vsa.pipeline.plan import State
+from emg2vsa.pipeline.plan import Step
 from emg2vsa.pipeline.run import Progress
 
 _BAR_WIDTH = 24
@@ -20,22 +20,22 @@ class Screen:
 
     stream: TextIO
     explain: bool = False
-    _stages: str = ""
+    _stage: str = ""
     _total: int = 0
     _done: int = 0
     _failed: int = 0
     _start: float = 0.0
 
-    def begin(self, stages: str, total: int) -> None:
-        self._stages, self._total, self._done, self._failed, self._start = stages, total, 0, 0, time.monotonic()
+    def begin(self, stage: str, total: int) -> None:
+        self._stage, self._total, self._done, self._failed, self._start = stage, total, 0, 0, time.monotonic()
         self._draw()
 
-    def step(self, state: State) -> None:
+    def step(self, step: Step) -> None:
         self._done += 1
-        if state.status == "failed":
+        if step.status == "failed":
             self._failed += 1
-        elif self.explain and state.reasons:
-            self._line(f"{state.step.id}: {shortened(state.reasons)}")
+        elif self.explain and step.reasons:
+            self.say(f"{step.id}: {shortened(step.reasons)}")
         self._draw()
 
     def advance(self, done: int) -> None:
@@ -46,7 +46,7 @@ class Screen:
         seconds = time.monotonic() - self._start
         done = self._done - self._failed
         failed = f", {self._failed} failed" if self._failed else ""
-        self._line(f"{self._stages}: {done} of {self._total} done{failed}, {seconds:.1f} s")
+        self.say(f"{self._stage}: {done} of {self._total} done{failed}, {seconds:.1f} s")
 
     def _draw(self) -> None:
         if not self.stream.isatty():
@@ -55,10 +55,10 @@ class Screen:
         left = (time.monotonic() - self._start) * (1 / share - 1) if share else 0.0
         bar = "#" * round(_BAR_WIDTH * share)
         eta = f", about {left:.0f} s left" if share else ""
-        self.stream.write(f"\r\x1b[K{self._stages} [{bar:<{_BAR_WIDTH}}] {self._done}/{self._total}{eta}")
+        self.stream.write(f"\r\x1b[K{self._stage} [{bar:<{_BAR_WIDTH}}] {self._done}/{self._total}{eta}")
         self.stream.flush()
 
-    def _line(self, text: str) -> None:
+    def say(self, text: str) -> None:
         clear = "\r\x1b[K" if self.stream.isatty() else ""
         self.stream.write(f"{clear}{text}\n")
         self.stream.flush()
@@ -72,10 +72,10 @@ def shortened(reasons: tuple[str, ...], most: int = 3) -> str:
 
 def progress(explain: bool = False, quiet: bool = False) -> Progress:
     """Progress for a terminal or a log; none when ``quiet``."""
-    if quiet:
-        return Progress(lambda stages, total: None, lambda state: None, lambda: None)
     screen = Screen(sys.stderr, explain)
-    return Progress(screen.begin, screen.step, screen.end)
+    if quiet:
+        return Progress(lambda stage, total: None, lambda step: None, lambda: None, screen.say)
+    return Progress(screen.begin, screen.step, screen.end, screen.say)
 
 
 def counter(what: str) -> Callable[[int, int, str], None]:

@@ -9,16 +9,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from emg2vsa.cli.arguments import (
-    Commands,
-    add_command,
-    add_jobs,
-    add_json,
-    add_study,
-    jobs_of,
-    print_json,
-    say_not_used,
-)
+from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_jobs, add_study, add_wait, add_work, jobs_of, say_not_used, study_of
 from emg2vsa.errors import SettingError
 
 if TYPE_CHECKING:
@@ -36,24 +28,29 @@ def add_to(commands: Commands) -> None:
         "--published", type=_date, metavar="DATE", help="date that the archive says it was published, YYYY-MM-DD"
     )
     package.add_argument("--licence", metavar="TEXT", help="licence of the archive: an address, or a sentence")
+    add_work(parser)
+    add_wait(parser)
     add_jobs(parser)
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
-    from emg2vsa.pipeline.manifest import manifest_files
     from emg2vsa.pipeline.run import run_study
-    from emg2vsa.pipeline.steps import stages_for
-    from emg2vsa.study_file import load_study
+    from emg2vsa.pipeline.stage_order import stages_for
 
     _check_package(arguments)
-    study = load_study(arguments.study)
-    shown = progress(quiet=arguments.json)
-    board = run_study(study, stages=stages_for("report"), jobs=jobs_of(arguments), progress=shown)
+    study, below = study_of(arguments)
+    board = run_study(
+        study,
+        stages=stages_for("report"),
+        jobs=jobs_of(arguments),
+        progress=progress(quiet=arguments.json),
+        wait=not arguments.no_wait,
+        below=below,
+    )
     failed = [message for item, stage, message in board.failures() if (item, stage) == ("study", "report")]
-    files = [] if failed else manifest_files(board.result("report/study"))
-    pages = [file for page in board.done("pages") for file in manifest_files(page)]
+    files, pages = board.files("report"), board.files("pages")
     folder = arguments.out or study.reports / "paper"
     package = _package(board, folder, arguments) if arguments.paper and not failed else []
     if arguments.json:

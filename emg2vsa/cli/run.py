@@ -5,26 +5,16 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from emg2vsa.cli.arguments import (
-    Commands,
-    add_command,
-    add_jobs,
-    add_json,
-    add_study,
-    jobs_of,
-    print_json,
-    say_not_used,
-)
+from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_jobs, add_study, add_wait, add_work, jobs_of, say_not_used, study_of
+from emg2vsa.pipeline.stage_order import ORDER
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.plan import Board
     from emg2vsa.study import Study
-
-STAGE_NAMES = (
-    "trials", "fits", "hypotheses", "profiles", "schedules", "runs", "discrimination", "calibration", "pages", "report",
-)  # fmt: skip
 
 
 def add_to(commands: Commands) -> None:
@@ -38,38 +28,44 @@ def add_to(commands: Commands) -> None:
     )
     add_study(parser)
     part = parser.add_mutually_exclusive_group()
-    part.add_argument("--only", choices=STAGE_NAMES, metavar="STAGE", help=f"stop after: {', '.join(STAGE_NAMES)}")
+    part.add_argument("--only", choices=ORDER, metavar="STAGE", help=f"stop after: {', '.join(ORDER)}")
     part.add_argument("--human-only", action="store_true", help="people only: no runs of the rig")
     part.add_argument("--casr-only", action="store_true", help="the rig's runs only, with the schedules they need")
     parser.add_argument("--explain", action="store_true", help="say for every step why it runs")
+    add_work(parser)
+    add_wait(parser)
     add_jobs(parser)
     add_json(parser)
 
 
 def _stages(arguments: argparse.Namespace) -> tuple[str, ...]:
-    from emg2vsa.pipeline.steps import CASR_STAGES, HUMAN_STAGES, stages_for
+    from emg2vsa.pipeline.stage_order import stages_for, stages_of
 
     if arguments.human_only:
-        return HUMAN_STAGES
-    return CASR_STAGES if arguments.casr_only else stages_for(arguments.only)
+        return stages_of("people")
+    return stages_of("rig") if arguments.casr_only else stages_for(arguments.only)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.run import run_study
-    from emg2vsa.study_file import load_study
 
     start = time.monotonic()
-    study = load_study(arguments.study)
+    study, below = study_of(arguments)
     _check_people(arguments, study)
     board = run_study(
-        study, stages=_stages(arguments), jobs=jobs_of(arguments), progress=progress(arguments.explain, arguments.json)
+        study,
+        stages=_stages(arguments),
+        jobs=jobs_of(arguments),
+        progress=progress(arguments.explain, arguments.json),
+        wait=not arguments.no_wait,
+        below=below,
     )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)
-    ran = [state.step.id for state in board.states.values() if state.status == "done"]
+    ran = [step.id for step in board.steps.values() if step.status == "done"]
     notes, rejected = _notes(board), _rejected(board)
-    fresh = sum(state.status == "fresh" for state in board.states.values())
+    fresh = sum(step.status == "fresh" for step in board.steps.values())
     if arguments.json:
         print_json(
             {
@@ -93,9 +89,26 @@ def run(arguments: argparse.Namespace) -> int:
         print(
             f"{study.name}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s"
         )
-        if arguments.only in {None, "report"} and not study_failed:
-            print(f"Report: {study.reports / 'index.html'}")
+        for line in _report_lines(board):
+            print(line)
     return 1 if study_failed else 0
+
+
+def _report_lines(board: Board) -> Iterator[str]:
+    """Where the report is, and what is missing from it."""
+    if not any(step.stage == "report" for step in board.steps.values()):
+        return
+    from emg2vsa.pipeline.stage_order import stage
+
+    page = board.study.reports / "index.html"
+    why = {name: message for item, name, message in board.failures() if item == "study"}
+    if "report" in why:
+        before = " The one there is from an earlier run." if page.exists() else ""
+        yield f"Report: not written to {page}.{before} {why['report']}"
+        return
+    yield f"Report: {page}"
+    for name, message in why.items():
+        yield f"  {stage(name).gives} missing from it: {message}"
 
 
 def _check_people(arguments: argparse.Namespace, study: Study) -> None:
@@ -108,9 +121,9 @@ def _check_people(arguments: argparse.Namespace, study: Study) -> None:
 
 def _notes(board: Board) -> list[str]:
     """What the steps and the folders of runs have to say; the same words of several recordings once."""
-    said = [state for state in board.states.values() if state.message and state.status in {"done", "fresh"}]
-    of_study = [state.message for state in said if state.step.item == "study"]
-    counts = Counter(state.message for state in said if state.step.item != "study" and state.step.stage != "runs")
+    said = [step for step in board.steps.values() if step.message and step.status in {"done", "fresh"}]
+    of_study = [step.message for step in said if step.item == "study"]
+    counts = Counter(step.message for step in said if step.item != "study" and step.stage != "runs")
     of_recordings = [f"{note} ({count} recording{'s' if count != 1 else ''})" for note, count in counts.items()]
     return [*board.campaign.notes, *of_recordings, *of_study]
 
@@ -118,7 +131,7 @@ def _notes(board: Board) -> list[str]:
 def _rejected(board: Board) -> list[dict[str, str]]:
     """Runs with presses that could not be scored: how many, and why most of them."""
     return [
-        {"run": state.step.item, "message": state.message}
-        for state in board.states.values()
-        if state.step.stage == "runs" and state.message and state.status in {"done", "fresh"}
+        {"run": step.item, "message": step.message}
+        for step in board.steps.values()
+        if step.stage == "runs" and step.message and step.status in {"done", "fresh"}
     ]

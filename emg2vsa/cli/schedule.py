@@ -7,16 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from emg2vsa.cli.arguments import (
-    Commands,
-    add_command,
-    add_jobs,
-    add_json,
-    add_study,
-    jobs_of,
-    print_json,
-    say_not_used,
-)
+from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_jobs, add_study, add_wait, add_work, jobs_of, say_not_used, study_of
 
 if TYPE_CHECKING:
     from emg2vsa.schedules import Schedule
@@ -40,6 +32,8 @@ def add_to(commands: Commands) -> None:
         help="only these conditions; repeat",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder (default: schedules/ in the study's report)")
+    add_work(parser)
+    add_wait(parser)
     add_jobs(parser)
     add_json(parser)
 
@@ -48,26 +42,34 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa import artifacts
     from emg2vsa.cli.progress import progress
     from emg2vsa.errors import ScheduleError
+    from emg2vsa.pipeline.places import own_report, writable_or_temporary
     from emg2vsa.pipeline.run import run_study
-    from emg2vsa.pipeline.steps import stages_for
+    from emg2vsa.pipeline.stage_order import stages_for
     from emg2vsa.schedule_files import write_schedule
-    from emg2vsa.study_file import load_study
 
-    study = load_study(arguments.study)
-    board = run_study(
-        study, stages=stages_for("schedules"), jobs=jobs_of(arguments), progress=progress(quiet=arguments.json)
-    )
-    made = board.done("schedules")
-    if not made:
-        message = "; ".join(text for item, _, text in board.failures() if item == "study")
-        raise ScheduleError(
-            arguments.study, wanted="schedules", found="none", do=message or "Run emg2vsa status --explain."
+    whole, below = study_of(arguments)
+    folder = arguments.out or whole.reports / "schedules"
+    if arguments.out is None:
+        own_report(whole)
+    with writable_or_temporary(whole, below) as (study, below):
+        board = run_study(
+            study,
+            stages=stages_for("schedules"),
+            jobs=jobs_of(arguments),
+            progress=progress(quiet=arguments.json),
+            wait=not arguments.no_wait,
+            below=below,
         )
-    schedules = artifacts.load(made[0])
+        made = board.done("schedules")
+        if not made:
+            message = "; ".join(text for item, _, text in board.failures() if item == "study")
+            raise ScheduleError(
+                arguments.study, wanted="schedules", found="none", do=message or "Run emg2vsa status --explain."
+            )
+        schedules = artifacts.load(made[0])
     specimens = _chosen(arguments, "specimen", schedules, "See specimens and new_specimen of its [profile] table.")
     conditions = _chosen(arguments, "condition", schedules, "See conditions of its [schedule] table.")
     chosen = [s for s in schedules if s.specimen in specimens and s.condition in conditions]
-    folder = arguments.out or study.reports / "schedules"
     files = [path for schedule in chosen for path in write_schedule(folder, schedule)]
     if arguments.json:
         print_json({"files": [str(path) for path in files]})

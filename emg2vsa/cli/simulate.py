@@ -7,7 +7,8 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from emg2vsa.cli.arguments import Commands, add_command, add_json, add_study, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_study
 
 if TYPE_CHECKING:
     from emg2vsa.study import Study

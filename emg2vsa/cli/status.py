@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections import Counter
 
-from emg2vsa.cli.arguments import Commands, add_command, add_json, add_study, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_study, add_work, study_of
+
+STATUSES = ("fresh", "stale", "waits", "failed", "blocked")
 
 
 def add_to(commands: Commands) -> None:
@@ -13,35 +17,41 @@ def add_to(commands: Commands) -> None:
         commands,
         "status",
         run,
-        "Say which steps of a study are fresh, stale, failed or blocked; nothing is computed.",
-        "Fresh: its result is there. Stale: emg2vsa run would do it. Failed: its input must change first. Blocked: the "
-        "step before it failed. The exit status is 0 in each case.",
+        "Say which steps of a study are fresh, stale, waiting, failed or blocked; nothing is computed.",
+        "Fresh: its result is there. Stale: emg2vsa run does it. Waits: a step before it is stale, and it runs only "
+        "if that gives another result. Failed: its input must change first. Blocked: the step before it failed. The "
+        "exit status is 0 in each case.",
     )
     add_study(parser)
     parser.add_argument("--explain", action="store_true", help="list every step that is not fresh, with its reasons")
+    add_work(parser)
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import shortened
+    from emg2vsa.pipeline.lock import holder
     from emg2vsa.pipeline.plan import survey
-    from emg2vsa.pipeline.steps import stages_for
-    from emg2vsa.study_file import load_study
+    from emg2vsa.pipeline.stage_order import ORDER
 
-    stages = stages_for(None)
-    board = survey(load_study(arguments.study), stages)
-    states = board.states.values()
+    study, below = study_of(arguments)
+    board = survey(study, ORDER, lambda text: print(text, file=sys.stderr), below=below)
+    steps = board.steps.values()
+    held = holder(study.results)
     if arguments.json:
-        print_json({s.step.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in states})
+        told = {s.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in steps}
+        print_json(told)
         return 0
-    print(f"{'stage':<15}{'fresh':>7}{'stale':>7}{'failed':>8}{'blocked':>9}")
-    for stage in stages:
-        count = Counter(state.status for state in states if state.step.stage == stage)
-        print(f"{stage:<15}{count['fresh']:>7}{count['stale']:>7}{count['failed']:>8}{count['blocked']:>9}")
+    counts = Counter((step.stage, step.status) for step in steps)
+    print(f"{'stage':<15}" + "".join(f"{status:>9}" for status in STATUSES))
+    for stage in ORDER:
+        print(f"{stage:<15}" + "".join(f"{counts[stage, status]:>9}" for status in STATUSES))
+    if held:
+        print(f"A run is under way: {held}.")
     if arguments.explain:
-        for state in states:
-            if state.status != "fresh":
-                print(f"{state.status}: {state.step.id}: {shortened(state.reasons, 6) or state.message}")
-    elif any(state.status != "fresh" for state in states):
+        for step in steps:
+            if step.status != "fresh":
+                print(f"{step.status}: {step.id}: {shortened(step.reasons, 6) or step.message}")
+    elif any(step.status != "fresh" for step in steps):
         print("Reasons: emg2vsa status --explain")
     return 0

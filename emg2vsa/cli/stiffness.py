@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
 
 if TYPE_CHECKING:
     from emg2vsa.arrays import Floats

@@ -1,4 +1,8 @@
-"""Do groups differ? The paper's one-way analysis of variance, and what does not rest on its assumptions."""
+"""Do groups differ? The paper's one-way analysis of variance, and what does not rest on its assumptions.
+
+Is each sample Gaussian? The paper's Kolmogorov-Smirnov in both its forms, and the two tests that can tell. Are groups
+equal? Not having found a difference does not say so: what the data bound, and tests against a margin.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +12,44 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
-from emg2vsa.stats.anova import Anova, one_way
+from emg2vsa.stats.anova import Anova, VarianceTests, brown_forsythe, one_way
 from emg2vsa.stats.bayes import BayesFactors, jzs_anova
 from emg2vsa.stats.effect_size import eta2_interval
-from emg2vsa.stats.group_moments import group_moments
+from emg2vsa.stats.equivalence import Equivalence, MarginUnit, tost
 from emg2vsa.stats.kruskal import KruskalWallis, kruskal
+from emg2vsa.stats.lilliefors import Lilliefors, lilliefors
+from emg2vsa.stats.moments import group_moments
+from emg2vsa.stats.normality import KsTests, ks_normal
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.variances import VarianceTests, levene
+from emg2vsa.stats.shapiro import ShapiroWilk, shapiro_wilk
 from emg2vsa.stats.welch import WelchAnova, welch
 
 _NOTHING = 1e-12
 """An end of an interval below this is 0: the search for it stops above."""
+
+
+@dataclass(frozen=True)
+class NormalityTests:
+    """Four tests of k samples, row by row."""
+
+    standardised: KsTests
+    raw: KsTests
+    lilliefors: Lilliefors
+    shapiro: ShapiroWilk
+
+    def outcomes(self, i: int) -> tuple[Outcome, ...]:
+        """All tests of sample ``i``."""
+        return tuple(tests.outcome(i) for tests in (self.standardised, self.raw, self.lilliefors, self.shapiro))
+
+
+def normality_of(values: ArrayLike, origin: float = 0.0) -> NormalityTests:
+    """Test each row of ``values`` (k, n), relative to ``origin``; NaN marks a value that is not there."""
+    return NormalityTests(
+        standardised=ks_normal(values, standardise=True),
+        raw=ks_normal(np.asarray(values) + origin, standardise=False),
+        lilliefors=lilliefors(values),
+        shapiro=shapiro_wilk(values),
+    )
 
 
 @dataclass(frozen=True)
@@ -68,9 +99,36 @@ def group_tests(values: ArrayLike, confidence: float = 0.95) -> GroupTests:
         eta2_low=low,
         eta2_high=high,
         welch=welch(values),
-        brown_forsythe=levene(values),
+        brown_forsythe=brown_forsythe(values),
         kruskal=kruskal(values),
         bayes=jzs_anova(values),
         sd=groups.to_data(sd),
         confidence=confidence,
     )
+
+
+@dataclass(frozen=True)
+class EqualityTests:
+    """Over all pairs of groups of d designs.
+
+    bound : (d,) smallest margin within which every pair would be shown equal, in the unit of the data; bound_sd : in
+    pooled SDs of the design. tost : against the stated margin, both None without one.
+    """
+
+    bound: Floats
+    bound_sd: Floats
+    tost: Equivalence | None
+    margin: float | None
+    alpha: float
+
+
+def equality_tests(
+    values: ArrayLike, anova: Anova, alpha: float, margin: float | None = None, unit: MarginUnit = "data"
+) -> EqualityTests:
+    """Two one-sided tests of all pairs of ``values`` (d, k, n) whose ``anova`` is known; each at ``alpha``."""
+    stated = tost(values, margin or 1.0, unit=unit, alpha=alpha)  # the intervals do not depend on the margin
+    ends = np.fmax(np.abs(stated.low), np.abs(stated.high))
+    bound = np.fmax.reduce(ends, axis=1, initial=-np.inf)
+    bound = np.where(np.isfinite(bound), bound, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return EqualityTests(bound, bound / anova.sd, stated if margin else None, margin, alpha)

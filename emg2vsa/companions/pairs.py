@@ -9,14 +9,11 @@ from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.groups import GroupTests
-from emg2vsa.stats.dunn import RankPairs, dunn
 from emg2vsa.stats.effect_size import hedges_g
-from emg2vsa.stats.lsd import lsd
+from emg2vsa.stats.kruskal import RankPairs, dunn
 from emg2vsa.stats.mann_whitney import MannWhitney, mann_whitney
-from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.pair_differences import PairDifferences
-from emg2vsa.stats.tukey import tukey
+from emg2vsa.stats.post_hoc import PairDifferences, adjust, lsd, tukey
 from emg2vsa.stats.welch import games_howell
 
 
@@ -78,7 +75,7 @@ def pair_tests(
 ) -> PairTests:
     """All pairs of ``values`` (d, k, n) whose ``groups`` were tested before. protected : of the LSD, see there."""
     uncorrected = lsd(groups.anova, confidence)
-    ranks = mann_whitney(values, "exact", confidence)
+    ranks = mann_whitney(values, confidence)
     g, low, high = _hedges(groups, uncorrected.first, uncorrected.second, confidence)
     return PairTests(
         lsd=lsd(groups.anova, confidence, protected=True) if protected else uncorrected,

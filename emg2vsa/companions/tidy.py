@@ -9,11 +9,11 @@ from decimal import Decimal
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.companions.equality import EqualityTests, equality_tests
+from emg2vsa.companions.groups import EqualityTests, equality_tests
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.errors import DataError
 from emg2vsa.stats.clusters import Names, clusters_of
-from emg2vsa.stats.exact_shift import shifted_doubles
+from emg2vsa.stats.moments import shifted_doubles
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from scipy import special
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.huber import fit_line_huber
 from emg2vsa.curves.line import Line, fit_line, join
-from emg2vsa.errors import DataError
 
 LEVEL_FLOOR = 0.1
 """Smallest fitted level that sets a weight, as a share of the trial's largest: no weight exceeds 100 times another."""
@@ -24,7 +23,7 @@ _POINTS_AT_ONCE = 46_000  # keeps the temporaries of a block inside the processo
 class LogFit:
     """k fits of v = a + b ln F; every field (k,). Natural logarithm, F in newtons, a and b in the unit of v.
 
-    a_se, b_se : standard errors. b_lo, b_hi : Student-t interval of b. n : points used; dof : n - 2.
+    a_se, b_se : standard errors. b_lo, b_hi : Student-t interval of b. n : points used.
     Undefined numbers are NaN: everything below two points, errors and adjusted R^2 at two, R^2 of a constant v.
     """
 
@@ -37,33 +36,24 @@ class LogFit:
     r2: Floats
     adj_r2: Floats
     n: NDArray[np.int64]
-    dof: NDArray[np.int64]
 
     def at(self, force_n: ArrayLike) -> Floats:
         """Fitted v (k, p) at forces (p,) or (k, p), newtons."""
         return self.a[:, None] + self.b[:, None] * np.log(np.atleast_2d(np.asarray(force_n, dtype=np.float64)))
 
 
-def fit_log(
-    force_n: ArrayLike,
-    v: ArrayLike,
-    weights: ArrayLike | None = None,
-    robust: bool = False,
-    confidence: float = 0.95,
-) -> LogFit:
+def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: float = 0.95) -> LogFit:
     """Fit v = a + b ln F to each row.
 
-    force_n : (p,) for a common grid, or (k, p), newtons. v : (p,) or (k, p). weights : as v, >= 0, relative.
-    Rows of different length are padded: a point counts only where F > 0, F and v are finite and the weight is > 0.
-    robust : Huber weights on top of ``weights``. DataError where the shapes do not fit.
+    force_n : (p,) for a common grid, or (k, p), newtons. v : (p,) or (k, p).
+    Rows of different length are padded: a point counts only where F > 0 and F and v are finite.
+    robust : Huber weights.
     """
     v = np.atleast_2d(np.asarray(v, dtype=np.float64))
     force = np.asarray(force_n, dtype=np.float64)
-    w = None if weights is None else np.asarray(weights, dtype=np.float64)
-    _check_shapes(v, force, w)
     rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
     cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
-    line = join([_fit_block(v[cut], _cut(force, cut), None if w is None else _cut(w, cut), robust) for cut in cuts])
+    line = join([_fit_block(v[cut], force if force.ndim == 1 else force[cut], robust) for cut in cuts])
     return _log_fit(line, confidence)
 
 
@@ -79,19 +69,14 @@ def _log_fit(line: Line, confidence: float) -> LogFit:
         r2=line.r2,
         adj_r2=line.adj_r2,
         n=line.n,
-        dof=line.dof,
     )
 
 
-def _cut(array: Floats, rows: slice) -> Floats:
-    return array if array.ndim == 1 else array[rows]
-
-
-def _fit_block(v: Floats, force: Floats, weights: Floats | None, robust: bool) -> Line:
+def _fit_block(v: Floats, force: Floats, robust: bool) -> Line:
     """The line through (ln F, v) for a block of rows; points that do not count get weight 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         x = np.log(force)
-    return _fit_points(x, v, weights, robust)
+    return _fit_points(x, v, None, robust)
 
 
 def _fit_points(x: Floats, v: Floats, weights: Floats | None, robust: bool) -> Line:
@@ -155,14 +140,3 @@ def _t_quantile(dof: NDArray[np.int64], confidence: float) -> Floats:
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
     return np.asarray(quantile, dtype=np.float64)[where]
-
-
-def _check_shapes(v: Floats, force: Floats, weights: Floats | None) -> None:
-    where = "logarithmic fit"
-    if v.ndim != 2:
-        raise DataError(where, wanted="v of shape (trials, points)", found=str(v.shape), do="Pass one row per trial.")
-    for name, array in (("force", force), ("weights", weights)):
-        if array is not None and array.shape not in (v.shape, v.shape[1:]):
-            raise DataError(
-                where, wanted=f"{name} of shape {v.shape} or {v.shape[1:]}", found=str(array.shape), do="Pad the rows."
-            )

@@ -11,9 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.companions.equality import EqualityTests, equality_tests
-from emg2vsa.companions.groups import GroupTests, group_tests
-from emg2vsa.companions.normality import NormalityTests, normality_of
+from emg2vsa.companions.groups import (
+    EqualityTests,
+    GroupTests,
+    NormalityTests,
+    equality_tests,
+    group_tests,
+    normality_of,
+)
 from emg2vsa.companions.pairs import PairTests, pair_tests
 from emg2vsa.discrimination.run_table import RunTable, mean_of
 from emg2vsa.settings import DiscriminationSettings

@@ -1,4 +1,8 @@
-"""The stage from scored runs to what section VI of the paper says of areas, rates, algorithms and actuators."""
+"""The stage from scored runs to what section VI of the paper says of areas, rates, algorithms and actuators.
+
+CASR: does it tell the known specimens apart, and do softer ones have the larger? Does that of the new specimen lie
+between those of its neighbours in stiffness, and apart from both?
+"""
 
 from __future__ import annotations
 
@@ -6,16 +10,128 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from emg2vsa.arrays import Floats
+from emg2vsa.companions.groups import GroupTests, NormalityTests, group_tests, normality_of
+from emg2vsa.companions.pairs import PairTests, pair_tests
 from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
-from emg2vsa.discrimination.new_specimen import NewSpecimen, beside_neighbours
-from emg2vsa.discrimination.run_table import RunTable, run_table
-from emg2vsa.discrimination.spread import SpreadBySpecimen, spread_by_specimen
+from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
 from emg2vsa.errors import DataError
 from emg2vsa.runs import RunScores
 from emg2vsa.settings import DiscriminationSettings
+from emg2vsa.stats.kruskal import RankPairs, dunn, kruskal
+from emg2vsa.stats.mann_whitney import mann_whitney
+from emg2vsa.stats.post_hoc import adjust
+
+
+@dataclass(frozen=True)
+class NewSpecimen:
+    """The new specimen beside its stiffer and its softer neighbour in each of D designs; (D, 2) unless said.
+
+    neighbours : their names, "" where there is none. p : exact Mann-Whitney, Holm over the neighbours. p_mean_rank :
+    Dunn on the ranks of all ``specimens`` (their number), Bonferroni over all pairs, as the paper compares. shift, low,
+    high : Hodges-Lehmann, new less neighbour. between : (D,) whether its mean lies between theirs. discriminated : (D,)
+    whether it does and p tells it from each neighbour.
+    """
+
+    name: str
+    neighbours: tuple[str, str]
+    specimens: int
+    p: Floats
+    p_mean_rank: Floats
+    shift: Floats
+    low: Floats
+    high: Floats
+    between: NDArray[np.bool_]
+    discriminated: NDArray[np.bool_]
+
+
+def _beside_neighbours(table: RunTable, settings: DiscriminationSettings) -> NewSpecimen | None:
+    """None where no new specimen was pressed."""
+    if table.new < 0:
+        return None
+    places, values = (table.new - 1, table.new + 1), table.casr[table.algorithm]
+    stiffer, own, softer = (_of_specimen(values, place) for place in (places[0], table.new, places[1]))
+    ranks = mann_whitney(np.stack([own, stiffer, softer], axis=1), confidence=1 - settings.alpha)
+    p = adjust(ranks.p[:, :2], "holm")
+    pooled = dunn(kruskal(values))
+    low, mean, high = (mean_of(presses) for presses in (stiffer, own, softer))
+    between = (mean > low) & (mean < high)
+    return NewSpecimen(
+        name=table.specimens[table.new],
+        neighbours=(_name(table, places[0]), _name(table, places[1])),
+        specimens=len(table.specimens),
+        p=p,
+        p_mean_rank=np.stack([_of_pair(pooled, table.new, place) for place in places], axis=1),
+        shift=ranks.shift[:, :2],
+        low=ranks.low[:, :2],
+        high=ranks.high[:, :2],
+        between=between,
+        discriminated=between & np.all(p < settings.alpha, axis=1),
+    )
+
+
+def _of_specimen(values: Floats, place: int) -> Floats:
+    """(D, R) presses of a specimen; NaN where there is no such place."""
+    there = 0 <= place < values.shape[1]
+    return values[:, place] if there else np.full((values.shape[0], values.shape[2]), np.nan)
+
+
+def _of_pair(found: RankPairs, one: int, other: int) -> Floats:
+    """(D,) p of a pair in either order; NaN where there is no such pair."""
+    pair = np.flatnonzero((found.first == min(one, other)) & (found.second == max(one, other)))
+    return found.p[:, pair[0]] if pair.size else np.full(len(found.p), np.nan)
+
+
+def _name(table: RunTable, place: int) -> str:
+    return table.specimens[place] if 0 <= place < len(table.specimens) else ""
+
+
+@dataclass(frozen=True)
+class SpreadBySpecimen:
+    """Known specimens, stiffest first, compared within each of D designs.
+
+    normality : of the D S cells. pairs : the paper's mean ranks with Bonferroni's correction are ``pairs.dunn``, the
+    companions with Holm's are the exact Mann-Whitney tests. rises : (D,) whether every softer specimen has the larger
+    mean.
+    """
+
+    specimens: tuple[str, ...]
+    normality: NormalityTests
+    groups: GroupTests
+    pairs: PairTests
+    rises: NDArray[np.bool_]
+
+    @property
+    def worst_p(self) -> Floats:
+        """(D,) largest p of the paper's pairwise comparison; NaN where there is none."""
+        return _largest(self.pairs.dunn.p)
+
+    @property
+    def worst_p_holm(self) -> Floats:
+        """(D,) largest p of the exact Mann-Whitney tests, Holm."""
+        return _largest(self.pairs.p_rank_holm)
+
+
+def _spread_by_specimen(table: RunTable, settings: DiscriminationSettings) -> SpreadBySpecimen:
+    """Kruskal-Wallis and all pairs of the known specimens."""
+    values = table.casr[table.algorithm][:, table.known]
+    d, k, n = values.shape
+    groups = group_tests(values, 1 - settings.alpha)
+    return SpreadBySpecimen(
+        specimens=tuple(table.specimens[i] for i in table.known),
+        normality=normality_of(values.reshape(d * k, n)),
+        groups=groups,
+        pairs=pair_tests(values, groups, 1 - settings.alpha),
+        rises=np.all(np.diff(groups.anova.mean, axis=1) > 0, axis=1),
+    )
+
+
+def _largest(p: Floats) -> Floats:
+    return np.asarray(np.fmax.reduce(p, axis=1, initial=np.nan))
 
 
 @dataclass(frozen=True)
@@ -53,8 +169,8 @@ def discriminate(
         table=table,
         area=area_by_specimen(table, settings),
         area_by_angle=area_by_angle(table, settings),
-        spread=spread_by_specimen(table, settings),
-        new=beside_neighbours(table, settings),
+        spread=_spread_by_specimen(table, settings),
+        new=_beside_neighbours(table, settings),
         algorithms=compare_algorithms(table, settings),
         conditions=compare_conditions(table, settings),
         notes=_notes(table, new_specimen, settings),

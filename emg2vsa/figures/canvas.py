@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Sequence
+from string import ascii_lowercase
 from typing import Any
 
 import matplotlib as mpl
@@ -59,19 +60,9 @@ def new_figure(
 
     margins_mm : left, right, bottom, top.
     """
-    left, right, bottom, top = margins_mm
-    figure = Figure(figsize=(width_mm / _MM_PER_INCH, height_mm / _MM_PER_INCH))
-    unit = (width_mm - left - right - gap_mm * (len(shares) - 1)) / sum(shares)
-    boxes = [
-        (
-            (left + unit * sum(shares[:i]) + i * gap_mm) / width_mm,
-            bottom / height_mm,
-            unit * share / width_mm,
-            1 - (bottom + top) / height_mm,
-        )
-        for i, share in enumerate(shares)
-    ]
-    return figure, [figure.add_axes(box) for box in boxes]
+    panel_mm = height_mm - margins_mm[2] - margins_mm[3]
+    figure, (row,) = _panels(width_mm, 1, shares, panel_mm, margins_mm, (gap_mm, 0.0))
+    return figure, row
 
 
 def show_zero(axes: Axes, values: ArrayLike) -> None:
@@ -122,3 +113,41 @@ def inline_svg(svg: str, prefix: str, title: str, description: str) -> str:
         f'{head} style="{widths}" role="img" aria-labelledby="{prefix}-title {prefix}-desc">'
         f'<title id="{prefix}-title">{title}</title><desc id="{prefix}-desc">{description}</desc>{rest}'
     )
+
+
+def panel_grid(
+    rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float], gaps_mm: tuple[float, float]
+) -> tuple[Figure, list[list[Axes]]]:
+    """A figure over both columns of the page, and its axes row by row. Call it inside ``style()``.
+
+    shares : widths of the columns, relative. panel_mm : height of a panel. margins_mm : left, right, bottom, top.
+    gaps_mm : between columns, between rows.
+    """
+    figure, axes = _panels(TWO_COLUMNS_MM, rows, shares, panel_mm, margins_mm, gaps_mm)
+    for letter, panel in zip(ascii_lowercase, (panel for row in axes for panel in row), strict=False):
+        panel.set_title(f"({letter})", loc="left")
+    return figure, axes
+
+
+def _panels(
+    width_mm: float,
+    rows: int,
+    shares: Sequence[float],
+    panel_mm: float,
+    margins_mm: Sequence[float],
+    gaps_mm: tuple[float, float],
+) -> tuple[Figure, list[list[Axes]]]:
+    left, right, bottom, top = margins_mm
+    across, down = gaps_mm
+    height_mm = bottom + top + rows * panel_mm + (rows - 1) * down
+    figure = Figure(figsize=(width_mm / _MM_PER_INCH, height_mm / _MM_PER_INCH))
+    unit = (width_mm - left - right - across * (len(shares) - 1)) / sum(shares)
+    lefts = [(left + unit * sum(shares[:column]) + column * across) / width_mm for column in range(len(shares))]
+    bottoms = [1 - (top + (row + 1) * panel_mm + row * down) / height_mm for row in range(rows)]
+    return figure, [
+        [
+            figure.add_axes((x, y, unit * share / width_mm, panel_mm / height_mm))
+            for x, share in zip(lefts, shares, strict=True)
+        ]
+        for y in bottoms
+    ]

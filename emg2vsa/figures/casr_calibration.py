@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import kappa_of, x_of
 from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, LawResult
-from emg2vsa.figures.grid import panel_grid
+from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import INK, MUTED, Look
 from emg2vsa.settings import Law
 

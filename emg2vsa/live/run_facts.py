@@ -1,15 +1,15 @@
-"""What the page says of a run that does not change while it runs."""
+"""What the page says of a run: what does not change while it runs, and how it ended."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Literal
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.rig_settings import RigSettings
-
-PLAN_FILE = "plan.json"
+from emg2vsa.rig.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,7 @@ def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         plan, rig = document["plan"], document["rig"]
-        axis = RigSettings(
-            gear_mm_per_degree=rig["gear_mm_per_degree"], home_ticks=rig["home_ticks"], push_sign=rig["push_sign"]
-        )
+        axis = axis_of(rig)
         low, high = rig["stiffness_percent"]
         facts = RunFacts(
             name=folder.name,
@@ -51,9 +49,56 @@ def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:
             force_limit_n=rig["guards"]["force_n"],
             max_preset_ticks=rig["max_preset_ticks"],
             stiffness_percent=(low, high),
-            emulated=(folder / "emulated.json").is_file(),
+            emulated=(folder / EMULATED_FILE).is_file(),
         )
     except (OSError, ValueError, TypeError, KeyError) as error:
         found, do = f"{type(error).__name__}: {error}", "Choose the folder of a run, or of runs."
         raise RecordingError(path, wanted="the plan of a run", found=found, do=do) from error
     return facts, axis
+
+
+_HOW = {
+    "completed": "Completed", "stopped": "Stopped", "interrupted": "Interrupted",
+    "guard": "Ended by a guard", "failed": "Ended by an error of the program",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended, in words for those who stand beside it."""
+
+    kind: Literal["good", "stopped", "guard", "danger"]
+    "Danger: nobody knows that the rig is safe."
+    title: str
+    text: str
+
+
+def read_ending(folder: Path, repetitions: int) -> Ending | None:
+    """How the run in ``folder`` ended, after how many of ``repetitions`` presses; None as long as nothing says so.
+
+    ended.json says "killed" from the start, and "killed" is never told from "still running" by the file alone.
+    """
+    try:
+        said = json.loads((folder / "ended.json").read_text(encoding="utf-8"))
+        return None if said["how"] == "killed" else _ending(said, repetitions)
+    except (OSError, ValueError, TypeError, KeyError):  # not there yet, or being replaced
+        return None
+
+
+def _ending(said: dict[str, Any], repetitions: int) -> Ending:
+    how = said["how"]
+    title = _HOW[how] + (f": {said['cause']}" if said["cause"] else "")
+    done = f"{said['repetitions_done']} of {repetitions} presses done"
+    where = "" if how == "completed" else f", ended in phase {said['phase']}"
+    why = "" if how == "stopped" else said["why"]  # the cause says it all
+    sentences = [f"{done}{where}", why, *_safety(said), *said["notes"]]
+    safe = said["retracted"] and said["deactivated"]
+    kind: Any = "danger" if not safe else {"completed": "good", "stopped": "stopped"}.get(how, "guard")
+    return Ending(kind, title, " ".join(f"{text[0].upper()}{text[1:].rstrip('.')}." for text in sentences if text))
+
+
+def _safety(said: dict[str, Any]) -> tuple[str, str]:
+    return (
+        "Probe retracted" if said["retracted"] else "Probe NOT known to be retracted",
+        "Motors off" if said["deactivated"] else "Motors NOT known to be off: cut their power",
+    )

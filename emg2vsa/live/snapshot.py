@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from emg2vsa.live.ending import Ending
-from emg2vsa.live.run_facts import RunFacts
+from emg2vsa.live.run_facts import Ending, RunFacts
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig.run_log import Row
 

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from dataclasses import asdict
 from pathlib import Path
 
+import cv2
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
@@ -15,12 +16,15 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from emg2vsa.errors import Emg2vsaError
-from emg2vsa.live.ending import read_ending
 from emg2vsa.live.follow import Follower, newest_run
-from emg2vsa.live.newest_frame import newest_frame
-from emg2vsa.live.stop_button import request_stop
+from emg2vsa.live.run_facts import read_ending
+from emg2vsa.rig.stop_requests import request_stop
+from emg2vsa.rig.tiff_pages import newest_page
 
+STOP_REASON = "STOP on the live page"
 _PERIOD_S = 0.05
+_QUALITY = 90
+"""Of the JPEG; to be looked at, not measured."""
 _PAGE = Path(__file__).parent / "page" / "watch"
 
 
@@ -43,7 +47,7 @@ def watch_routes(folder: Path) -> list[BaseRoute]:
         if run is None or read_ending(run, 0):
             return PlainTextResponse("nothing is running", status_code=409)
         try:
-            request_stop(run)
+            request_stop(run, STOP_REASON)
         except OSError as error:
             return PlainTextResponse(error.strerror or str(error), status_code=500)
         return PlainTextResponse(run.name)
@@ -63,3 +67,16 @@ async def moments(follower: Follower, period_s: float = _PERIOD_S) -> AsyncItera
         snapshot = await run_in_threadpool(follower.look)
         yield f"data: {json.dumps(asdict(snapshot), separators=(',', ':'))}\n\n"
         await asyncio.sleep(period_s)
+
+
+def newest_frame(run: Path) -> bytes | None:
+    """JPEG of the newest frame saved of the run in folder ``run``; None while there is none.
+
+    DeviceError when the file is not the rig's.
+    """
+    for frames in sorted(run.glob("press-*/frames.tif"), key=lambda path: (len(path.parent.name), path), reverse=True):
+        image = newest_page(frames)
+        if image is not None:
+            _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
+            return jpeg.tobytes()
+    return None

@@ -1,26 +1,25 @@
-"""The rig's part of a study: which runs there are, and the emulated rig that makes them, if one does."""
+"""A study whose runs have been looked up: those that an emulated rig is to make, or those that were measured."""
 
 from __future__ import annotations
 
 import importlib
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from emg2vsa.errors import DataError
-from emg2vsa.run_folders.find import RUNS_TABLE, find_runs, left_out
-from emg2vsa.study import RunEntry, RunsSource, Study
+from emg2vsa.readers.bids_sidecars import SideFileIndex
+from emg2vsa.run_folders.find import RUNS_TABLE, find_runs, left_by_emulator, left_out
+from emg2vsa.study import RecordingEntry, RunEntry, RunsSource, Study
 
 if TYPE_CHECKING:
-    from emg2vsa.rig.emulated.settings import EmulatedSettings
-    from emg2vsa.rig.experiment import ExperimentSettings
-    from emg2vsa.rig.rig_settings import RigSettings
     from emg2vsa.rig_file import RigFile
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """A study whose runs have been looked up.
+    """A study with its recordings and runs by key.
 
     rig : the rig file of an emulated rig; None for measured runs. notes : what is to be said of measured runs.
     """
@@ -29,15 +28,28 @@ class Campaign:
     rig: RigFile | None = None
     notes: tuple[str, ...] = ()
 
+    @cached_property
+    def recordings(self) -> dict[str, RecordingEntry]:
+        """``participant/specimen`` to the recording."""
+        return {f"{entry.participant}/{entry.specimen}": entry for entry in self.study.recordings}
 
-@dataclass(frozen=True)
-class Emulation:
-    """The emulated rig, and what it is to do. ``schedules``: their result file, None where none could be made."""
+    @cached_property
+    def cells(self) -> dict[str, tuple[str, ...]]:
+        """Participant to the keys of their recordings."""
+        found: dict[str, list[str]] = {}
+        for key, entry in self.recordings.items():
+            found.setdefault(entry.participant, []).append(key)
+        return {participant: tuple(keys) for participant, keys in found.items()}
 
-    rig: RigSettings
-    emulated: EmulatedSettings
-    experiment: ExperimentSettings
-    schedules: Path | None
+    @cached_property
+    def side_files(self) -> SideFileIndex:
+        """Listings of the folders of the recordings, each read once."""
+        return SideFileIndex()
+
+    @cached_property
+    def runs(self) -> dict[str, RunEntry]:
+        """``specimen_angle_condition`` to the run."""
+        return {entry.key: entry for entry in self.study.runs}
 
 
 def campaign(study: Study) -> Campaign:
@@ -63,7 +75,21 @@ def campaign(study: Study) -> Campaign:
             found=", ".join(unknown),
             do="Leave them out, or give their stiffness in the study file.",
         )
-    return Campaign(replace(study, runs=tuple(RunEntry(*run, ()) for run in rig.experiment.all_runs())), rig)
+    left = left_virtual_runs(study)
+    notes = (
+        f"{study.path.parent / 'runs'} holds {len(left)} run{'s' if len(left) != 1 else ''} that the emulated rig of "
+        f"version 0.1.0 made. Move them away from measured ones: emg2vsa clean {study.path} --move-virtual",
+    )
+    runs = tuple(RunEntry(*run, ()) for run in rig.experiment.all_runs())
+    return Campaign(replace(study, runs=runs), rig, notes if left else ())
+
+
+def left_virtual_runs(study: Study) -> tuple[Path, ...]:
+    """Runs in ``runs`` beside the study file that the emulated rig of version 0.1.0 made; they go elsewhere now."""
+    source, before = study.runs_source, study.path.parent / "runs"
+    if source is None or source.rig is None or source.root == before or not before.is_dir():
+        return ()
+    return left_by_emulator(before)
 
 
 def _measured(study: Study, source: RunsSource) -> Campaign:

@@ -1,28 +1,32 @@
-"""What a result depends on, as short digests: file contents, code, settings, library versions.
+"""Digests of file contents and of settings. Those of files are remembered, so that unchanged data are not read again.
 
-File and module digests are remembered by size, modification time and inode, so that an unchanged study is recognised
-without reading its data again.
+A file counts as unchanged while size, times of modification and of change, and inode are the same. A file that was
+changed within the last moments is read again next time: the clock of a file system is coarser than a program is fast.
 """
 
 from __future__ import annotations
 
-import ast
+import contextlib
 import dataclasses
 import hashlib
-import importlib.metadata
-import importlib.util
 import json
+import os
 import sys
-from collections.abc import Iterable
-from functools import cache
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.atomic import write_text_atomic
+from casr.atomic import write_bytes_atomic
+from emg2vsa.pipeline.stage import Keyed
 
-PACKAGES = frozenset({"emg2vsa", "casr"})
-NOT_CODE = frozenset({"emg2vsa", "casr", "emg2vsa.settings", "emg2vsa.errors", "emg2vsa.study"})
-"""Modules that only declare: a step's settings enter its key by value, and error texts change no result."""
+State = tuple[int, int, int, int]
+"""Size, times of modification and of change (ns), inode."""
+
+MISSING = "missing"
+_SETTLED_NS = 1_000_000_000
+_START, _MIDDLE = b'{"sum": "', b'", "files": '
+_INSTALLED = "installed libraries"
 
 
 def digest(*parts: str | bytes) -> str:
@@ -35,135 +39,162 @@ def digest(*parts: str | bytes) -> str:
     return state.hexdigest()
 
 
-def as_json(value: Any) -> Any:
-    """Settings as plain JSON values, in a fixed order."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: as_json(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, dict):
-        return {str(key): as_json(item) for key, item in sorted(value.items())}
-    if isinstance(value, (list, tuple)):
-        return [as_json(item) for item in value]
-    return str(value) if isinstance(value, Path) else value
-
-
-@cache
-def library_version(name: str) -> str:
-    """Installed version, or ``absent``."""
+def state_of(path: str | Path) -> State | None:
+    """What tells that a file may have changed; None where there is none."""
     try:
-        return importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        return "absent"
-
-
-def library_versions(names: Iterable[str]) -> dict[str, str]:
-    """Name to version, Python's own first."""
-    return {"python": f"{sys.version_info[0]}.{sys.version_info[1]}"} | {name: library_version(name) for name in names}
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_size, found.st_mtime_ns, found.st_ctime_ns, found.st_ino
 
 
 class Fingerprints:
-    """Digests of files and modules, remembered between runs in one JSON file."""
+    """What was computed from files, remembered between runs in one JSON file. Nothing is lost with it but time.
 
-    def __init__(self, memory: Path) -> None:
+    warn : is told when the memory was damaged.
+    """
+
+    def __init__(self, memory: Path, warn: Callable[[str], None] = lambda text: None) -> None:
         self._memory = memory
-        try:
-            self._known: dict[str, list[Any]] = json.loads(memory.read_text())
-        except (OSError, ValueError):
-            self._known = {}
+        self._known: dict[str, list[Any]] = {}
         self._changed = False
-        self._modules: dict[str, tuple[str, list[str]] | None] = {}
-        self._reached: dict[tuple[str, ...], dict[str, str]] = {}
+        with contextlib.suppress(FileNotFoundError):
+            self._known = _read(memory, warn)
 
     def save(self) -> None:
-        """Write the memory back if it changed."""
+        """Write the memory back if it changed; where nothing may be written, the next program reads the files again."""
         if self._changed:
-            write_text_atomic(self._memory, json.dumps(self._known))
-            self._changed = False
+            with contextlib.suppress(OSError):
+                files = json.dumps(self._known).encode()
+                write_bytes_atomic(self._memory, _head(files) + files + b"}")
+                self._changed = False
 
-    def file(self, path: Path) -> str:
+    def file(self, path: str | Path) -> str:
         """Digest of a file's content; ``missing`` where there is none."""
-        return str(self._remembered(path, lambda data: [digest(data)])[0])
+        return self.seen(str(path))[1]
 
-    def code(self, roots: Iterable[str]) -> dict[str, str]:
-        """Module name to digest, for the roots and every project module they reach through imports.
+    def seen(self, path: str) -> tuple[State | None, str]:
+        """State and digest of a file's content, as of one moment."""
+        state = state_of(path)
+        value = self.computed(path, digest, state)
+        return state, MISSING if value is None else str(value)
 
-        Comments and docstrings do not count; a changed helper of a helper does.
+    def computed(self, path: str, compute: Callable[[bytes], Any], state: State | None) -> Any:
+        """What ``compute`` makes of the content of a file in that ``state``; None where there is none to read.
+
+        One path has one ``compute``: modules have their code, all else a digest.
         """
-        wanted = tuple(roots)
-        if wanted not in self._reached:
-            found: dict[str, str] = {}
-            queue = list(wanted)
-            while queue:
-                name = queue.pop()
-                module = None if name in found or name in NOT_CODE else self._module(name)
-                if module is not None:
-                    found[name] = module[0]
-                    queue.extend(module[1])
-            self._reached[wanted] = dict(sorted(found.items()))
-        return self._reached[wanted]
-
-    def _module(self, name: str) -> tuple[str, list[str]] | None:
-        if name not in self._modules:
-            path = _module_file(name)
-            if path is None:
-                self._modules[name] = None
-            else:
-                package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-                known = self._remembered(path, lambda data: _normalised(data, package))
-                self._modules[name] = (known[0], known[1])
-        return self._modules[name]
-
-    def _remembered(self, path: Path, compute: Any) -> list[Any]:
-        try:
-            stat = path.stat()
-        except OSError:
-            return ["missing", []]
-        state = [stat.st_size, stat.st_mtime_ns, stat.st_ino]
-        known = self._known.get(str(path))
-        if known is None or known[0] != state:
-            known = [state, compute(path.read_bytes())]
-            self._known[str(path)] = known
+        if state is None:
+            return None
+        known = self._known.get(path)
+        if known is not None and tuple(known[0]) == state:
+            return known[1]
+        value, state = _steady(path, state, compute)
+        if state is not None:
+            settled = min(abs(time.time_ns() - moment) for moment in state[1:3]) > _SETTLED_NS
+            self._known[path] = [state if settled else (), value]
             self._changed = True
-        value: list[Any] = known[1]
         return value
 
+    def installed(self, look: Callable[[], Any]) -> Any:
+        """What ``look`` finds of the installed libraries, until a folder of libraries changes."""
+        libraries = (path for path in sys.path if path.endswith("-packages"))
+        folders = [[path, found[1]] for path in libraries if (found := state_of(path)) is not None]
+        known = self._known.get(_INSTALLED)
+        if known is None or known[0] != folders:
+            known = [folders, look()]
+            self._known[_INSTALLED] = known
+            self._changed = True
+        return known[1]
 
-@cache
-def _package_folder(package: str) -> Path:
-    spec = importlib.util.find_spec(package)
-    assert spec is not None
-    assert spec.origin is not None
-    return Path(spec.origin).parent
-
-
-def _module_file(name: str) -> Path | None:
-    package, *inner = name.split(".")
-    base = _package_folder(package).joinpath(*inner)
-    for path in (base.with_suffix(".py"), base / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
+    def forget(self, path: str | Path) -> None:
+        """Read the file anew next time, whatever its state says."""
+        self._changed |= self._known.pop(str(path), None) is not None
 
 
-def _normalised(source: bytes, package: str) -> list[Any]:
-    tree = ast.parse(source)
-    imports: set[str] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            imports.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = ".".join([*package.split(".")[: len(package.split(".")) - node.level + 1], node.module or ""]).strip(
-                "."
-            )
-            origin = base if node.level else (node.module or "")
-            imports.add(origin)
-            imports.update(f"{origin}.{alias.name}" for alias in node.names)
-        body = getattr(node, "body", None)
-        if isinstance(body, list):
-            node.body = [s for s in body if not _is_text(s)]  # type: ignore[attr-defined]
-    own = sorted(name for name in imports if name.split(".")[0] in PACKAGES)
-    return [digest(ast.dump(tree)), own]
+def _steady(path: str, state: State, compute: Callable[[bytes], Any]) -> tuple[Any, State | None]:
+    """What was computed, and the state that it belongs to: read again if the file changed meanwhile."""
+    if not os.path.isfile(path):  # a pipe or a device may never end
+        return None, None
+    for _ in range(10):
+        try:
+            data = Path(path).read_bytes()
+        except OSError:
+            return None, None
+        after = state_of(path)
+        if after == state:
+            break
+        state = after or state
+    return compute(data), state
 
 
-def _is_text(statement: ast.AST) -> bool:
-    value = statement.value if isinstance(statement, ast.Expr) else None
-    return isinstance(value, ast.Constant) and isinstance(value.value, str)
+def _head(files: bytes) -> bytes:
+    return _START + digest(files).encode() + _MIDDLE
+
+
+def _read(memory: Path, warn: Callable[[str], None]) -> dict[str, list[Any]]:
+    try:
+        data = memory.read_bytes()
+        files = data[len(_head(b"")) : -1]
+        if data == _head(files) + files + b"}":
+            known: dict[str, list[Any]] = json.loads(files)
+            return known
+        content = json.loads(data)
+        if not isinstance(content, dict) or "files" in content:
+            raise ValueError("not as it was written")
+        return {}  # of version 0.1.0: other states, read anew
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, RecursionError) as error:
+        warn(f"{memory} is damaged ({error}). It is made anew; every file is read once more.")
+        return {}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Part:
+    """One part of a key: plain JSON values and their digest."""
+
+    digest: str
+    value: dict[str, Any]
+
+
+def part_of(value: dict[str, Any]) -> Part:
+    """The part that ``value`` is."""
+    return Part(digest(json.dumps(value, sort_keys=True)), value)
+
+
+class Values:
+    """Settings as plain JSON values; a settings object that many steps share is converted once."""
+
+    def __init__(self) -> None:
+        self._seen: dict[int, tuple[Any, Any]] = {}
+        self._parts: dict[tuple[object, ...], tuple[Any, Part]] = {}
+
+    def part(self, settings: dict[str, Any]) -> Part:
+        """The settings of one step."""
+        counted = ((name, value.key if isinstance(value, Keyed) else value) for name, value in settings.items())
+        same = tuple(item for name, value in counted for item in (name, id(value)))
+        known = self._parts.get(same)
+        if known is None:
+            # the settings are kept, so that no other object gets their id
+            self._parts[same] = known = (settings, part_of(self.plain(settings)))
+        return known[1]
+
+    def plain(self, value: Any) -> Any:
+        """``value`` in a fixed order. Paths count as nothing: what lies there enters a key by its content."""
+        if value is None or isinstance(value, (str, int, float)):
+            return value
+        if isinstance(value, (list, tuple)):
+            return [self.plain(item) for item in value if not isinstance(item, Path)]
+        if isinstance(value, dict):
+            return {str(key): self.plain(item) for key, item in sorted(value.items())}
+        if isinstance(value, Keyed):
+            return self.plain(value.key)
+        if isinstance(value, Path):
+            return None
+        known = self._seen.get(id(value))
+        if known is None:
+            own = {each.name: getattr(value, each.name) for each in dataclasses.fields(value)}
+            plain = {name: self.plain(item) for name, item in own.items() if not isinstance(item, Path)}
+            self._seen[id(value)] = known = (value, plain)
+        return known[1]

@@ -2,118 +2,307 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import os
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from emg2vsa import artifacts
 from emg2vsa.pipeline.campaign import Campaign, campaign
-from emg2vsa.pipeline.fingerprint import Fingerprints
-from emg2vsa.pipeline.ledger import Entry, Ledger, differences
-from emg2vsa.pipeline.manifest import manifest_holds
-from emg2vsa.pipeline.steps import FAILED, OF_RUNS, Step, items, make_step, step_id, upstream
+from emg2vsa.pipeline.code import Code, Reached
+from emg2vsa.pipeline.fingerprint import Fingerprints, Values, digest, state_of
+from emg2vsa.pipeline.fingerprint import State as FileState
+from emg2vsa.pipeline.ledger import Entry, Ledger, Parts, differences
+from emg2vsa.pipeline.stage import Given, Stage, value_of
+from emg2vsa.pipeline.stage_order import inputs, items, module_of, needs_runs, stage
+from emg2vsa.pipeline.store import Store, WrittenFiles, remove_left_files
 from emg2vsa.study import Study
 
-WRITES_FILES = frozenset({"pages", "report"})
-"""Stages whose results are files outside the store."""
+DONE = frozenset({"fresh", "done"})
+"""A result is there."""
+REFUSED = frozenset({"failed", "blocked"})
+"""There is none, and will be none before something changes."""
+_AGAIN = "the last try ended unexpectedly"
+_PROJECT = "{project}/"
+"""Stands for the folder of the study file in messages that are kept."""
 
 
 @dataclass
-class State:
-    """One step: ``fresh``, ``stale`` with its reasons, ``failed`` for good, or ``blocked`` by a failed input."""
+class Step:
+    """One stage for one item, and where it stands.
 
-    step: Step
-    status: str
+    status : ``fresh``, ``stale`` with its reasons, ``waits`` for inputs that may turn out as they were, ``failed``,
+    ``blocked`` by a failed input, or ``done`` just now. key : "" while an input is not known. result : digest of the
+    stored result. reads : state of each file outside the store as it was digested. at : path of the result.
+    """
+
+    stage: str
+    item: str
+    parts: Parts
+    key: str
+    status: str = "stale"
     reasons: tuple[str, ...] = ()
     message: str = ""
+    result: str = ""
+    reads: dict[str, FileState | None] = field(default_factory=dict)
+    at: Path | None = None
+
+    @property
+    def id(self) -> str:
+        return f"{self.stage}/{self.item}"
 
 
-@dataclass
 class Board:
-    """The states of all steps so far; the one place that knows keys."""
+    """The state of all steps so far; the one place that knows keys.
 
-    campaign: Campaign
-    ledger: Ledger
-    prints: Fingerprints
-    states: dict[str, State] = field(default_factory=dict)
+    reading : nothing is recorded, and results below count for stages that write files too.
+    """
+
+    def __init__(self, found: Campaign, store: Store, warn: Callable[[str], None], *, reading: bool) -> None:
+        self.campaign, self.store, self._reading = found, store, reading
+        self.ledger = Ledger(store.folder, warn)
+        self._below = None if store.below is None else Ledger(store.below)
+        self.prints = Fingerprints(store.folder / "fingerprints.json", warn)
+        self._code, self._values = Code(self.prints), Values()
+        self.steps: dict[str, Step] = {}
+        self._of: dict[str, list[Step]] = {}
 
     @property
     def study(self) -> Study:
         """The study, with its runs."""
         return self.campaign.study
 
-    def add_stage(self, stage: str) -> list[State]:
-        """State of every step of a stage, given the states of the stages before it."""
-        added = []
-        for item in items(self.study, stage):
-            keys = {name: self._key(name) for name in upstream(self.study, stage, item) if name in self.states}
-            state = self._state(make_step(self.campaign, stage, item, keys, self.prints))
-            self.states[state.step.id] = added_state = state
-            added.append(added_state)
+    def add_stage(self, name: str) -> list[Step]:
+        """Every step of a stage, given the steps of the stages before it."""
+        reached = self._code.reached(module_of(name))
+        self._of[name] = added = [self._step(name, item, reached) for item in items(self.campaign, name)]
+        self.steps.update((step.id, step) for step in added)
         return added
 
-    def end(self, step: str, status: str, message: str, final: bool) -> None:
-        """Record that a step has ended."""
-        state = self.states[step]
-        state.status, state.message = status, message
-        self.ledger.record(Entry(step, state.step.key, status, message, final, state.step.parts))
+    def done(self, name: str, of: Iterable[str] | None = None) -> tuple[Path, ...]:
+        """Results of a stage that are there, in the study's order; of all items, or of these."""
+        steps = self._of.get(name, ()) if of is None else [self.steps[f"{name}/{item}"] for item in of]
+        return tuple(step.at for step in steps if step.status in DONE and step.at is not None)
 
-    def result(self, step: str) -> Path:
-        """Path of the step's result."""
-        return self.ledger.result_path(step, self.states[step].step.key)
+    def files(self, name: str) -> list[Path]:
+        """The files that the steps of a stage wrote."""
+        found = []
+        for step in self._of.get(name, ()):
+            if step.status in DONE and step.at is not None:
+                folder = self._folder(name, step.item)
+                found += [folder / each for each in artifacts.load(step.at).names]
+        return found
 
-    def done(self, stage: str, item_prefix: str = "") -> tuple[Path, ...]:
-        """Results of a stage that are there, in order."""
-        names = [step_id(stage, item) for item in items(self.study, stage) if item.startswith(item_prefix)]
-        there = [name for name in names if name in self.states]
-        return tuple(self.result(name) for name in there if self.states[name].status in {"fresh", "done"})
+    def failures(self, steps: Iterable[Step] | None = None) -> tuple[tuple[str, str, str], ...]:
+        """(item, stage, message) of every failed step, or of those of ``steps``."""
+        failed = (step for step in (self.steps.values() if steps is None else steps) if step.status == "failed")
+        return tuple((step.item, step.stage, step.message) for step in failed)
 
-    def failures(self, item_prefix: str = "") -> tuple[tuple[str, str, str], ...]:
-        """(item, stage, message) of every failed step of the items."""
-        failed = [s for s in self.states.values() if s.status == FAILED and s.step.item.startswith(item_prefix)]
-        return tuple((s.step.item, s.step.stage, s.message) for s in failed)
+    def given(self, step: Step) -> Given:
+        """What the step's ``run`` gets; the states of files that earlier steps wrote are noted as ``reads``."""
+        own = stage(step.stage)
+        taken: dict[str, list[Path]] = {need: [] for need in own.needs}
+        taken_steps: list[Step] = []
+        for need, item in inputs(self.campaign, step.stage, step.item):
+            one = self.steps.get(f"{need}/{item}")
+            taken_steps += [one] if one is not None else []
+            if one is not None and one.status in DONE and one.at is not None:
+                taken.setdefault(need, []).append(one.at)
+                if stage(need).folder is not None:
+                    folder = self._folder(need, item)
+                    paths = [f"{folder}/{each}" for each in artifacts.load(one.at).names]
+                    step.reads.update((path, state_of(path)) for path in paths)
+        return Given(
+            item=step.item,
+            settings={name: value_of(each) for name, each in own.settings(self.campaign, step.item).items()},
+            files=own.files(self.campaign, step.item),
+            inputs=taken,
+            failures=self.failures(None if own.per == "study" else taken_steps) if own.tells_failures else (),
+            folder=None if own.folder is None else own.folder(self.campaign, step.item),
+        )
 
-    def _key(self, step: str) -> str:
-        state = self.states[step]
-        return FAILED if state.status in {FAILED, "blocked"} else state.step.key
+    def end(self, step: Step, status: str, message: str, *, final: bool) -> bool:
+        """Record that a step has ended; whether it is to be tried again at once, as a file changed while it ran.
 
-    def _state(self, step: Step) -> State:
+        A result is kept only if the files it was made from, and the code, are as they were when its key was made.
+        """
+        unfinished = self.store.unfinished(step.id, step.key)
+        changed = self._changed_meanwhile(step)
+        code_holds = self._code.reached(module_of(step.stage)).holds()
+        if changed or not code_holds:
+            unfinished.unlink(missing_ok=True)
+            what = changed or "The program's code changed"
+            step.status, step.message = "failed", f"{what} while the step ran. Run the study again."
+            return code_holds
+        if status == "done":
+            if stage(step.stage).folder is not None:
+                old = sorted(self.store.path(step.id, step.key).parent.glob("*.result"))
+                remove_left_files(self._folder(step.stage, step.item), old, artifacts.load(unfinished))
+            step.at = self.store.settle(unfinished, step.id, step.key)
+            step.result = self.prints.file(step.at)
+        step.status, step.message = status, message
+        self._record(step, final=final)
+        return False
+
+    def _changed_meanwhile(self, step: Step) -> str:
+        for path, state in step.reads.items():
+            if state_of(path) != state:
+                self.prints.forget(path)
+                return f"{path} changed"
+        for need, item in inputs(self.campaign, step.stage, step.item):
+            one = self.steps.get(f"{need}/{item}")
+            if one is not None and one.at is not None and stage(need).folder is not None:
+                trouble = artifacts.load(one.at).trouble(self._folder(need, item), self.prints)
+                if trouble:
+                    return f"{one.id} changed ({trouble})"
+        return ""
+
+    def _record(self, step: Step, *, final: bool) -> None:
+        message = self._portable(step.message)
+        self.ledger.record(Entry(step.id, step.key, step.status, message, final, step.result, step.parts))
+
+    def _portable(self, message: str) -> str:
+        """A message as it is kept: a project that was moved or copied names its own files."""
+        return message.replace(f"{self.study.path.parent}{os.sep}", _PROJECT)
+
+    def _here(self, message: str) -> str:
+        return message.replace(_PROJECT, f"{self.study.path.parent}{os.sep}")
+
+    def _step(self, name: str, item: str, reached: Reached) -> Step:
+        own = stage(name)
+        known: dict[str, str] = {}
+        unknown: list[str] = []
+        blocked = ""
+        for need, other in inputs(self.campaign, name, item):
+            one = self.steps.get(f"{need}/{other}")
+            if one is None:
+                continue
+            if one.status in DONE:
+                known[one.id] = one.result
+            elif one.status in REFUSED:
+                known[one.id] = f"failed {digest(self._portable(one.message))}"
+                blocked = one.id if other == item and own.per != "study" else blocked
+            else:
+                unknown.append(one.id)
+        reads: dict[str, FileState | None] = {}
+        files: dict[str, str] = {}
+        base = str(self.study.path.parent)
+        for paths in own.files(self.campaign, item).values():
+            for path in map(str, paths):
+                reads[path], files[_beside(path, base)] = self.prints.seen(path)
+        settings = self._values.part(own.settings(self.campaign, item))
+        parts = Parts(settings, files, known, reached.modules, reached.libraries)
+        step = Step(name, item, parts, "" if unknown else _key(name, item, parts), reads=reads)
+        if blocked:
+            step.status, step.message = "blocked", f"{blocked} failed"
+        elif unknown:
+            last = self.ledger.last(step.id)
+            reasons = () if last is None else tuple(differences(last.parts, parts, unknown))
+            step.status = "stale" if reasons or last is None else "waits"
+            step.reasons = reasons or (("never ran",) if last is None else tuple(f"input {one}" for one in unknown))
+        else:
+            self._look_up(step, own)
+        return step
+
+    def _look_up(self, step: Step, own: Stage) -> None:
+        """Status of a step whose key is known."""
+        entry = self.ledger.with_key(step.id, step.key)
+        if entry is not None and entry.status == "failed":
+            step.status, step.message = "failed", self._here(entry.message)
+            if not entry.final:
+                step.status, step.reasons = "stale", (_AGAIN,)
+            return
+        trouble = ""
+        if entry is not None:
+            path = self.store.path(step.id, step.key)
+            trouble = self._trouble(path, entry, own, step.item)
+            if not trouble:
+                step.status, step.message = "fresh", self._here(entry.message)
+                step.result, step.at = entry.result, path
+                return
+        if self._adopted(step, own) or self._found_below(step, own):
+            step.status = "fresh"
+            return
         last = self.ledger.last(step.id)
-        own = step_id("trials", step.item)
-        if own in step.parts.inputs and self.states[own].status == FAILED:
-            return State(step, "blocked", message=f"{own} failed")
-        if last is not None and last.key == step.key:
-            if last.status == FAILED:
-                return State(step, FAILED, message=last.message) if last.final else State(step, "stale", (_AGAIN,))
-            if self._kept(step):
-                return State(step, "fresh", message=last.message)
-            return State(step, "stale", ("its result is missing",))
-        if step.stage not in WRITES_FILES and self.ledger.result_path(step.id, step.key).exists():
-            self.ledger.record(Entry(step.id, step.key, "done", "", False, step.parts))
-            return State(step, "fresh")
-        return State(step, "stale", _reasons(last, step))
+        if entry is not None and entry is last:
+            step.reasons = (trouble,)
+        else:
+            step.reasons = ("never ran",) if last is None else tuple(differences(last.parts, step.parts)) or (_AGAIN,)
 
-    def _kept(self, step: Step) -> bool:
-        path = self.ledger.result_path(step.id, step.key)
-        return manifest_holds(path) if step.stage in WRITES_FILES else path.exists()
+    def _trouble(self, path: Path, entry: Entry, own: Stage, item: str) -> str:
+        """What is wrong with a stored result, "" where nothing is."""
+        found = self.prints.file(path)
+        if found != entry.result:
+            return "its result is missing" if found == "missing" else "its result was damaged"
+        if own.folder is None:
+            return ""
+        try:
+            written: WrittenFiles = artifacts.load(path)
+        except artifacts.DamagedResult:
+            return "its result was damaged"
+        folder = own.folder(self.campaign, item)
+        more = "" if own.alone_in is None else written.besides(folder, own.alone_in(self.campaign, item))
+        return f"{more} is not of it" if more else written.trouble(folder, self.prints)
+
+    def _adopted(self, step: Step, own: Stage) -> bool:
+        """A result that a killed run stored and did not record."""
+        path = self.store.path(step.id, step.key)
+        if own.folder is not None or not path.exists() or self.ledger.with_key(step.id, step.key):
+            return False
+        with contextlib.suppress(artifacts.DamagedResult):
+            message = own.says(artifacts.load(path))
+            step.result, step.at, step.status, step.message = self.prints.file(path), path, "done", message
+            if not self._reading:
+                self._record(step, final=False)
+            return True
+        return False
+
+    def _found_below(self, step: Step, own: Stage) -> bool:
+        """A result of the store below; files that a stage wrote there do not count here."""
+        if self._below is None or (own.folder is not None and not self._reading):
+            return False
+        entry, path = self._below.with_key(step.id, step.key), self.store.path_below(step.id, step.key)
+        if entry is None or path is None or entry.status != "done" or self._trouble(path, entry, own, step.item):
+            return False
+        step.result, step.at, step.message = entry.result, path, self._here(entry.message)
+        return True
+
+    def _folder(self, name: str, item: str) -> Path:
+        folder = stage(name).folder
+        assert folder is not None
+        return folder(self.campaign, item)
 
 
-_AGAIN = "the last try ended unexpectedly"
+def _key(name: str, item: str, parts: Parts) -> str:
+    shared = (parts.settings.digest, parts.code.digest, parts.libraries.digest)
+    return digest(repr((name, item, shared, tuple(parts.files.items()), tuple(parts.inputs.items()))))
 
 
-def _reasons(last: Entry | None, step: Step) -> tuple[str, ...]:
-    return ("never ran",) if last is None else tuple(differences(last.parts, step.parts))
+def _beside(path: str, base: str) -> str:
+    """A path as seen from the study file, wherever the project lies; others as they are."""
+    return (
+        path[len(base) + 1 :].replace("\\", "/") if path.startswith(base) and path[len(base) :][:1] in "/\\" else path
+    )
 
 
-def open_board(study: Study, stages: Sequence[str]) -> Board:
+def open_board(
+    study: Study,
+    stages: Iterable[str],
+    warn: Callable[[str], None],
+    *,
+    below: Path | None = None,
+    reading: bool = False,
+) -> Board:
     """The board of a study, with its runs looked up where one of the ``stages`` needs them. Raises as ``campaign``."""
-    found = campaign(study) if OF_RUNS & set(stages) else Campaign(study)
-    return Board(found, Ledger(study.results), Fingerprints(study.results / "fingerprints.json"))
+    found = campaign(study) if needs_runs(tuple(stages)) else Campaign(study)
+    return Board(found, Store(study.results, below), warn, reading=reading)
 
 
-def survey(study: Study, stages: Sequence[str]) -> Board:
+def survey(study: Study, stages: Sequence[str], warn: Callable[[str], None], *, below: Path | None = None) -> Board:
     """The state of all steps of the stages; nothing is computed, nothing but the fingerprint memory is written."""
-    board = open_board(study, stages)
-    for stage in stages:
-        board.add_stage(stage)
+    board = open_board(study, stages, warn, below=below, reading=True)
+    for name in stages:
+        board.add_stage(name)
     board.prints.save()
     return board

@@ -1,85 +1,104 @@
-"""Tasks on several processes; a process that dies takes only its own task with it."""
+"""Tasks on several processes; a process that dies takes only its own task with it.
+
+What starts processes is loaded when the first is started: most runs find nothing to do.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import importlib
-import multiprocessing
 import os
+import sys
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
 
 from emg2vsa.pipeline.tasks import Ended, Task
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
+
+OnEnd = Callable[[Ended], None]
 
 
 def available_cores() -> int:
     """Cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
-@dataclass(frozen=True)
-class Modules:
-    """What to import where, so that imports are done once and side by side: in the workers, and here meanwhile."""
+class Workers:
+    """Up to ``jobs`` processes, started when they are first needed and kept until the end.
 
-    workers: tuple[str, ...] = ()
-    here: tuple[str, ...] = ()
-
-
-NOTHING = Modules()
-
-
-def run_tasks(
-    tasks: Sequence[Task],
-    jobs: int,
-    on_end: Callable[[Ended], None],
-    *,
-    alone: int = 1,
-    modules: Modules = NOTHING,
-) -> None:
-    """Run all tasks and report each step as it ends.
-
-    Up to ``alone`` of them run in this process: starting workers would take longer.
+    What a worker has loaded for one stage serves the next.
     """
-    if jobs == 1 or len(tasks) <= alone:
-        for task in tasks:
-            _report(task(), on_end)
-        return
-    left = _run_in_pool(tasks, jobs, on_end, modules)
-    for task in left:  # some process died: one at a time, so that the task that kills it is known
-        if _run_in_pool([task], 1, on_end, NOTHING):
-            died = "its process died (out of memory, or killed). Run again with --jobs 1 if memory is short."
-            _report([Ended(step, "failed", died) for step in task.steps], on_end)
 
+    def __init__(self, jobs: int) -> None:
+        self._jobs = jobs
+        self._pool: ProcessPoolExecutor | None = None
 
-def _run_in_pool(tasks: Sequence[Task], jobs: int, on_end: Callable[[Ended], None], modules: Modules) -> list[Task]:
-    with _executor(min(jobs, len(tasks)), modules.workers) as pool:
-        waiting = {pool.submit(task): task for task in tasks}
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._close(at_once=kind is not None)
+
+    def run(self, tasks: Sequence[Task], on_end: OnEnd, *, alone: int = 1, load: Sequence[str] = ()) -> None:
+        """Run all tasks, and report each as it ends.
+
+        alone : up to so many run in this process, as starting workers would take longer. load : modules that the
+        workers have in common, should this be the first use of them.
+        """
+        if self._jobs == 1 or len(tasks) <= alone:
+            for task in tasks:
+                on_end(task())
+            return
+        for task in self._side_by_side(tasks, on_end, load):
+            # some process died: one at a time, so that the task that kills it is known
+            if self._side_by_side([task], on_end, load):
+                task.claim.unlink(missing_ok=True)
+                died = "its process died (out of memory, or killed). Run again with --jobs 1 if memory is short."
+                on_end(Ended(task.step, "failed", died))
+
+    def _side_by_side(self, tasks: Sequence[Task], on_end: OnEnd, load: Sequence[str]) -> list[Task]:
+        """The tasks that were not done because a process died."""
+        from concurrent.futures import as_completed
+        from concurrent.futures.process import BrokenProcessPool
+
+        if self._pool is None:
+            self._pool = _executor(self._jobs, load)
+        waiting = {self._pool.submit(task): task for task in tasks}
         try:
-            for name in modules.here:
-                with contextlib.suppress(ImportError):  # the step that needs it will say so
-                    importlib.import_module(name)
             for future in as_completed(list(waiting)):
-                _report(future.result(), on_end)
+                on_end(future.result())
                 del waiting[future]
         except BrokenProcessPool:
+            self._close()
+            for task in waiting.values():
+                task.claim.unlink(missing_ok=True)
             return list(waiting.values())
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return []
+        return []
+
+    def _close(self, at_once: bool = False) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=not at_once, cancel_futures=True)
+            self._pool = None
+        if at_once:  # a worker ends its task first, and those it has fetched; so would this process
+            import multiprocessing
+
+            for worker in multiprocessing.active_children():
+                worker.kill()
 
 
-def _executor(jobs: int, preload: Sequence[str]) -> ProcessPoolExecutor:
+def _executor(jobs: int, load: Sequence[str]) -> ProcessPoolExecutor:
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
     method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
     context = multiprocessing.get_context(method)
     if method == "forkserver":
         # workers are forked from a server that has done the imports once
-        context.set_forkserver_preload(list(preload))
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
+        context.set_forkserver_preload(list(load))
     return ProcessPoolExecutor(jobs, mp_context=context, initializer=end_with_parent)
 
 
@@ -89,11 +108,8 @@ def end_with_parent() -> None:
 
 
 def _outlive_nobody() -> None:
+    import multiprocessing
+
     if parent := multiprocessing.parent_process():
         parent.join()
         os._exit(1)
-
-
-def _report(ended: Sequence[Ended], on_end: Callable[[Ended], None]) -> None:
-    for end in ended:
-        on_end(end)

@@ -1,52 +1,66 @@
-"""Tasks: a function by name and its arguments, so that only the process that runs one loads what it needs."""
+"""Carrying out one step, here or in a worker process: whatever goes wrong stays with the step."""
 
 from __future__ import annotations
 
-import importlib
 import traceback
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from emg2vsa.errors import Emg2vsaError
-
-
-@dataclass(frozen=True)
-class Task:
-    """``function`` is "module:name"; calling the task gives one ``Ended`` per step in ``steps``."""
-
-    steps: tuple[str, ...]
-    function: str
-    arguments: Mapping[str, Any]
-
-    def __call__(self) -> list[Ended]:
-        module, _, name = self.function.partition(":")
-        ended: list[Ended] = getattr(importlib.import_module(module), name)(**self.arguments)
-        return ended
+from emg2vsa import artifacts
+from emg2vsa.errors import Emg2vsaError, SlowReadingError
+from emg2vsa.pipeline.stage import Given
+from emg2vsa.pipeline.stage_order import stage
+from emg2vsa.pipeline.store import ClaimedElsewhere, claimed, written_files
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How one step ended. ``final``: the same input would fail the same way."""
+    """How one step ended.
+
+    status : done or failed. message : what went wrong, or what a person should read of the product. final : the same
+    input would fail the same way. damaged : stored result that could not be read, "" where all could.
+    """
 
     step: str
     status: str
     message: str = ""
     final: bool = False
+    damaged: str = ""
 
 
-def guarded(step: str, make: Callable[[], object]) -> Ended:
-    """Run one step; whatever goes wrong stays with this step. Text that ``make`` returns is to be said aloud."""
-    try:
-        said = make()
-    except Emg2vsaError as error:
-        return Ended(step, "failed", str(error), final=True)
-    except Exception as error:
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        place = f"{Path(frame.filename).name}:{frame.lineno}"
-        fault = (
-            f"unexpected {type(error).__name__} in {place}: {error}. This is a fault of the program; please report it."
-        )
-        return Ended(step, "failed", fault)
-    return Ended(step, "done", said if isinstance(said, str) else "")
+@dataclass(frozen=True)
+class Task:
+    """A step to be carried out: its product goes to ``unfinished``, and ``claim`` says meanwhile who works at it."""
+
+    step: str
+    given: Given
+    unfinished: Path
+    claim: Path
+
+    def __call__(self) -> Ended:
+        try:
+            with claimed(self.claim):
+                return Ended(self.step, "done", self._make())
+        except artifacts.DamagedResult as error:
+            return Ended(self.step, "failed", str(error), damaged=error.where)
+        except ClaimedElsewhere as error:
+            return Ended(self.step, "failed", str(error))
+        except Emg2vsaError as error:
+            return Ended(self.step, "failed", str(error), final=not isinstance(error, SlowReadingError))
+        except OSError as error:  # the disk is full, or a folder may not be written to: the same input may do next time
+            where = f"{error.filename}: " if error.filename else ""
+            what = (error.strerror or str(error)).rstrip(".")
+            return Ended(self.step, "failed", f"{where}{what}. Mend that, and run the study again.")
+        except Exception as error:
+            frame = traceback.extract_tb(error.__traceback__)[-1]
+            place = f"{Path(frame.filename).name}:{frame.lineno}"
+            what = f"unexpected {type(error).__name__} in {place}: {error}"
+            return Ended(self.step, "failed", f"{what}. This is a fault of the program; please report it.")
+
+    def _make(self) -> str:
+        declared = stage(self.step.partition("/")[0])
+        product = declared.run(self.given)
+        if self.given.folder is not None:
+            product = written_files(self.given.folder, product)
+        artifacts.save(self.unfinished, product)
+        return declared.says(product)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -52,57 +53,107 @@ class SideFiles:
         return []
 
 
-def side_file_paths(path: Path) -> tuple[Path, ...]:
+class SideFileIndex:
+    """The folders looked into so far, each listed once: for asking about many recordings at one moment."""
+
+    def __init__(self) -> None:
+        self._folders: dict[str, _Folder | None] = {}
+        self._chains: dict[str, list[_Folder]] = {}
+
+    def chain(self, own: str) -> list[_Folder]:
+        """Folders from the root of the data set to ``own``; ``own`` alone where there is no root."""
+        if own not in self._chains:
+            self._chains[own] = self._chain(own)
+        return self._chains[own]
+
+    def _chain(self, path: str) -> list[_Folder]:
+        found: list[_Folder] = []
+        for _ in range(_MOST_LEVELS):
+            if path not in self._folders:
+                self._folders[path] = _listed(path)
+            folder = self._folders[path]
+            if folder is None:
+                break
+            found.append(folder)
+            if folder.is_root:
+                return found[::-1]
+            path = os.path.dirname(path)
+        return found[:1]
+
+
+def side_file_paths(path: Path, index: SideFileIndex | None = None) -> tuple[Path, ...]:
     """Every side file that reading ``path`` consults; () where its name is none of BIDS-EMG or it has none.
 
     They are looked for in the recording's folder and, where a dataset_description.json marks the root of a data set,
-    in those between; each folder is listed once. Paths are absolute.
+    in those between. Give one ``index`` for many recordings, so that each folder is listed once. Paths are absolute.
     """
-    tables, emg = _applying(path)
+    tables, emg = _applying(path, index or SideFileIndex())
     return (*tables[-1:], *emg)
 
 
 def side_files(path: Path) -> SideFiles:
     """The side files of a BIDS-named recording; empty where it has none. Raises RecordingError for damaged ones."""
-    tables, levels = _applying(path)
+    tables, levels = _applying(path, SideFileIndex())
     emg: dict[str, Any] = {}
     for level in levels:
         emg.update(_json(level))
     return SideFiles(_channels(tables[-1]) if tables else {}, emg)
 
 
-def _applying(path: Path) -> tuple[list[Path], list[Path]]:
-    """The ``_channels.tsv`` and ``_emg.json`` that apply by the inheritance principle, the most general first."""
-    *entities, suffix = path.stem.split("_")
-    if suffix != "emg" or path.suffix.lower() not in _EXTENSIONS:
-        return [], []
-    folders = _folders(path.absolute().parent)
-    tables, emg = (
-        [folder / name for folder, names in folders for name in _fitting(names, ending, set(entities))]
-        for ending in ("channels.tsv", "emg.json")
-    )
-    return tables, emg
+@dataclass(frozen=True)
+class _Folder:
+    """is_root : it holds dataset_description.json. tables, emg : its side files, by `_by_entity`."""
+
+    is_root: bool
+    tables: _ByEntity
+    emg: _ByEntity
 
 
-def _folders(own: Path) -> list[tuple[Path, list[str]]]:
-    """Folders from the root of the data set to ``own``, with what they hold; ``own`` alone where there is no root."""
-    found: list[tuple[Path, list[str]]] = []
-    for folder in (own, *own.parents[: _MOST_LEVELS - 1]):
-        try:
-            found.insert(0, (folder, os.listdir(folder)))
-        except OSError:
-            break
-        if "dataset_description.json" in found[0][1]:
-            return found
-    return found[-1:]
+_ByEntity = dict[str, list[tuple[frozenset[str], Path]]]
 
 
-def _fitting(names: Sequence[str], ending: str, own: set[str]) -> list[str]:
-    """Names with that ending whose entities are all the recording's own, the most general first."""
-    fitting = [
-        name for name in names if name.endswith(ending) and set(name.removesuffix(ending).split("_")) - {""} <= own
+def _listed(path: str) -> _Folder | None:
+    try:
+        names = os.listdir(path)
+    except OSError:
+        return None
+    tables, emg = (_by_entity(path, names, ending) for ending in ("channels.tsv", "emg.json"))
+    return _Folder("dataset_description.json" in names, tables, emg)
+
+
+def _by_entity(folder: str, names: Sequence[str], ending: str) -> _ByEntity:
+    """Entities and paths of the files with that ending, under the entity that the fewest of them have ("" for none).
+
+    A side file applies where its entities are all the recording's own, so those of other recordings are not looked at.
+    """
+    files = [
+        (frozenset(name.removesuffix(ending).split("_")) - {""}, Path(folder, name))
+        for name in names
+        if name.endswith(ending)
     ]
-    return sorted(fitting, key=lambda name: (len(name), name))
+    uses = Counter(entity for entities, _ in files for entity in entities)
+    found: _ByEntity = {}
+    for entities, file in files:
+        found.setdefault(min(entities, key=uses.__getitem__, default=""), []).append((entities, file))
+    return found
+
+
+def _applying(path: Path, index: SideFileIndex) -> tuple[list[Path], list[Path]]:
+    """The ``_channels.tsv`` and ``_emg.json`` that apply by the inheritance principle, the most general first."""
+    folder, name = os.path.split(path)
+    stem, extension = os.path.splitext(name)
+    if not stem.endswith("_emg") or extension.lower() not in _EXTENSIONS:
+        return [], []
+    own = {"", *stem.split("_")[:-1]}
+    chain = index.chain(folder if os.path.isabs(folder) else os.path.join(os.getcwd(), folder).rstrip(os.sep))
+    tables = [file for level in chain for file in _fitting(level.tables, own)]
+    return tables, [file for level in chain for file in _fitting(level.emg, own)]
+
+
+def _fitting(files: _ByEntity, own: set[str]) -> list[Path]:
+    """Those whose entities are all the recording's own, the most general first."""
+    fitting = [file for entity in own if entity in files for entities, file in files[entity] if entities <= own]
+    return sorted(fitting, key=lambda file: (len(file.name), file.name)) if len(fitting) > 1 else fitting
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -6,8 +6,11 @@ The plates' forces come from ezc3d's force-platform module, which applies calibr
 
 from __future__ import annotations
 
+import math
 import struct
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +27,9 @@ from emg2vsa.recordings import ChannelInfo
 _AXES = ("Fx", "Fy", "Fz")
 _UNKNOWN_FRAME = 65535
 """Written where the frame number does not fit the header word."""
+_PARAMETERS_END = 512 * 512
+"""Parameters end before this byte: the block they begin at and the number of their blocks are bytes."""
+_LONGEST_DESCRIPTION = 127
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,9 @@ class C3dRecording:
         channels = []
         for i in indices:
             plate, axis = divmod(i - n_analogs, 3)
-            samples = np.array(self.analogs[i] if i < n_analogs else plates[plate][:, axis], dtype=np.float64)
+            samples = np.ascontiguousarray(
+                self.analogs[i] if i < n_analogs else plates[plate][:, axis], dtype=np.float64
+            )
             channels.append(StoredChannel(self.contents.names[i], samples, self.units[i], self.fs_hz, self.start_s))
         return channels
 
@@ -109,13 +117,67 @@ def _read(path: Path) -> Any:
                 path, wanted="a C3D file", found="another content", do="Export or copy the file again."
             )
     try:
-        return ezc3d.c3d(str(path))
-    except (OSError, RuntimeError, ValueError, IndexError, MemoryError) as error:
+        with _readable(path) as file_for_ezc3d:
+            return ezc3d.c3d(str(file_for_ezc3d))
+    except (OSError, RuntimeError, ValueError, IndexError) as error:
         reason = str(error).partition(". If you want to ignore")[0]
         raise RecordingError(
             path, wanted="a C3D file that ezc3d reads", found=f"a refusal ({reason})",
             do="Open it in the program that wrote it and export it again.",
         ) from error  # fmt: skip
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[Path]:
+    """``path``, or a copy of it where ezc3d would not end.
+
+    ezc3d takes the length of a description beyond 127 characters for a negative number and goes on to read 4 GB. Such
+    descriptions are valid, and Kinarm (BKIN) writes them; the copy holds their first 127 characters.
+    """
+    with path.open("rb") as file:
+        head = file.read(_PARAMETERS_END)
+    shortened = _with_short_descriptions(path, head)
+    if shortened is None:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(shortened + path.read_bytes()[len(shortened) :])
+        yield copy
+
+
+def _with_short_descriptions(path: Path, head: bytes) -> bytes | None:
+    """The beginning of the file up to the end of its parameters; None where no description is too long."""
+    at = 512 * (head[0] - 1) + 4
+    parts, changed = [head[:at]], False
+    try:
+        while name_length := abs(_signed(head[at])):
+            offset_at = at + 2 + name_length
+            (offset,) = struct.unpack_from("<H", head, offset_at)
+            description_at = offset_at + 2
+            if _signed(head[at + 1]) > 0:  # a parameter; a group has no values
+                item_bytes, n_dimensions = abs(_signed(head[description_at])), head[description_at + 1]
+                dimensions = head[description_at + 2 : description_at + 2 + n_dimensions]
+                description_at += 2 + n_dimensions + item_bytes * math.prod(dimensions)
+            excess = max(0, head[description_at] - _LONGEST_DESCRIPTION)
+            following = offset_at + offset
+            if excess and description_at + 1 + head[description_at] != following:
+                raise RecordingError(
+                    path, wanted="parameters whose lengths fit together", found=f"damage near byte {description_at}",
+                    do="Copy the file again, or open it in the program that wrote it and export it again.",
+                )  # fmt: skip
+            changed = changed or excess > 0
+            kept = head[offset_at + 2 : description_at] + bytes([head[description_at] - excess])
+            kept += head[description_at + 1 : following - excess]
+            parts.append(head[at:offset_at] + struct.pack("<H", offset - excess) + kept)
+            at = following
+    except (IndexError, struct.error):  # ezc3d says what is wrong with it
+        return None
+    return b"".join(parts).ljust(at, b"\0") if changed else None
+
+
+def _signed(byte: int) -> int:
+    return byte - 256 if byte > 127 else byte
 
 
 def _values(parameters: Any, group: str, name: str, n: int, default: Any) -> list[Any]:

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers.dialect import WHITESPACE, Dialect
+from emg2vsa.readers.text_file import WHITESPACE, Dialect
 
 _MISSING = ["", "NaN", "nan", "NAN"]
 

@@ -117,6 +117,8 @@ def _read(path: Path, is_bdf: bool) -> Edf | Bdf:
             file: Edf | Bdf = edfio.read_bdf(path, header_encoding=_ENCODING)
         else:
             file = edfio.read_edf(path, lazy_load_data=True, header_encoding=_ENCODING)
+    except MemoryError:
+        raise
     except Exception as error:  # edfio raises whatever its parsing stumbles over, even NameError
         raise _damaged(path, error) from error
     if not file.signals:

@@ -14,10 +14,9 @@ from pathlib import Path
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
-from emg2vsa.readers.dialect import sniff
 from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.plain_csv import checked_width, header_and_rows, widest
-from emg2vsa.readers.text_file import TextFile, open_text
+from emg2vsa.readers.text_file import TextFile, open_text, sniff
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import canonical, split_unit
 

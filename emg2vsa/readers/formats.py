@@ -5,50 +5,90 @@ The table is tried from top to bottom. Nothing here imports a reader, so a progr
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from emg2vsa.readers import recognise
+_HEAD_BYTES = 4096
+"""Number of leading bytes the recognisers look at."""
+
+_NUMBERS = re.compile(r"[\s,;]*([+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?|nan|inf)([\s,;]|$)", re.IGNORECASE)
+_X_PAIRS = re.compile(r'"?X\s*\[s\]"?\s*[,;\t][^,;\t]*([,;\t]\s*"?X\s*\[s\]|[,;\t]*$)')
 
 
 @dataclass(frozen=True)
 class Reader:
-    """A format: its name, the module whose ``open_recording(path)`` reads it, and how a file of it is recognised."""
+    """A format: its name, the module whose ``open_recording(path)`` reads it, and how a file of it is recognised.
+
+    library : the foreign decoder that the module calls, for which it runs in a child process; None: it calls none.
+    """
 
     format: str
     module: str
     matches: Callable[[Path, bytes], bool]
+    library: str | None = None
+
+
+def _first_line(head: bytes) -> str:
+    """First line of a text head that is neither blank nor a ``#`` comment; "" where the head is not text."""
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = head[: len(head) // 2 * 2].decode("utf-16", errors="replace")
+    else:
+        text = head.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
+    if "\0" in text:
+        return ""
+    return next((line for line in re.split(r"[\r\n]+", text) if line.strip() and not line.startswith("#")), "")
+
+
+def _is_edf(path: Path, head: bytes) -> bool:
+    return head.startswith(b"0       ") or (path.suffix.lower() == ".edf" and not _is_bdf(path, head))
+
+
+def _is_bdf(path: Path, head: bytes) -> bool:
+    return head.startswith(b"\xffBIOSEMI") or (path.suffix.lower() == ".bdf" and not head.startswith(b"0       "))
+
+
+def _is_c3d(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() == ".c3d" or (head[1:2] == b"\x50" and b"\0" in head)
+
+
+def _is_matlab(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() == ".mat" or head.startswith(b"MATLAB ")
+
+
+def _is_discover(path: Path, head: bytes) -> bool:
+    return "Trigno Discover" in _first_line(head)
+
+
+def _is_emgworks(path: Path, head: bytes) -> bool:
+    line = _first_line(head)
+    return bool(_X_PAIRS.match(line)) or (line.startswith("Label:") and "Sampling frequency:" in line)
+
+
+def _is_text_matrix(path: Path, head: bytes) -> bool:
+    return bool(_NUMBERS.match(_first_line(head)))
+
+
+def _is_plain_csv(path: Path, head: bytes) -> bool:
+    return bool(re.search(r"[A-Za-z]", _first_line(head)))
 
 
 READERS: tuple[Reader, ...] = (
-    Reader("EDF", "emg2vsa.readers.edf_bdf", recognise.is_edf),
-    Reader("BDF", "emg2vsa.readers.edf_bdf", recognise.is_bdf),
-    Reader("C3D", "emg2vsa.readers.c3d", recognise.is_c3d),
-    Reader("MATLAB", "emg2vsa.readers.matlab", recognise.is_matlab),
-    Reader("Trigno Discover CSV", "emg2vsa.readers.discover", recognise.is_discover),
-    Reader("EMGworks CSV", "emg2vsa.readers.emgworks", recognise.is_emgworks),
-    Reader("text matrix", "emg2vsa.readers.text_matrix", recognise.is_text_matrix),
-    Reader("CSV", "emg2vsa.readers.plain_csv", recognise.is_plain_csv),
+    Reader("EDF", "emg2vsa.readers.edf_bdf", _is_edf, "edfio"),
+    Reader("BDF", "emg2vsa.readers.edf_bdf", _is_bdf, "edfio"),
+    Reader("C3D", "emg2vsa.readers.c3d", _is_c3d, "ezc3d"),
+    Reader("MATLAB", "emg2vsa.readers.matlab", _is_matlab, "scipy or h5py"),
+    Reader("Trigno Discover CSV", "emg2vsa.readers.discover", _is_discover),
+    Reader("EMGworks CSV", "emg2vsa.readers.emgworks", _is_emgworks),
+    Reader("text matrix", "emg2vsa.readers.text_matrix", _is_text_matrix),
+    Reader("CSV", "emg2vsa.readers.plain_csv", _is_plain_csv),
 )
-
-
-def reader_module(path: Path) -> str | None:
-    """Name of the module that would open the file; None where it is absent, empty or of no known format.
-
-    Reads the first bytes only and imports nothing.
-    """
-    try:
-        head = head_of(Path(path))
-    except OSError:
-        return None
-    reader = reader_of(Path(path), head) if head else None
-    return reader.module if reader else None
 
 
 def head_of(path: Path) -> bytes:
     with path.open("rb") as file:
-        return file.read(recognise.HEAD_BYTES)
+        return file.read(_HEAD_BYTES)
 
 
 def reader_of(path: Path, head: bytes) -> Reader | None:

@@ -1,34 +1,47 @@
 """The front door: a file of any known format, opened, described and read.
 
 ``inspect`` says what a file holds; ``read`` decodes the channels asked for and converts them to volts and newtons. The
-module of a format is imported when a file of that format is opened.
+module of a format is imported when a file of that format is opened: in a child process, where it calls a foreign
+decoder.
 """
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+import stat
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from emg2vsa.errors import RecordingError
-from emg2vsa.readers.formats import READERS, head_of, reader_of
-from emg2vsa.readers.opened import OpenRecording, StoredChannel, usable
-from emg2vsa.readers.si import to_si
+from casr.decoder_child import Limits
+from casr.decoder_process import DecoderFailed, InChild
+from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
+from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
+from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, said_by, to_si, usable
 from emg2vsa.recordings import ChannelInfo, Recording, no_such_channel
+from emg2vsa.settings import ReadingSettings
+
+_READING = ReadingSettings()
 
 
-def open_recording(path: Path) -> tuple[str, OpenRecording]:
+def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str, OpenRecording]:
     """The format of a file and the file opened and validated, its samples not read yet.
 
-    Raises RecordingError where the file is absent, empty, of no known format or damaged.
+    reading : limits of a foreign decoder, for this and for every later request to the opened file.
+
+    Raises RecordingError where the file is absent, empty, of no known format or damaged, or where its decoder crashes
+    or meets a limit.
     """
     path = Path(path)
     try:
-        head = head_of(path)
+        kind = path.stat().st_mode
+        head = head_of(path) if stat.S_ISREG(kind) or stat.S_ISDIR(kind) else None
     except OSError as error:
         raise RecordingError(
             path, wanted="a readable file", found=error.strerror or "an error", do="Check the path in the study file."
         ) from error
+    if head is None:  # reading it may never end
+        raise RecordingError(path, wanted="a file", found="a pipe or a device", do="Copy what it gives into a file.")
     if not head:
         raise RecordingError(path, wanted="a recording", found="an empty file", do="Export or copy it again.")
     reader = reader_of(path, head)
@@ -37,22 +50,67 @@ def open_recording(path: Path) -> tuple[str, OpenRecording]:
             path, wanted="one of " + ", ".join(reader.format for reader in READERS), found="an unknown format",
             do="Export the recording as CSV with a time column, C3D, EDF/BDF or .mat.",
         )  # fmt: skip
+    if reader.library is not None:
+        return reader.format, _OpenInChild(path, reader, reading)
     return reader.format, importlib.import_module(reader.module).open_recording(path)
 
 
-def inspect(path: Path) -> tuple[str, tuple[ChannelInfo, ...]]:
+class _OpenInChild:
+    """A file that a foreign decoder holds open in the child process."""
+
+    def __init__(self, path: Path, reader: Reader, reading: ReadingSettings) -> None:
+        self.path, self._reader = path, reader
+        limits = Limits(reading.max_seconds, reading.max_memory_mb).for_file(path)
+        with self._failures():
+            self._file = InChild(str(reader.library), reader.module, "open_recording", (path,), limits)
+            self.contents: Contents = self._file.ask("contents")
+
+    def describe(self) -> tuple[ChannelInfo, ...]:
+        with self._failures():
+            return tuple(self._file.ask("describe"))
+
+    def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        with self._failures():
+            return list(self._file.ask("load", list(indices)))
+
+    @contextmanager
+    def _failures(self) -> Iterator[None]:
+        wanted = f"{self._reader.format} data that {self._reader.library} can read"
+        try:
+            yield
+        except DecoderFailed as error:
+            do = "Export the file again, as CSV if need be."
+            if error.limit is not None:
+                setting = {"seconds": "max_seconds", "memory": "max_memory_mb"}[error.limit]
+                do += (
+                    f" If the file is sound, raise {setting} in the study's table [reading] (fit: --max-{error.limit})."
+                )
+            kind = SlowReadingError if error.limit == "seconds" else RecordingError
+            raise kind(
+                self.path, wanted=wanted, found=f"that {error.reason}", do=do,
+            ) from error  # fmt: skip
+        except Emg2vsaError:
+            raise
+        except Exception as error:  # a decoder may stumble over anything that a damaged file holds
+            raise RecordingError(
+                self.path, wanted=wanted, found=f"that its reader failed ({said_by(error)})",
+                do="Export the file again, as CSV if need be.",
+            ) from error  # fmt: skip
+
+
+def inspect(path: Path, reading: ReadingSettings = _READING) -> tuple[str, tuple[ChannelInfo, ...]]:
     """Format and channels of a file. A channel whose rate the file does not let one know has ``fs_hz`` NaN."""
-    name, opened = open_recording(path)
+    name, opened = open_recording(path, reading)
     return name, opened.describe()
 
 
-def read(path: Path, names: Sequence[str]) -> Recording:
+def read(path: Path, names: Sequence[str], reading: ReadingSettings = _READING) -> Recording:
     """The channels ``names`` of a file, at their native rates; voltages in V, forces in N, all else as stored.
 
     Missing samples stay NaN, with a note. Raises RecordingError for an unusable file, an unknown channel, or a channel
     asked for that is infinite anywhere or misses half of its samples.
     """
-    name, opened = open_recording(path)
+    name, opened = open_recording(path, reading)
     stored = load_named(opened, names)
     notes = (*opened.contents.notes, *(note for channel in stored for note in channel.notes))
     return Recording(Path(path), name, tuple(to_si(channel) for channel in stored), tuple(dict.fromkeys(notes)))

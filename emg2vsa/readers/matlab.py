@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,7 @@ import scipy.io
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers.matlab_tree import Leaves, flatten
-from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
+from emg2vsa.readers.opened import Contents, StoredChannel, said_by, unique_names
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.readers.units import split_unit
 from emg2vsa.recordings import ChannelInfo
@@ -61,7 +60,7 @@ class MatlabRecording:
 
 def open_recording(path: Path) -> MatlabRecording:
     """Raises RecordingError for a damaged file, one without numeric vectors, or rate and time that disagree."""
-    leaves = flatten(_variables(path))
+    leaves = _flatten(_variables(path))
     clocks = _clocks(path, leaves)
     names: list[str] = []
     units: list[str | None] = []
@@ -100,11 +99,11 @@ def _variables(path: Path) -> dict[str, Any]:
         if head.startswith(b"MATLAB 7.3"):
             return _variables_of_hdf5(path)
         return dict(scipy.io.loadmat(path))
-    except RecordingError:
+    except (RecordingError, MemoryError):
         raise
     except Exception as error:  # scipy and h5py raise whatever their parsers stumble over
         raise RecordingError(
-            path, wanted="a MATLAB file", found=f"a damaged one ({type(error).__name__}: {error})", do="Save it again."
+            path, wanted="a MATLAB file", found=f"a damaged one ({said_by(error)})", do="Save it again."
         ) from error
 
 
@@ -116,14 +115,19 @@ def _variables_of_hdf5(path: Path) -> dict[str, Any]:
             path, wanted="a MATLAB file up to version 7", found="version 7.3, which needs the package pymatreader",
             do="Install it (pip install 'emg2vsa[formats]'), or save with -v7.",
         ) from error  # fmt: skip
-    return dict(pymatreader.read_mat(str(path)))
+    return dict(_in_order(pymatreader.read_mat(str(path))))
+
+
+def _in_order(variables: dict[str, Any]) -> list[tuple[str, Any]]:
+    """pymatreader takes them from a set, whose order is another in every process, and channels are read by number."""
+    return sorted(variables.items())
 
 
 def _key(variable: str) -> str:
     return variable.rpartition(".")[2].lower().replace("_", "")
 
 
-def _clocks(path: Path, leaves: Leaves) -> dict[int, tuple[float, float]]:
+def _clocks(path: Path, leaves: _Leaves) -> dict[int, tuple[float, float]]:
     """Length of a channel to (rate, start); length 0 holds for all others."""
     rates = {
         name: float(a.reshape(-1)[0]) for name, a in leaves.arrays.items() if a.size == 1 and _key(name) in _RATE_NAMES
@@ -145,3 +149,55 @@ def _clocks(path: Path, leaves: Leaves) -> dict[int, tuple[float, float]]:
                 )
             clocks[array.size] = (stated or fs_hz, start_s)
     return clocks
+
+
+@dataclass(frozen=True)
+class _Leaves:
+    """arrays : dotted name to a numeric array. texts : dotted name to the entries of a text cell array."""
+
+    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    texts: dict[str, list[str]] = field(default_factory=dict)
+
+
+def _flatten(variables: dict[str, Any]) -> _Leaves:
+    """All numeric arrays of one or two dimensions and all text lists; ``__header__`` and its like are left out."""
+    leaves = _Leaves()
+    for name, value in variables.items():
+        if not name.startswith("__"):
+            _walk(name, value, leaves)
+    return leaves
+
+
+def _walk(name: str, value: Any, leaves: _Leaves) -> None:
+    if isinstance(value, dict):
+        for key, item in _in_order(value):
+            _walk(f"{name}.{key}", item, leaves)
+    elif isinstance(value, np.ndarray) and value.dtype.names:
+        for element, where in zip(value.reshape(-1), _numbered(name, value.size), strict=True):
+            for key in value.dtype.names:
+                _walk(f"{where}.{key}", element[key], leaves)
+    elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
+        _walk_cell(name, list(value) if isinstance(value, list) else list(value.reshape(-1)), leaves)
+    elif np.asarray(value).dtype.kind in "buif" and np.asarray(value).ndim <= 2:
+        leaves.arrays[name] = np.asarray(value)
+
+
+def _walk_cell(name: str, items: list[Any], leaves: _Leaves) -> None:
+    texts = [_text(item) for item in items]
+    if items and all(text is not None for text in texts):
+        leaves.texts[name] = [str(text) for text in texts]
+        return
+    for item, where in zip(items, _numbered(name, len(items)), strict=True):
+        _walk(where, item, leaves)
+
+
+def _numbered(name: str, n: int) -> list[str]:
+    return [name] if n == 1 else [f"{name}{{{i + 1}}}" for i in range(n)]
+
+
+def _text(item: Any) -> str | None:
+    if isinstance(item, str):
+        return item
+    if isinstance(item, np.ndarray) and item.dtype.kind == "U" and item.size == 1:
+        return str(item.reshape(-1)[0])
+    return None

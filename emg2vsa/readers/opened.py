@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.recordings import ChannelInfo
+from emg2vsa.readers.units import si_factor
+from emg2vsa.recordings import Channel, ChannelInfo
+
+_LONGEST_SAID = 160
 
 
 @dataclass(frozen=True)
@@ -107,3 +110,32 @@ def _refuse_at(where: str, channel: StoredChannel, bad: NDArray[np.intp]) -> Non
 
 def _time(channel: StoredChannel, sample: int) -> str:
     return f"{channel.start_s + sample / channel.fs_hz:.6g} s"
+
+
+def to_si(stored: StoredChannel) -> Channel:
+    """V and N by the file's own unit; any other unit is kept as the file spells it ("" where it states none)."""
+    known = si_factor(stored.unit)
+    if known is None:
+        return scaled(stored, 1.0, stored.unit or "", f"{stored.unit} as stored" if stored.unit else "no unit stated")
+    unit, factor = known
+    return scaled(stored, factor, unit, unit_step(str(stored.unit), factor, unit))
+
+
+def unit_step(written: str, factor: float, unit: str) -> str:
+    """ "mV x 0.001 = V", or "V as stored"."""
+    return f"{unit} as stored" if factor == 1.0 else f"{written} x {factor:.10g} = {unit}"
+
+
+def scaled(stored: StoredChannel, factor: float, unit: str, conversion: str) -> Channel:
+    """The channel times ``factor``; works on the samples in place, which nobody else holds."""
+    samples = stored.samples
+    if factor != 1.0:
+        samples *= factor
+    return Channel(stored.name, samples, unit, stored.fs_hz, stored.start_s, conversion)
+
+
+def said_by(error: Exception) -> str:
+    """What a library says of a damaged file, as one short line: it may quote the file, whatever is in it."""
+    said = "".join(each if each.isprintable() else " " for each in f"{type(error).__name__}: {error}")
+    said = " ".join(said.split())
+    return said if len(said) <= _LONGEST_SAID else said[: _LONGEST_SAID - 3] + "..."

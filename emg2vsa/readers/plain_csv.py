@@ -13,9 +13,8 @@ from pathlib import Path
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
-from emg2vsa.readers.dialect import Dialect, sniff
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.text_file import Line, TextFile, open_text
+from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import seconds_per, split_unit
 

@@ -8,11 +8,10 @@ from pathlib import Path
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.front_door import load_named, open_recording
-from emg2vsa.readers.opened import OpenRecording, StoredChannel
-from emg2vsa.readers.si import scaled, unit_step
+from emg2vsa.readers.opened import OpenRecording, StoredChannel, scaled, unit_step
 from emg2vsa.readers.units import si_factor
 from emg2vsa.recordings import Channel
-from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
+from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings, ReadingSettings
 
 
 @dataclass(frozen=True)
@@ -29,21 +28,26 @@ class RoleChannels:
     notes: tuple[str, ...]
 
 
-def read_roles(emg_file: Path, force_file: Path | None, channels: ChannelSettings) -> RoleChannels:
+def read_roles(
+    emg_file: Path, force_file: Path | None, channels: ChannelSettings, reading: ReadingSettings | None = None
+) -> RoleChannels:
     """Read a recording; ``force_file`` None means that force and EMG are in one file.
+
+    reading : limits of the decoders of binary files.
 
     Two files must share a clock: time 0 of both is taken as the same moment, and their time ranges must overlap.
 
     Raises RecordingError: unusable file, unknown or unusable channel, a unit that is no voltage (EMG) or force
     and that the study does not replace, or no overlap in time.
     """
-    emg_format, emg_open = open_recording(emg_file)
+    reading = reading or ReadingSettings()
+    emg_format, emg_open = open_recording(emg_file, reading)
     emg_names = [settings.name for settings in channels.emg.values()]
     if force_file is None or Path(force_file) == Path(emg_file):
         *emg_stored, force_stored = load_named(emg_open, [*emg_names, channels.force.name])
         force_open, name = emg_open, emg_format
     else:
-        force_format, force_open = open_recording(force_file)
+        force_format, force_open = open_recording(force_file, reading)
         emg_stored = load_named(emg_open, emg_names)
         (force_stored,) = load_named(force_open, [channels.force.name])
         name = emg_format if emg_format == force_format else f"{emg_format} + {force_format}"

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
-from emg2vsa.readers.dialect import Dialect, sniff
 from emg2vsa.readers.opened import Contents, StoredChannel
-from emg2vsa.readers.text_file import Line, TextFile, open_text
+from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.recordings import ChannelInfo
 

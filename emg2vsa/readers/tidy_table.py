@@ -11,8 +11,7 @@ from decimal import Decimal
 from pathlib import Path
 
 from emg2vsa.errors import DataError
-from emg2vsa.readers.dialect import WHITESPACE, Dialect, sniff
-from emg2vsa.readers.text_file import Line, open_text
+from emg2vsa.readers.text_file import WHITESPACE, Dialect, Line, open_text, sniff
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _DIGIT = re.compile("[1-9]")

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 
-from emg2vsa.report import html
-from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.origin import origin
+from casr import html
+from emg2vsa.report.failures import Failure
+from emg2vsa.report.inputs import StudyResults, origin
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
+from emg2vsa.study import RecordingEntry
 from emg2vsa.trials.reasons import most_frequent
 
 
@@ -62,8 +63,11 @@ _TERMS = (
 def participants(results: StudyResults) -> str:
     """One row a participant, with a link to the page; then everything that failed."""
     rows, without_page = [], {failure.key for failure in results.failures if failure.stage == "pages"}
-    for name in dict.fromkeys(entry.participant for entry in results.study.recordings):
-        verdict = session_verdict(results.study, name, results.trials, results.failures)
+    entries: dict[str, list[RecordingEntry]] = {}
+    for entry in results.study.recordings:
+        entries.setdefault(entry.participant, []).append(entry)
+    for name, (trials, failures) in results.by_participant().items():
+        verdict = session_verdict(name, entries[name], trials, failures)
         of = verdict.specimens
         cells = (
             len(of),
@@ -90,13 +94,18 @@ def participants(results: StudyResults) -> str:
 def _failures(results: StudyResults) -> str:
     if not results.failures:
         return html.paragraph("Every step of every recording was done.")
+    return html.heading("What failed") + failed_steps(results.failures).html()
+
+
+def failed_steps(failures: Sequence[Failure]) -> Table:
+    """Every failure with its reason."""
     columns = (Column("key", "For"), Column("stage", "Step"), Column("message", "Why"))
-    rows = tuple((f.key, f.stage, f.message) for f in results.failures)
-    return html.heading("What failed") + Table("failures", "Steps that could not be done", columns, rows).html()
+    rows = tuple((f.key, f.stage, f.message) for f in failures)
+    return Table("failures", "Steps that could not be done", columns, rows)
 
 
 def _rejected(results: StudyResults) -> str:
-    fits = results.fits
+    fits = results.fitted
     blocks = html.heading("Rejected and warned trials")
     for verdict, kept in (
         ("rejected", "Rejected trials stay in fits.csv; no test uses them."),

@@ -1,13 +1,24 @@
-"""A figure of a report: drawn once, saved as SVG and PDF, shown on the page, and told in words."""
+"""A figure of a report: drawn once, saved as SVG or PDF, shown on the page, told in words, set by LaTeX."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from functools import cached_property
 from html import escape
 
-from emg2vsa.figures.canvas import inline_svg
-from emg2vsa.report import html
+from matplotlib.figure import Figure
+
+from casr import html
+from emg2vsa.figures.canvas import ONE_COLUMN_MM, inline_svg, pdf_bytes, style, svg_text, width_pt
+from emg2vsa.report.latex import latex_text
 from emg2vsa.report.table import Table
+from emg2vsa.report.wording import NO_BREAK
+
+STARS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
+    f",{NO_BREAK}", ", "
+)
+"""What the stars over a pair of boxes mean."""
 
 
 @dataclass(frozen=True)
@@ -18,9 +29,18 @@ class Drawing:
     title: str
     caption: str
     description: str
-    svg: str
-    pdf: bytes
+    figure: Figure
     table: Table | None
+
+    @cached_property
+    def svg(self) -> str:
+        with style():
+            return svg_text(self.figure)
+
+    def pdf(self) -> bytes:
+        """Twice as slow as the SVG, and only wanted for a paper."""
+        with style():
+            return pdf_bytes(self.figure)
 
 
 def shown(drawing: Drawing) -> str:
@@ -28,3 +48,23 @@ def shown(drawing: Drawing) -> str:
     svg = inline_svg(drawing.svg, drawing.name.split("_")[0], escape(drawing.title), escape(drawing.description))
     data = html.details("The numbers of this figure", drawing.table.html()) if drawing.table else ""
     return html.figure(svg, drawing.caption, data)
+
+
+_PT_PER_MM = 72 / 25.4
+
+
+def figure_tex(drawing: Drawing) -> str:
+    r"""A figure environment, over both columns where the drawing is wider than one.
+
+    The PDF is sought in ``\emgfolder``, the folder that holds ``figures``: the current one unless the paper says else.
+    """
+    wide = width_pt(drawing.svg) > ONE_COLUMN_MM * _PT_PER_MM + 1
+    figure = "figure*" if wide else "figure"
+    # LaTeX counts the figures itself
+    caption = latex_text(re.sub(r"^Fig\. \w+\. ", "", drawing.caption))
+    lines = (
+        "% takes the package graphicx", r"\providecommand{\emgfolder}{.}", rf"\begin{{{figure}}}", r"\centering",
+        rf"\includegraphics[width=\linewidth]{{\emgfolder/figures/{drawing.name}.pdf}}", rf"\caption{{{caption}}}",
+        rf"\label{{fig:{drawing.name}}}", rf"\end{{{figure}}}", "",
+    )  # fmt: skip
+    return "\n".join(lines)

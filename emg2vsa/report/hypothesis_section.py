@@ -6,15 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from casr import html
 from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.hypotheses import Hypotheses
-from emg2vsa.report import html
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.outcome_text import said, statistic_said
-from emg2vsa.report.p_bounds import dunn_bounds
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.study_tables import scale_of
 from emg2vsa.report.table import Table
+from emg2vsa.report.verdicts import dunn_bounds
 from emg2vsa.report.wording import NO_BREAK, activity, bounded, listed, number, p_text, percent
 from emg2vsa.stats.ks_exact import ks_survival
 from emg2vsa.stats.power import MEANING

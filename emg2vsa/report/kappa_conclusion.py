@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults
-from emg2vsa.report.kappa_table_one import COLUMNS, angles, column
+from emg2vsa.report.kappa_tables import COLUMNS, angles, column, holds
 from emg2vsa.report.wording import count, listed, percent
 
 
@@ -38,17 +38,11 @@ def kappa_conclusion(found: CalibrationResults, algorithm: str, old: str) -> str
     )
     said = [
         _step(new, before, angles(found)),
-        _step(human, _renamed(new, "the rigid motor"), angles(found)),
+        _step(human, replace(new, name="the rigid motor"), angles(found)),
         *(_intervals(found, name) for name in (algorithm, old)),
         _caution(found, algorithm),
     ]
     return " ".join(filter(None, said))
-
-
-def holds(of: AlgorithmResult, truth: float) -> bool | None:
-    """Whether the interval holds the known stiffness, also one without an upper end; None where either is missing."""
-    low, high = of.chosen.low, of.chosen.high
-    return None if np.isnan([low, truth, high]).any() else bool(low <= truth <= high)
 
 
 def _errors(name: str, of: Sequence[AlgorithmResult | None], truth: float) -> _Errors:
@@ -60,10 +54,6 @@ def _errors(name: str, of: Sequence[AlgorithmResult | None], truth: float) -> _E
     ]
     chosen, paper, reach = np.abs(np.array(rows, dtype=np.float64).reshape(-1, 3).T)
     return _Errors(name, chosen, paper, reach)
-
-
-def _renamed(errors: _Errors, name: str) -> _Errors:
-    return _Errors(name, errors.chosen, errors.paper, errors.reach)
 
 
 def _step(after: _Errors, before: _Errors, angles_deg: Sequence[float]) -> str:

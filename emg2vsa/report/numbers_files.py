@@ -1,4 +1,4 @@
-"""The quantities as files: results.json for programs, numbers.tex for papers."""
+"""The quantities as files: results.json for programs, numbers.tex and statements.tex for papers."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import re
 from collections.abc import Mapping
 
 from emg2vsa.report.latex import latex_number, latex_text
-from emg2vsa.report.quantity import Quantity
-from emg2vsa.report.units import is_p, unit_of
+from emg2vsa.report.quantity import Quantity, is_p, unit_of
+from emg2vsa.report.table import Table
 from emg2vsa.report.wording import p_parts
 
 _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
@@ -57,6 +57,17 @@ def macro_names(keys: list[str], prefix: str = "emg") -> dict[str, str]:
         taken.add(name)
         names[key] = name
     return names
+
+
+def statements_tex(table: Table) -> str:
+    r"""One ``\newcommand`` a statement, e.g. ``\emgTestOverPeopleFriedman``."""
+    names = macro_names([f"{row[0]}.{row[1]}" for row in table.rows], "emgTest")
+    latex = [column.key for column in table.columns].index("latex")
+    lines = [
+        rf"\newcommand{{\{name}}}{{{row[latex]}}} % {row[0]}, {row[1]}"
+        for name, row in zip(names.values(), table.rows, strict=True)
+    ]
+    return "\n".join(["% Written by emg2vsa; include with \\input. Needs amsmath.", *lines, ""])
 
 
 def _spelled(key: str) -> str:

@@ -82,7 +82,7 @@ def span_said(values: Floats, style: Style = "apa", *, at_most_one: bool = False
     return " to ".join(f"${end}$" for end in ends) if style == "latex" else " to ".join(ends)
 
 
-def interval_said(
+def _interval_said(
     low: float, high: float, confidence: float, style: Style = "apa", *, at_most_one: bool = False
 ) -> str:
     """``95% CI [.08, .46]``."""
@@ -131,7 +131,7 @@ def _estimate(outcome: Outcome, style: Style) -> str:
     text = _named(name, outcome.estimate, style)
     if outcome.interval is None or outcome.confidence is None:
         return text
-    return f"{text}, {interval_said(*outcome.interval, outcome.confidence, style, at_most_one=_is_share(name))}"
+    return f"{text}, {_interval_said(*outcome.interval, outcome.confidence, style, at_most_one=_is_share(name))}"
 
 
 def _named(name: str, value: float, style: Style) -> str:

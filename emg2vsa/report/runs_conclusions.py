@@ -8,11 +8,10 @@ import numpy as np
 
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
-from emg2vsa.report.runs_tables import level_change
-from emg2vsa.report.runs_wording import design_name, gap_of, interval
-from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
+from emg2vsa.report.runs_tables import design_name, gap_of, level_change
+from emg2vsa.report.wording import bounded, count, interval, listed, number, p_text, percent
 from emg2vsa.runs import RunScores
-from emg2vsa.stats.dunn import smallest_worst_p
+from emg2vsa.stats.kruskal import smallest_worst_p
 
 
 def first_frames(runs: Sequence[RunScores], found: Discrimination) -> str:

@@ -12,29 +12,33 @@ from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.boxes import PairBar
-from emg2vsa.figures.canvas import pdf_bytes, style, svg_text
-from emg2vsa.figures.casr_areas import POOLED, AreaPanel, draw_areas
+from emg2vsa.figures.canvas import style
+from emg2vsa.figures.casr_areas import POOLED, AreaPanel, draw_areas, draw_contacts
 from emg2vsa.figures.casr_calibration import draw_calibrations
-from emg2vsa.figures.casr_conditions import ConditionBoxes, draw_conditions
-from emg2vsa.figures.casr_contact import draw_contacts
-from emg2vsa.figures.casr_rates import RateSeries, draw_rates
+from emg2vsa.figures.casr_rates import ConditionBoxes, RateSeries, draw_conditions, draw_rates
 from emg2vsa.figures.palette import Look
-from emg2vsa.report.drawing import Drawing
-from emg2vsa.report.runs_wording import SIMULATED, area_unit, design_name
-from emg2vsa.report.wording import NO_BREAK, listed, number
+from emg2vsa.figures.palette import looks as looks_of
+from emg2vsa.report.drawing import STARS, Drawing
+from emg2vsa.report.runs_tables import design_name
+from emg2vsa.report.wording import SIMULATED, area_unit, listed, number
 from emg2vsa.runs import RunScores
 
 _BOXES = "Boxes are Hazen's quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
-_STARS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
-    f",{NO_BREAK}", ", "
-)
 _RAW = (
     "Left: contact area against force, a part of the frames of all presses, and a power law through them. Right: CASR."
 )
 
 
-def runs_figures(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str, Look]) -> dict[str, Drawing]:
-    """Name to drawing; a figure whose runs are not there is absent."""
+def runs_figures(
+    runs: Sequence[RunScores],
+    found: Discrimination,
+    calibration: CalibrationResults | None,
+    specimens: Sequence[str],
+) -> dict[str, Drawing]:
+    """Name to drawing; a figure whose runs are not there is absent. specimens : of the study: each keeps its look."""
+    new = found.new.name if found.new else None
+    others = [name for name in found.table.specimens if name != new]
+    looks = looks_of(list(dict.fromkeys([*specimens, *others])), new)
     with style():
         drawings = [
             _areas(runs, found, looks),
@@ -45,13 +49,14 @@ def runs_figures(runs: Sequence[RunScores], found: Discrimination, looks: Mappin
             ),
             _rates(runs, found, looks, "fig13_constant", "13", "constant levels of the profile", _constant(found)),
             _conditions(runs, found, looks),
+            _calibration(calibration, found.table.algorithm, looks) if calibration is not None else None,
         ]
     return {drawing.name: drawing for drawing in drawings if drawing is not None}
 
 
 def _drawing(runs: Sequence[RunScores], name: str, title: str, caption: str, told: str, figure: Figure) -> Drawing:
     origin = f" {SIMULATED}" if any(run.simulated for run in runs) else ""
-    return Drawing(name, title, caption + origin, f"{told}{origin}", svg_text(figure), pdf_bytes(figure), None)
+    return Drawing(name, title, caption + origin, f"{told}{origin}", figure, None)
 
 
 def _of(found: Discrimination, condition: str) -> list[int]:
@@ -82,7 +87,7 @@ def _areas(runs: Sequence[RunScores], found: Discrimination, looks: Mapping[str,
         f"Fig. 8. Initial area where loading begins, {condition}, by the {found.table.algorithm} algorithm: by "
         f"specimen at each angle (Kruskal-Wallis, {each})"
     )
-    caption += f", and by angle, all specimens together (Dunn, Bonferroni: {_STARS}). " if pooled else ". "
+    caption += f", and by angle, all specimens together (Dunn, Bonferroni: {STARS}). " if pooled else ". "
     told = "; ".join(
         f"{panel.title}: " + ", ".join(f"{n} {_median(v)}" for n, v in zip(panel.names, panel.values, strict=True))
         for panel in panels
@@ -195,7 +200,7 @@ def _conditions(runs: Sequence[RunScores], found: Discrimination, looks: Mapping
     return _drawing(runs, "fig14_conditions", title, caption, f"Median CASR in {unit}/N. {told}.", figure)
 
 
-def kappa_figure(found: CalibrationResults, algorithm: str, looks: Mapping[str, Look]) -> dict[str, Drawing]:
+def _calibration(found: CalibrationResults, algorithm: str, looks: Mapping[str, Look]) -> Drawing | None:
     """The calibration of every angle and condition by one vision algorithm."""
     panels = [
         (f"{each.condition}, {each.angle_deg:g}°", each, each.algorithms[algorithm])
@@ -203,11 +208,9 @@ def kappa_figure(found: CalibrationResults, algorithm: str, looks: Mapping[str, 
         if algorithm in each.algorithms
     ]
     if not panels:
-        return {}
+        return None
     new = found.new_specimen
-    with style():
-        figure = draw_calibrations(panels, looks, new, found.known_kappa_new)
-        svg, pdf = svg_text(figure), pdf_bytes(figure)
+    figure = draw_calibrations(panels, looks, new, found.known_kappa_new)
     law = panels[0][2].chosen.law
     origin = f" {SIMULATED}" if any(each.simulated for each in found.conditions) else ""
     caption = (
@@ -220,7 +223,7 @@ def kappa_figure(found: CalibrationResults, algorithm: str, looks: Mapping[str, 
         for title, _, of in panels
     )
     title = f"Calibration, and stiffness of {new}"
-    return {"figcal_calibration": Drawing("figcal_calibration", title, caption, f"{told}.{origin}", svg, pdf, None)}
+    return Drawing("figcal_calibration", title, caption, f"{told}.{origin}", figure, None)
 
 
 def _finite(values: Floats) -> Floats:

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults
 from emg2vsa.discrimination import Discrimination
-from emg2vsa.report import paper_runs
+from emg2vsa.report import paper_comparison as paper
 from emg2vsa.report.quantity import Items, Quantity
-from emg2vsa.report.runs_wording import gap_of, interval_of
+from emg2vsa.report.runs_tables import gap_of, interval_of
 from emg2vsa.runs import RunScores
 
 
@@ -36,10 +37,9 @@ def _areas(found: Discrimination) -> Items:
         yield f"{name}.area.specimens_bf01", float(area.groups.bayes.bf01[i])
         yield f"{name}.area.equal_within", float(area.equality.bound[i])
         yield f"{name}.area.softest_over_stiffest", float(area.softest_over_stiffest[i])
-        for specimen, values in zip(table.specimens, table.a_c0[table.algorithm][i], strict=True):
-            yield from _moments(f"{name}.{specimen}.a_c0_{unit}", values)
-        for specimen, values in zip(table.specimens, table.start_area[table.algorithm][i], strict=True):
-            yield from _moments(f"{name}.{specimen}.start_area_{unit}", values)
+        for key, areas in (("a_c0", table.a_c0), ("start_area", table.start_area)):
+            for specimen, values in zip(table.specimens, areas[table.algorithm][i], strict=True):
+                yield from _moments(f"{name}.{specimen}.{key}_{unit}", values)
 
 
 def _angles(found: Discrimination) -> Items:
@@ -110,24 +110,24 @@ _PARTS = (_areas, _angles, _rates, _new, _algorithms, _conditions)
 
 
 def _paper() -> Items:
-    for angle, p in paper_runs.AREA_SPECIMENS_P.items():
+    for angle, p in paper.AREA_SPECIMENS_P.items():
         yield f"paper.high-stiffness.{angle:g}.area.specimens_p", p
-    yield "paper.high-stiffness.area.angles.worst_p", paper_runs.AREA_ANGLES_WORST_P
-    for (condition, angle), p in paper_runs.CASR_WORST_P.items():
+    yield "paper.high-stiffness.area.angles.worst_p", paper.AREA_ANGLES_WORST_P
+    for (condition, angle), p in paper.CASR_WORST_P.items():
         yield f"paper.{condition}.{angle:g}.casr.worst_p", p
-    yield "paper.constant-min.0.new.stiffer_mean_rank_p", paper_runs.NEW_MIN_STIFFNESS_P
+    yield "paper.constant-min.0.new.stiffer_mean_rank_p", paper.NEW_MIN_STIFFNESS_P
     for vision, errors in (
-        ("old_vision", paper_runs.ERROR_OLD_VISION),
-        ("new_vision", paper_runs.ERROR_NEW_VISION),
-        ("human_like", paper_runs.ERROR_HUMAN_LIKE),
+        ("old_vision", paper.ERROR_OLD_VISION),
+        ("new_vision", paper.ERROR_NEW_VISION),
+        ("human_like", paper.ERROR_HUMAN_LIKE),
     ):
         for angle, error in errors.items():
             yield f"paper.kappa_error.{vision}.{angle:g}", error
-    for condition, error in paper_runs.ERROR_CONSTANT.items():
+    for condition, error in paper.ERROR_CONSTANT.items():
         yield f"paper.kappa_error.{condition}.0", error
-    for condition, r2 in paper_runs.WORST_ADJ_R2.items():
+    for condition, r2 in paper.WORST_ADJ_R2.items():
         yield f"paper.{condition}.worst_adj_r2", r2
-    for angle, (p, q) in paper_runs.CURVES.items():
+    for angle, (p, q) in paper.CURVES.items():
         yield f"paper.modular.{angle:g}.curve.level_n_per_mm", p
         yield f"paper.modular.{angle:g}.curve.rate", q
 
@@ -147,3 +147,34 @@ def _interval(name: str, estimate: float, low: float, high: float) -> Items:
     yield name, estimate
     yield f"{name}.low", low
     yield f"{name}.high", high
+
+
+def kappa_quantities(found: CalibrationResults) -> dict[str, Quantity]:
+    """Name to value; NaN where a number is not defined."""
+    return dict(_items(found))
+
+
+def _items(found: CalibrationResults) -> Items:
+    yield "runs.kappa.new_specimen", found.new_specimen
+    yield "runs.kappa.known_n_per_mm", found.known_kappa_new
+    for each in found.conditions:
+        for name, of in each.algorithms.items():
+            yield from _algorithm(f"runs.{each.condition}.{each.angle_deg:g}.{name}.kappa", of)
+
+
+def _algorithm(name: str, of: AlgorithmResult) -> Items:
+    for prefix, law in (("", of.chosen), ("paper_law.", of.paper)):
+        yield f"{name}.{prefix}n_per_mm", law.kappa
+        yield f"{name}.{prefix}n_per_mm.low", law.low
+        yield f"{name}.{prefix}n_per_mm.high", law.high
+        yield f"{name}.{prefix}error", law.error
+        yield f"{name}.{prefix}adj_r2", law.adj_r2
+        yield f"{name}.{prefix}law", law.law
+        for key, value in zip(("first", "second"), law.parameters, strict=True):
+            yield f"{name}.{prefix}parameter.{key}", value
+    for law_name, rms in of.left_out_rms.items():
+        yield f"{name}.left_out_rms.{law_name}", rms
+    if of.fused is not None:
+        yield f"{name}.fused.n_per_mm", of.fused.kappa
+        yield f"{name}.fused.error", of.fused.error
+        yield f"{name}.fused.weight", of.fused.weight

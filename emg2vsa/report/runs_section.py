@@ -6,24 +6,21 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from casr import html
 from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
-from emg2vsa.figures.palette import looks
-from emg2vsa.report import html
 from emg2vsa.report import runs_conclusions as conclusions
 from emg2vsa.report.drawing import Drawing, shown
 from emg2vsa.report.kappa_conclusion import kappa_conclusion
-from emg2vsa.report.kappa_quantities import kappa_quantities
 from emg2vsa.report.kappa_tables import kappa_tables
+from emg2vsa.report.paper_comparison import runs_comparison
 from emg2vsa.report.quantity import Quantity
-from emg2vsa.report.runs_comparison import runs_comparison
-from emg2vsa.report.runs_figures import kappa_figure, runs_figures
-from emg2vsa.report.runs_quantities import runs_quantities
+from emg2vsa.report.runs_figures import runs_figures
+from emg2vsa.report.runs_quantities import kappa_quantities, runs_quantities
 from emg2vsa.report.runs_tables import runs_tables
 from emg2vsa.report.runs_verdicts import runs_verdicts
-from emg2vsa.report.runs_wording import area_unit
 from emg2vsa.report.table import Table
-from emg2vsa.report.wording import count
+from emg2vsa.report.wording import area_unit, count
 from emg2vsa.runs import RunScores
 
 _NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
@@ -59,10 +56,7 @@ def runs_sections(
         return RunsReport((("#runs", "Runs"),), body, numbers, tables)
     tables |= runs_verdicts(found)
     tables["paper_comparison_runs"] = runs_comparison(found, numbers, simulated)
-    new = found.new.name if found.new else None
-    others = [name for name in found.table.specimens if name != new]
-    look = looks(list(dict.fromkeys([*specimens, *others])), new)
-    drawings = runs_figures(runs, found, look)
+    drawings = runs_figures(runs, found, calibration, specimens)
     sections = [
         ("runs", "Runs", head + tables["paper_comparison_runs"].html()),
         ("area", "Initial contact area", _area(runs, found, tables, drawings)),
@@ -74,7 +68,6 @@ def runs_sections(
         algorithms = found.table.algorithm, found.settings.old_algorithm
         numbers |= kappa_quantities(calibration)
         tables |= kappa_tables(calibration, *algorithms)
-        drawings |= kappa_figure(calibration, algorithms[0], look)
         sections.append(("kappa", "Stiffness of the new specimen", _kappa(calibration, algorithms, tables, drawings)))
     return RunsReport(
         contents=tuple((f"#{name}", title) for name, title, _ in sections),

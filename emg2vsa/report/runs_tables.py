@@ -9,12 +9,13 @@ import numpy as np
 
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.conditions import ConditionComparison
-from emg2vsa.discrimination.run_table import CONDITIONS, RIGID
-from emg2vsa.report import paper_runs
-from emg2vsa.report.runs_wording import area_unit, design_name, exact_p, gap_of, interval, interval_of
+from emg2vsa.discrimination.run_table import CONDITIONS, RIGID, RunTable
+from emg2vsa.discrimination.separation import Gaps
+from emg2vsa.report import paper_comparison as paper
 from emg2vsa.report.table import Cell, Column, Table
-from emg2vsa.report.wording import UNDEFINED, listed
+from emg2vsa.report.wording import UNDEFINED, area_unit, exact_p, interval, listed
 from emg2vsa.runs import RunScores
+from emg2vsa.stats.bootstrap import Bootstrap
 
 _DESIGN = Column("design", "Condition, angle")
 
@@ -79,7 +80,7 @@ def _areas(found: Discrimination) -> Table:
 
 
 def _paper_area_p(condition: str, angle_deg: float) -> float | None:
-    return paper_runs.AREA_SPECIMENS_P.get(angle_deg) if condition == "high-stiffness" else None
+    return paper.AREA_SPECIMENS_P.get(angle_deg) if condition == "high-stiffness" else None
 
 
 def _angles(found: Discrimination) -> Table:
@@ -126,7 +127,7 @@ def _rates(found: Discrimination) -> Table:
 
 def _paper_casr_p(found: Discrimination, design: int) -> str:
     key = (found.table.conditions[design], float(found.table.angles_deg[design]))
-    return exact_p(paper_runs.CASR_WORST_P.get(key, float("nan")))
+    return exact_p(paper.CASR_WORST_P.get(key, float("nan")))
 
 
 def _new(found: Discrimination) -> Table:
@@ -155,10 +156,10 @@ def _new(found: Discrimination) -> Table:
 
 
 def _paper_new(condition: str, angle_deg: float) -> str:
-    if (condition, angle_deg) not in paper_runs.DESIGNS:
+    if (condition, angle_deg) not in paper.DESIGNS:
         return UNDEFINED
     least = condition == "constant-min"
-    return f"not told apart, p = {exact_p(paper_runs.NEW_MIN_STIFFNESS_P)}" if least else "told apart"
+    return f"not told apart, p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}" if least else "told apart"
 
 
 def _algorithms(found: Discrimination) -> Table:
@@ -230,3 +231,18 @@ def level_change(compared: ConditionComparison, i: int) -> str:
 
 def _level(found: Discrimination) -> str:
     return f"{100 * found.conditions.confidence:g}%"
+
+
+def design_name(table: RunTable, design: int) -> str:
+    """``modular, 30°``."""
+    return f"{table.conditions[design]}, {table.angles_deg[design]:g}°"
+
+
+def interval_of(found: Bootstrap, i: int) -> tuple[float, float, float]:
+    """Estimate, low and high."""
+    return float(found.estimate[i]), float(found.low[i]), float(found.high[i])
+
+
+def gap_of(found: Gaps, i: int) -> tuple[float, float, float]:
+    """Gap, low and high."""
+    return float(found.gap[i]), float(found.low[i]), float(found.high[i])

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from emg2vsa.companions.groups import GroupTests
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.area import AreaByAngle
-from emg2vsa.report.companion_rows import Row, companion_table, normality_rows
+from emg2vsa.report.companion_rows import Row, companion_table, equality_rows, evidence_row, normality_rows
 from emg2vsa.report.outcome_text import range_said
-from emg2vsa.report.people_rows import equality_rows
-from emg2vsa.report.runs_wording import exact_p
 from emg2vsa.report.table import Table
-from emg2vsa.report.verdicts import change, change_of_evidence, how_many
+from emg2vsa.report.verdicts import change, how_many
+from emg2vsa.report.wording import exact_p
 
 _MANY = "designs"
 
@@ -41,20 +41,20 @@ def _area(found: Discrimination) -> list[Row]:
     paper = f"Kruskal-Wallis: {how_many(ranks, alpha, _MANY)}"
     equal = equality_rows(paper, found.area.equality, None, 100.0, "%")
     return [
-        Row(
-            paper,
-            f"Welch's ANOVA: {how_many(groups.welch.p, alpha, _MANY)}",
-            range_said("rank epsilon2", groups.kruskal.epsilon2),
-            change(ranks, groups.welch.p, alpha),
-        ),
-        Row(
-            paper,
-            f"Bayes factor (JZS): {range_said('BF01', groups.bayes.bf01)}",
-            "above 3 supports equal means, below 1/3 different ones",
-            change_of_evidence(ranks, groups.bayes.bf01, alpha),
-        ),
+        _welch_row(groups, alpha),
+        evidence_row(paper, ranks, groups.bayes.bf01, alpha),
         *(replace(row, changes="no") if np.all(ranks < alpha) else row for row in equal),
     ]
+
+
+def _welch_row(groups: GroupTests, alpha: float) -> Row:
+    ranks = groups.kruskal.p
+    return Row(
+        f"Kruskal-Wallis: {how_many(ranks, alpha, _MANY)}",
+        f"Welch's ANOVA: {how_many(groups.welch.p, alpha, _MANY)}",
+        range_said("rank epsilon2", groups.kruskal.epsilon2),
+        change(ranks, groups.welch.p, alpha),
+    )
 
 
 def _angle(found: Discrimination) -> list[Row]:
@@ -94,16 +94,10 @@ def _named(of: AreaByAngle, rows: list[int], p: np.ndarray) -> str:
 
 def _casr(found: Discrimination) -> list[Row]:
     alpha, spread = found.settings.alpha, found.spread
-    omnibus = spread.groups.kruskal.p
     pairs = spread.pairs
     paper = f"Dunn on mean ranks, Bonferroni: {how_many(pairs.dunn.p, alpha, 'pairs')}"
     return [
-        Row(
-            f"Kruskal-Wallis: {how_many(omnibus, alpha, _MANY)}",
-            f"Welch's ANOVA: {how_many(spread.groups.welch.p, alpha, _MANY)}",
-            range_said("rank epsilon2", spread.groups.kruskal.epsilon2),
-            change(omnibus, spread.groups.welch.p, alpha),
-        ),
+        _welch_row(spread.groups, alpha),
         *(
             Row(paper, f"{name}: {how_many(p, alpha, 'pairs')}", effect, change(pairs.dunn.p, p, alpha))
             for name, p, effect in (

@@ -9,18 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
-from emg2vsa.atomic import write_text_atomic
+from casr import html
+from casr.atomic import write_text_atomic
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.figures.palette import INK, looks
 from emg2vsa.fits import Fits
-from emg2vsa.report import html
-from emg2vsa.report.activity_column import activity_column
-from emg2vsa.report.inputs import Failure, short_paths, with_short_paths
+from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
-from emg2vsa.report.table import Column, Table
+from emg2vsa.report.table import Column, Table, activity_column
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict, judge_session
-from emg2vsa.study import Study
+from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
 
 VERDICT_TEXT = {
@@ -41,40 +40,42 @@ def write_session_page(
 ) -> list[Path]:
     """Write ``folder/participants/<participant>.html``; the files written.
 
-    ``fits`` are this participant's, None where no recording could be fitted: the page then says why.
+    ``study`` may be reduced to this participant and the own recordings. ``fits`` are this participant's, None where no
+    recording could be fitted: the page then says why.
     """
     path = folder / "participants" / f"{participant}.html"
-    write_text_atomic(path, _page(study, participant, trials, fits, with_short_paths(failures, study)))
+    write_text_atomic(path, _page(study, participant, trials, fits, failures))
     return [path]
 
 
 def session_verdict(
-    study: Study, participant: str, trials: Sequence[Trials], failures: Sequence[Failure]
+    participant: str, entries: Sequence[RecordingEntry], trials: Sequence[Trials], failures: Sequence[Failure]
 ) -> SessionVerdict:
-    """The verdict on one participant's recordings; ``trials`` and ``failures`` may hold those of others too."""
-    entries = [entry for entry in study.recordings if entry.participant == participant]
-    missed = {f.key.partition("/")[2]: f.message for f in failures if f.key.partition("/")[0] == participant}
-    own = [t for t in trials if t.participant == participant]
-    return judge_session(participant, own, {e.specimen: e.window.expected_trials for e in entries}, missed)
+    """The verdict on one participant's recordings; all arguments are this participant's."""
+    missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
+    return judge_session(participant, trials, {e.specimen: e.window.expected_trials for e in entries}, missed)
 
 
 def _page(
     study: Study, participant: str, trials: Sequence[Trials], fits: Fits | None, failures: Sequence[Failure]
 ) -> str:
-    verdict = session_verdict(study, participant, trials, failures)
+    entries = {entry.specimen: entry for entry in study.recordings if entry.participant == participant}
+    short = ShortPaths(replace(study, recordings=tuple(entries.values())))
+    failures = short.failures(failure for failure in failures if failure.participant == participant)
     by_specimen = {t.specimen: t for t in trials}
+    verdict = session_verdict(participant, list(entries.values()), trials, failures)
     look = looks([specimen.name for specimen in study.specimens])
     scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
     sections = []
     for place, judged in enumerate(verdict.specimens):
-        recording = by_specimen.get(judged.specimen)
-        colour = look[judged.specimen].colour if judged.specimen in look else INK
-        body = _recording(study, recording, fits, colour, scale, f"r{place}") if recording else ""
-        sections.append(
-            html.section(
-                f"r{place}", _heading(judged), html.bullets(filter(None, (judged.fault, *judged.problems))), body
-            )
-        )
+        body = ""
+        if recording := by_specimen.get(judged.specimen):
+            own = _rows(fits, fits.specimen == judged.specimen) if fits else None
+            colour = look[judged.specimen].colour if judged.specimen in look else INK
+            body = _recording(recording, own, entries[judged.specimen].window.force_n, colour, scale, f"r{place}")
+            body += html.details("Signal quality and processing", _quality(recording, short))
+        faults = html.bullets(filter(None, (judged.fault, *judged.problems)))
+        sections.append(html.section(f"r{place}", _heading(judged), faults, body))
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(
         html.paragraph(f"{f.stage} failed for {f.key}: {f.message}") for f in failures if f.stage != "trials"
@@ -90,10 +91,9 @@ def _heading(judged: SpecimenVerdict) -> str:
     return f"{judged.specimen}: usable presses {judged.usable}{wanted}"
 
 
-def _recording(study: Study, trials: Trials, fits: Fits | None, colour: str, scale: ActivityScale, name: str) -> str:
-    own = _rows(fits, fits.specimen == trials.specimen) if fits else None
-    key = f"{trials.participant}/{trials.specimen}"
-    window_n = next(entry.window.force_n for entry in study.recordings if entry.key == key)
+def _recording(
+    trials: Trials, own: Fits | None, window_n: tuple[float, float], colour: str, scale: ActivityScale, name: str
+) -> str:
     body = html.figure(
         force_trace(trials, window_n, f"{name}f"), "Force over time. Loading phases are shaded and numbered."
     )
@@ -106,7 +106,7 @@ def _recording(study: Study, trials: Trials, fits: Fits | None, colour: str, sca
         )
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
-    return body + html.details("Signal quality and processing", _quality(trials, study))
+    return body
 
 
 def _rows(fits: Fits, of: np.ndarray) -> Fits:
@@ -131,7 +131,7 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
     return Table("presses", caption, columns, tuple(rows))
 
 
-def _quality(trials: Trials, study: Study) -> str:
+def _quality(trials: Trials, short: ShortPaths) -> str:
     muscles = [
         f"{muscle}: rest {number(rest * 1e6)} µV, mains {percent(mains, 2)} of power, clipped {percent(clip, 2)}"
         for muscle, rest, mains, clip in zip(
@@ -139,5 +139,5 @@ def _quality(trials: Trials, study: Study) -> str:
             strict=True,
         )
     ]  # fmt: skip
-    notes = (short_paths(note, study) for note in trials.notes)
+    notes = map(short.text, trials.notes)
     return html.bullets([*muscles, f"force at rest: {number(trials.rest_force_n)} N, subtracted", *notes])

@@ -9,25 +9,20 @@ import numpy as np
 
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import PairBar, hazen_box
-from emg2vsa.figures.canvas import pdf_bytes, style, svg_text
-from emg2vsa.figures.cocontraction import draw_cocontraction
-from emg2vsa.figures.interpolation import draw_interpolation
+from emg2vsa.figures.canvas import style
+from emg2vsa.figures.cocontraction import draw_cocontraction, draw_interpolation
 from emg2vsa.figures.palette import looks
 from emg2vsa.figures.schedule_map import draw_schedules
 from emg2vsa.fits import usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.report.activity_column import activity_column
-from emg2vsa.report.drawing import Drawing
+from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.study_tables import scale_of
-from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import NO_BREAK, activity, count, listed, number, p_text, percent
+from emg2vsa.report.table import Column, Table, activity_column
+from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
-_MARKS = "* p < .05, ** p < .01, *** p < .001, **** p ≤ .0001, ns p ≥ .05".replace(" ", NO_BREAK).replace(
-    f",{NO_BREAK}", ", "
-)
 
 
 def study_figures(results: StudyResults) -> dict[str, Drawing]:
@@ -54,7 +49,7 @@ def _cocontraction(results: StudyResults) -> Drawing | None:
         f"Fig. 4. Co-contraction of {of}. (a) Mean fitted trend of each specimen; the band is one standard deviation "
         f"{'between trials' if whose else 'between participants'}. (b) Slopes b, one mark a trial: boxes are Hazen's "
         "quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
-    ) + (f" {test}: {_MARKS}." if bars else "")
+    ) + (f" {test}: {STARS}." if bars else "")
     told = [
         f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}, median b "
         f"{activity(float(np.median(b)), scale) if b.size else 'not known'} in {count(b.size, 'trial')}"
@@ -78,7 +73,7 @@ def _cocontraction(results: StudyResults) -> Drawing | None:
     table = Table("fig04", "Numbers of figure 4", columns, rows)
     title = "Co-contraction against force, and slopes b by specimen"
     description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
-    return Drawing("fig04_cocontraction", title, caption, description, svg_text(figure), pdf_bytes(figure), table)
+    return Drawing("fig04_cocontraction", title, caption, description, figure, table)
 
 
 def _shown(profiles: Profiles, hypotheses: Hypotheses | None) -> Sequence[Profile]:
@@ -88,7 +83,7 @@ def _shown(profiles: Profiles, hypotheses: Hypotheses | None) -> Sequence[Profil
 
 
 def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:
-    fits = results.fits
+    fits = results.fitted
     entering = usable(fits, results.study.hypotheses.use) & (fits.specimen == specimen)
     if whose:
         entering &= fits.participant == whose
@@ -127,8 +122,7 @@ def _schedules(results: StudyResults) -> Drawing | None:
         for s in results.schedules
     ]
     title = "Stiffness preset against force"
-    svg, pdf = svg_text(figure), pdf_bytes(figure)
-    return Drawing("fig05_schedules", title, caption, "; ".join(told) + ".", svg, pdf, None)
+    return Drawing("fig05_schedules", title, caption, "; ".join(told) + ".", figure, None)
 
 
 def _interpolation(results: StudyResults) -> Drawing | None:
@@ -161,7 +155,7 @@ def _interpolation(results: StudyResults) -> Drawing | None:
     rows = tuple(zip(new.force_n[every].tolist(), *(p.v[every].tolist() for p in [*measured, new]), strict=True))
     table = Table("fig11", "Numbers of figure 11", columns, rows)
     title = f"Interpolated profile of {new.specimen} beside measured profiles"
-    return Drawing("fig11_interpolation", title, caption, caption, svg_text(figure), pdf_bytes(figure), table)
+    return Drawing("fig11_interpolation", title, caption, caption, figure, table)
 
 
 def _specimens(results: StudyResults) -> list[str]:

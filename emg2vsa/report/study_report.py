@@ -7,26 +7,25 @@ from dataclasses import replace
 from html import escape
 from pathlib import Path
 
-from emg2vsa.atomic import write_bytes_atomic, write_text_atomic
+from casr import html
+from casr.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa.calibration.results import CalibrationResults
-from emg2vsa.report import data_sections, html
-from emg2vsa.report.drawing import Drawing, shown
-from emg2vsa.report.figure_tex import figure_tex
+from emg2vsa.report import data_sections
+from emg2vsa.report.drawing import Drawing, figure_tex, shown
+from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.hypothesis_section import hypotheses
-from emg2vsa.report.inputs import Failure, RunsResults, StudyResults, why_absent, with_short_paths
+from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.latex import latex_table
 from emg2vsa.report.methods import methods_paragraph
-from emg2vsa.report.numbers_files import numbers_tex, results_json
+from emg2vsa.report.numbers_files import numbers_tex, results_json, statements_tex
 from emg2vsa.report.paper_comparison import paper_comparison
 from emg2vsa.report.quantities import quantities
 from emg2vsa.report.quantity import Quantity
-from emg2vsa.report.runs_methods import runs_methods
+from emg2vsa.report.runs_figures import runs_figures
 from emg2vsa.report.runs_section import RunsReport, runs_sections
-from emg2vsa.report.statements import statements_tex
 from emg2vsa.report.study_figures import study_figures
 from emg2vsa.report.study_tables import study_tables
-from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import listed
+from emg2vsa.report.table import Table
 
 _CONTENTS = (
     ("#paper", "Beside the paper"), ("#participants", "Participants"), ("#fits", "Fits"), ("#hypotheses", "Hypotheses"),
@@ -39,43 +38,29 @@ _TOO_LONG_FOR_PRINT = {"fits", "statements"}
 def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
     """Write the page, results.json, numbers.tex, statements.tex, tables/ and figures/ into ``folder``; its files.
 
-    The bytes depend on ``results`` alone. Participants' pages are written by ``write_session_page``.
+    The bytes depend on ``results`` alone. A study of runs alone has section VI and nothing on people. Participants'
+    pages are written by ``write_session_page``, the PDFs of its figures by ``write_figure_pdfs``.
     """
-    results = replace(results, failures=with_short_paths(results.failures, results.study))
-    runs = _runs(results, results.failures)
+    results = replace(results, failures=ShortPaths(results.study).failures(results.failures))
+    runs = _runs(results)
+    people = results.fits is not None
     found = dict(sorted((quantities(results) | runs.quantities).items()))
-    tables = study_tables(results)
-    comparison = paper_comparison(results, found)
-    drawings = study_figures(results)
+    tables = study_tables(results) if people else {}
+    drawings = study_figures(results) if people else {}
+    if people:
+        tables["paper_comparison"] = paper_comparison(results, found)
+    versions = {name: value for name, value in results.provenance.items() if "digest of " not in name}
+    methods = methods_paragraph(results.study, results.trials, versions, results.truth is not None, results.runs)
+    body = _people(results, found, tables, drawings) if people else _nobody(results.failures)
     texts = {
-        "index.html": _page(results, found, tables, comparison, drawings, runs),
-        "results.json": results_json(found),
-        "numbers.tex": numbers_tex(found),
-        "methods.txt": _methods(results) + "\n",
-    }
-    if "statements" in tables:
-        texts["statements.tex"] = statements_tex(tables["statements"])
-    return _written(folder, texts, [*tables.values(), comparison, *runs.tables.values()], drawings | runs.drawings)
-
-
-def write_runs_report(results: RunsResults, folder: Path) -> list[Path]:
-    """The same for a study of measured runs alone: section VI, and nothing on people."""
-    study = results.study
-    failures = with_short_paths(results.failures, study)
-    runs = _runs(results, failures)
-    found = {
-        "study.name": study.name, "study.mode": study.mode, "study.truth_found": False,
-        "study.specimens": len(study.specimens), "study.failures": len(failures), **runs.quantities,
-    }  # fmt: skip
-    found = dict(sorted(found.items()))
-    methods = _runs_methods(results)
-    texts = {
-        "index.html": _runs_page(results, failures, runs, methods),
+        "index.html": _page(results, body, runs, methods),
         "results.json": results_json(found),
         "numbers.tex": numbers_tex(found),
         "methods.txt": methods + "\n",
     }
-    return _written(folder, texts, runs.tables.values(), runs.drawings)
+    if "statements" in tables:
+        texts["statements.tex"] = statements_tex(tables["statements"])
+    return _written(folder, texts, [*tables.values(), *runs.tables.values()], drawings | runs.drawings)
 
 
 def _written(
@@ -90,76 +75,65 @@ def _written(
         texts |= {f"figures/{drawing.name}.svg": drawing.svg, f"figures/{drawing.name}.tex": figure_tex(drawing)}
     for name, text in texts.items():
         write_text_atomic(folder / name, text)
-    for drawing in drawings.values():
-        write_bytes_atomic(folder / f"figures/{drawing.name}.pdf", drawing.pdf)
-    return [folder / name for name in (*texts, *(f"figures/{name}.pdf" for name in drawings))]
+    return [folder / name for name in texts]
 
 
-def _page(
-    results: StudyResults,
-    found: Mapping[str, Quantity],
-    tables: Mapping[str, Table],
-    comparison: Table,
-    drawings: Mapping[str, Drawing],
-    runs: RunsReport,
-) -> str:
+def write_figure_pdfs(results: StudyResults, folder: Path) -> list[Path]:
+    """Write every figure of the report as ``folder/figures/NAME.pdf``, for a paper; the files."""
+    drawings = study_figures(results) if results.fits is not None else {}
+    if results.runs and results.discrimination is not None:
+        specimens = [specimen.name for specimen in results.study.specimens]
+        drawings |= runs_figures(results.runs, results.discrimination, results.calibration, specimens)
+    paths = {folder / f"figures/{name}.pdf": drawing for name, drawing in drawings.items()}
+    for path, drawing in paths.items():
+        write_bytes_atomic(path, drawing.pdf())
+    return list(paths)
+
+
+def _page(results: StudyResults, body: str, runs: RunsReport, methods: str) -> str:
     study = results.study
+    contents: tuple[tuple[str, str], ...] = _CONTENTS
     rig = " Section VI: from the rig's presses to the stiffness of objects." if runs.body else ""
+    about = f"Section IV.B: from palpation EMG and force to stiffness schedules.{rig}"
+    if results.fits is None:
+        contents = (("#failures", "What failed"),) if body else ()
+        nobody = "No recording of people could be used." if study.recordings else _RUNS_ALONE
+        about = f"Section VI: from presses of a tactile sensor to the stiffness of objects. {nobody}"
     header = (
         f"<h1>{escape(study.title)}</h1>"
-        f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. Section IV.B: from palpation '
-        f"EMG and force to stiffness schedules.{rig}</p>"
+        f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. {about}</p>'
     )
-    body = (
-        data_sections.glance(results, found),
-        html.section("paper", "Beside the paper", comparison.html()),
-        data_sections.participants(results),
-        data_sections.fits(results, found, tables),
-        hypotheses(results, found, tables),
-        _profiles(results, tables, drawings),
-        _schedules(results, tables, drawings),
-        runs.body,
-        html.section("methods", "Methods", html.paragraph(_methods(results))),
-        _provenance(results.provenance),
+    body += runs.body + html.section("methods", "Methods", html.paragraph(methods)) + _provenance(results.provenance)
+    return html.page(study.title, header, (*contents, *runs.contents, *_LAST_CONTENTS), body, _FOOTER)
+
+
+_RUNS_ALONE = "The study has no recordings of people."
+
+
+def _people(
+    results: StudyResults, found: Mapping[str, Quantity], tables: Mapping[str, Table], drawings: Mapping[str, Drawing]
+) -> str:
+    return "".join(
+        (
+            data_sections.glance(results, found),
+            html.section("paper", "Beside the paper", tables["paper_comparison"].html()),
+            data_sections.participants(results),
+            data_sections.fits(results, found, tables),
+            hypotheses(results, found, tables),
+            _profiles(results, tables, drawings),
+            _schedules(results, tables, drawings),
+        )
     )
-    contents = (*_CONTENTS, *runs.contents, *_LAST_CONTENTS)
-    return html.page(study.title, header, contents, "".join(body), _FOOTER)
 
 
-def _runs_page(results: RunsResults, failures: Sequence[Failure], runs: RunsReport, methods: str) -> str:
-    study = results.study
-    header = (
-        f"<h1>{escape(study.title)}</h1>"
-        f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode. Section VI: from presses of '
-        "a tactile sensor to the stiffness of objects. The study has no recordings of people.</p>"
-    )
-    body = (
-        _runs_failures(failures),
-        runs.body,
-        html.section("methods", "Methods", html.paragraph(methods)),
-        _provenance(results.provenance),
-    )
-    failed = (("#failures", "What failed"),) if failures else ()
-    return html.page(study.title, header, (*failed, *runs.contents, *_LAST_CONTENTS), "".join(body), _FOOTER)
+def _nobody(failures: Sequence[Failure]) -> str:
+    """Without people the failures are all that stands before section VI."""
+    return html.section("failures", "What failed", data_sections.failed_steps(failures).html()) if failures else ""
 
 
-def _runs_failures(failures: Sequence[Failure]) -> str:
-    if not failures:
-        return ""
-    columns = (Column("key", "For"), Column("stage", "Step"), Column("message", "Why"))
-    rows = tuple((failure.key, failure.stage, failure.message) for failure in failures)
-    table = Table("failed_steps", "Steps that could not be done", columns, rows)
-    return html.section("failures", "What failed", table.html())
-
-
-def _runs_methods(results: RunsResults) -> str:
-    versions = [f"{name} {value}" for name, value in _versions(results.provenance).items()]
-    return " ".join([*runs_methods(results.study, results.runs), f"Software: {listed(versions)}."])
-
-
-def _runs(results: StudyResults | RunsResults, failures: Sequence[Failure]) -> RunsReport:
+def _runs(results: StudyResults) -> RunsReport:
     specimens = [specimen.name for specimen in results.study.specimens]
-    why = why_absent(failures, "discrimination")
+    why = results.why_absent("discrimination")
     found = runs_sections(results.runs, results.discrimination, results.calibration, specimens, why)
     return _with_reasons(found, results.calibration)
 
@@ -214,15 +188,6 @@ def _schedules(results: StudyResults, tables: Mapping[str, Table], drawings: Map
     remark = html.paragraph("The last force step is shorter than the others; it is kept.", "small") if short else ""
     data = html.details("Every schedule in numbers", tables["schedules"].html())
     return html.section("schedules", title, shown(drawings["fig05_schedules"]), html.paragraph(text), remark, data)
-
-
-def _methods(results: StudyResults) -> str:
-    versions = _versions(results.provenance)
-    return methods_paragraph(results.study, results.trials, versions, results.truth is not None, results.runs)
-
-
-def _versions(provenance: Mapping[str, str]) -> dict[str, str]:
-    return {name: value for name, value in provenance.items() if " key" not in name}
 
 
 def _provenance(provenance: Mapping[str, str]) -> str:

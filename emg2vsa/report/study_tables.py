@@ -7,14 +7,11 @@ import numpy as np
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.fits import usable
 from emg2vsa.profiles import Profiles
-from emg2vsa.report.activity_column import activity_column
 from emg2vsa.report.hypothesis_tables import hypothesis_tables
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.recovery import recover
-from emg2vsa.report.statements import statements
-from emg2vsa.report.table import Cell, Column, Table, rows_of
-from emg2vsa.report.verdict_tables import verdict_tables
+from emg2vsa.report.table import Cell, Column, Table, activity_column, rows_of
 from emg2vsa.schedules import Schedule
+from emg2vsa.truth import recover
 
 
 def study_tables(results: StudyResults) -> dict[str, Table]:
@@ -22,8 +19,7 @@ def study_tables(results: StudyResults) -> dict[str, Table]:
     scale = scale_of(results)
     tables = [_fits(results, scale), _fits_by_specimen(results, scale)]
     if results.hypotheses is not None:
-        tested = results.hypotheses
-        tables += [*hypothesis_tables(tested, scale), *verdict_tables(tested, scale), statements(tested)]
+        tables += hypothesis_tables(results.hypotheses, scale)
     if results.profiles is not None:
         tables += [_profiles(results.profiles, scale), _leave_one_out(results.profiles, scale)]
     if results.schedules:
@@ -35,7 +31,7 @@ def study_tables(results: StudyResults) -> dict[str, Table]:
 
 def scale_of(results: StudyResults) -> ActivityScale:
     """The unit of all activities of the report."""
-    fits = results.fits
+    fits = results.fitted
     return activity_scale(fits.activity_unit, fits.v_max_v[usable(fits, results.study.hypotheses.use)])
 
 
@@ -46,7 +42,7 @@ _R2_HEADS = {
 
 
 def _fits(results: StudyResults, scale: ActivityScale) -> Table:
-    fits = results.fits
+    fits = results.fitted
     texts = {"participant": "Participant", "specimen": "Specimen", "repetition": "Press", "verdict": "Verdict"}
     activities = {"a_v": "a", "b_v": "b", "a_se_v": "SE a", "b_se_v": "SE b", "b_lo_v": "b low", "b_hi_v": "b high"}
     others = {"n_points": "Points", **_R2_HEADS, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)"}
@@ -63,7 +59,7 @@ def _fits(results: StudyResults, scale: ActivityScale) -> Table:
 
 
 def _fits_by_specimen(results: StudyResults, scale: ActivityScale) -> Table:
-    fits, rows = results.fits, []
+    fits, rows = results.fitted, []
     used = usable(fits, results.study.hypotheses.use)
     for specimen in results.study.specimens:
         of = used & (fits.specimen == specimen.name)
@@ -153,6 +149,6 @@ def _recovery(results: StudyResults) -> Table:
     )  # fmt: skip
     use, rows = results.study.hypotheses.use, []
     for name in [None, *(specimen.name for specimen in results.study.specimens)]:
-        found = recover(results.fits, results.truth, use, name)
+        found = recover(results.fitted, results.truth, use, name)
         rows.append((name or "all", *(getattr(found, column.key) for column in columns[1:])))
     return Table("recovery", "Fitted against true slopes of the simulation", columns, tuple(rows))

@@ -11,6 +11,7 @@ from html import escape
 
 import numpy as np
 
+from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.report.wording import UNDEFINED, number, p_parts
 
 Cell = str | int | float | bool | None
@@ -101,3 +102,8 @@ def _exact(value: Cell) -> Cell:
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     return repr(value) if isinstance(value, float) else value
+
+
+def activity_column(key: str, name: str, scale: ActivityScale) -> Column:
+    """Column of activities: volts in CSV, ``scale``'s unit for people; without ``_v`` where it is not in volts."""
+    return Column(key, scale.label(name), scale.factor, name="" if scale.unit else key.removesuffix("_v"))

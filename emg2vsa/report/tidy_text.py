@@ -10,11 +10,18 @@ from textwrap import wrap
 import numpy as np
 
 from emg2vsa.companions.tidy import TidyTests
-from emg2vsa.report.companion_rows import COLUMNS, Row, group_rows, normality_rows, pair_rows, variance_row
+from emg2vsa.report.companion_rows import (
+    COLUMNS,
+    Row,
+    equality_rows,
+    group_rows,
+    normality_rows,
+    over_people_rows,
+    pair_rows,
+    variance_row,
+)
 from emg2vsa.report.outcome_text import Style, p_said, said
-from emg2vsa.report.p_bounds import dunn_bounds
-from emg2vsa.report.people_rows import equality_rows, over_people_rows
-from emg2vsa.report.verdicts import decided, how_many
+from emg2vsa.report.verdicts import decided, dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.stats.outcome import Outcome
 

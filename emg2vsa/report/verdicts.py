@@ -1,4 +1,4 @@
-"""What a family of tests decides, and whether another family decides otherwise, in a few words."""
+"""What a family of tests decides, whether another decides otherwise, and which p it can reach, in few words."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.report.outcome_text import Style, p_said, statistic_said
+from emg2vsa.stats.kruskal import smallest_worst_p
 from emg2vsa.stats.outcome import Outcome
 
 NO = "no"
@@ -78,3 +79,15 @@ def change_of_evidence(paper: Floats, bf01: Floats, alpha: float) -> str:
         if number
     ]
     return NO if not parts else f"{', '.join(parts)}{f' of {n}' if n > 1 else ''}"
+
+
+def dunn_bounds(count: Ints) -> tuple[float, float] | None:
+    """Smallest p of the worst pair, uncorrected and with Bonferroni, for groups of ``count`` (k,) untied values.
+
+    None where the sizes differ: the bound is that of groups in a row without overlap, which only equal sizes make best.
+    """
+    sizes = np.unique(count)
+    if sizes.size != 1 or sizes[0] < 1 or count.size < 2:
+        return None
+    groups, each = count.size, int(sizes[0])
+    return smallest_worst_p(groups, each, "none"), smallest_worst_p(groups, each, "bonferroni")

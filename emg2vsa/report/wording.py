@@ -1,4 +1,4 @@
-"""Numbers as sentences and tables show them (APA style); NaN is shown as not defined, never as a number."""
+"""How numbers, intervals, runs and designs are said (APA style); NaN is shown as not defined."""
 
 from __future__ import annotations
 
@@ -57,3 +57,23 @@ def activity(value: float, scale: ActivityScale) -> str:
 def listed(names: Sequence[str]) -> str:
     """``S1, S3 and S5``."""
     return " and ".join(filter(None, [", ".join(names[:-1]), names[-1] if names else ""]))
+
+
+_UNITS = {"mm2": "mm²", "px2": "px²"}
+SIMULATED = "Simulated rig."
+"""Ends the caption of a figure, or of a table, of emulated runs."""
+
+
+def area_unit(unit: str) -> str:
+    """mm² or px²."""
+    return _UNITS.get(unit, unit)
+
+
+def interval(estimate: float, low: float, high: float) -> str:
+    """``3.01 [1.70, 4.23]``."""
+    return UNDEFINED if estimate != estimate else f"{number(estimate)} [{number(low)}, {number(high)}]"
+
+
+def exact_p(p: float) -> str:
+    """As the paper prints a p: four decimals, two digits below .0001."""
+    return bounded(p, 4) if p >= 1e-4 or p != p else number(p, 2)

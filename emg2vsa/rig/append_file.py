@@ -7,11 +7,15 @@ from pathlib import Path
 
 from emg2vsa.errors import DeviceError
 
+_BINARY = getattr(os, "O_BINARY", 0)
+"""Windows would write a carriage return before every line feed."""
+
 
 class AppendFile:
-    """A new file. Each piece goes to the system at once and whole; a piece that does not fit is taken back.
+    """A new file, in a folder that is made when missing.
 
-    Safe against the end of the program, not against loss of power.
+    Each piece goes to the system at once and whole; a piece that does not fit is taken back. Safe against the
+    end of the program, not against loss of power.
 
     Raises
     ------
@@ -21,7 +25,8 @@ class AppendFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         try:
-            self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | _BINARY, 0o666)
         except OSError as error:
             raise self._trouble(error) from error
         self.size_bytes = 0
@@ -29,7 +34,7 @@ class AppendFile:
     def append(self, piece: bytes) -> None:
         """Add a piece at the end. Raises DeviceError when the disk does not take all of it."""
         try:
-            written = os.pwrite(self._file, piece, self.size_bytes)
+            written = self._write(piece, self.size_bytes)
         except OSError as error:
             raise self._trouble(error) from error
         if written < len(piece):
@@ -45,7 +50,7 @@ class AppendFile:
     def patch(self, offset: int, piece: bytes) -> None:
         """Overwrite a few bytes."""
         try:
-            os.pwrite(self._file, piece, offset)
+            self._write(piece, offset)
         except OSError as error:
             raise self._trouble(error) from error
 
@@ -54,6 +59,15 @@ class AppendFile:
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
+
+    def _write(self, piece: bytes, offset: int) -> int:
+        """Bytes written."""
+        if hasattr(os, "pwrite"):
+            written: int = os.pwrite(self._file, piece, offset)
+            return written
+        # Windows: two calls instead of one, and nobody else has this file
+        os.lseek(self._file, offset, os.SEEK_SET)
+        return os.write(self._file, piece)
 
     def _trouble(self, error: OSError) -> DeviceError:
         return DeviceError(

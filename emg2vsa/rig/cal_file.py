@@ -20,16 +20,13 @@ AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 class GaugeCalibration:
     """A transducer's calibration.
 
-    serial, part_number : as in the file.
+    serial : as in the file.
     wrench_per_volt : (6, 6) Fx, Fy, Fz in N and Tx, Ty, Tz in N·m for a volt on each gauge.
-    largest : (6,) calibrated range of Fx to Tz, N and N·m.
     range_v : (least, greatest) voltage of a gauge, V.
     """
 
     serial: str
-    part_number: str
     wrench_per_volt: NDArray[np.float64]
-    largest: NDArray[np.float64]
     range_v: tuple[float, float]
 
 
@@ -64,9 +61,7 @@ def read_calibration(path: Path | str) -> GaugeCalibration:
     bipolar = _text(calibration, "OutputBipolar", path).lower() == "true"
     return GaugeCalibration(
         serial=_text(sensor, "Serial", path),
-        part_number=calibration.get("PartNumber", ""),
         wrench_per_volt=matrix,
-        largest=np.array([_number(axis, "max", path) for axis in axes]) * size,
         range_v=(-span_v / 2, span_v / 2) if bipolar else (0.0, span_v),
     )
 

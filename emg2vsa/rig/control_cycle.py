@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.ended import EndRun
-from emg2vsa.rig.force_sensor import ForceSample
 from emg2vsa.rig.guards import Moment, tripped
 from emg2vsa.rig.motion import Motion, advance
 from emg2vsa.rig.moving_average import MovingAverage

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.cal_file import GaugeCalibration
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.force_sensor import ForceSample, SensorStatus
+from emg2vsa.rig.devices import ForceSample, SensorStatus
 
 FIRST_S = 1.0
 "Time in which started voltages must come."
@@ -65,12 +65,6 @@ class DaqFt:
     def read(self) -> ForceSample:
         self._arrived()
         return self._sample(*self._fresh())
-
-    def read_all(self) -> list[ForceSample]:
-        volts = self._arrived()
-        _, newest_s = self._fresh()
-        times_s = newest_s - np.arange(len(volts) - 1, -1, -1) / self._source.rate_hz
-        return [self._sample(row, float(time_s)) for row, time_s in zip(volts, times_s, strict=True)]
 
     def bias(self) -> None:
         self._arrived()

@@ -58,6 +58,8 @@ class UdpLine:
 
     def receive(self) -> Datagram | None:
         try:
+            if not hasattr(self._socket, "recvmsg"):
+                return Datagram(self._socket.recv(_LARGEST_BYTES), 0.0)
             data, extras, _, _ = self._socket.recvmsg(_LARGEST_BYTES, _EXTRAS_BYTES)
         except BlockingIOError:
             return None

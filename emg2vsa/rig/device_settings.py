@@ -1,29 +1,39 @@
-"""Which devices a rig has and how they are reached: tables [actuator], [motor], [force] and [camera] of rig.toml."""
+"""Which devices a rig has and how they are reached: tables [actuator], [motor], [force] and [camera] of rig.toml.
+
+The facts that drivers and settings share stand here, so that a rig file is read without loading a driver.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Le, MinLen
+from emg2vsa.settings import Ge, Gt, Le, MinLen, Positive
 
-from emg2vsa.rig.camera import RATE_HZ, SHAPE
-from emg2vsa.rig.qbmove import Model
-from emg2vsa.rig.qbmove_dialects import Generation
-from emg2vsa.rig.rdt_packets import PORT
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
+Generation = Literal["v6", "v7"]
+"""Of a qbmove's firmware; they differ in acknowledgements, and in replies that do not fit one length byte."""
+Model = Literal["maker-pro", "advanced"]
+RDT_PORT = 49152
+"""UDP port of the raw data of ATI's boxes."""
+RATE_HZ = 20.0
+"""Frames a second of the tactile camera."""
+SHAPE = (300, 300)
+"""(height, width) of the paper's frames, px."""
+LOST_S = 0.5
+"""A camera that gives no frame for so long is lost."""
+LARGEST_PRESS_BYTES = 2**32 - 1
+"""Frames of a press are one TIFF, whose offsets have 32 bits."""
 
 Text = Annotated[str, MinLen(1)]
 DeviceId = Annotated[int, Ge(1), Le(255)]
 WatchdogS = Annotated[float, Ge(0.06), Le(5)]
+"""Steps of 20 ms, at most 250; 1 and 2 are rounded to a period of 0, whose meaning is unknown (cmd_set_watchdog)."""
 NetPort = Annotated[int, Ge(1), Le(65535)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ActuatorSettings:
     """The qbmove."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     port: Text
     "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3."
@@ -43,8 +53,6 @@ class ActuatorSettings:
 class MotorSettings:
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     port: Text
     "Serial port; may be the actuator's when the ids differ."
     id: DeviceId = 1
@@ -61,13 +69,11 @@ class MotorSettings:
 class ForceSettings:
     """The force sensor under the specimen: an ATI Net F/T box, or an ATI transducer on a National Instruments card."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     kind: Literal["net-ft", "ni-daq"]
     "net-ft: Net F/T box or Ethernet Axia; ni-daq: gauge voltages and the transducer's calibration."
     host: Text | None = None
     "net-ft: address of the box; 192.168.1.1 when it leaves the factory."
-    rdt_port: NetPort = PORT
+    rdt_port: NetPort = RDT_PORT
     "net-ft: UDP port of its raw data."
     http_port: NetPort = 80
     "net-ft: port of its web page, which tells scales and units."
@@ -84,8 +90,6 @@ class ForceSettings:
 @dataclass(frozen=True, kw_only=True)
 class CameraSettings:
     """The tactile camera."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     source: Annotated[int, Ge(0)] | Text
     "Number of the camera (0 is the first), or the address of a network camera."

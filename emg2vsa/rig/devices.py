@@ -1,13 +1,102 @@
-"""What the executor wants of the rig's devices, and no more: drivers, emulators' drivers and tests all fit."""
+"""What the rig wants of its devices, and no more: drivers, emulators' drivers and tests all fit."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
-from emg2vsa.rig.camera import Frame
-from emg2vsa.rig.force_sensor import ForceSample
-from emg2vsa.rig.qbmove import Measurements
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class SensorStatus:
+    """What the sensor says of itself.
+
+    code : its status word; 0 when all is well.
+    faults : why the force is not to be trusted.
+    warnings : what a reader ought to know of a force that is good.
+    """
+
+    code: int = 0
+    faults: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class ForceSample:
+    """One reading.
+
+    time_s : when it arrived, on the rig's clock.
+    force_n, torque_nm : (3,) along x, y, z of the sensor, N and N·m.
+    status : of this reading.
+    """
+
+    time_s: float
+    force_n: NDArray[np.float64]
+    torque_nm: NDArray[np.float64]
+    status: SensorStatus = SensorStatus()
+
+
+class ForceSensor(Protocol):
+    """A sensor that measures by itself once started. It is never biased unless `bias` is called."""
+
+    name: str
+
+    def start(self) -> None:
+        """Begin, and return once a first sample has come. DeviceError when none comes."""
+
+    def read(self) -> ForceSample:
+        """The newest sample; everything older is dropped, so a slow loop never lags. DeviceError when it is too old
+        or has not changed for too long."""
+
+    def bias(self) -> None:
+        """Make the present load the new zero."""
+
+    def close(self) -> None:
+        """Stop measuring and give the device back."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One picture.
+
+    time_s : when it was taken, on the rig's clock.
+    image : (H, W) grey levels.
+    dropped : frames missing before it.
+    """
+
+    time_s: float
+    image: NDArray[np.uint8]
+    dropped: int = 0
+
+
+class Camera(Protocol):
+    """A camera that takes frames by itself once started.
+
+    delay_s : from the exposure of a frame, which is its time, until it can be had.
+    """
+
+    name: str
+    shape: tuple[int, int]
+    delay_s: float
+
+    def start(self) -> None:
+        """Begin, and return once a first frame has come. DeviceError when none comes."""
+
+    def frames(self) -> list[Frame]:
+        """Frames since the last call, oldest first; never waits. DeviceError when the camera is lost."""
+
+    def close(self) -> None:
+        """Stop and give the device back."""
+
+
+class Measurements(NamedTuple):
+    """Encoder readings, ticks."""
+
+    motor_1: int
+    motor_2: int
+    shaft: int
 
 
 class Actuator(Protocol):
@@ -35,27 +124,10 @@ class Actuator(Protocol):
         """Currents of both motors, mA."""
 
 
-class ForceReader(Protocol):
-    """A force sensor that has been started."""
-
-    def read(self) -> ForceSample:
-        """The newest sample. DeviceError when there is none."""
-
-
-class FrameSource(Protocol):
-    """A camera that has been started; ``delay_s`` is from the exposure of a frame until it can be had."""
-
-    shape: tuple[int, int]
-    delay_s: float
-
-    def frames(self) -> list[Frame]:
-        """Frames since the last call; never waits. DeviceError when the camera is lost."""
-
-
 @dataclass(frozen=True)
 class Devices:
     """The devices of one run, started by the caller and closed by it; the executor only switches the motors."""
 
     actuator: Actuator
-    force: ForceReader
-    camera: FrameSource | None = None
+    force: ForceSensor
+    camera: Camera | None = None

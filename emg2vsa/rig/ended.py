@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Literal
 
-from emg2vsa.rig.append_file import AppendFile
-from emg2vsa.rig.loop_timing import LoopTiming
+from emg2vsa.rig.clock import LoopTiming
 
 How = Literal["completed", "stopped", "interrupted", "guard", "failed", "killed"]
 _ROOM_BYTES = 8192
@@ -40,27 +38,8 @@ class Ended:
     timing: LoopTiming | None = field(default=None)
 
 
-class EndedFile:
-    """ended.json. Made at the start, saying that the run was killed, with room for the truth.
-
-    So a killed run says so itself, and a full disk does not hide the cause. DeviceError as ``AppendFile``.
-    """
-
-    def __init__(self, path: Path, killed: Ended) -> None:
-        self._file = AppendFile(path)
-        self._file.append(_bytes(killed))
-
-    def write(self, ended: Ended) -> None:
-        """Replace what is said. DeviceError when the disk fails."""
-        self._file.patch(0, _bytes(ended))
-
-    def close(self) -> None:
-        """Give the file back."""
-        self._file.close()
-
-
-def _bytes(ended: Ended) -> bytes:
-    # blanks after the object are JSON still
+def ended_bytes(ended: Ended) -> bytes:
+    """ended.json, as long as any other. Blanks after the object are JSON still."""
     return json.dumps(asdict(ended), indent=2).encode().ljust(_ROOM_BYTES - 1) + b"\n"
 
 

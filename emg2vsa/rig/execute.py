@@ -6,11 +6,10 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.clock import Beat, Clock
 from emg2vsa.rig.control_cycle import ControlCycle
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.ended import Ended, EndRun
-from emg2vsa.rig.loop_timing import Beat
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.rig_settings import RigSettings

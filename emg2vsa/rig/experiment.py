@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated
-
-from annotated_types import Ge, Gt, MinLen
+from typing import TYPE_CHECKING, Annotated
 
 from emg2vsa.errors import ScheduleError
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
-from emg2vsa.schedules import Schedule
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS
+from emg2vsa.settings import Ge, Gt, MinLen
+
+if TYPE_CHECKING:
+    from emg2vsa.schedules import Schedule
 
 Angles = tuple[Annotated[float, Ge(0)], ...]
 
@@ -30,8 +30,6 @@ def _paper_angles() -> dict[Condition, Angles]:
 @dataclass(frozen=True, kw_only=True)
 class ExperimentSettings:
     """What is pressed, and how."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     specimens: Annotated[tuple[str, ...], MinLen(1)]
     "Names, as the schedules have them."
@@ -65,14 +63,6 @@ class ExperimentSettings:
 def run_name(specimen: str, angle_deg: float, condition: str) -> str:
     """Name of a run and of its folder."""
     return f"{specimen}_{angle_deg:g}_{condition}"
-
-
-def plans(experiment: ExperimentSettings, schedules: Sequence[Schedule]) -> tuple[RunPlan, ...]:
-    """A plan for every run: condition by condition, angle by angle, specimen by specimen.
-
-    ScheduleError : a specimen has no schedule for a condition.
-    """
-    return tuple(plan_of(experiment, *run, schedules) for run in experiment.all_runs())
 
 
 def plan_of(

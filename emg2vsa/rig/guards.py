@@ -1,7 +1,4 @@
-"""Guards of a running rig: each compares one moment with one limit, and says what is wrong, or None.
-
-All but the force limit are guesses to be set for each rig; the paper gives none.
-"""
+"""Guards of a running rig: each compares one moment with one limit, and says what is wrong, or None."""
 
 from __future__ import annotations
 
@@ -9,28 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from emg2vsa.rig.camera import LOST_S
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
-
-
-@dataclass(frozen=True)
-class GuardSettings:
-    """Limits beyond which a run ends."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
-    force_n: Positive = 10.0
-    "Largest force, of either sign, as measured and not filtered; above the F_max of 7 N."
-    force_rate_n_per_s: Positive = 300.0
-    "Largest change of force; 5 mm/s into 20 N/mm is 100 N/s."
-    stale_s: Positive = 0.025
-    "Largest age of a force sample: five periods."
-    camera_s: Positive = LOST_S
-    "Longest time without a frame."
-    late_s: Positive = 0.05
-    "How late a turn of the loop may begin; the probe goes 0.25 mm meanwhile."
-    motors_every_s: Positive = 0.1
-    "How often the actuator is asked whether its motors are on."
+from emg2vsa.rig.rig_settings import GuardSettings
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ import numpy as np
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.datagrams import DatagramLine, UdpLine
-from emg2vsa.rig.force_sensor import ForceSample
+from emg2vsa.rig.device_settings import RDT_PORT
+from emg2vsa.rig.devices import ForceSample
 from emg2vsa.rig.netft_config import NetFtConfig, fetch_config
-from emg2vsa.rig.rdt_packets import PORT, Command, Record, parse_records, request_bytes
-from emg2vsa.rig.rdt_sequence import SequenceCount, steps
-from emg2vsa.rig.rdt_status import axia_status, netbox_status
+from emg2vsa.rig.rdt import Command, Record, axia_status, netbox_status, parse_records, request_bytes, steps
 
 FIRST_S = 1.0
 "Time in which a started stream must bring its first record."
@@ -26,7 +25,7 @@ def open_net_ft(
     host: str,
     clock: Clock,
     *,
-    rdt_port: int = PORT,
+    rdt_port: int = RDT_PORT,
     http_port: int = 80,
     buffered: bool = False,
     stale_s: float = STALE_S,
@@ -46,8 +45,7 @@ class NetFt:
     stale_s : the newest record may be this old.
     frozen_s : six counts that stay the same for this long are a dead sensor: a live one is never free of noise.
 
-    Counts since the last start: ``sequence`` (lost, late, repeated records), ``internal_lost`` (samples the box itself
-    left out, told by ft_sequence), ``malformed`` (datagrams of no sensible length).
+    lost : records of this start that had not come when a later one did.
     """
 
     def __init__(
@@ -87,14 +85,10 @@ class NetFt:
         self._line.send(request_bytes(Command.STOP))
 
     def read(self) -> ForceSample:
-        lost = sum(gap for _, _, gap in self._arrived())
+        self._arrived()
         record, time_s = self._fresh()
-        return self._sample(record, time_s, lost)
-
-    def read_all(self) -> list[ForceSample]:
-        arrived = self._arrived()
-        self._fresh()
-        return [self._sample(*one) for one in arrived]
+        wrench = np.array(record.counts) * self._scale
+        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(record.status))
 
     def bias(self) -> None:
         self._line.send(request_bytes(Command.BIAS))
@@ -106,35 +100,25 @@ class NetFt:
             self._line.close()
 
     def _forget(self) -> None:
-        self.sequence = SequenceCount()
-        self.internal_lost = self.malformed = 0
+        self.lost = 0
         self._newest: tuple[Record, float] | None = None
         self._changed_s = 0.0
 
-    def _arrived(self) -> list[tuple[Record, float, int]]:
-        """Record, arrival time and records lost before it, for every newer record that waits in the line."""
-        arrived = []
+    def _arrived(self) -> bool:
+        """Take what waits in the line, but for records that come late; whether any has come since the start."""
         while (datagram := self._line.receive()) is not None:
             records = parse_records(datagram.data)
-            self.malformed += not records
             # two clocks are read, so that a record could seem older than the one before
             time_s = max(self._clock.now_s() - datagram.age_s, self._newest[1] if self._newest else 0.0)
             for record in records:
-                lost = self.sequence.arrived(record.rdt_sequence)
-                if lost is not None:
+                ahead = steps(self._newest[0].rdt_sequence if self._newest else 0, record.rdt_sequence)
+                if ahead > 0:
+                    self.lost += ahead - 1
                     back_s = steps(record.rdt_sequence, records[-1].rdt_sequence) / self.config.rate_hz
-                    arrived.append((record, time_s - back_s, lost))
                     self._notice(record, time_s - back_s)
-        return arrived
+        return self._newest is not None
 
     def _notice(self, record: Record, time_s: float) -> None:
-        if self._newest is not None:
-            before = self._newest[0]
-            per_record = self.config.internal_rate_hz / self.config.rate_hz
-            records = steps(before.rdt_sequence, record.rdt_sequence)
-            extra = steps(before.ft_sequence, record.ft_sequence) - records * per_record
-            # a record more or less is the box's rounding of its rate
-            self.internal_lost += round(extra) if extra > per_record / 2 else 0
         if self._newest is None or self._newest[0].counts != record.counts:
             self._changed_s = time_s
         self._newest = record, time_s
@@ -162,7 +146,3 @@ class NetFt:
             found=f"none for {1e3 * age_s:.0f} ms",
             do="Check cable and power; the box serves one client, another program may have taken the stream.",
         )
-
-    def _sample(self, record: Record, time_s: float, lost: int) -> ForceSample:
-        wrench = np.array(record.counts) * self._scale
-        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(record.status), lost)

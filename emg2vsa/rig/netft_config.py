@@ -11,8 +11,6 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.ati_units import FORCE_N, TORQUE_NM, unit_in_si
 
 PATH = "/netftapi2.xml"
-INTERNAL_RATE_HZ = 7000.0
-"Internal samples a second of a box that does not tell."
 
 
 @dataclass(frozen=True)
@@ -21,7 +19,6 @@ class NetFtConfig:
 
     n_per_count, nm_per_count : size of a count, N and N·m.
     rate_hz : records a second.
-    internal_rate_hz : what ft_sequence counts a second.
     axia : an Ethernet Axia, else a Net F/T box; their status words differ.
     product, calibration_serial : as told; empty when not.
     """
@@ -29,7 +26,6 @@ class NetFtConfig:
     n_per_count: float
     nm_per_count: float
     rate_hz: float
-    internal_rate_hz: float = INTERNAL_RATE_HZ
     axia: bool = False
     product: str = ""
     calibration_serial: str = ""
@@ -74,7 +70,6 @@ def parse_config(page: bytes, where: object = PATH) -> NetFtConfig:
         n_per_count=unit_in_si(FORCE_N, tags.get("scfgfu", ""), f"{where}, scfgfu") / _number(tags, "cfgcpf", where),
         nm_per_count=unit_in_si(TORQUE_NM, tags.get("scfgtu", ""), f"{where}, scfgtu") / _number(tags, "cfgcpt", where),
         rate_hz=_number(tags, "comrdtrate", where),
-        internal_rate_hz=_number(tags, "runrate", where) if "runrate" in tags else INTERNAL_RATE_HZ,
         axia="axia" in product.lower(),
         product=product,
         calibration_serial=tags.get("cfgcalsn", ""),

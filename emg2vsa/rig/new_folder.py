@@ -1,4 +1,7 @@
-"""Where a new run is recorded: no run is ever overwritten, and none that was completed is done twice by mistake."""
+"""Where a new run is recorded: no run is ever overwritten, and none that was completed is done twice by mistake.
+
+Emulated and measured runs never stand in for each other: those of the other kind do not count as done.
+"""
 
 from __future__ import annotations
 
@@ -9,24 +12,32 @@ from pathlib import Path
 
 from emg2vsa.errors import DataError
 
+PLAN_FILE = "plan.json"
+EMULATED_FILE = "emulated.json"
+"""Marks the folder of a run that no hardware made, and says what it was made with."""
 
-def new_folder(runs: Path, name: str, presses: int) -> Path:
-    """Folder for run ``name`` in ``runs``, not made yet: ``name``; ``name-2``, ``-3`` after runs cut short.
 
-    DataError : the run has been completed, with ``presses`` or more.
+def new_folder(runs: Path, name: str, presses: int, *, emulated: bool) -> Path:
+    """Folder for run ``name`` in ``runs``, not made yet: ``name``; ``name-2``, ``-3`` after others.
+
+    DataError : the run has been completed, with ``presses`` or more, by a rig of the same kind.
     """
-    if done := completed_folder(runs, name, presses):
+    if done := completed_folder(runs, name, presses, emulated=emulated):
         do = "Move it away, or choose another folder with --out."
         raise DataError(done, wanted="a run that is still to do", found="a completed one", do=do)
     return next(folder for folder in _folders(runs, name) if not folder.exists())
 
 
-def completed_folder(runs: Path, name: str, presses: int) -> Path | None:
-    """Folder of run ``name`` that was completed with ``presses`` or more, if any; a trial of fewer is not enough."""
+def completed_folder(runs: Path, name: str, presses: int, *, emulated: bool) -> Path | None:
+    """Folder of run ``name`` that was completed with ``presses`` or more, if any; a trial of fewer is not enough.
+
+    emulated : whether an emulated rig must have made the run, or hardware.
+    """
     for folder in _folders(runs, name):
         if not folder.exists():
             return None
-        if how_ended(folder) == "completed" and presses_done(folder) >= presses:
+        of_kind = (folder / EMULATED_FILE).is_file() == emulated
+        if of_kind and how_ended(folder) == "completed" and presses_done(folder) >= presses:
             return folder
     return None
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from emg2vsa.schedules import Schedule
 from emg2vsa.settings import RIGID, Condition
+
+if TYPE_CHECKING:
+    from emg2vsa.schedules import Schedule
 
 __all__ = ["RIGID", "Condition", "RunPlan"]
 
@@ -38,7 +39,7 @@ class RunPlan:
         if self.schedule is None:
             return 0
         edges = self.schedule.step_force_n
-        return int(np.clip(np.searchsorted(edges, force_n, side="right") - 1, 0, edges.size - 2))
+        return min(max(int(edges.searchsorted(force_n, side="right")) - 1, 0), edges.size - 2)
 
     def preset_ticks(self, step: int) -> int:
         """Stiffness preset of a force step; 0 for a rigid motor."""

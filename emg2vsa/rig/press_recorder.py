@@ -7,12 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.errors import DeviceError
 from emg2vsa.rig.append_file import AppendFile
 from emg2vsa.rig.tiff_pages import TiffPages
-
-BIG_FROM_BYTES = 2**31
-"Presses expected to be larger are BigTIFF; half of what a TIFF holds, as presses overrun."
 
 
 class PressRecorder:
@@ -24,27 +20,17 @@ class PressRecorder:
     ----------
     folder : made when missing; must hold no press.
     shape : (height, width) of the frames, px.
-    frames_expected : chooses between TIFF and BigTIFF.
 
     Raises
     ------
     DeviceError : there is a press already, or no place to write.
     """
 
-    def __init__(self, folder: Path, shape: tuple[int, int], *, frames_expected: int = 0) -> None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise DeviceError(
-                folder, wanted="a folder to record to", found=error.strerror or str(error), do="Choose another."
-            ) from error
-        self.folder = folder
+    def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
         self._force = AppendFile(folder / "force.csv")
         self._force.append(b"time_s,force_n,frame_index,frame_time_s\n")
         self._frame_time = ""
-        self._frames = TiffPages(
-            folder / "frames.tif", shape, big=frames_expected * shape[0] * shape[1] > BIG_FROM_BYTES
-        )
+        self._frames = TiffPages(folder / "frames.tif", shape)
 
     @property
     def n_frames(self) -> int:

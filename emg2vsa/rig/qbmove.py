@@ -1,6 +1,6 @@
 """Driver of a qbmove: variable stiffness actuator on a serial line, generations 6 and 7, Maker Pro and Advanced.
 
-Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution (``emg2vsa.actuator.TICKS_PER_TURN``).
+Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution (``emg2vsa.settings.TICKS_PER_TURN``).
 Silence is read back: a command that the firmware does not answer is followed by a question, where one exists.
 """
 
@@ -8,40 +8,34 @@ from __future__ import annotations
 
 import struct
 from types import TracebackType
-from typing import Literal, NamedTuple, Self
+from typing import Self
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.device_settings import Generation, Model
+from emg2vsa.rig.devices import Measurements
 from emg2vsa.rig.qbmove_conversation import Conversation
-from emg2vsa.rig.qbmove_dialects import Generation, acknowledgement, info_frame, parameter_list, ping_reply
-from emg2vsa.rig.qbmove_info import QbmoveInfo, parse_info
+from emg2vsa.rig.qbmove_info import Parameter, QbmoveInfo, decode_parameters, parse_info
 from emg2vsa.rig.qbmove_limits import START_LIMIT_TICKS, QbmoveLimits, stiffness_on_wire, watchdog_on_wire
-from emg2vsa.rig.qbmove_packets import Command, Wanted, frame, wanted
-from emg2vsa.rig.qbmove_parameters import Parameter, decode_parameters, encode_values
+from emg2vsa.rig.qbmove_packets import (
+    Command,
+    Wanted,
+    frame,
+    info_frame,
+    parameter_list,
+    ping_reply,
+    wanted,
+)
 from emg2vsa.rig.transport import ByteLine
 
-Model = Literal["maker-pro", "advanced"]
 BAUD = 2_000_000
 ON, OFF = 3, 0
-MAINTENANCE = frozenset(
-    (Command.STORE_DEFAULT_PARAMS, Command.RESTORE_PARAMS, Command.BOOTLOADER, Command.INIT_MEM, Command.CALIBRATE)
-)
-"""What moves the motors by itself, forgets the device's settings, or leaves it in its bootloader."""
 _LONG_REPLY_S = 0.2
-_STORE_S = 1.0
 _SETTLE_S = 0.005
 """From ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
 _ATTEMPTS = 3
 _READINGS = 5
 _OFF_ATTEMPTS = 10
-
-
-class Measurements(NamedTuple):
-    """Encoder readings, ticks."""
-
-    motor_1: int
-    motor_2: int
-    shaft: int
 
 
 class Qbmove:
@@ -59,19 +53,17 @@ class Qbmove:
         watchdog_s: float = 0.5,
         reply_s: float = 0.02,
     ) -> None:
-        """DeviceError for an id or a watchdog that cannot be.
+        """``stiffness_percent``: the study's range, of the maximum preset.
 
-        ``stiffness_percent``: the study's range, of the maximum preset. ``watchdog_s``: how long the device waits for a
-        word before it lets go. ``reply_s``: how long each of three attempts waits for a short reply.
+        ``watchdog_s``: how long the device waits for a word before it lets go. ``reply_s``: how long each of three
+        attempts waits for a short reply.
         """
-        if not 1 <= device_id <= 255:
-            raise DeviceError(line.name, wanted="a device id of 1 to 255", found=str(device_id), do="See rig scan.")
         self.device_id, self.generation, self.model = device_id, generation, model
         self.where = f"{line.name}, qbmove {device_id}"
         self._talk = Conversation(line, clock)
         self.counts = self._talk.counts
         self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
-        self._watchdog = watchdog_on_wire(watchdog_s, self.where)
+        self._watchdog = watchdog_on_wire(watchdog_s)
         self._limits: QbmoveLimits | None = None
 
     def __enter__(self) -> Self:
@@ -155,12 +147,6 @@ class Qbmove:
             )
         self._tell_ticks(Command.SET_POS_STIFF, position_ticks, stiffness)
 
-    def inputs(self) -> tuple[int, int]:
-        """References of the motors as the device holds them, ticks."""
-        first, second = self._ask_words(Command.GET_INPUTS, 2)
-        # the Advanced of generation 6 stores them negated and forgets to turn them back
-        return (-first, -second) if (self.generation, self.model) == ("v6", "advanced") else (first, second)
-
     def position_ticks(self) -> float:
         """Equilibrium (q1 + q2)/2 of the motors where they stand, ticks."""
         at = self.measurements()
@@ -180,42 +166,6 @@ class Qbmove:
         reply = parameter_list(self.generation, self.device_id)
         return decode_parameters(self._ask(Command.GET_PARAM_LIST, reply, b"\0\0", _LONG_REPLY_S), self.where)
 
-    def set_parameter(self, number: int, *values: float) -> None:
-        """Set one parameter, motors off. Generation 6 neither answers nor shows it before ``store_parameters``."""
-        self._motors_must_be_off()
-        known = self.parameters()
-        if number not in known or number == 1:
-            do = "Use change_id." if number == 1 else "See the list of parameters."
-            raise self._trouble(f"a parameter of 2 to {max(known)}", str(number), do)
-        self._set(encode_values(known[number], values, self.where))
-
-    def store_parameters(self) -> None:
-        """Keep what has been set, motors off. DeviceError when the device does not confirm."""
-        self._motors_must_be_off()
-        self._confirmed(Command.STORE_PARAMS, self.device_id)
-
-    def change_id(self, new_id: int) -> None:
-        """Give the device another id and store it, motors off."""
-        if not 1 <= new_id <= 255:
-            raise self._trouble("a device id of 1 to 255", str(new_id), "Choose another.")
-        self._motors_must_be_off()
-        self._set(struct.pack(">HB", 1, new_id))
-        if self.generation == "v6":
-            # until the end of STORE the device listens to its old id, and from it comes the confirmation
-            self._confirmed(Command.STORE_PARAMS, self.device_id)
-        self.device_id, self.where = new_id, f"{self._talk.line.name}, qbmove {new_id}"
-        if self.generation == "v7":
-            self._confirmed(Command.STORE_PARAMS, new_id)
-        if not self.ping():
-            raise self._trouble("an answer under the new id", "none", "Scan the line.")
-
-    def maintain(self, command: Command, *, allow: bool = False) -> None:
-        """Send one of ``MAINTENANCE``. DeviceError without ``allow``, or when the device does not confirm."""
-        if command not in MAINTENANCE or not allow:
-            do = "These erase settings or move the motors by themselves: say allow=True if that is meant."
-            raise self._trouble("an ordinary command", command.name, do)
-        self._confirmed(command, None)
-
     def _switch(self, state: int) -> int | None:
         self._talk.tell(frame(self.device_id, Command.ACTIVATE, bytes((state,))))
         self._clock.sleep_until(self._clock.now_s() + _SETTLE_S)
@@ -234,25 +184,6 @@ class Qbmove:
         if self._limits is None:
             raise self._trouble("known limits", "motors not activated yet", "Call activate first.")
         return self._limits
-
-    def _motors_must_be_off(self) -> None:
-        if self.is_active():
-            raise self._trouble("motors off", "motors on", "Deactivate before changing parameters.")
-
-    def _set(self, payload: bytes) -> None:
-        if self.generation == "v6":
-            self._talk.tell(frame(self.device_id, Command.GET_PARAM_LIST, payload))
-        else:
-            self._confirmed(Command.GET_PARAM_LIST, None, payload)
-
-    def _confirmed(self, command: Command, answering_id: int | None, payload: bytes = b"") -> None:
-        # once only: asked again, a device would write its memory again
-        expected = acknowledgement(self.generation, answering_id, command)
-        reply = self._talk.ask(frame(self.device_id, command, payload), expected, timeout_s=_STORE_S, attempts=1)
-        done = reply is not None and (reply.command if self.generation == "v6" else reply.payload[0]) == 1
-        if not done:
-            found = "a failure" if reply else "no answer"
-            raise self._trouble(f"{command.name} confirmed", found, "Read the parameters before trying again.")
 
     def _tell_ticks(self, command: Command, first: int, second: int) -> None:
         self._talk.tell(frame(self.device_id, command, struct.pack(">hh", first, second)))

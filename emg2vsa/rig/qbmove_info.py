@@ -1,8 +1,10 @@
-"""What a qbmove says about itself: the ASCII text of GET_INFO, ``infoPrepare`` in command_processing.c (v6.1)."""
+"""What a qbmove says about itself: the ASCII text of GET_INFO, ``infoPrepare`` in command_processing.c (v6.1), and the
+list of its parameters, one slot of 50 bytes each, with type, count, values and a name."""
 
 from __future__ import annotations
 
 import re
+import struct
 from dataclasses import dataclass, field
 
 from emg2vsa.errors import DeviceError
@@ -25,7 +27,6 @@ class QbmoveInfo:
     max_pwm_rate: int | None
     "None where the firmware has no such parameter."
     voltage_mv: int = field(compare=False)
-    text: str = field(compare=False, repr=False)
 
 
 def parse_info(text: str, where: str) -> QbmoveInfo:
@@ -59,5 +60,41 @@ def parse_info(text: str, where: str) -> QbmoveInfo:
         current_limit_ma=number("Current limit"),
         max_pwm_rate=number("Max pwm rate") if "Max pwm rate" in text else None,
         voltage_mv=number("Voltage (mV)"),
-        text=text,
     )
+
+
+SLOT_BYTES = 50
+FORMATS = {0: "B", 1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
+"""Type byte to ``struct`` format: flag, then the integers by growing size, float and double."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter as the device lists it."""
+
+    number: int
+    name: str
+    values: tuple[float, ...]
+
+
+def decode_parameters(payload: bytes, where: str) -> dict[int, Parameter]:
+    """The payload of the list, after its command byte, by number from 1. DeviceError for a slot that makes no sense."""
+    found = {}
+    for number in range(1, payload[0] + 1):
+        slot = payload[1 + SLOT_BYTES * (number - 1) :][:SLOT_BYTES]
+        kind, count = slot[:2] if len(slot) >= 2 else (None, 0)
+        size = struct.calcsize(f">{count}{FORMATS[kind]}") if kind in FORMATS else SLOT_BYTES
+        if kind is None or 2 + size > len(slot):
+            raise DeviceError(
+                f"{where}, parameter {number}",
+                wanted=f"a slot of type {min(FORMATS)} to {max(FORMATS)} within {SLOT_BYTES} bytes",
+                found=f"{slot[:8].hex(' ')} ..." if slot else "the end of the list",
+                do="Check the generation of the firmware.",
+            )
+        values = struct.unpack(f">{count}{FORMATS[kind]}", slot[2 : 2 + size])
+        found[number] = Parameter(number, _name(slot[2 + size :]), values)
+    return found
+
+
+def _name(text: bytes) -> str:
+    return text.split(b":")[0].split(b"\0")[0].decode("ascii", "replace").partition(" - ")[2]

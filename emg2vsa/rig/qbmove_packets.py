@@ -13,6 +13,8 @@ from enum import IntEnum
 from functools import reduce
 from operator import xor
 
+from emg2vsa.rig.device_settings import Generation
+
 HEADER = b"::"
 LONGEST_BODY = 128
 """Bytes after LEN that a device takes; more, and it goes back to looking for a header."""
@@ -149,3 +151,28 @@ def flushing(request: bytes) -> bytes:
     completing = {lrc(body[: kept + 1]) for kept in range(len(body))} | set(body) | set(HEADER)
     harmless = next(byte for byte in range(256) if byte not in completing)
     return bytes((harmless,)) + bytes(LONGEST_BODY - 1)
+
+
+_V6_PARAMETER_LIST = {1201 & 0xFF: 1201, 1151 & 0xFF: 1151}
+"""LEN is the low byte of the length: of Maker Pro and Advanced 6.1.6, and of Advanced up to 6.1.5."""
+_V7_LONG = {length: 32 * length for length in range(1, 256)}
+_BYTE_ARGUMENT = 256
+"""The firmware hands the length to its checksum function in one byte: only (1201 - 1) % 256 = 176 bytes are covered."""
+
+
+def ping_reply(device_id: int | None) -> Wanted:
+    """Empty; from 7.1 on with the serial number, four bytes."""
+    return Wanted(device_id, frozenset((Command.PING,)), {2: 2, 6: 6})
+
+
+def parameter_list(generation: Generation, device_id: int) -> Wanted:
+    """The list of all parameters."""
+    commands = frozenset((Command.GET_PARAM_LIST,))
+    if generation == "v6":
+        return Wanted(device_id, commands, _V6_PARAMETER_LIST, lrc_modulo=_BYTE_ARGUMENT)
+    return Wanted(device_id, commands, _V7_LONG)
+
+
+def info_frame(device_id: int) -> Wanted:
+    """The text of GET_INFO as generation 7 frames it; generation 6 sends it bare."""
+    return Wanted(device_id, frozenset((Command.GET_INFO,)), _V7_LONG)

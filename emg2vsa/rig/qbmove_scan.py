@@ -9,8 +9,7 @@ from serial.tools import list_ports
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.qbmove_conversation import Conversation
-from emg2vsa.rig.qbmove_dialects import ping_reply
-from emg2vsa.rig.qbmove_packets import Command, frame
+from emg2vsa.rig.qbmove_packets import Command, frame, ping_reply
 from emg2vsa.rig.transport import ByteLine
 
 _FTDI_VENDOR = 0x0403

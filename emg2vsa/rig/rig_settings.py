@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
-from annotated_types import Ge, Gt, Le
+from emg2vsa.rig.device_settings import LOST_S
+from emg2vsa.settings import TICKS_PER_TURN, Ge, Gt, Le, NonNegative, Positive
 
-from emg2vsa.actuator import TICKS_PER_TURN
-from emg2vsa.rig.force_sensor import ForceSample
-from emg2vsa.rig.guards import GuardSettings
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS, NonNegative, Positive
+if TYPE_CHECKING:
+    from emg2vsa.rig.devices import ForceSample
+
+
+@dataclass(frozen=True)
+class GuardSettings:
+    """Limits beyond which a run ends. All but force_n are guesses, to be set for each rig; the paper gives none."""
+
+    force_n: Positive = 10.0
+    "Largest force, of either sign, as measured and not filtered; above the F_max of 7 N."
+    force_rate_n_per_s: Positive = 300.0
+    "Largest change of force; 5 mm/s into 20 N/mm is 100 N/s."
+    stale_s: Positive = 0.025
+    "Largest age of a force sample: five periods."
+    camera_s: Positive = LOST_S
+    "Longest time without a frame."
+    late_s: Positive = 0.05
+    "How late a turn of the loop may begin; the probe goes 0.25 mm meanwhile."
+    motors_every_s: Positive = 0.1
+    "How often the actuator is asked whether its motors are on."
 
 
 @dataclass(frozen=True)
 class RigSettings:
     """One rig. Depth is the travel of the probe from its retracted position towards the specimen, mm."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     gear_mm_per_degree: Positive = 0.2
     "Probe travel per degree of the output shaft."
@@ -62,8 +77,13 @@ class RigSettings:
 
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
-        return float(np.dot(sample.force_n, self.push_axis))
+        return float(sample.force_n.dot(self.push_axis))
 
     @property
     def _mm_per_tick(self) -> float:
         return self.gear_mm_per_degree * 360 / TICKS_PER_TURN
+
+
+def axis_of(rig: Mapping[str, Any]) -> RigSettings:
+    """The rig of a plan.json as far as depth needs it. KeyError where it does not say."""
+    return RigSettings(**{name: rig[name] for name in ("gear_mm_per_degree", "home_ticks", "push_sign")})

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import Self
-
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.qbmove import Measurements, Qbmove
+from emg2vsa.rig.devices import Measurements
+from emg2vsa.rig.qbmove import Qbmove
 
 
 class RigidMotor:
-    """An actuator without springs. As a context manager it switches the motor off at the end.
+    """An actuator without springs.
 
     Parameters
     ----------
@@ -20,15 +18,6 @@ class RigidMotor:
     def __init__(self, board: Qbmove) -> None:
         self._board = board
         self.where = f"{board.where}, rigid motor"
-
-    def __enter__(self) -> Self:
-        self._board.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._board.__exit__(kind, error, trace)
 
     def activate(self) -> None:
         """Watchdog and motor on, read back; the motor stays where it is. DeviceError when the board refuses."""

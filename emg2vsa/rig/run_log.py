@@ -62,24 +62,13 @@ class RunLog:
         self._file.close()
 
 
-def read_log(path: Path) -> list[Row]:
-    """All whole rows; a last line cut off by a crash is left out. RecordingError for anything else that is no row."""
-    try:
-        text = path.read_text(encoding="ascii")
-    except (OSError, UnicodeDecodeError) as error:
-        raise _unreadable(path, "a log of a run", str(error)) from error
-    lines = text.split("\n")[:-1]
-    if not lines or lines[0] != HEADER:
-        raise _unreadable(path, f"the header {HEADER}", lines[0] if lines else "none")
-    return [row_of(line, f"{path}, line {number}") for number, line in enumerate(lines[1:], start=2)]
-
-
 def row_of(line: str, where: str) -> Row:
     """The row in a line of a log; RecordingError, naming ``where``, if it is none."""
     try:
         return Row(*(_value(n, text) for n, text in zip(Row._fields, line.split(","), strict=True)))  # type: ignore[arg-type]
     except ValueError as error:
-        raise _unreadable(where, f"{len(Row._fields)} fields of a row", repr(line)) from error
+        wanted, do = f"{len(Row._fields)} fields of a row", "Choose the log.csv of a run, unedited."
+        raise RecordingError(where, wanted=wanted, found=repr(line), do=do) from error
 
 
 def _value(name: str, text: str) -> str | float | int | None:
@@ -94,7 +83,3 @@ def _text(value: str | float | int | None) -> str:
     if value is None:
         return ""
     return f"{value:.6f}" if isinstance(value, float) else str(value)
-
-
-def _unreadable(where: object, wanted: str, found: str) -> RecordingError:
-    return RecordingError(where, wanted=wanted, found=found, do="Choose the log.csv of a run, unedited.")

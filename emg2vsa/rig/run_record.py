@@ -13,8 +13,9 @@ from pathlib import Path
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.append_file import AppendFile
-from emg2vsa.rig.camera import Frame
-from emg2vsa.rig.ended import Ended, EndedFile
+from emg2vsa.rig.devices import Frame
+from emg2vsa.rig.ended import Ended, ended_bytes
+from emg2vsa.rig.new_folder import PLAN_FILE
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.press_recorder import PressRecorder
 from emg2vsa.rig.rig_settings import RigSettings
@@ -22,10 +23,6 @@ from emg2vsa.rig.run_log import Row, RunLog
 from emg2vsa.schedules.document import document_of
 
 _KILLED = Ended("killed", "", "the program was killed; log.csv tells how far it came", "", 0, 0.0, "")
-
-
-EMULATED_FILE = "emulated.json"
-"""Marks the folder of a run that no hardware made, and says what it was made with."""
 
 
 class RunRecord:
@@ -38,13 +35,10 @@ class RunRecord:
     def __init__(
         self, folder: Path, started: datetime, frame_shape: tuple[int, int] | None, *, delay_s: float = 0.0
     ) -> None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            do = "Choose another."
-            raise DeviceError(folder, wanted="a folder to record to", found=str(error), do=do) from error
         self._folder, self._started, self._frame_shape, self._delay_s = folder, started, frame_shape, delay_s
-        self._ended = EndedFile(folder / "ended.json", replace(_KILLED, at=started.isoformat()))
+        # says from the start that the run was killed: so a killed run says so itself, and a full disk hides no cause
+        self._ended = AppendFile(folder / "ended.json")
+        self._ended.append(ended_bytes(replace(_KILLED, at=started.isoformat())))
         self.log = RunLog(folder / "log.csv")
         self._press: PressRecorder | None = None
         self._begun_s, self._turned_s = 0.0, math.inf
@@ -54,7 +48,7 @@ class RunRecord:
         """Write plan.json."""
         schedule = None if plan.schedule is None else document_of(plan.schedule)
         document = {"plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule}, "rig": asdict(rig)}
-        file = AppendFile(self._folder / "plan.json")
+        file = AppendFile(self._folder / PLAN_FILE)
         file.append((json.dumps(document, indent=2) + "\n").encode())
         file.close()
 
@@ -101,7 +95,7 @@ class RunRecord:
         at = (self._started + timedelta(seconds=ended.time_s)).isoformat()
         ended = replace(ended, at=at, rows=self.log.rows, repetitions_done=self.presses_done)
         try:
-            self._ended.write(ended)
+            self._ended.patch(0, ended_bytes(ended))
         except DeviceError as error:
             ended = replace(ended, notes=(*ended.notes, str(error)))
         self._close_press()

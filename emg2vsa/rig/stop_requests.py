@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import signal
 from pathlib import Path
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any, Self
+
+from casr.atomic import write_text_atomic
 
 STOP_FILE = "stop"
 _NAMES = ("SIGTERM", "SIGHUP", "SIGINT")  # not every system has SIGHUP
@@ -36,9 +38,7 @@ class StopRequests:
                 self._before[number] = signal.signal(number, self._caught)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
@@ -54,3 +54,18 @@ class StopRequests:
         except OSError:
             return None
         return " ".join(text.split())[:_LONGEST_TEXT] or f"file {STOP_FILE}"
+
+
+def request_stop(folder: Path, reason: str) -> None:
+    """Ask the run in ``folder`` to stop, for this reason; a request that is there stays as it is.
+
+    OSError when the disk refuses.
+    """
+    path = folder / STOP_FILE
+    if not path.exists():
+        write_text_atomic(path, f"{reason}\n")
+
+
+def stop_requested(folder: Path) -> bool:
+    """Has the run in ``folder`` been asked to stop, by whomever?"""
+    return (folder / STOP_FILE).exists()

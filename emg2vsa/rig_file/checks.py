@@ -7,12 +7,11 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from emg2vsa.rig.device_settings import ForceSettings
+from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.study_file.lines import KeyPath
-from emg2vsa.study_file.problems import Problem, nearest, shown
+from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
 
 _KEYS_OF_KIND = {
     "net-ft": ("host", "rdt_port", "http_port", "buffered"),
@@ -27,12 +26,14 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
     if rig := tables.get("rig"):
         yield from _rig(rig)
     if force := tables.get("force"):
-        yield from _force(force, raw["force"])
+        yield from keys_of_choice("force", raw["force"], "kind", _KEYS_OF_KIND, _REQUIRED[force.kind])
     if experiment := tables.get("experiment"):
         yield from _names(experiment)
         yield from _angles(experiment)
         if rig:
             yield from _presses(experiment, rig)
+        if camera := tables.get("camera"):
+            yield from _frames(experiment, camera)
         yield from _motor(experiment, raw)
         yield from _emulated(experiment, tables)
     yield from _one_board_each(tables)
@@ -56,17 +57,6 @@ def _rig(rig: RigSettings) -> Iterator[Problem]:
     if rig.guards.stale_s <= rig.period_s:
         wanted = f"more than a period of the loop, {rig.period_s:g} s"
         yield Problem(("rig", "guards", "stale_s"), wanted, f"{rig.guards.stale_s:g}")
-
-
-def _force(force: ForceSettings, given: Mapping[str, Any]) -> Iterator[Problem]:
-    for key in _REQUIRED[force.kind]:
-        if key not in given:
-            yield Problem(("force", key), f"a key {key!r} with kind = {force.kind!r}", "nothing")
-    for kind, keys in _KEYS_OF_KIND.items():
-        for key in keys:
-            if key in given and kind != force.kind:
-                found = f"{key!r} with kind = {force.kind!r}"
-                yield Problem(("force", key), f"keys of this kind only ({key!r} is of {kind!r})", found)
 
 
 def _names(experiment: ExperimentSettings) -> Iterator[Problem]:
@@ -99,6 +89,15 @@ def _presses(experiment: ExperimentSettings, rig: RigSettings) -> Iterator[Probl
     if experiment.travel_mm > rig.travel_mm:
         wanted = f"at most rig.travel_mm, {rig.travel_mm:g}"
         yield Problem(("experiment", "travel_mm"), wanted, f"{experiment.travel_mm:g}")
+
+
+def _frames(experiment: ExperimentSettings, camera: CameraSettings) -> Iterator[Problem]:
+    longest_s = experiment.travel_mm / experiment.ramp_mm_per_s + experiment.contact_s
+    size_bytes = longest_s * camera.rate_hz * camera.height * camera.width
+    if size_bytes > LARGEST_PRESS_BYTES:
+        found = f"up to {size_bytes / 2**30:.1f} GiB: {camera.width} x {camera.height} pixels for {longest_s:g} s"
+        do = "Choose smaller frames, a lower rate_hz, or a faster ramp."
+        yield Problem(("camera", "height"), "less than 4 GiB of frames in a press", found, do)
 
 
 def _motor(experiment: ExperimentSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from emg2vsa.errors import ScheduleError, SettingError
 from emg2vsa.rig.experiment import plan_of
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
-from emg2vsa.rig_file.rig_file import RigFile
+from emg2vsa.rig_file.tables import RigFile
 from emg2vsa.schedule_files import read_json
 from emg2vsa.schedules import Schedule
 from emg2vsa.study_file.problems import nearest

@@ -1,14 +1,24 @@
-"""The tables of a rig file, as dataclasses; most are the settings of the drivers and of the executor themselves."""
+"""The tables of a rig file, as dataclasses; most are the settings of the drivers and of the executor themselves.
+
+`RigFile` is what they say, checked and with its paths resolved.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings, Text
+from emg2vsa.rig.device_settings import (
+    ActuatorSettings,
+    CameraSettings,
+    DeviceSettings,
+    ForceSettings,
+    MotorSettings,
+    Text,
+)
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,7 +26,7 @@ class ExperimentTable(ExperimentSettings):
     """What is pressed and how, and where its files are. Paths are relative to the folder of the rig file."""
 
     schedules: Text | None = None
-    "Folder of the schedules; omitted: ../../reports/<folder of the rig file>/schedules, where they are exported to."
+    "Folder of the schedules; omitted: schedules/ in the report of a study that is named as the rig file's folder."
     runs: Text = "runs"
     "Folder in which each run gets a folder of its own."
 
@@ -24,8 +34,6 @@ class ExperimentTable(ExperimentSettings):
 @dataclass(frozen=True, kw_only=True)
 class RigTables:
     """A whole rig file."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     rig: RigSettings = field(default_factory=RigSettings)
     "Mechanics, limits and control loop."
@@ -41,3 +49,33 @@ class RigTables:
     "What is pressed, and how."
     emulated: EmulatedSettings | None = None
     "The bench that emg2vsa rig emulate and emg2vsa rig run --virtual put in place of a real one."
+
+
+@dataclass(frozen=True)
+class RigFile:
+    """One rig and its experiment."""
+
+    path: Path
+    rig: RigSettings
+    devices: DeviceSettings
+    experiment: ExperimentSettings
+    schedules: Path
+    "Folder of the schedules."
+    runs: Path
+    "Folder of the runs."
+    emulated: EmulatedSettings | None
+
+    @property
+    def virtual_runs(self) -> Path:
+        """Folder of the runs of emg2vsa rig run --virtual, beside ``runs``."""
+        return self.runs.with_name(f"{self.runs.name}-virtual")
+
+    @property
+    def emulated_runs(self) -> Path:
+        """Folder of the runs on the ports of emg2vsa rig emulate, beside ``runs``."""
+        return self.runs.with_name(f"{self.runs.name}-emulated")
+
+    @property
+    def leads_to_emulated(self) -> bool:
+        """Did emg2vsa rig emulate write this file?"""
+        return self.emulated is not None and self.emulated.behind_ports

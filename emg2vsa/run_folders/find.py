@@ -13,11 +13,11 @@ from typing import get_args
 
 from casr.errors import CasrError
 from emg2vsa.errors import DataError
+from emg2vsa.rig.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.settings import Condition
 from emg2vsa.study import RunEntry
 
 RUNS_TABLE = "runs.tsv"
-PLAN_FILE = "plan.json"
 _COLUMNS = ("folder", "specimen", "angle_deg", "condition")
 _NEAR = 0.85
 """Names at least so alike are taken for one misspelt: "modularr", not "constant" for "constant-min"."""
@@ -60,6 +60,14 @@ def left_out(root: Path, runs: Sequence[RunEntry]) -> tuple[str, ...]:
     taken = [folder for run in runs for folder in run.folders]
     others = [path for path in _folders_in(root) if not any(_overlap(path, folder) for folder in taken)]
     return tuple(path.name for path in others if _holds_frames(path))
+
+
+def left_by_emulator(root: Path) -> tuple[Path, ...]:
+    """Folders in ``root`` of runs that an emulated rig made, in the order of their names; none where there is no root.
+
+    Version 0.1.0 recorded emulated runs where those of a real rig go. They hold emulated.json and plan.json.
+    """
+    return tuple(path.parent for path in sorted(root.glob(f"*/{EMULATED_FILE}")) if (path.parent / PLAN_FILE).is_file())
 
 
 def _folders_in(root: Path) -> list[Path]:

@@ -18,9 +18,8 @@ from casr.frame_files import find_presses, open_frames, read_camera
 from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
-from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_record import EMULATED_FILE
-from emg2vsa.run_folders.find import PLAN_FILE
+from emg2vsa.rig.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.runs.press import Press
 
 _LOG = "log.csv"
@@ -114,10 +113,7 @@ def _travel(folder: Path) -> dict[int, tuple[Floats, Floats]]:
     plan = _json(folder / PLAN_FILE)
     try:
         log = pd.read_csv(folder / _LOG, usecols=["repetition", "phase", "force_n", "shaft_ticks"], on_bad_lines="skip")
-        rig = plan["rig"]
-        axis = RigSettings(
-            gear_mm_per_degree=rig["gear_mm_per_degree"], home_ticks=rig["home_ticks"], push_sign=rig["push_sign"]
-        )
+        axis = axis_of(plan["rig"])
     except (OSError, ValueError, KeyError, TypeError, Emg2vsaError):
         return {}
     load = log[log["phase"] == "load"].dropna()

@@ -1,4 +1,4 @@
-"""One press by every vision algorithm, from one pass over its frames."""
+"""One press by every vision algorithm, from one pass over its frames; and by how fast its force rises (kinesthesia)."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from casr.score import score
 from casr.scored import Score, ScoreSettings
 from casr.spread import contact_areas, spread_rate
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.indentation import indentation_slope
 from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve
 
 _REACH = 0.8
 """At 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."""
+_LEAST_ROWS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,14 +78,13 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     assert scored.rate.law is not None
     growth = scored.rate.law.area(settings.force_start_n) / scored.area[0]
     start_area = {name: area * growth for name, area in a_c0.items()} | {"paper": a_c0["paper"]}
-    slope, indent_n, indent_mm = indentation_slope(press.force_n, press.depth_mm, settings.force_start_n)
     return ScoredPress(
         a_c0=a_c0,
         start_area=start_area,
         casr=casr,
         area_unit=scored.area_unit,
-        indent_n_per_mm=slope,
-        curve=PressCurve(scored.force_n, scored.area, indent_n, indent_mm),
+        indent_n_per_mm=indentation_slope(press.force_n, press.depth_mm, settings.force_start_n),
+        curve=PressCurve(scored.force_n, scored.area),
         scored=scored,
         notes=scored.notes,
     )
@@ -146,3 +145,21 @@ def _to_the_letter(scored: Score, a_c0: float) -> float:
         return spread_rate(areas, scored.force_n, rule="paper", area_unit=scored.area_unit).value
     except CasrError:
         return np.nan
+
+
+def indentation_slope(force_n: Floats, depth_mm: Floats, from_n: float) -> float:
+    """Slope of force over travel of the probe, N/mm, from ``from_n`` on; force_n, depth_mm : (K,).
+
+    Travel is regressed on force, and the slope inverted: the error is in the encoder's coarse steps (0.09 degrees), and
+    what enters is the mean compliance of sensor and specimen in series over the same forces for every press. NaN where
+    the loading phase is too short or the probe does not go in.
+    """
+    known = np.isfinite(force_n) & np.isfinite(depth_mm)
+    force, depth = force_n[known], depth_mm[known]
+    first = int(np.argmax(force >= from_n)) if np.any(force >= from_n) else force.size
+    force, depth = force[first:], depth[first:]
+    if force.size < _LEAST_ROWS or np.ptp(force) == 0:
+        return np.nan
+    centred = force - force.mean()
+    mm_per_n = float(centred @ depth / (centred @ centred))
+    return 1 / mm_per_n if mm_per_n > 0 else np.nan

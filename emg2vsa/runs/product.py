@@ -23,13 +23,10 @@ class PressCurve:
     """The loading phase of one press.
 
     force_n, area_mm2 : (T,) per frame, by the run's algorithm (paper: hexagon); area in px2 without a camera file.
-    indent_force_n, indent_mm : (K,) force and shaft travel since contact, from the log; empty without one.
     """
 
     force_n: Floats
     area_mm2: Floats
-    indent_force_n: Floats
-    indent_mm: Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
 from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
-_NOTHING = PressCurve(*(np.empty(0) for _ in range(4)))
+_NOTHING = PressCurve(*(np.empty(0) for _ in range(2)))
 
 
 def score_settings(settings: RunSettings) -> ScoreSettings:

@@ -84,24 +84,20 @@ def schedule_of(document: Document, where: str) -> Schedule:
     )
 
 
-def _check_keys(table: Any, kinds: dict[str, Any], where: str) -> None:
+def _check_keys(table: Any, kinds: dict[str, Any], where: str, *, columns: bool = False) -> None:
+    """``table`` has these keys, or ``columns``, and values of these kinds."""
     if not isinstance(table, dict) or set(table) != set(kinds):
+        wanted = f"the {'columns' if columns else 'keys'} {', '.join(kinds)}"
         found = ", ".join(map(str, table)) if isinstance(table, dict) else _name(table)
-        raise ScheduleError(where, wanted=f"the keys {', '.join(kinds)}", found=found or "none", do=EXPORT_AGAIN)
+        raise ScheduleError(where, wanted=wanted, found=found or "none", do=EXPORT_AGAIN)
     for key, kind in kinds.items():
         if not _is(table[key], kind):
-            raise ScheduleError(f"{where}, {key}", wanted=_WORDS[kind], found=_name(table[key]), do=EXPORT_AGAIN)
+            place = f"{where}, {'column ' * columns}{key}"
+            raise ScheduleError(place, wanted=_WORDS[kind], found=_name(table[key]), do=EXPORT_AGAIN)
 
 
 def _check_row(row: Any, before: dict[str, Any] | None, where: str) -> None:
-    if not isinstance(row, dict) or set(row) != set(COLUMNS):
-        found = ", ".join(map(str, row)) if isinstance(row, dict) else _name(row)
-        raise ScheduleError(where, wanted=f"the columns {', '.join(COLUMNS)}", found=found or "none", do=EXPORT_AGAIN)
-    for column, kind in COLUMNS.items():
-        if not _is(row[column], kind):
-            raise ScheduleError(
-                f"{where}, column {column}", wanted=_WORDS[kind], found=_name(row[column]), do=EXPORT_AGAIN
-            )
+    _check_keys(row, COLUMNS, where, columns=True)
     if before is not None and row["force_from_n"] != before["force_to_n"]:
         wanted = f"{before['force_to_n']}, where the step before ends"
         raise ScheduleError(

@@ -32,7 +32,6 @@ class Smoother:
     before: int
     after: int
     delay_s: float
-    edge_hz: float
     notes: tuple[str, ...]
 
 
@@ -69,7 +68,7 @@ def _smoother(name: str, n_taps: int, cutoff_hz: float | None, centred: bool, fs
             f"{name}: only {-leak:.0f} dB down at half the output rate ({fs_hz / step / 2:.3g} Hz); "
             "a longer kernel or a higher output_fs_hz avoids aliasing"
         )
-    return Smoother(name, taps, cutoff_hz is None, before, after, delay_s, edge_hz, tuple(notes))
+    return Smoother(name, taps, cutoff_hz is None, before, after, delay_s, tuple(notes))
 
 
 def _gain(taps: Floats, frequency_hz: float, fs_hz: float) -> float:

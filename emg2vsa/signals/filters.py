@@ -28,8 +28,7 @@ class IirFilter:
     """One filter as it is run.
 
     sos : (sections, 6). state : (sections, 2) steady state for a unit step. zero_phase : run forward and backward.
-    edges_hz : true -3 dB frequencies of the whole run (both passes), NaN where there is no edge.
-    delay_s : group delay at ``delay_at_hz`` of one causal pass; 0 when zero-phase.
+    delay_s : group delay of one causal pass in the middle of its band; 0 when zero-phase.
     support_samples : after so many samples the memory of the start has fallen below ``TRUNCATION``.
     pad_samples : length of the odd extension at the ends of a record (scipy's rule); 0 for one causal pass.
     notes : what must be said aloud, the Nyquist rule first.
@@ -39,9 +38,7 @@ class IirFilter:
     sos: Floats
     state: Floats
     zero_phase: bool
-    edges_hz: tuple[float, float]
     delay_s: float
-    delay_at_hz: float
     support_samples: int
     pad_samples: int
     notes: tuple[str, ...]
@@ -137,7 +134,7 @@ def _described(
     state = signal.sosfilt_zi(sos)
     support = support_samples(sos)
     pad = default_pad_samples(sos) if zero_phase else 0
-    return IirFilter(name, sos, state, zero_phase, edges, delay_s, delay_at_hz, support, pad, (*notes, said))
+    return IirFilter(name, sos, state, zero_phase, delay_s, support, pad, (*notes, said))
 
 
 def gain(sos: Floats, frequency_hz: float, fs_hz: float) -> float:

@@ -1,4 +1,7 @@
-"""The force channel of a record: filtered, tared, and cut into presses."""
+"""The force channel of a record: filtered, tared, and cut into presses; and whether its sign is right.
+
+A reversed channel shows every release as a press.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, median
+from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.settings import ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import IirFilter
-from emg2vsa.signals.force_sign import doubt_by_force
+from emg2vsa.signals.quality import SILENT_DB, ratio_db, window_means
 from emg2vsa.signals.rest import Rest, find_rest
 from emg2vsa.signals.segmentation import Presses, find_presses
 from emg2vsa.signals.windowed import filter_record
@@ -49,7 +52,7 @@ def condition_force(
     noise_n = 0.0 if np.isnan(rest.noise_n) else NOISE_REVERSAL * rest.noise_n
     reversal_n = max(noise_n, SMALLEST_REVERSAL * (window.force_n[1] - window.force_n[0]))
     gap_n = _gaps(force_n, fs_hz, presses) if rest.level_n.size else np.full(presses.start_s.size, np.nan)
-    doubt = "" if presses.start_s.size else doubt_by_force(force_n, window.force_n, channel.sign)
+    doubt = "" if presses.start_s.size else _doubt_by_force(force_n, window.force_n, channel.sign)
     notes = (*notes, *_said_of_presses(presses, force_n, window))
     return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes)
 
@@ -93,3 +96,39 @@ def _said_of_presses(presses: Presses, force_n: Floats, window: WindowSettings) 
         reach = f"{force_n.min():.3g} to {force_n.max():.3g} N"
         notes.append(f"presses: none; tared force goes from {reach}, the window is {lower_n:g} to {upper_n:g} N")
     return tuple(notes)
+
+
+def doubt_by_emg(
+    force_n: Floats,
+    envelopes_v: Floats,
+    offsets: Ints,
+    rest_v: Floats,
+    window_n: tuple[float, float],
+    sign: int,
+) -> str:
+    """Why the ``sign`` of the force seems wrong by what the muscles do, or "".
+
+    Force (N,) and envelopes (m, N) of the presses that ``offsets`` cut; rest_v : (m,) envelopes at rest. Pressing takes
+    EMG. Where in the upper half of the force window at least one muscle is below its rest and none above it, both by
+    more than ``SILENT_DB`` and in the median of the presses, the rest was the press.
+    """
+    high = (force_n > sum(window_n) / 2).astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        high_v = window_means(envelopes_v * high, offsets) / window_means(high[None], offsets)
+    known = [row[np.isfinite(row)] for row in ratio_db(high_v, rest_v[:, None])]
+    typical_db = [median(row) for row in known if row.size]
+    if not typical_db or min(typical_db) > -SILENT_DB or max(typical_db) > SILENT_DB:
+        return ""
+    return f"force rises while EMG is below its rest; {_question(sign)}"
+
+
+def _doubt_by_force(force_n: Floats, window_n: tuple[float, float], sign: int) -> str:
+    """Why the ``sign`` of the tared force (n,) of a record without presses seems wrong, or ""."""
+    if -force_n.min() < window_n[1] or force_n.max() >= window_n[1]:
+        return ""
+    return f"force goes down to {force_n.min():.3g} N and up to {force_n.max():.3g} N only; {_question(sign)}"
+
+
+def _question(sign: int) -> str:
+    """What to ask of whoever wrote the study."""
+    return f"is its sign {-sign}?"

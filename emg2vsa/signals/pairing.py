@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.signals.resample import cubic_at
 from emg2vsa.signals.rest import Rest
 
 REST_S = 0.5
@@ -77,7 +76,7 @@ def instants_between(start_s: Floats, stop_s: Floats, emg: Clock, force: Clock, 
 def force_at(force_n: Floats, instants: Instants, emg: Clock, force: Clock) -> Floats:
     """Force (N,) at the instants, from its own samples (n,)."""
     position = force.index(emg.time_s(instants.samples()))
-    return cubic_at(force_n, np.clip(position, 0, force.n_samples - 1))
+    return _cubic_at(force_n, np.clip(position, 0, force.n_samples - 1))
 
 
 def rest_instants(rest: Rest, emg: Clock, force: Clock, step: int) -> Instants:
@@ -88,3 +87,16 @@ def rest_instants(rest: Rest, emg: Clock, force: Clock, step: int) -> Instants:
     found = instants_between(middle - half, middle + half, emg, force, step)
     kept = found.counts > 0
     return Instants(found.first[kept], found.counts[kept], step, found.covered[kept])
+
+
+def _cubic_at(samples: Floats, position: Floats) -> Floats:
+    """Samples (n,), n >= 4, at fractional positions (k,) within [0, n - 1]: the cubic through the four nearest.
+
+    Exact at whole positions. For a signal low-passed at f and sampled at fs the error is at most (3/128)(2 pi f/fs)^4
+    of its amplitude: 1e-5 for 5 Hz at 200 Hz, 2e-8 at 1000 Hz (linear: 3e-3 and 1e-4).
+    """
+    left = np.clip(np.floor(position).astype(np.int64) - 1, 0, samples.size - 4)
+    x = position - left
+    a, b, c, d = (samples[left + k] for k in range(4))
+    x1, x2, x3 = x - 1, x - 2, x - 3
+    return np.asarray(-a * x1 * x2 * x3 / 6 + b * x * x2 * x3 / 2 - c * x * x1 * x3 / 2 + d * x * x1 * x2 / 6)

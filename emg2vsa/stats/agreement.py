@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.stats.exact_shift import shifted_doubles
-from emg2vsa.stats.group_moments import group_moments
+from emg2vsa.stats.moments import group_moments, shifted_doubles
 from emg2vsa.stats.outcome import Outcome
 
 KINDS = ("ICC(1,1)", "ICC(2,1)", "ICC(3,1)", "ICC(1,k)", "ICC(2,k)", "ICC(3,k)")

@@ -1,4 +1,4 @@
-"""One-way analysis of variance, many designs in one call."""
+"""One-way analysis of variance, many designs in one call; of distances from the groups' centres it is Levene's test."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.stats.group_moments import GroupMoments, group_moments
+from emg2vsa.stats.moments import group_moments
 from emg2vsa.stats.outcome import Outcome
 
 
@@ -64,11 +64,7 @@ def one_way(values: ArrayLike) -> Anova:
     cannot do for numbers like 1000000000000.4. Values all equal give F = NaN; groups constant but different give
     F = inf and p = 0. DataError for another shape.
     """
-    return anova_of(group_moments(values))
-
-
-def anova_of(groups: GroupMoments) -> Anova:
-    """The same from moments that are already there."""
+    groups = group_moments(values)
     count = groups.count
     with np.errstate(divide="ignore", invalid="ignore"):
         n = count.sum(axis=1)
@@ -90,3 +86,39 @@ def anova_of(groups: GroupMoments) -> Anova:
         mean=groups.mean,
         count=count,
     )
+
+
+@dataclass(frozen=True)
+class VarianceTests:
+    """Analysis of variance of the distances from each group's median."""
+
+    anova: Anova
+
+    def outcome(self, i: int = 0) -> Outcome:
+        found = self.anova.outcome(i)
+        return Outcome(
+            method="Brown-Forsythe (distances from medians)",
+            n=found.n,
+            statistic_name="F",
+            statistic=found.statistic,
+            df=found.df,
+            p=found.p,
+            notes=found.notes,
+        )
+
+
+def brown_forsythe(values: ArrayLike) -> VarianceTests:
+    """Brown and Forsythe's (1974) form of Levene's test; ``values`` as for ``one_way``."""
+    groups = group_moments(values)
+    deviation = groups.deviation - _medians(groups.deviation, groups.valid)[..., None]
+    return VarianceTests(one_way(np.where(groups.valid, np.abs(deviation), np.nan)))
+
+
+def _medians(values: Floats, valid: np.ndarray) -> Floats:
+    """(d, k) medians of the valid of ``values`` (d, k, n), 0 where there is none."""
+    ordered = np.sort(np.where(valid, values, np.inf), axis=2)
+    count = np.count_nonzero(valid, axis=2)[..., None]
+    low = np.take_along_axis(ordered, np.maximum(count - 1, 0) // 2, axis=2)
+    high = np.take_along_axis(ordered, np.minimum(count // 2, values.shape[2] - 1), axis=2)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(count > 0, (low + high) / 2, 0.0)[..., 0])

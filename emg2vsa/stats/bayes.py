@@ -1,4 +1,4 @@
-"""Jeffreys-Zellner-Siow Bayes factors of t tests and one-way designs, many at once.
+"""Jeffreys-Zellner-Siow Bayes factors of one-way designs, many at once; of two groups that is the t test's.
 
 Effects, in SDs, have a Cauchy prior of scale r; mean and variance have Jeffreys' prior. Given the variance g r^2 of the
 effects the Bayes factor is a formula, and g, inverse chi squared with 1 df, is integrated out numerically.
@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.errors import SettingError
-from emg2vsa.stats.group_moments import GroupMoments, group_moments
+from emg2vsa.stats.moments import GroupMoments, group_moments
 from emg2vsa.stats.outcome import Outcome
 
-MEDIUM_T, MEDIUM_ANOVA = float(np.sqrt(0.5)), 0.5
-"""Default scales of a difference and of fixed effects; for two groups they are the same prior."""
+SCALE = 0.5
+"""r, the usual medium one of fixed effects; of the difference of two groups it is sqrt(1/2)."""
 # Trapezoid rule in log g. Below the range the prior is under e^-700, above it even effects of 1e16 SDs have decayed.
 # The rule converges geometrically on an integrand as smooth as this one: at this step it is at rounding.
 _STEP = 0.25
@@ -30,52 +29,32 @@ _NO_DIRECTION = 1e-9
 
 @dataclass(frozen=True)
 class BayesFactors:
-    """log_bf01, n : (d,) or the shape of t; natural log of how much likelier the data are without an effect, NaN where
-    undefined, and values that entered. scale : r of the prior.
+    """log_bf01, n : (d,) natural log of how much likelier the data are without an effect, NaN where
+    undefined, and values that entered.
     """
 
-    method: str
     log_bf01: Floats
     n: Ints
-    scale: float
 
     @property
     def bf01(self) -> Floats:
         return np.asarray(np.exp(self.log_bf01))
 
     def outcome(self, i: int = 0) -> Outcome:
-        """Design ``i`` alone, counted in C order."""
-        factor = float(self.bf01.flat[i])
-        notes: tuple[str, ...] = (f"Cauchy prior of scale r = {self.scale:.4g} on effects in SDs",)
+        """Design ``i`` alone."""
+        factor = float(self.bf01[i])
+        notes: tuple[str, ...] = (f"Cauchy prior of scale r = {SCALE:.4g} on effects in SDs",)
         if np.isnan(factor):
             notes += ("undefined: too few values, or no spread",)
-        return Outcome(method=self.method, n=int(self.n.flat[i]), statistic_name="BF01", statistic=factor, notes=notes)
+        method = "JZS Bayes factor, one-way fixed effects"
+        return Outcome(method=method, n=int(self.n[i]), statistic_name="BF01", statistic=factor, notes=notes)
 
 
-def jzs_t(t: ArrayLike, n1: ArrayLike, n2: ArrayLike | None = None, r: float = MEDIUM_T) -> BayesFactors:
-    """From Student's t of groups of n1 and n2, or of one sample or paired differences of n1 (n2 None); all broadcast.
-
-    SettingError for a scale that is not positive. NaN where t is, or no degree of freedom is left.
-    """
-    second = np.inf if n2 is None else n2
-    t, n1, second = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (t, n1, second)))
-    n, df = (n1, n1 - 1) if n2 is None else (n1 + second, n1 + second - 2)
-    usable = (df >= 1) & (n1 >= 1) & (second >= 1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        unexplained = np.where(usable, 1 / (1 + t**2 / df), np.nan)
-        explained = np.where(np.isinf(t), 1.0, t**2 / (t**2 + df))
-        information = 1 / (1 / n1 + 1 / second)
-    flat = [np.ravel(x) for x in (unexplained, explained, information, df + 1)]
-    log_bf01 = _log_bf01(flat[0], flat[1][:, None], flat[2][:, None], flat[3], r).reshape(t.shape)
-    kind = "one sample or pairs" if n2 is None else "two samples"
-    return BayesFactors(f"JZS Bayes factor, t test, {kind}", log_bf01, n.astype(np.int64), r)
-
-
-def jzs_anova(values: ArrayLike, r: float = MEDIUM_ANOVA) -> BayesFactors:
+def jzs_anova(values: ArrayLike) -> BayesFactors:
     """One-way fixed effects of ``values`` (d, k groups, n), or of one design (k, n); NaN: no value there.
 
     NaN where fewer than two groups have values, none has two, or all values are equal; values equal within groups that
-    differ give BF01 = 0. DataError for another shape, SettingError for a scale that is not positive.
+    differ give BF01 = 0. DataError for another shape.
     """
     groups = group_moments(values)
     total = np.sum(groups.count, axis=1)
@@ -84,8 +63,7 @@ def jzs_anova(values: ArrayLike, r: float = MEDIUM_ANOVA) -> BayesFactors:
     k = np.count_nonzero(groups.count, axis=1)
     squares = np.where((k > 1) & (total > k), within + np.sum(between, axis=1), np.nan)
     squares[squares == 0] = np.nan
-    log_bf01 = _log_bf01(within / squares, between / squares[:, None], information, total - 1.0, r)
-    return BayesFactors("JZS Bayes factor, one-way fixed effects", log_bf01, total, r)
+    return BayesFactors(_log_bf01(within / squares, between / squares[:, None], information, total - 1.0), total)
 
 
 def _directions(groups: GroupMoments, total: Ints) -> tuple[Floats, Floats]:
@@ -106,16 +84,14 @@ def _directions(groups: GroupMoments, total: Ints) -> tuple[Floats, Floats]:
     return np.where(real, information, 0.0), between
 
 
-def _log_bf01(unexplained: Floats, explained: Floats, information: Floats, power: Floats, r: float) -> Floats:
+def _log_bf01(unexplained: Floats, explained: Floats, information: Floats, power: Floats) -> Floats:
     """Shares of the sum of squares left (d,) and along directions (d, j), with the information on each (d, j)."""
-    if not (np.isfinite(r) and r > 0):
-        raise SettingError("Bayes factor, scale", wanted="a positive number", found=str(r), do="Change it.")
     answer = np.full(unexplained.shape, np.nan)
     answer[unexplained == 0] = -np.inf
     places = np.flatnonzero(unexplained > 0)
     for start in range(0, places.size, _CHUNK):
         at = places[start : start + _CHUNK]
-        gain = r * r * information[at, None, :] * np.exp(_LOG_G)[:, None]
+        gain = SCALE * SCALE * information[at, None, :] * np.exp(_LOG_G)[:, None]
         taken = np.sum(explained[at, None, :] * gain / (1 + gain), axis=2)
         left = unexplained[at, None] + np.sum(explained[at, None, :] / (1 + gain), axis=2)
         # powers are large: neither next to 1 nor next to 0 may the logarithm lose digits

@@ -11,9 +11,8 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError, SettingError
-from emg2vsa.stats.exact_shift import shifted_doubles
+from emg2vsa.stats.moments import row_moments, shifted_doubles
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.row_moments import row_moments
 
 Statistic = Callable[[Floats], Floats]
 """Of samples (..., k, n) with NaN where there is no value, returns (...); it must skip the NaN, as np.nanmean does."""
@@ -25,7 +24,7 @@ _ROOM = 2**21  # values of resamples in memory at once
 class Bootstrap:
     """Of d designs, (d,) each, NaN where undefined: estimate, its interval low to high at ``confidence``, se.
 
-    z0, acceleration : bias correction and acceleration. n : values that entered; smallest : in the smallest group.
+    z0 : bias correction. n : values that entered; smallest : in the smallest group.
     undefined : resamples of n_resamples, left out, for which the statistic is not a finite number.
     """
 
@@ -35,7 +34,6 @@ class Bootstrap:
     high: Floats
     se: Floats
     z0: Floats
-    acceleration: Floats
     n: Ints
     smallest: Ints
     undefined: Ints
@@ -97,15 +95,13 @@ def bca(
         below = np.count_nonzero(drawn < estimate[:, None], axis=1) / m
         at = np.count_nonzero(drawn == estimate[:, None], axis=1) / m
         z0 = np.where(np.isfinite(estimate) & np.any(count > 1, axis=1), special.ndtri(below + at / 2), np.nan)
-        se = np.ldexp(np.sqrt(spread.squares / (m - 1)), spread.unit)
+        se = np.ldexp(np.sqrt(spread.squares[:, 0] / (m - 1)), spread.unit)
     acceleration = _acceleration(samples, count, statistic)
     ordered = np.sort(np.where(finite, drawn, np.inf), axis=1)
     z = special.ndtri((1 + confidence) / 2)
     low, high = (_quantile(ordered, m, _level(z0, acceleration, side)) for side in (-z, z))
     total, smallest = np.sum(count, axis=1), np.min(count, axis=1)
-    return Bootstrap(
-        name, estimate, low, high, se, z0, acceleration, total, smallest, n_resamples - m, n_resamples, confidence
-    )
+    return Bootstrap(name, estimate, low, high, se, z0, total, smallest, n_resamples - m, n_resamples, confidence)
 
 
 def resampled(values: ArrayLike, statistic: Statistic, n_resamples: int, seed: int) -> Floats:

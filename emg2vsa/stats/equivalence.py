@@ -11,10 +11,9 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
-from emg2vsa.stats.exact_shift import shifted_doubles
-from emg2vsa.stats.group_moments import group_moments
+from emg2vsa.stats.moments import group_moments, shifted_doubles
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.pair_differences import pair_numbers
+from emg2vsa.stats.post_hoc import pair_numbers
 
 Kind = Literal["pooled", "welch", "paired"]
 MarginUnit = Literal["data", "sd"]
@@ -24,12 +23,10 @@ MarginUnit = Literal["data", "sd"]
 class Contrasts:
     """q differences of each of d designs, in the unit of the data; (d, q) unless said, NaN where undefined.
 
-    first, second : (q,) group numbers. sd : what a standardised difference is measured by. se : standard error with df
-    degrees of freedom. n : values that entered.
+    sd : what a standardised difference is measured by. se : standard error with df degrees of freedom. n : values that
+    entered.
     """
 
-    first: Ints
-    second: Ints
     difference: Floats
     se: Floats
     sd: Floats
@@ -66,7 +63,7 @@ class Equivalence:
             statistic=float(self.t[at]),
             df=(float(self.of.df[at]),),
             p=float(self.p[at]),
-            estimate_name="mean minus reference" if self.variant == "one sample" else "difference of means",
+            estimate_name="difference of means",
             estimate=float(self.of.difference[at]),
             interval=(float(self.low[at]), float(self.high[at])),
             confidence=1 - 2 * self.alpha,
@@ -102,16 +99,6 @@ def tost(
     return _decide(contrasts, variants[kind], margin, unit, alpha)
 
 
-def tost_one_sample(
-    values: ArrayLike, margin: float, reference: float = 0.0, unit: MarginUnit = "data", alpha: float = 0.05
-) -> Equivalence:
-    """Mean of every group of ``values`` (d, k, n), or (k, n), against reference - margin and reference + margin."""
-    doubles, origin = shifted_doubles(values)
-    each = np.arange(doubles.shape[1])
-    contrasts = _from_zero(doubles - (reference - origin)[:, None, None], each, each)
-    return _decide(contrasts, "one sample", margin, unit, alpha)
-
-
 def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
     groups = group_moments(values)
     first, second = pair_numbers(values.shape[1])
@@ -130,8 +117,6 @@ def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
             se2 = variance * (1 / n1 + 1 / n2)
     difference = np.where(both, groups.offset[:, first] - groups.offset[:, second], np.nan)
     return Contrasts(
-        first=first,
-        second=second,
         difference=groups.to_data(difference),
         se=groups.to_data(np.sqrt(se2)),
         sd=groups.to_data(np.sqrt(variance)),
@@ -143,20 +128,14 @@ def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
 def _paired(values: Floats) -> Contrasts:
     first, second = pair_numbers(values.shape[1])
     finite = np.where(np.isfinite(values), values, np.nan)
-    return _from_zero(finite[:, first] - finite[:, second], first, second)
-
-
-def _from_zero(values: Floats, first: Ints, second: Ints) -> Contrasts:
-    """Each group's mean as it is; first and second only name it."""
-    groups = group_moments(values) if values.shape[1] else group_moments(np.full((len(values), 1, 1), np.nan))
+    differences = finite[:, first] - finite[:, second] if first.size else np.full((len(values), 1, 1), np.nan)
+    groups = group_moments(differences)
     q = first.size
     df = np.where(groups.count > 1, groups.count - 1.0, np.nan)[:, :q]
     sd = np.sqrt(groups.squares[:, :q] / df)
     with np.errstate(divide="ignore", invalid="ignore"):
         se = sd / np.sqrt(groups.count[:, :q])
     return Contrasts(
-        first=first,
-        second=second,
         difference=groups.mean[:, :q],
         se=groups.to_data(se),
         sd=groups.to_data(sd),

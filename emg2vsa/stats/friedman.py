@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.stats.exact_shift import shifted_doubles
+from emg2vsa.stats.kruskal import midranks
+from emg2vsa.stats.moments import shifted_doubles
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.ranks import midranks
 
 
 @dataclass(frozen=True)
 class Friedman:
-    """chi2 corrected for ties, p, Kendall's w, n people without a gap : (d,); df : k - 1; mean_rank : (d, k)."""
+    """chi2 corrected for ties, p, Kendall's w, n people without a gap : (d,); df : k - 1."""
 
     chi2: Floats
     df: int
@@ -24,7 +24,6 @@ class Friedman:
     w: Floats
     n: Ints
     left_out: Ints
-    mean_rank: Floats
 
     def outcome(self, i: int = 0) -> Outcome:
         notes: tuple[str, ...] = (f"{self.left_out[i]} people with a gap left out",) if self.left_out[i] else ()
@@ -57,4 +56,4 @@ def friedman(values: ArrayLike) -> Friedman:
         between = n**2 * np.sum((mean_rank - (k + 1) / 2) ** 2, axis=1)
         chi2 = np.where((n > 1) & (k > 1), (k - 1) * between / spread, np.nan)
         w = chi2 / (n * (k - 1)) if k > 1 else np.full(n.shape, np.nan)
-    return Friedman(chi2, k - 1, special.chdtrc(max(k - 1, 1), chi2), w, n, complete.shape[1] - n, mean_rank)
+    return Friedman(chi2, k - 1, special.chdtrc(max(k - 1, 1), chi2), w, n, complete.shape[1] - n)

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.errors import SettingError
 from emg2vsa.stats.lilliefors_table import LARGE, LARGER, LEVELS, SMALL, SMALLEST, largest_d, reach
 from emg2vsa.stats.normality import largest_gap
 from emg2vsa.stats.outcome import Outcome
@@ -67,19 +66,6 @@ def lilliefors_survival(d: ArrayLike, n: ArrayLike) -> Floats:
         inside = at < most
         p[same] = np.where(inside, _survival(reach(np.where(inside, at, 0.0), size), _row(int(size))), 0.0)
     return p
-
-
-def critical_d(alpha: float, n: int) -> float:
-    """D with P(D >= d) = ``alpha``, 1e-8 to .9999, for samples of n >= 4. SettingError outside."""
-    if not (LEVELS[-1] <= alpha <= LEVELS[0] and n >= SMALLEST):
-        wanted = f"n >= {SMALLEST} and a level between {LEVELS[-1]} and {LEVELS[0]}"
-        raise SettingError("Lilliefors", wanted=wanted, found=f"n = {n}, level {alpha}", do="Change it.")
-    row = _row(n)
-    low, high = float(row[0]), float(row[-1])
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if _survival(np.array([middle]), row)[0] > alpha else (low, middle)
-    return float(largest_d(n) * np.sqrt(-np.expm1(-low / n)))
 
 
 def _row(n: int) -> Floats:

@@ -27,16 +27,14 @@ from emg2vsa.stats.outcome import Outcome
 class MixedModel:
     """d studies of P participants, S specimens, R repetitions; (d,) unless said, in the unit of the data.
 
-    mean : (d, S). se_mean, se_difference : of one specimen's mean and of the difference of two. f, df1, df2, p : no
+    mean : (d, S). f, df1, df2, p : no
     difference between specimens, mean square of specimens over that of participants by specimens, exact whatever the
     variances. variance : (d, 3) of participants, participants by specimens, repetitions; low, high : (d, 3) their
     intervals. icc : share of participants in the sum of variances. sd_ratio : (d,) SD of participants over that of
-    repetitions, ratio_low, ratio_high its interval. log_likelihood : restricted.
+    repetitions, ratio_low, ratio_high its interval.
     """
 
     mean: Floats
-    se_mean: Floats
-    se_difference: Floats
     f: Floats
     df1: int
     df2: int
@@ -48,7 +46,6 @@ class MixedModel:
     sd_ratio: Floats
     ratio_low: Floats
     ratio_high: Floats
-    log_likelihood: Floats
     n: int
     confidence: float
 
@@ -104,7 +101,6 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
     steps = np.stack([level[:, 2] - level[:, 1], level[:, 1] - level[:, 0], level[:, 0]], axis=1)
     variance = np.maximum(steps, 0.0) / scale
     low, high = _variance_intervals(ms, df, scale, confidence)
-    likelihood = _log_likelihood(level, squares, df, (n_p, n_s, n_r)) - (n_p * n_s * n_r - n_s) * unit * np.log(2.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         total = np.sum(variance, axis=1)
         ratios = [np.sqrt(v / variance[:, 2]) for v in (variance[:, 0], low[:, 0], high[:, 0])]
@@ -113,8 +109,6 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         of_data = [np.ldexp(v, 2 * unit[:, None]) for v in (variance, low, high)]
     return MixedModel(
         mean=origin[:, None] + np.ldexp(specimen, unit[:, None]),
-        se_mean=np.ldexp(np.sqrt((level[:, 2] + (n_s - 1) * level[:, 1]) / (n_s * n_p * n_r)), unit),
-        se_difference=np.ldexp(np.sqrt(2 * level[:, 1] / (n_p * n_r)), unit),
         f=f,
         df1=n_s - 1,
         df2=int(df[1]),
@@ -126,7 +120,6 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         sd_ratio=ratios[0],
         ratio_low=ratios[1],
         ratio_high=ratios[2],
-        log_likelihood=likelihood,
         n=n_p * n_s * n_r,
         confidence=confidence,
     )
@@ -160,15 +153,6 @@ def _in_order(ms: Floats, df: Ints) -> Floats:
     last = np.maximum(np.maximum(c, bc), abc)
     middle = np.maximum(np.minimum(b, bc), np.minimum(ab, abc))
     return np.stack([first, middle, last], axis=1)
-
-
-def _log_likelihood(level: Floats, squares: Floats, df: Ints, shape: tuple[int, int, int]) -> Floats:
-    """Restricted log-likelihood with the specimens' means as fixed effects."""
-    n_p, n_s, n_r = shape
-    with np.errstate(divide="ignore", invalid="ignore"):
-        terms = np.sum(df * np.log(level) + squares / level, axis=1)
-    constant = (n_p * n_s * n_r - n_s) * np.log(2 * np.pi) + n_s * np.log(n_p * n_r)
-    return np.asarray(-(terms + constant) / 2)
 
 
 def _variance_intervals(ms: Floats, df: Ints, scale: Floats, confidence: float) -> tuple[Floats, Floats]:

@@ -30,7 +30,3 @@ class Outcome:
     effect_size: float | None = None
     notes: tuple[str, ...] = ()
     "What the reader must know to read the numbers: conditions not met, why something is undefined."
-
-    def significant(self, alpha: float) -> bool | None:
-        """p < alpha, or None where there is no p (NaN included)."""
-        return None if self.p is None or self.p != self.p else self.p < alpha

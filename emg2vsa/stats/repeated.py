@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
-from emg2vsa.stats.exact_shift import shifted_doubles
+from emg2vsa.stats.moments import shifted_doubles
 from emg2vsa.stats.outcome import Outcome
 
 
@@ -18,8 +18,8 @@ class RepeatedAnova:
     """d designs of k treatments; (d,) unless said, NaN where undefined.
 
     f, df1, df2, p : sphericity assumed. epsilon_gg, epsilon_hf : of Greenhouse and Geisser (1959) and Huynh and Feldt
-    (1976), at most 1; p_gg, p_hf : with both df times epsilon. mauchly_w, mauchly_p : sphericity, NaN for k = 2 or
-    n < k. eta2_partial, eta2_generalised (Olejnik and Algina 2003). n : people without a gap; left_out : the others.
+    (1976), at most 1; p_gg, p_hf : with both df times epsilon. mauchly_p : sphericity, NaN for k = 2 or
+    n < k. eta2_generalised (Olejnik and Algina 2003). n : people without a gap; left_out : the others.
     """
 
     f: Floats
@@ -30,9 +30,7 @@ class RepeatedAnova:
     epsilon_hf: Floats
     p_gg: Floats
     p_hf: Floats
-    mauchly_w: Floats
     mauchly_p: Floats
-    eta2_partial: Floats
     eta2_generalised: Floats
     n: Ints
     left_out: Ints
@@ -79,16 +77,13 @@ def rm_anova(values: ArrayLike) -> RepeatedAnova:
         df1, df2 = k - 1, (n - 1) * (k - 1)
         f = np.where(df2 > 0, ss_treatment / max(df1, 1) / (ss_error / df2), np.nan)
         gg, hf = _epsilons(residual, n, k)
-        w, w_p = _mauchly(residual, n, k)
-        partial = ss_treatment / (ss_treatment + ss_error)
+        w_p = _mauchly(residual, n, k)
         generalised = ss_treatment / (ss_treatment + ss_person + ss_error)
 
     def p_at(epsilon: Floats | float) -> Floats:
         return np.asarray(special.fdtrc(df1 * epsilon, df2 * epsilon, f))
 
-    return RepeatedAnova(
-        f, df1, df2, p_at(1.0), gg, hf, p_at(gg), p_at(hf), w, w_p, partial, generalised, n, complete.shape[1] - n
-    )
+    return RepeatedAnova(f, df1, df2, p_at(1.0), gg, hf, p_at(gg), p_at(hf), w_p, generalised, n, complete.shape[1] - n)
 
 
 def _scaled(doubles: Floats, complete: NDArray[np.bool_]) -> Floats:
@@ -111,11 +106,10 @@ def _epsilons(residual: Floats, n: Ints, k: int) -> tuple[Floats, Floats]:
     return gg, np.where(np.isnan(gg), np.nan, np.clip(hf, gg, 1.0))
 
 
-def _mauchly(residual: Floats, n: Ints, k: int) -> tuple[Floats, Floats]:
-    """Mauchly's (1940) W and its p with the second term of the expansion (Anderson 1958), as R's mauchly.test."""
-    undefined = np.full(n.shape, np.nan)
+def _mauchly(residual: Floats, n: Ints, k: int) -> Floats:
+    """p (d,) of Mauchly's (1940) W with the second term of the expansion (Anderson 1958), as R's mauchly.test."""
     if k < 3:
-        return undefined, undefined
+        return np.full(n.shape, np.nan)
     contrasts = np.linalg.qr(np.eye(k) - 1 / k)[0][:, : k - 1]
     free = (n - 1).astype(np.float64)
     projected = residual @ contrasts
@@ -129,4 +123,4 @@ def _mauchly(residual: Floats, n: Ints, k: int) -> tuple[Floats, Floats]:
     df = m * (m + 1) / 2 - 1
     statistic = -free * rho * np.log(w)
     first, later = special.chdtrc(df, statistic), special.chdtrc(df + 4, statistic)
-    return w, np.clip(first + second * (later - first), 0.0, 1.0)
+    return np.clip(first + second * (later - first), 0.0, 1.0)

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.stats.moments import row_moments
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.row_moments import row_moments
 
 MOST = 5000
 """Values of a sample up to which Royston fitted p."""
@@ -59,14 +59,15 @@ def shapiro_wilk(values: ArrayLike) -> ShapiroWilk:
     A row of fewer than three values, or without spread, has no test (NaN).
     """
     rows = row_moments(values)
-    deviation = np.sort(np.where(rows.valid, rows.deviation, np.inf), axis=1)
-    lack, p = np.full(rows.count.shape, np.nan), np.full(rows.count.shape, np.nan)
-    for n in set(rows.count[rows.count >= 3].tolist()):
-        same = (rows.count == n) & (rows.squares > 0)
+    count, squares = rows.count[:, 0], rows.squares[:, 0]
+    deviation = np.sort(np.where(rows.valid, rows.deviation, np.inf)[:, 0], axis=1)
+    lack, p = np.full(count.shape, np.nan), np.full(count.shape, np.nan)
+    for n in set(count[count >= 3].tolist()):
+        same = (count == n) & (squares > 0)
         lack[same] = _lack(deviation[same, :n], n)
         p[same] = _p(lack[same], n)
     repeated = (deviation[:, 1:] == deviation[:, :-1]) & np.isfinite(deviation[:, 1:])
-    return ShapiroWilk(1 - lack, p, rows.count, repeated.any(axis=1))
+    return ShapiroWilk(1 - lack, p, count, repeated.any(axis=1))
 
 
 @cache

@@ -10,9 +10,9 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.stats import studentized_range
-from emg2vsa.stats.group_moments import GroupMoments, group_moments
+from emg2vsa.stats.moments import GroupMoments, group_moments
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.pair_differences import PairDifferences, pair_numbers
+from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,24 @@
-"""The study file: TOML in, a checked ``Study`` out, or every problem at once with its line."""
+"""The study file: TOML in, a checked ``Study`` out, or its problems, each with its line."""
 
 from __future__ import annotations
 
+import csv
+import inspect
 import os
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
-from emg2vsa.settings import RunSettings
-from emg2vsa.study import RecordingEntry, RunsSource, Specimen, Study
-from emg2vsa.study_file.check_names import name_problems
-from emg2vsa.study_file.check_recordings import recording_problems
-from emg2vsa.study_file.check_stages import stage_problems
-from emg2vsa.study_file.draft import Draft, read_draft
-from emg2vsa.study_file.entries import beside, data_folder, entries
-from emg2vsa.study_file.problems import Problem
-from emg2vsa.study_file.schema import json_schema
-from emg2vsa.study_file.tables import RunsTable
+from emg2vsa.settings import PAPER, StageSettings
+from emg2vsa.study import RecordingEntry, Study
+from emg2vsa.study_file import check_recordings, check_stages
+from emg2vsa.study_file.assembly import study_of
+from emg2vsa.study_file.problems import Problem, checked, checked_tables, shown
+from emg2vsa.study_file.tables import ParticipantsTable, StudyFile
 from emg2vsa.study_file.toml_file import placed, read_toml
 
-__all__ = ["json_schema", "load_study", "missing_files"]
+__all__ = ["load_study", "missing_files"]
 
 
 def load_study(path: str | Path) -> Study:
@@ -30,15 +30,28 @@ def load_study(path: str | Path) -> Study:
     ------
     StudyError
         Lists every problem as ``file:line: key: wanted ...; found ...``: TOML syntax, unknown keys, wrong types,
-        values out of range, missing keys, and keys that contradict each other.
+        values out of range, missing keys, and keys that contradict each other. A table with a problem is not yet
+        compared with the others.
     """
     path = Path(path)
     text, raw = read_toml(path, "a study file")
-    draft = read_draft(raw, Path(os.path.abspath(path)).parent)
-    problems = _all_problems(draft)
+    folder = os.path.dirname(os.path.abspath(path))
+    tables, problems = checked_tables(StudyFile, _with_paper(raw))
+    of_runs_alone = _is_of_runs_alone(raw)
+    if not of_runs_alone:
+        wanted = [name for name in ("participants", "recordings") if name not in raw]
+        problems += [Problem((name,), f"a table [{name}]", "nothing") for name in wanted]
+    ids: tuple[str, ...] = ()
+    if participants := tables.get("participants"):
+        ids, found = _ids(participants, folder)
+        problems += found
+    sound = {name: table for name, table in tables.items() if name not in {problem.path[0] for problem in problems}}
+    if "participants" in sound:
+        sound["ids"] = ids
+    problems += _contradictions({**sound, "raw": raw, "of_runs_alone": of_runs_alone})
     if problems:
-        raise placed(path, text, problems)
-    return _study(path, draft)
+        raise placed(path, text, dict.fromkeys(problems))
+    return study_of(os.path.abspath(path), StudyFile(**tables), ids, raw)
 
 
 def missing_files(study: Study) -> tuple[RecordingEntry, ...]:
@@ -48,57 +61,48 @@ def missing_files(study: Study) -> tuple[RecordingEntry, ...]:
     )
 
 
-def _all_problems(draft: Draft) -> list[Problem]:
-    """Those of single keys, then those across keys, except where a key is faulty anyway."""
-    found = list(draft.problems)
-    faulty = {problem.path for problem in found}
-    for check in (name_problems, recording_problems, stage_problems):
-        for problem in check(draft):
-            if not any(
-                problem.path[: len(path)] == path or path[: len(problem.path)] == problem.path for path in faulty
-            ):
-                found.append(problem)
-    return list(dict.fromkeys(found))
+def _is_of_runs_alone(raw: Mapping[str, Any]) -> bool:
+    """Measured runs, and no word of people; an emulated rig needs the schedules that people give."""
+    runs, of_people = raw.get("runs"), ("participants", "recordings", "channels", "simulation")
+    return isinstance(runs, dict) and "rig" not in runs and not any(name in raw for name in of_people)
 
 
-def _study(path: Path, draft: Draft) -> Study:
-    file = draft.whole()
-    return Study(
-        name=file.study.name,
-        title=file.study.title or file.study.name,
-        mode=file.study.mode,
-        path=Path(os.path.abspath(path)),  # one spelling, however it was given: keys of steps hold paths relative to it
-        participants=draft.participant_ids or (),
-        specimens=tuple(Specimen(s.name, s.stiffness_n_per_mm, s.stiffness_se_n_per_mm) for s in file.specimens),
-        recordings=entries(draft),
-        cocontraction=file.cocontraction,
-        fit=file.fit,
-        hypotheses=file.hypotheses,
-        profile=file.profile,
-        schedule=file.schedule,
-        simulation=file.simulation,
-        scoring=_scoring(file.runs),
-        discrimination=file.discrimination,
-        calibration=file.calibration,
-        runs_source=_runs_source(draft.folder, file.runs),
-        results=beside(draft.folder, file.study.results or f".emg2vsa/{file.study.name}"),
-        reports=beside(draft.folder, file.study.reports or f"../../reports/{file.study.name}"),
-        data=data_folder(draft),
-        window=file.window,
-    )
+def _with_paper(raw: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The tables of a file with what ``mode = "paper"`` sets in them, unless they say otherwise."""
+    study = raw.get("study")
+    if not isinstance(study, dict) or study.get("mode") != "paper":
+        return raw
+    always = {each.name for each in fields(StageSettings)}
+    given = {name: raw.get(name, {}) for name in PAPER if name in raw or name in always}
+    return {**raw, **{name: {**PAPER[name], **keys} for name, keys in given.items() if isinstance(keys, dict)}}
 
 
-def _scoring(table: RunsTable | None) -> RunSettings:
-    if table is None:
-        return RunSettings()
-    return RunSettings(**{each.name: getattr(table, each.name) for each in fields(RunSettings)})
+def _ids(table: ParticipantsTable, folder: str) -> tuple[tuple[str, ...], list[Problem]]:
+    """The participants, given one by one or in the participant_id column of a BIDS participants.tsv."""
+    if (table.ids is None) == (table.file is None):
+        return (), [Problem(("participants",), "either ids or file", "neither" if table.ids is None else "both")]
+    if table.file is None:
+        return table.ids or (), []
+    at = ("participants", "file")
+    try:
+        with open(os.path.join(folder, table.file), encoding="utf-8-sig", newline="") as lines:
+            rows = list(csv.DictReader(lines, delimiter="\t"))
+    except (OSError, ValueError, csv.Error) as error:
+        found = getattr(error, "strerror", None) or str(error)
+        return (), [Problem(at, "a readable table", f"{shown(table.file)}: {found}")]
+    ids = [(row.get("participant_id") or "").strip().removeprefix("sub-") for row in rows]
+    if not ids or not all(ids):
+        return (), [Problem(at, "a tab-separated table with a participant_id in every row", shown(table.file))]
+    made, problems = checked(ParticipantsTable, {"ids": ids}, ("participants",))
+    return made.ids, [Problem((*at, *p.path[2:]), p.wanted, p.found, p.do) for p in problems]
 
 
-def _runs_source(folder: Path, table: RunsTable | None) -> RunsSource | None:
-    if table is None:
-        return None
-    return RunsSource(
-        root=beside(folder, table.root),
-        rig=beside(folder, table.rig) if table.rig else None,
-        camera=beside(folder, table.camera) if table.camera else None,
-    )
+def _contradictions(known: Mapping[str, Any]) -> Iterator[Problem]:
+    """What every check finds that may look at tables without fault alone, and at none that was left out.
+
+    A check takes tables as parameters of their names; one that has a default may have been left out.
+    """
+    for check in (*check_recordings.CHECKS, *check_stages.CHECKS):
+        wanted = inspect.signature(check).parameters.values()
+        if all(each.name in known and (known[each.name] is not None or each.default is None) for each in wanted):
+            yield from check(**{each.name: known[each.name] for each in wanted})

@@ -1,15 +1,97 @@
-"""Checks of where the recordings are, and of which channel plays which role."""
+"""Checks of names, given twice or used but never given; of where recordings are; of which channel plays which role.
+
+A check takes the tables that it looks at, by their names. ``ids``: the participants. ``raw``: the file, which tells a
+key that was set from one that has its default.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any
 
-from emg2vsa.settings import EmgChannelSettings, ForceChannelSettings
-from emg2vsa.study_file.draft import Draft
-from emg2vsa.study_file.lines import KeyPath
-from emg2vsa.study_file.problems import Problem, nearest, shown
-from emg2vsa.study_file.tables import FileTable, RecordingsTable
+from emg2vsa.settings import (
+    ChannelSettings,
+    EmgChannelSettings,
+    ForceChannelSettings,
+    HypothesisSettings,
+    ProfileSettings,
+    SimulationSettings,
+)
+from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
+from emg2vsa.study_file.tables import ParticipantsTable, RecordingsTable, SpecimenTable
+
+Specimens = tuple[SpecimenTable, ...]
+
+
+def _participants(participants: ParticipantsTable, ids: tuple[str, ...]) -> Iterator[Problem]:
+    yield from _twice(ids, ("participants", "ids" if participants.ids else "file"))
+
+
+def _specimens(specimens: Specimens) -> Iterator[Problem]:
+    for problem in _twice(_names(specimens), ("specimens",)):
+        yield Problem((*problem.path, "name"), problem.wanted, problem.found)
+
+
+def _kept(hypotheses: HypothesisSettings, specimens: Specimens) -> Iterator[Problem]:
+    yield from _chosen(hypotheses.kept_specimens, specimens, ("hypotheses", "kept_specimens"))
+
+
+def _profile(profile: ProfileSettings, specimens: Specimens) -> Iterator[Problem]:
+    yield from _chosen(profile.specimens, specimens, ("profile", "specimens"))
+    if profile.new_specimen in _names(specimens):
+        do = "Give it a name of its own."
+        yield Problem(("profile", "new_specimen"), "a new name", f"the specimen {profile.new_specimen!r}", do)
+
+
+def _exemplary(profile: ProfileSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
+    if profile.participant is not None:
+        yield from _unknown([(("profile", "participant"), profile.participant)], ids, "participant")
+
+
+def _files(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, ...]) -> Iterator[Problem]:
+    at: KeyPath = ("recordings", "files")
+    people = [((*at, index, "participant"), file.participant) for index, file in enumerate(recordings.files)]
+    pressed = [((*at, index, "specimen"), file.specimen) for index, file in enumerate(recordings.files)]
+    yield from _unknown(people, ids, "participant")
+    yield from _unknown(pressed, _names(specimens), "specimen")
+
+
+def _simulated(simulation: SimulationSettings, specimens: Specimens) -> Iterator[Problem]:
+    known = _names(specimens)
+    for key, given in (("a_v", simulation.a_v), ("b_v", simulation.b_v)):
+        yield from _unknown([(("simulation", key, name), name) for name in given], known, "specimen")
+        for name in known:
+            if name not in given:
+                yield Problem(("simulation", key, name), f"{key} of every specimen", f"none for {name!r}")
+
+
+def _names(specimens: Specimens) -> tuple[str, ...]:
+    return tuple(specimen.name for specimen in specimens)
+
+
+def _chosen(names: Collection[str], specimens: Specimens, at: KeyPath) -> Iterator[Problem]:
+    yield from _unknown([((*at, index), name) for index, name in enumerate(names)], _names(specimens), "specimen")
+    yield from _twice(names, at)
+
+
+def _twice(names: Iterable[str], at: KeyPath) -> Iterator[Problem]:
+    seen: dict[str, str] = {}
+    for index, name in enumerate(names):
+        if name.casefold() in seen:
+            first = seen[name.casefold()]
+            found = f"{name!r} again" if name == first else f"{name!r} after {first!r}, one file name for some systems"
+            yield Problem((*at, index), "every name once", found)
+        seen.setdefault(name.casefold(), name)
+
+
+def _unknown(names: Iterable[tuple[KeyPath, str]], known: tuple[str, ...], what: str) -> Iterator[Problem]:
+    there, listed = set(known), ", ".join(known[:20]) + (f" and {len(known) - 20} more" if len(known) > 20 else "")
+    for path, name in names:
+        if name not in there:
+            do = nearest(name, known, f"The study's {what}s are {listed}.")
+            yield Problem(path, f"a {what} of this study", repr(name), do)
+
 
 _KEYS_OF_LAYOUT = {
     "bids": ("root", "task", "extension"),
@@ -20,93 +102,61 @@ _REQUIRED = {"bids": ("root", "task"), "pattern": ("pattern",), "files": ("files
 _PLACEHOLDERS = ("participant", "specimen")
 
 
-def recording_problems(draft: Draft) -> Iterator[Problem]:
-    """Layout, placeholders, labels, the listed files and the channels."""
-    if draft.recordings:
-        yield from _layout(draft, draft.recordings)
-        yield from _patterns(draft, draft.recordings)
-        if draft.recordings.layout == "bids":
-            yield from _labels(draft, draft.recordings)
-        yield from _files(draft, draft.recordings)
-    if not draft.is_of_runs_alone:
-        yield from _channels(draft)
+def _layout(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    yield from keys_of_choice("recordings", raw["recordings"], "layout", _KEYS_OF_LAYOUT, _REQUIRED[recordings.layout])
 
 
-def _layout(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
-    given = draft.raw["recordings"]
-    for key in _REQUIRED[table.layout]:
-        if key not in given:
-            yield Problem(("recordings", key), f"a key {key!r} with layout = {table.layout!r}", "nothing")
-    for layout, keys in _KEYS_OF_LAYOUT.items():
-        for key in keys:
-            if key in given and layout != table.layout:
-                found = f"{key!r} with layout = {table.layout!r}"
-                yield Problem(("recordings", key), f"keys of this layout only ({key!r} is of {layout!r})", found)
-
-
-def _patterns(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
-    counts = {"participant": len(draft.participant_ids or ()), "specimen": len(draft.specimen_names or ())}
-    for key in ("pattern", "force_pattern"):
-        pattern = getattr(table, key)
-        if pattern is None:
-            continue
+def _patterns(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, ...]) -> Iterator[Problem]:
+    counts = {"participant": len(ids), "specimen": len(specimens)}
+    for key, pattern in (("pattern", recordings.pattern), ("force_pattern", recordings.force_pattern)):
         path = ("recordings", key)
-        names = re.findall(r"\{([^{}]*)\}", pattern)
+        names = re.findall(r"\{([^{}]*)\}", pattern or "")
         unknown = [name for name in names if name not in _PLACEHOLDERS]
         for name in unknown:
             do = nearest(name, _PLACEHOLDERS)
             yield Problem(path, "{participant} and {specimen} as placeholders", f"{{{name}}}", do)
         for name in _PLACEHOLDERS:
-            if not unknown and name not in names and counts[name] > 1:
+            if pattern and not unknown and name not in names and counts[name] > 1:
                 yield Problem(path, f"{{{name}}} in it, as there are {counts[name]} {name}s", shown(pattern))
 
 
-def _labels(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
-    labels: list[tuple[KeyPath, str | None]] = [(("recordings", "task"), table.task)]
-    labels += [(("participants",), name) for name in draft.participant_ids or ()]
-    labels += [(("specimens", i, "name"), s.name) for i, s in enumerate(draft.specimens) if s]
+def _labels(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, ...]) -> Iterator[Problem]:
+    if recordings.layout != "bids":
+        return
+    labels: list[tuple[KeyPath, str]] = [(("recordings", "task"), recordings.task or "0")]
+    labels += [(("participants",), name) for name in ids]
+    labels += [(("specimens", index, "name"), name) for index, name in enumerate(_names(specimens))]
     for path, label in labels:
-        if label is not None and not (label.isascii() and label.isalnum()):
+        if not (label.isascii() and label.isalnum()):
             yield Problem(path, "letters and digits only, as it is a label in BIDS file names", repr(label))
 
 
-def _files(draft: Draft, table: RecordingsTable) -> Iterator[Problem]:
+def _listed(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
     seen: set[tuple[str, str]] = set()
-    for index, file in enumerate(draft.files):
-        if file is None:
-            continue
+    for index, file in enumerate(recordings.files):
         cell = (file.participant, file.specimen)
         at: KeyPath = ("recordings", "files", index)
         if cell in seen:
             yield Problem(at, "one recording of a participant on a specimen", f"{'/'.join(cell)} again")
         seen.add(cell)
-        if table.layout == "files" and file.emg is None:
+        if recordings.layout == "files" and file.emg is None:
             yield Problem((*at, "emg"), "a key 'emg' with layout = 'files'", "nothing")
-        if "force_n" in draft.own_keys(index, "window"):
+        if "force_n" in raw["recordings"]["files"][index].get("window", ()):
             do = "Set it in [window]: fits and profiles share its bins."
             yield Problem((*at, "window", "force_n"), "one force window for all recordings", "another one", do)
 
 
-def _channels(draft: Draft) -> Iterator[Problem]:
-    if draft.channels:
-        yield from _one_role_each(draft.channels.emg, draft.channels.force, ("channels",))
-    for index, file in enumerate(draft.files):
-        if file:
-            yield from _file_channels(draft, file, ("recordings", "files", index, "channels"))
-    if "channels" not in draft.raw and _needs_study_channels(draft):
-        do = "Or give every recording its own under [[recordings.files]]."
-        yield Problem(
-            ("channels",), "a table [channels.emg.<muscle>] for each muscle and [channels.force]", "nothing", do
-        )
+def _roles(channels: ChannelSettings) -> Iterator[Problem]:
+    yield from _one_role_each(channels.emg, channels.force, ("channels",))
 
 
-def _file_channels(draft: Draft, file: FileTable, at: KeyPath) -> Iterator[Problem]:
-    given = file.channels
-    emg = given.emg or (draft.channels.emg if draft.channels else {})
-    force = given.force or (draft.channels.force if draft.channels else None)
-    same_file = file.force is None
-    if (given.emg or given.force) and same_file:
-        yield from _one_role_each(emg, force, at)
+def _own_roles(recordings: RecordingsTable, channels: ChannelSettings | None = None) -> Iterator[Problem]:
+    for index, file in enumerate(recordings.files):
+        own = file.channels
+        if own and (own.emg or own.force) and file.force is None:
+            emg = own.emg or (channels.emg if channels else {})
+            force = own.force or (channels.force if channels else None)
+            yield from _one_role_each(emg, force, ("recordings", "files", index, "channels"))
 
 
 def _one_role_each(
@@ -115,15 +165,24 @@ def _one_role_each(
     """No channel plays two roles. Force in a file of its own may well bear the name of an EMG channel."""
     roles: dict[str, str] = {}
     for role, channel in emg.items():
-        if roles.setdefault(channel.name, role) != role:
+        first = roles.setdefault(channel.name, role)
+        if first != role:
             path = (*at, "emg", role, "name")
-            yield Problem(
-                path, "a channel of its own for each muscle", f"{channel.name!r}, as for {roles[channel.name]}"
-            )
+            yield Problem(path, "a channel of its own for each muscle", f"{channel.name!r}, as for {first}")
     if force and force.name in roles:
         yield Problem((*at, "force", "name"), "a channel of its own", f"{force.name!r}, as for {roles[force.name]}")
 
 
-def _needs_study_channels(draft: Draft) -> bool:
-    all_named = all(file and file.channels.emg and file.channels.force for file in draft.files)
-    return not (draft.recordings and draft.recordings.layout == "files" and draft.files and all_named)
+def _channels_of_all(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    own = [file.channels for file in recordings.files]
+    all_named = bool(own) and all(channels and channels.emg and channels.force for channels in own)
+    if "channels" not in raw and not (recordings.layout == "files" and all_named):
+        wanted = "a table [channels.emg.<muscle>] for each muscle and [channels.force]"
+        do = "Or give every recording its own under [[recordings.files]]."
+        yield Problem(("channels",), wanted, "nothing", do)
+
+
+CHECKS = (
+    _participants, _specimens, _kept, _profile, _exemplary, _files, _simulated,
+    _layout, _patterns, _labels, _listed, _roles, _own_roles, _channels_of_all,
+)  # fmt: skip

@@ -1,37 +1,26 @@
-"""Checks within and across the stages' tables: ranges that run backwards, levels that are missing."""
+"""Checks within and across the stages' tables: ranges that run backwards, levels that are missing.
+
+A check takes the tables that it looks at, by their names. ``of_runs_alone``: whether the study has no people.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
-from emg2vsa.settings import FilterSettings, ProfileSettings, ScheduleSettings, SimulationSettings, WindowSettings
-from emg2vsa.study_file.draft import Draft
-from emg2vsa.study_file.lines import KeyPath
-from emg2vsa.study_file.problems import Problem, nearest, shown
-
-
-def stage_problems(draft: Draft) -> Iterator[Problem]:
-    """Every stage in the order of the chain, and the exceptions that single recordings make."""
-    if draft.filters:
-        yield from _filters(draft.filters, ("filters",))
-    if draft.window:
-        yield from _window(draft.window, ("window",))
-    for index, file in enumerate(draft.files):
-        if file and draft.filters and draft.window:
-            at = ("recordings", "files", index)
-            yield from _filters(draft.overlaid(draft.filters, index, "filters"), (*at, "filters"))
-            yield from _window(draft.overlaid(draft.window, index, "window"), (*at, "window"))
-    yield from _cocontraction(draft)
-    yield from _bins(draft)
-    if draft.profile:
-        yield from _new_specimen(draft, draft.profile)
-    if draft.schedule:
-        yield from _schedule(draft, draft.schedule)
-    if draft.runs:
-        yield from _rising(draft.runs.force_n, ("runs", "force_n"))
-    if draft.simulation:
-        yield from _simulation(draft, draft.simulation)
+from emg2vsa.settings import (
+    ChannelSettings,
+    CocontractionSettings,
+    FilterSettings,
+    FitSettings,
+    ProfileSettings,
+    ScheduleSettings,
+    SimulationSettings,
+    WindowSettings,
+)
+from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
+from emg2vsa.study_file.tables import RecordingsTable, RunsTable, SpecimenTable, overlaid
 
 
 def _rising(pair: Sequence[float], path: KeyPath, equal: bool = False) -> Iterator[Problem]:
@@ -39,14 +28,14 @@ def _rising(pair: Sequence[float], path: KeyPath, equal: bool = False) -> Iterat
         yield Problem(path, "the smaller number first", shown(list(pair)))
 
 
-def _filters(filters: FilterSettings, at: KeyPath) -> Iterator[Problem]:
+def _band_and_order(filters: FilterSettings, at: KeyPath) -> Iterator[Problem]:
     yield from _rising(filters.band_hz, (*at, "band_hz"))
     if filters.fir_order % 2:
         do = f"Take {filters.fir_order + 1}: the delay is then a whole number of samples."
         yield Problem((*at, "fir_order"), "an even order", str(filters.fir_order), do)
 
 
-def _window(window: WindowSettings, at: KeyPath) -> Iterator[Problem]:
+def _limits(window: WindowSettings, at: KeyPath) -> Iterator[Problem]:
     yield from _rising(window.force_n, (*at, "force_n"))
     if window.min_duration_s >= window.max_duration_s:
         found = f"{window.max_duration_s:g}"
@@ -56,92 +45,130 @@ def _window(window: WindowSettings, at: KeyPath) -> Iterator[Problem]:
         yield Problem((*at, "warn_falling_share"), wanted, f"{window.warn_falling_share:g}")
 
 
-def _cocontraction(draft: Draft) -> Iterator[Problem]:
-    table, sets = draft.cocontraction, draft.muscle_sets()
-    if table is None or not sets:
-        return
+def _filters(filters: FilterSettings) -> Iterator[Problem]:
+    yield from _band_and_order(filters, ("filters",))
+
+
+def _window(window: WindowSettings) -> Iterator[Problem]:
+    yield from _limits(window, ("window",))
+
+
+def _own_filters(recordings: RecordingsTable, filters: FilterSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    for index, file in enumerate(recordings.files):
+        if file.filters:
+            given = raw["recordings"]["files"][index]["filters"]
+            at = ("recordings", "files", index, "filters")
+            yield from _band_and_order(overlaid(filters, file.filters, given), at)
+
+
+def _own_window(recordings: RecordingsTable, window: WindowSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    for index, file in enumerate(recordings.files):
+        if file.window:
+            given = raw["recordings"]["files"][index]["window"]
+            yield from _limits(overlaid(window, file.window, given), ("recordings", "files", index, "window"))
+
+
+def _muscles(
+    cocontraction: CocontractionSettings,
+    channels: ChannelSettings | None = None,
+    recordings: RecordingsTable | None = None,
+) -> Iterator[Problem]:
+    sets, index, mvc_v = _muscle_sets(channels, recordings), cocontraction.index, cocontraction.mvc_v
     for muscles in sets:
-        pairwise = table.index in ("rudolph", "falconer-winter")
-        if (pairwise and len(muscles) != 2) or (table.index == "minimum" and len(muscles) < 2):
-            wanted = f"{'two' if pairwise else 'two or more'} muscles in every recording for {table.index!r}"
+        pairwise = index in ("rudolph", "falconer-winter")
+        if (pairwise and len(muscles) != 2) or (index == "minimum" and len(muscles) < 2):
+            wanted = f"{'two' if pairwise else 'two or more'} muscles in every recording for {index!r}"
             yield Problem(("cocontraction", "index"), wanted, ", ".join(muscles))
-    muscles = _union(sets)
-    for muscle in table.mvc_v:
-        if muscle not in muscles:
-            listed = f"The muscles are {', '.join(muscles)}."
-            path = ("cocontraction", "mvc_v", muscle)
-            yield Problem(path, "a muscle of [channels.emg]", repr(muscle), nearest(muscle, muscles, listed))
-    for muscle in muscles:
-        if table.normalise == "mvc" and muscle not in table.mvc_v:
+    every = tuple(dict.fromkeys(muscle for muscles in sets for muscle in muscles))
+    for muscle in mvc_v:
+        if every and muscle not in every:
+            do = nearest(muscle, every, f"The muscles are {', '.join(every)}.")
+            yield Problem(("cocontraction", "mvc_v", muscle), "a muscle of [channels.emg]", repr(muscle), do)
+    for muscle in every:
+        if cocontraction.normalise == "mvc" and muscle not in mvc_v:
             do = "Measure it, or set normalise to another value."
             yield Problem(("cocontraction", "mvc_v", muscle), "the level of every muscle", f"none for {muscle!r}", do)
 
 
-def _union(sets: Sequence[Sequence[str]]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(muscle for muscles in sets for muscle in muscles))
+def _muscle_sets(channels: ChannelSettings | None, recordings: RecordingsTable | None) -> tuple[tuple[str, ...], ...]:
+    """The muscles of the study's channels and of every recording that has its own."""
+    tables = [channels.emg] if channels else []
+    own = [file.channels for file in recordings.files] if recordings else []
+    tables += [table.emg for table in own if table and table.emg]
+    return tuple(dict.fromkeys(tuple(table) for table in tables))
 
 
-def _bins(draft: Draft) -> Iterator[Problem]:
-    if draft.window and draft.fit and draft.fit.points == "bins":
-        lower, upper = draft.window.force_n
-        if 0 < upper - lower < 3 * draft.fit.bin_n:
-            do = "A fit of two parameters needs three bins."
-            yield Problem(("fit", "bin_n"), f"at most {(upper - lower) / 3:g}", f"{draft.fit.bin_n:g}", do)
+def _bins(window: WindowSettings, fit: FitSettings) -> Iterator[Problem]:
+    lower, upper = window.force_n
+    if fit.points == "bins" and 0 < upper - lower < 3 * fit.bin_n:
+        do = "A fit of two parameters needs three bins."
+        yield Problem(("fit", "bin_n"), f"at most {(upper - lower) / 3:g}", f"{fit.bin_n:g}", do)
 
 
-def _new_specimen(draft: Draft, profile: ProfileSettings) -> Iterator[Problem]:
-    stiffness = profile.new_stiffness_n_per_mm
-    if profile.new_specimen is not None and stiffness is None:
-        wanted = f"the stiffness of {profile.new_specimen!r}"
-        yield Problem(("profile", "new_stiffness_n_per_mm"), wanted, "nothing")
-    if stiffness is not None and profile.new_specimen is None:
+def _new_specimen(profile: ProfileSettings) -> Iterator[Problem]:
+    name, stiffness = profile.new_specimen, profile.new_stiffness_n_per_mm
+    if name is not None and stiffness is None:
+        yield Problem(("profile", "new_stiffness_n_per_mm"), f"the stiffness of {name!r}", "nothing")
+    if stiffness is not None and name is None:
         yield Problem(("profile", "new_specimen"), "a name for the new stiffness", "nothing")
-    names = profile.specimens or draft.specimen_names
-    if profile.new_specimen is None or stiffness is None or names is None or profile.extrapolate:
+
+
+def _bracket(profile: ProfileSettings, specimens: tuple[SpecimenTable, ...], of_runs_alone: bool) -> Iterator[Problem]:
+    stiffness = profile.new_stiffness_n_per_mm
+    if profile.new_specimen is None or stiffness is None or profile.extrapolate or of_runs_alone:
         return
-    if draft.is_of_runs_alone:  # no profile is interpolated
-        return
-    known = [
-        s.stiffness_n_per_mm for s in draft.specimens if s and s.name in names and s.stiffness_n_per_mm is not None
-    ]
-    unread = any(p.path[0] == "specimens" for p in draft.problems)
-    if not unread and (not known or not min(known) <= stiffness <= max(known)):
-        span = (
-            f"between {min(known):g} and {max(known):g}, the specimens used"
-            if known
-            else "specimens of known stiffness"
-        )
+    used = [s.stiffness_n_per_mm for s in specimens if not profile.specimens or s.name in profile.specimens]
+    known = [value for value in used if value is not None]
+    if not known or not min(known) <= stiffness <= max(known):
+        span = f"between {min(known):g} and {max(known):g}, the specimens used" if known else ""
         do = "Add specimens, or set extrapolate = true."
-        yield Problem(("profile", "new_stiffness_n_per_mm"), span, f"{stiffness:g}", do)
+        wanted = span or "specimens of known stiffness"
+        yield Problem(("profile", "new_stiffness_n_per_mm"), wanted, f"{stiffness:g}", do)
 
 
-def _schedule(draft: Draft, schedule: ScheduleSettings) -> Iterator[Problem]:
+def _schedule(schedule: ScheduleSettings) -> Iterator[Problem]:
     yield from _rising(schedule.stiffness_percent, ("schedule", "stiffness_percent"))
-    if draft.window:
-        lower, upper = draft.window.force_n
-        if 0 < upper - lower < schedule.step_n:
-            wanted = f"at most {upper - lower:g}, the width of the force window"
-            yield Problem(("schedule", "step_n"), wanted, f"{schedule.step_n:g}")
 
 
-def _simulation(draft: Draft, simulation: SimulationSettings) -> Iterator[Problem]:
-    for key in ("loading_s", "rest_s"):
-        yield from _rising(getattr(simulation, key), ("simulation", key), equal=True)
+def _step(schedule: ScheduleSettings, window: WindowSettings) -> Iterator[Problem]:
+    lower, upper = window.force_n
+    if 0 < upper - lower < schedule.step_n:
+        wanted = f"at most {upper - lower:g}, the width of the force window"
+        yield Problem(("schedule", "step_n"), wanted, f"{schedule.step_n:g}")
+
+
+def _runs(runs: RunsTable) -> Iterator[Problem]:
+    yield from _rising(runs.force_n, ("runs", "force_n"))
+
+
+def _durations(simulation: SimulationSettings) -> Iterator[Problem]:
+    yield from _rising(simulation.loading_s, ("simulation", "loading_s"), equal=True)
+    yield from _rising(simulation.rest_s, ("simulation", "rest_s"), equal=True)
+
+
+def _shares(
+    simulation: SimulationSettings, channels: ChannelSettings | None = None, recordings: RecordingsTable | None = None
+) -> Iterator[Problem]:
     share = simulation.muscle_share
-    others = [muscles for muscles in draft.muscle_sets() if set(muscles) != set(share)]
+    others = [muscles for muscles in _muscle_sets(channels, recordings) if set(muscles) != set(share)]
     if others:
         wanted = f"a share for each of {', '.join(others[0])}"
         yield Problem(("simulation", "muscle_share"), wanted, ", ".join(share) or "none")
     elif not math.isclose(sum(share.values()), 1.0, abs_tol=1e-9):
         yield Problem(("simulation", "muscle_share"), "shares that sum to 1", f"a sum of {sum(share.values()):g}")
-    if draft.window:
-        yield from _silent(simulation, draft.window.force_n)
 
 
-def _silent(simulation: SimulationSettings, force_n: Sequence[float]) -> Iterator[Problem]:
+def _silent(simulation: SimulationSettings, window: WindowSettings) -> Iterator[Problem]:
     """Activity is an amplitude: the truth must stay above zero over the whole window."""
+    lower, upper = window.force_n
     for name in simulation.a_v.keys() & simulation.b_v.keys():
-        lowest = min(simulation.a_v[name] + simulation.b_v[name] * math.log(f) for f in force_n)
+        lowest = min(simulation.a_v[name] + simulation.b_v[name] * math.log(f) for f in (lower, upper))
         if lowest <= 0:
-            wanted = f"a + b log F > 0 from {force_n[0]:g} to {force_n[1]:g} N"
+            wanted = f"a + b log F > 0 from {lower:g} to {upper:g} N"
             yield Problem(("simulation", "a_v", name), wanted, f"{lowest:.3g} V", "Raise a_v or lower b_v.")
+
+
+CHECKS = (
+    _filters, _window, _own_filters, _own_window, _muscles, _bins, _new_specimen, _bracket, _schedule, _step, _runs,
+    _durations, _shares, _silent,
+)  # fmt: skip

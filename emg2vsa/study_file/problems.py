@@ -1,21 +1,26 @@
-"""What is wrong with a study file or a rig file: the place, what was wanted, what was found, what to do."""
+"""Values of a TOML file as dataclass fields declare them, and what is wrong with those that are none.
+
+A kind of value is a number, text, truth value, choice, array, table with free keys or dataclass, with limits. TOML has
+no null: a key that may be None is one that may be left out. A problem tells the place, what was wanted, what was found
+and what to do.
+"""
 
 from __future__ import annotations
 
 import difflib
 import json
+import math
+import operator
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
-from types import NoneType
-from typing import Any, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
-from pydantic import TypeAdapter, ValidationError
-from pydantic_core import ErrorDetails
+from emg2vsa.settings import Limit
 
-from emg2vsa.study_file.lines import KeyPath
-from emg2vsa.study_file.tables import StudyFile
+KeyPath = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
@@ -41,7 +46,12 @@ def shown(value: object) -> str:
     """A value as TOML writes it, cut where it is long."""
     if isinstance(value, dict):
         return "a table"
-    text = json.dumps(value, default=str, ensure_ascii=False)
+    try:
+        text = json.dumps(value, default=str, ensure_ascii=False)
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        return "a number of thousands of digits"
+    except RecursionError:  # dotted keys nest without end
+        return "tables within tables by the hundred"
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -51,159 +61,229 @@ def nearest(name: str, known: Iterable[str], else_say: str = "") -> str:
     return f"Did you mean {near[0]!r}?" if near else else_say
 
 
+def keys_of_choice(
+    table: str, given: Mapping[str, Any], key: str, keys: Mapping[str, Iterable[str]], required: Iterable[str]
+) -> Iterator[Problem]:
+    """What a ``table`` lacks or has too much for its choice of ``key``: ``required``, and ``keys`` of other choices."""
+    chosen = f"{key} = {given[key]!r}"
+    for name in required:
+        if not given.get(name):
+            yield Problem((table, name), f"a key {name!r} with {chosen}", "nothing")
+    for other, names in keys.items():
+        for name in names:
+            if name in given and other != given[key]:
+                wanted = f"keys of this {key} only ({name!r} is of {other!r})"
+                yield Problem((table, name), wanted, f"{name!r} with {chosen}")
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Limit of a text: the whole of it fits the regular expression ``text``."""
+
+    text: str
+    wanted: str
+
+
+class Kind(NamedTuple):
+    """``of``: float, int, str, bool, Literal, tuple, dict, Union or a dataclass. ``parts``: choices, or inner kinds."""
+
+    of: Any
+    parts: tuple[Any, ...]
+    limits: tuple[Any, ...]
+    is_table: bool
+
+
+def kind_of(hint: Any) -> Kind:
+    """The kind that a type hint declares."""
+    limits: tuple[Any, ...] = ()
+    if get_origin(hint) is Annotated:
+        hint, *rest = get_args(hint)
+        limits = tuple(rest)
+    of, parts = get_origin(hint) or hint, get_args(hint)
+    if of in (Union, UnionType):
+        of, parts = Union, tuple(part for part in parts if part is not NoneType)
+        if len(parts) == 1:
+            return kind_of(parts[0])
+    if of is not Literal:
+        parts = tuple(part if part is Ellipsis else kind_of(part) for part in parts)
+    return Kind(of, parts, limits, is_dataclass(of))
+
+
 @cache
-def _adapter(kind: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(kind)
+def kinds_of(table: type) -> dict[str, Kind]:
+    """Key of a table to its kind."""
+    hints = get_type_hints(table, include_extras=True)
+    return {each.name: kind_of(hints[each.name]) for each in fields(table)}
 
 
-def checked(kind: Any, value: object, at: KeyPath, file: type = StudyFile) -> tuple[Any, list[Problem]]:
-    """``value`` as ``kind``, a table of ``file``, and its problems.
+@cache
+def required_keys(table: type) -> tuple[str, ...]:
+    """Keys that have no default."""
+    return tuple(f.name for f in fields(table) if f.default is MISSING and f.default_factory is MISSING)
 
-    With problems, what can be kept is kept: the faulty keys take their defaults, so that the checks across keys still
-    see the rest. None where nothing can be kept.
+
+def checked(hint: Any, value: object, at: KeyPath, file: type | None = None) -> tuple[Any, list[Problem]]:
+    """``value`` as ``hint`` declares it, and its problems. ``file``: whose tables are searched for an unknown key.
+
+    A None stands for a key that was left out.
+    With problems, what can be kept is kept: the faulty keys of a table take their defaults. None where nothing can be.
     """
-    try:
-        return _valid(kind, value), []
-    except ValidationError as error:
-        details = error.errors(include_url=False)
-    problems = _problems(kind, value, details, at, file)
-    if any(d["type"] == "missing" and isinstance(d["loc"][-1], str) for d in details):
-        return None, problems
-    try:
-        return _valid(kind, _without(value, [_in_data(value, d["loc"]) for d in details])), problems
-    except ValidationError:
-        return None, problems
+    reading = _Reading(file, [])
+    made = reading.value(kind_of(hint), value, at)
+    return None if made is _FAULTY else made, reading.problems
 
 
-def _valid(kind: Any, value: object) -> Any:
-    # strict JSON: a text is no number, yet an array may become a tuple and a whole number a float
-    return _adapter(kind).validate_json(json.dumps(value, default=str), strict=True)
+def checked_tables(file: type, raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
+    """All tables of ``file`` that can be made, those with defaults included, and the problems of all."""
+    reading = _Reading(file, [])
+    made = reading.keys(file, raw, ())
+    for each in fields(file):
+        if each.name not in raw and each.name not in required_keys(file):
+            made[each.name] = each.default if each.default_factory is MISSING else each.default_factory()
+    return made, reading.problems
 
 
-def _in_data(value: Any, loc: Sequence[str | int]) -> KeyPath:
-    """The part of a pydantic location that exists in the data; unions append the name of the branch they tried."""
-    path: KeyPath = ()
-    for part in loc:
-        inside = part in value if isinstance(value, dict) else isinstance(value, list) and part in range(len(value))
-        if not inside:
-            break
-        value, path = value[part], (*path, part)
-    return path
-
-
-def _without(value: Any, paths: Iterable[KeyPath]) -> Any:
-    """A copy of ``value`` less the innermost key of each path."""
-    copy = json.loads(json.dumps(value, default=str))
-    for path in set(paths):
-        table, key = copy, None
-        node = copy
-        for part in path:
-            if isinstance(part, str):
-                table, key = node, part
-            node = node.get(part, {}) if isinstance(node, dict) else node[part]
-        if key is not None:
-            table.pop(key, None)
-    return copy
-
-
-def _problems(kind: Any, value: Any, details: list[ErrorDetails], at: KeyPath, file: type) -> list[Problem]:
-    """One problem for each faulty key; the branches of a union are joined by "or"."""
-    joined: dict[KeyPath, Problem] = {}
-    for detail in details:
-        inside = _in_data(value, detail["loc"])
-        if detail["type"] == "missing":
-            inside = tuple(detail["loc"])
-        problem = _problem(kind, detail, inside, at, file)
-        earlier = joined.get(problem.path)
-        if earlier and earlier.wanted != problem.wanted:
-            problem = Problem(problem.path, f"{earlier.wanted} or {problem.wanted}", problem.found, problem.do)
-        joined[problem.path] = problem
-    return list(joined.values())
-
-
-def _problem(kind: Any, detail: ErrorDetails, inside: KeyPath, at: KeyPath, file: type) -> Problem:
-    path = (*at, *inside)
-    if detail["type"] == "missing":
-        return Problem(path, "one more entry" if isinstance(inside[-1], int) else f"a key {inside[-1]!r}", "nothing")
-    if detail["type"] == "unexpected_keyword_argument":
-        return unknown_key(kind, inside, at, file)
-    return Problem(path, _wanted(detail), shown(detail["input"]), _advice(detail))
-
-
-def _advice(detail: ErrorDetails) -> str:
-    given = detail["input"]
-    if not isinstance(given, str):
-        return ""
-    if detail["type"] == "literal_error":
-        return nearest(given, re.findall(r"'([^']+)'", detail["ctx"]["expected"]))
-    is_quoted_number = detail["type"] in ("float_type", "int_type") and _NUMBER.fullmatch(given)
-    return "Write it without quotes." if is_quoted_number else ""
-
-
-_NUMBER = re.compile(r"\s*[+-]?\d+(\.\d+)?([eE][+-]?\d+)?\s*")
-
-
-def unknown_key(kind: Any, inside: KeyPath, at: KeyPath, file: type = StudyFile) -> Problem:
-    """The problem of a key that its table does not have, with the nearest key, here or in another table."""
-    key, path = str(inside[-1]), (*at, *inside)
-    known = table_keys(kind, inside[:-1])
-    hint = nearest(key, known, f"The keys are {', '.join(known)}.")
-    elsewhere = [table for table, keys in _keys_by_table(file).items() if key in keys and table not in path]
-    return Problem(
-        path, "a known key", repr(key), f"{hint} [{elsewhere[0]}] has a key of that name." if elsewhere else hint
-    )
-
-
-def table_keys(kind: Any, inside: KeyPath) -> tuple[str, ...]:
-    """Keys of the table at ``inside`` a value of ``kind``."""
-    for part in inside:
-        kind = get_type_hints(_bare(kind))[str(part)] if is_dataclass(_bare(kind)) else _entry(_bare(kind))
-    return tuple(f.name for f in fields(_bare(kind)))
-
-
-def _bare(kind: Any) -> Any:
-    """``kind`` of a key that may be omitted, without the None."""
-    return next(k for k in get_args(kind) if k is not NoneType) if NoneType in get_args(kind) else kind
-
-
-def _entry(kind: Any) -> Any:
-    """Kind of the entries of an array, or of the values of a table with free keys."""
-    return get_args(kind)[1] if get_origin(kind) is dict else get_args(kind)[0]
-
-
-@cache
-def _keys_by_table(file: type) -> dict[str, tuple[str, ...]]:
-    kinds = {name: _bare(kind) for name, kind in get_type_hints(file).items()}
-    return {name: table_keys(kind, ()) for name, kind in kinds.items() if is_dataclass(kind)}
-
-
-_KINDS = {
-    "float_type": "a number",
-    "int_type": "a whole number",
-    "string_type": "text in quotes",
-    "bool_type": "true or false",
-    "tuple_type": "an array [...]",
-    "dict_type": "a table",
-    "dataclass_type": "a table",
-    "string_too_short": "text that is not empty",
-    "string_pattern_mismatch": "letters, digits, - _ and dots only, the first a letter or digit",
-    "finite_number": "a finite number",
-}
-_LIMITS = {
-    "greater_than": ("gt", "a number > {}"),
-    "greater_than_equal": ("ge", "a number >= {}"),
-    "less_than": ("lt", "a number < {}"),
-    "less_than_equal": ("le", "a number <= {}"),
-    "too_short": ("min_length", "at least {} entry"),
-    "too_long": ("max_length", "at most {} entries"),
-    "literal_error": ("expected", "{}"),
+_FAULTY: Any = object()
+_NUMBER = r"\s*[+-]?\d+(\.\d+)?([eE][+-]?\d+)?\s*"
+_PLAIN: dict[Any, tuple[tuple[type, ...], str]] = {
+    float: ((int, float), "a number"),
+    int: ((int,), "a whole number"),
+    str: ((str,), "text in quotes"),
+    bool: ((bool,), "true or false"),
+    dict: ((dict,), "a table"),
+    tuple: ((list, tuple), "an array [...]"),
 }
 
 
-def _wanted(detail: ErrorDetails) -> str:
-    kind = detail["type"]
-    if kind in _LIMITS:
-        name, form = _LIMITS[kind]
-        limit = detail["ctx"][name]
-        return form.format(f"{limit:g}" if isinstance(limit, float) else limit)
-    return _KINDS.get(kind, detail["msg"])
+class _Reading(NamedTuple):
+    """A walk over one value; ``problems`` grows."""
+
+    file: type | None
+    problems: list[Problem]
+
+    def value(self, kind: Kind, given: Any, at: KeyPath) -> Any:
+        """``given`` as ``kind``, or ``_FAULTY``."""
+        if kind.is_table:
+            return self.table(kind.of, given, at)
+        if kind.of is Union:
+            return self.one_of(kind.parts, given, at)
+        if kind.of is Literal:
+            same = [choice for choice in kind.parts if given == choice and not isinstance(given, bool)]
+            return same[0] if same else self.no_choice(kind.parts, given, at)
+        types, wanted = _PLAIN[kind.of]
+        if not isinstance(given, types) or (isinstance(given, bool) and kind.of is not bool):
+            if kind.of is tuple and kind.parts[0].is_table:
+                wanted = f"tables under [[{written(at)}]]"
+            return self.fault(Problem(at, wanted, shown(given), _unquoted(kind.of, given)))
+        value: Any = _as_float(given) if kind.of is float else given
+        if kind.of is float and not math.isfinite(value):
+            return self.fault(Problem(at, "a finite number", shown(given)))
+        for limit in kind.limits:
+            if wanted := _beyond(limit, value):
+                return self.fault(Problem(at, wanted, shown(given)))
+        if kind.of is tuple:
+            return self.array(kind.parts, value, at)
+        return self.free_keys(kind.parts, value, at) if kind.of is dict else value
+
+    def fault(self, problem: Problem) -> Any:
+        self.problems.append(problem)
+        return _FAULTY
+
+    def no_choice(self, choices: tuple[Any, ...], value: Any, at: KeyPath) -> Any:
+        *most, last = map(repr, choices)
+        wanted = f"{', '.join(most)} or {last}" if most else last
+        do = nearest(value, [each for each in choices if isinstance(each, str)]) if isinstance(value, str) else ""
+        return self.fault(Problem(at, wanted, shown(value), do))
+
+    def one_of(self, kinds: tuple[Kind, ...], value: Any, at: KeyPath) -> Any:
+        """The first kind that ``value`` is; else one problem that names them all."""
+        tries = [_Reading(self.file, []) for _ in kinds]
+        for reading, kind in zip(tries, kinds, strict=True):
+            made = reading.value(kind, value, at)
+            if made is not _FAULTY:
+                return made
+        first, last = tries[0].problems[0], tries[-1].problems[0]
+        wanted = " or ".join(dict.fromkeys(reading.problems[0].wanted for reading in tries))
+        return self.fault(Problem(at, wanted, last.found, last.do or first.do))
+
+    def array(self, parts: tuple[Any, ...], values: list[Any], at: KeyPath) -> Any:
+        if parts[-1] is Ellipsis:
+            kinds = parts[:1] * len(values)
+        elif len(values) > len(parts):
+            return self.fault(Problem(at, f"at most {len(parts)} entries", shown(values)))
+        else:
+            kinds = parts
+        for index in range(len(values), len(kinds)):
+            self.fault(Problem((*at, index), "one more entry", "nothing"))
+        made = [self.value(kind, each, (*at, i)) for i, (kind, each) in enumerate(zip(kinds, values, strict=False))]
+        return _FAULTY if len(made) < len(kinds) or _FAULTY in made else tuple(made)
+
+    def free_keys(self, parts: tuple[Any, ...], given: Mapping[str, Any], at: KeyPath) -> Any:
+        known = parts[0]
+        made = {}
+        for key, value in given.items():
+            if known.of is Literal and key not in known.parts:
+                made[key] = self.no_choice(known.parts, key, (*at, key))
+            else:
+                made[key] = self.value(parts[1], value, (*at, key))
+        return _FAULTY if _FAULTY in made.values() else made
+
+    def table(self, table: type, given: Any, at: KeyPath) -> Any:
+        if not isinstance(given, dict):
+            return self.fault(Problem(at, "a table", shown(given)))
+        made = self.keys(table, given, at)
+        return table(**made) if all(key in made for key in required_keys(table)) else _FAULTY
+
+    def keys(self, table: type, given: Mapping[str, Any], at: KeyPath) -> dict[str, Any]:
+        """Those keys of ``given`` that are without fault, or could be mended."""
+        kinds, made = kinds_of(table), {}
+        for key, value in given.items():
+            if key in kinds and value is None:
+                continue
+            if key in kinds:
+                made[key] = self.value(kinds[key], value, (*at, key))
+            else:
+                self.fault(self.unknown(table, key, at))
+        for key in required_keys(table):
+            if key not in given:
+                wanted = f"a key {key!r}" if at else f"a table {_heading(key, kinds[key])}"
+                self.fault(Problem((*at, key), wanted, "nothing"))
+        return {key: value for key, value in made.items() if value is not _FAULTY}
+
+    def unknown(self, table: type, key: str, at: KeyPath) -> Problem:
+        """The problem of a key that its table does not have, with the nearest key, here or in another table."""
+        path, known = (*at, key), tuple(kinds_of(table))
+        do = nearest(key, known, f"The keys are {', '.join(known)}.")
+        for name, kind in kinds_of(self.file).items() if self.file else ():
+            if kind.is_table and name not in path and key in kinds_of(kind.of):
+                return Problem(path, "a known key", repr(key), f"{do} [{name}] has a key of that name.")
+        return Problem(path, "a known key", repr(key), do)
+
+
+def _heading(name: str, kind: Kind) -> str:
+    return f"[[{name}]]" if kind.of is tuple else f"[{name}]"
+
+
+def _unquoted(of: Any, given: Any) -> str:
+    is_number = of in (float, int) and isinstance(given, str) and re.fullmatch(_NUMBER, given)
+    return "Write it without quotes." if is_number else ""
+
+
+def _as_float(value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+_HOLDS = {">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le}
+
+
+def _beyond(limit: Limit | Pattern, value: Any) -> str:
+    """What ``limit`` asks for, where ``value`` goes beyond it; else nothing."""
+    if isinstance(limit, Pattern):
+        return "" if re.fullmatch(limit.text, value) else limit.wanted
+    if limit.sign in _HOLDS:
+        return "" if _HOLDS[limit.sign](value, limit.bound) else f"a number {limit.sign} {limit.bound}"
+    entries = f"at least {limit.bound} entr{'y' if limit.bound == 1 else 'ies'}"
+    return "" if len(value) >= limit.bound else "text that is not empty" if isinstance(value, str) else entries

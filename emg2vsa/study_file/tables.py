@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
-
-from annotated_types import MinLen
-from pydantic import Field
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal, TypeVar
 
 from emg2vsa.settings import (
-    FORBID_UNKNOWN_KEYS,
-    CalibrationSettings,
     ChannelSettings,
-    CocontractionSettings,
-    DiscriminationSettings,
     EmgChannelSettings,
     FilterSettings,
-    FitSettings,
     ForceChannelSettings,
-    HypothesisSettings,
+    MinLen,
     NonNegative,
     Positive,
-    ProfileSettings,
     RunSettings,
-    ScheduleSettings,
-    SimulationSettings,
+    StageSettings,
     WindowSettings,
 )
+from emg2vsa.study_file.problems import Pattern
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+_WANTED = "letters, digits, - _ and dots only, the first a letter or digit"
+Name = Annotated[str, Pattern(r"[A-Za-z0-9][A-Za-z0-9_.-]*", _WANTED)]
 """Names become parts of file names: ASCII letters, digits, and - _ . after the first."""
 Text = Annotated[str, MinLen(1)]
 
@@ -36,8 +29,6 @@ Text = Annotated[str, MinLen(1)]
 @dataclass(frozen=True, kw_only=True)
 class StudyTable:
     """What the study is called, and where its outcomes go. Paths are relative to the folder of the study file."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     name: Name
     "Short name: letters, digits, - _ and dots."
@@ -48,14 +39,12 @@ class StudyTable:
     results: Text | None = None
     "Folder of the intermediate results; omitted: .emg2vsa/<name>."
     reports: Text | None = None
-    "Folder of the report; omitted: ../../reports/<name>."
+    "Folder of the report; omitted: reports/<name>, or ../../reports/<name> where the file lies in studies/<folder>."
 
 
 @dataclass(frozen=True, kw_only=True)
 class ParticipantsTable:
     """Who took part: either ``ids`` or ``file``."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     ids: Annotated[tuple[Name, ...], MinLen(1)] | None = None
     "Participant ids."
@@ -66,8 +55,6 @@ class ParticipantsTable:
 @dataclass(frozen=True, kw_only=True)
 class SpecimenTable:
     """A soft specimen."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     name: Name
     "Short name: letters, digits, - _ and dots."
@@ -81,8 +68,6 @@ class SpecimenTable:
 class FileChannels:
     """The channels of one recording, where they are not the study's."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     emg: Annotated[dict[str, EmgChannelSettings], MinLen(1)] | None = None
     "Muscle role to channel; replaces all of the study's [channels.emg]."
     force: ForceChannelSettings | None = None
@@ -93,8 +78,6 @@ class FileChannels:
 class FileTable:
     """One recording: named here, or found by the layout and only changed here."""
 
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
-
     participant: Name
     "Participant id."
     specimen: Name
@@ -103,19 +86,17 @@ class FileTable:
     "File of the EMG; omitted: where the layout says."
     force: Text | None = None
     "File of the force, on the same clock; omitted: where the layout says, else the EMG file."
-    channels: FileChannels = field(default_factory=FileChannels)
+    channels: FileChannels | None = None
     "Channels of this recording."
-    filters: FilterSettings = field(default_factory=FilterSettings)
+    filters: FilterSettings | None = None
     "Keys that replace the study's [filters] for this recording; the others keep."
-    window: WindowSettings = field(default_factory=WindowSettings)
+    window: WindowSettings | None = None
     "Keys that replace the study's [window] for this recording, all but force_n; the others keep."
 
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingsTable:
     """Where the recordings are. Paths are relative to the folder of the study file."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     layout: Literal["bids", "pattern", "files"]
     "bids: a BIDS-EMG folder, one acq- label per specimen; pattern: a path with placeholders; files: listed one by one."
@@ -137,8 +118,8 @@ class RecordingsTable:
 class RunsTable(RunSettings):
     """The rig's runs, and how their presses are scored. Paths are relative to the folder of the study file."""
 
-    root: Text = "runs"
-    "Folder of the runs: an emulated rig writes there, measured runs lie there."
+    root: Text | None = None
+    "Folder of the runs. Omitted: runs, for measured ones; with a rig runs-virtual, apart from those of a real rig."
     rig: Text | None = None
     "Rig file whose emulated rig makes the runs; omitted: the runs in root were measured."
     camera: Text | None = None
@@ -146,10 +127,8 @@ class RunsTable(RunSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyFile:
-    """A whole study file."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
+class Recorded:
+    """Who pressed what, and what was recorded of it."""
 
     study: StudyTable
     "Name, title, mode and folders."
@@ -161,25 +140,19 @@ class StudyFile:
     "Where the recordings are; a study of measured runs alone has none."
     channels: ChannelSettings | None = None
     "Which channel plays which role; may be omitted where every recording has its own."
-    filters: FilterSettings = field(default_factory=FilterSettings)
-    "Conditioning of EMG and force."
-    cocontraction: CocontractionSettings = field(default_factory=CocontractionSettings)
-    "How muscles become one activity."
-    window: WindowSettings = field(default_factory=WindowSettings)
-    "What is a trial, and which trials are good."
-    fit: FitSettings = field(default_factory=FitSettings)
-    "The logarithmic fit."
-    hypotheses: HypothesisSettings = field(default_factory=HypothesisSettings)
-    "The tests on its slope."
-    profile: ProfileSettings = field(default_factory=ProfileSettings)
-    "Mean trends and the new specimen."
-    schedule: ScheduleSettings = field(default_factory=ScheduleSettings)
-    "From co-contraction to actuator stiffness."
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyFile(StageSettings, Recorded):
+    """A whole study file."""
+
     runs: RunsTable | None = None
     "The rig's runs; omitted: the study ends with the schedules."
-    discrimination: DiscriminationSettings = field(default_factory=DiscriminationSettings)
-    "The tests on contact areas and spread rates."
-    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
-    "From spread rate to stiffness."
-    simulation: SimulationSettings | None = None
-    "The synthetic study; omitted: the study cannot be simulated."
+
+
+Settings = TypeVar("Settings", FilterSettings, WindowSettings)
+
+
+def overlaid(table: Settings, own: Settings, given: Iterable[str]) -> Settings:
+    """The study's ``table`` with those keys of a recording's ``own`` that it sets itself."""
+    return replace(table, **{key: getattr(own, key) for key in given})

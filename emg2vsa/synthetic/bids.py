@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.atomic import write_bytes_atomic, write_text_atomic
+import numpy as np
+from edfio import Bdf, BdfSignal, EdfAnnotation, Patient, Recording
+
+from casr.atomic import write_bytes_atomic, write_text_atomic
+from emg2vsa import __version__
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
-from emg2vsa.synthetic import bids_texts
-from emg2vsa.synthetic.bdf import bdf_bytes, cues
-from emg2vsa.synthetic.delimited import text_rows
+from emg2vsa.synthetic.carrier import AMPLIFIER_BAND_HZ
 from emg2vsa.synthetic.plan import PlannedRecording
 from emg2vsa.synthetic.recording import SyntheticRecording
-from emg2vsa.synthetic.stored import stored_channels
+from emg2vsa.synthetic.stored import StoredChannel, stored_channels, text_rows
 
 BIDS_VERSION = "1.11.1"
+Json = dict[str, Any]
 
 
 def check_labels(plan: Sequence[PlannedRecording]) -> None:
@@ -40,10 +44,10 @@ def write_bids(folder: Path, planned: PlannedRecording, recording: SyntheticReco
     path = folder / _relative_path(planned)
     stem = path.name.removesuffix("_emg.bdf")
     write_bytes_atomic(path, bdf_bytes(planned, recording, channels))
-    emg = bids_texts.emg_json(planned.task, recording, channels, planned.mains_hz)
+    emg = emg_json(planned.task, recording, channels, planned.mains_hz)
     _write_json(path.with_suffix(".json"), emg)
-    rows = [bids_texts.channel_row(channel, recording.fs_hz) for channel in channels]
-    _write_tsv(path.with_name(f"{stem}_channels.tsv"), bids_texts.CHANNEL_COLUMNS, rows)
+    rows = [channel_row(channel, recording.fs_hz) for channel in channels]
+    _write_tsv(path.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, rows)
     events = [(onset, "n/a", text) for onset, text in cues(recording)]
     _write_tsv(path.with_name(f"{stem}_events.tsv"), ("onset", "duration", "trial_type"), events)
     return path
@@ -53,12 +57,12 @@ def write_dataset(folder: Path, study: Study, settings: SimulationSettings, plan
     """Files of the dataset as a whole, the scans files among them; returns the folder for the truth."""
     description = _description(study.title or study.name, "raw")
     _write_json(folder / "dataset_description.json", description)
-    write_text_atomic(folder / "README.md", bids_texts.readme(description["Name"], settings, len(study.specimens)))
+    write_text_atomic(folder / "README.md", readme(description["Name"], settings, len(study.specimens)))
     participants = list(dict.fromkeys(planned.participant for planned in plan))
     _write_tsv(folder / "participants.tsv", ("participant_id",), [(f"sub-{name}",) for name in participants])
-    _write_json(folder / "participants.json", bids_texts.PARTICIPANT_COLUMNS)
+    _write_json(folder / "participants.json", PARTICIPANT_COLUMNS)
     for task in dict.fromkeys(planned.task for planned in plan):
-        _write_json(folder / f"task-{task}_events.json", bids_texts.EVENT_COLUMNS)
+        _write_json(folder / f"task-{task}_events.json", EVENT_COLUMNS)
     for name in participants:
         _write_scans(folder / f"sub-{name}", [planned for planned in plan if planned.participant == name])
     return _write_derivative(folder / "derivatives" / "truth", f"Truth of {description['Name']}")
@@ -66,7 +70,7 @@ def write_dataset(folder: Path, study: Study, settings: SimulationSettings, plan
 
 def _write_derivative(folder: Path, name: str) -> Path:
     _write_json(folder / "dataset_description.json", _description(name, "derivative"))
-    write_text_atomic(folder / "README.md", f"# {name}\n\n{bids_texts.TRUTH_README}")
+    write_text_atomic(folder / "README.md", f"# {name}\n\n{TRUTH_README}")
     # the standard has no name for tables of what was simulated
     write_text_atomic(folder / ".bidsignore", "truth.*\norder.*\n")
     return folder
@@ -93,7 +97,7 @@ def _description(name: str, kind: str) -> dict[str, Any]:
         "DatasetType": kind,
         "License": "CC0",
         "Authors": ["emg2vsa"],
-        "GeneratedBy": bids_texts.GENERATED_BY,
+        "GeneratedBy": GENERATED_BY,
     }
 
 
@@ -103,3 +107,157 @@ def _write_json(path: Path, content: dict[str, Any]) -> None:
 
 def _write_tsv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     write_text_atomic(path, text_rows([columns, *rows], "\t"))
+
+
+GENERATED_BY = [{"Name": "emg2vsa", "Version": __version__, "Description": "Synthetic recordings with known truth."}]
+EVENT_COLUMNS: Json = {
+    "onset": {"Description": "When the participant is told to act, from the start of the recording.", "Units": "s"},
+    "duration": {"Description": "Not applicable: a cue has no length.", "Units": "s"},
+    "trial_type": {
+        "Description": "What the participant is told.",
+        "Levels": {"start": "Begin to press.", "stop": "Let go."},
+    },
+    "StimulusPresentation": {"SoftwareName": "emg2vsa", "SoftwareVersion": __version__},
+}
+PARTICIPANT_COLUMNS: Json = {"participant_id": {"Description": "Simulated participant."}}
+README = """\
+# {title}
+
+Synthetic recordings made by emg2vsa {version}: nobody took part. Each simulated participant presses {specimens}
+soft specimens with one finger, {repetitions} times each, in one continuous recording per specimen. Surface EMG of
+{muscles} and the pressing force are sampled together; specimens come in a random order, which the scans files give.
+
+The EMG is a Gaussian carrier with the spectrum of a muscle, times an envelope that follows the force by
+v = a + b ln F, plus mains hum, baseline drift and sensor noise. The force has an offset, drift and noise. What was put
+in (a, b, times and forces of every press) is in `derivatives/truth`. The same settings give the same bytes.
+"""
+
+TRUTH_README = """\
+What the synthetic recordings were made from: `truth.tsv` has one row per press, `order.tsv` one per recording; the JSON
+files explain the columns, and `truth.json` holds the settings of the simulation.
+"""
+
+
+def emg_json(task: str, recording: SyntheticRecording, channels: list[StoredChannel], mains_hz: float) -> Json:
+    """The ``_emg.json`` of one recording."""
+    emg_count = sum(channel.muscle is not None for channel in channels)
+    low, high = AMPLIFIER_BAND_HZ
+    return {
+        "TaskName": task,
+        "TaskDescription": "Press a soft specimen with one finger, several times, with rests between.",
+        "Instructions": "Press when told to start, more and more, without letting go; let go when told to stop.",
+        "SamplingFrequency": recording.fs_hz,
+        "PowerLineFrequency": mains_hz,
+        "RecordingType": "continuous",
+        "RecordingDuration": recording.duration_s,
+        "EpochLength": recording.duration_s,
+        "SoftwareFilters": "n/a",
+        "HardwareFilters": {"Amplifier band (simulated)": {"Low cut (Hz)": low, "High cut (Hz)": high, "Order": 2}},
+        "EMGReference": "bipolar",
+        "EMGGround": "n/a (simulated)",
+        "EMGPlacementScheme": "Other",
+        "EMGPlacementSchemeDescription": "Simulated bipolar pairs over the muscle bellies; no electrode was placed.",
+        "EMGChannelCount": emg_count,
+        "MiscChannelCount": len(channels) - emg_count,
+        "TriggerChannelCount": 0,
+        "InterelectrodeDistance": 10,
+        "ElectrodeMaterial": "n/a (simulated)",
+        "ElectrodeType": "n/a (simulated)",
+        "ElectrodeManufacturer": "n/a (simulated)",
+        "ElectrodeManufacturersModelName": "n/a (simulated)",
+        "Manufacturer": "emg2vsa (synthetic)",
+        "ManufacturersModelName": "synthetic recording",
+        "AmplifierType": "simulated",
+        "DeviceSerialNumber": "n/a",
+        "SoftwareVersions": f"emg2vsa {__version__}",
+        "SubjectArtefactDescription": "n/a",
+        "InstitutionName": "n/a",
+        "InstitutionAddress": "n/a",
+        "InstitutionalDepartmentName": "n/a",
+    }
+
+
+CHANNEL_COLUMNS = (
+    "name", "type", "units", "description", "sampling_frequency", "signal_electrode", "reference", "group",
+    "target_muscle", "placement_scheme", "placement_description", "interelectrode_distance", "low_cutoff",
+    "high_cutoff", "notch", "status", "status_description",
+)  # fmt: skip
+MUSCLES = {"EDC": "extensor digitorum communis", "FDS": "flexor digitorum superficialis"}
+
+
+def channel_row(channel: StoredChannel, fs_hz: float) -> tuple[object, ...]:
+    """Cells in the order of ``CHANNEL_COLUMNS``."""
+    head = (channel.name, "EMG" if channel.muscle else "MISC", channel.unit or "n/a")
+    tail = ("n/a", "good", "n/a")
+    if channel.muscle is None:
+        return (*head, "pressing force", fs_hz, *["n/a"] * 9, *tail)
+    muscle = MUSCLES.get(channel.muscle, channel.muscle)
+    placed = ("other", f"belly of the {muscle} (simulated)", 10, *AMPLIFIER_BAND_HZ)
+    electrodes = (f"{channel.muscle}1", f"{channel.muscle}2", channel.muscle)
+    return (*head, f"surface EMG of {channel.muscle}", fs_hz, *electrodes, muscle, *placed, *tail)
+
+
+def readme(title: str, settings: SimulationSettings, specimens: int) -> str:
+    muscles = " and ".join(MUSCLES.get(muscle, muscle) for muscle in settings.muscle_share)
+    return README.format(
+        title=title, version=__version__, specimens=specimens, repetitions=settings.repetitions, muscles=muscles
+    )
+
+
+LABEL_CHARACTERS = 16
+
+
+def bdf_bytes(planned: PlannedRecording, recording: SyntheticRecording, channels: list[StoredChannel]) -> bytes:
+    """A recording as BDF+ (24-bit European data format), its cues as annotations.
+
+    Each channel has its own symmetric range, so a stored value is exact to 3e-8 of that range.
+    """
+    if not float(recording.fs_hz).is_integer():
+        raise SettingError(
+            "simulation.fs_hz",
+            wanted="whole samples a second, for BDF stores whole seconds",
+            found=f"{recording.fs_hz:g} Hz",
+            do="Round it, or write another format.",
+        )
+    file = Bdf(
+        [_signal(channel, recording.fs_hz) for channel in channels],
+        patient=Patient(code=planned.participant),
+        recording=Recording(startdate=planned.acquired.date(), equipment_code="emg2vsa-synthetic"),
+        starttime=planned.acquired.time(),
+        annotations=[EdfAnnotation(onset, None, text) for onset, text in cues(recording)],
+    )
+    return file.to_bytes()
+
+
+def cues(recording: SyntheticRecording) -> list[tuple[float, str]]:
+    """(seconds to the millisecond, "start" or "stop"), in time order: what the participant is told."""
+    presses = recording.truth.presses
+    start = [(round(float(onset), 3), "start") for onset in presses.cue_start_s]
+    stop = [(round(float(onset), 3), "stop") for onset in presses.cue_stop_s]
+    return sorted(start + stop)
+
+
+def _signal(channel: StoredChannel, fs_hz: float) -> BdfSignal:
+    if len(channel.name) > LABEL_CHARACTERS or not channel.name.isascii():
+        raise SettingError(
+            f"channel {channel.name!r}",
+            wanted=f"a name of at most {LABEL_CHARACTERS} ASCII characters, for BDF holds no more",
+            found=f"{len(channel.name)} characters",
+            do="Shorten it, or write another format.",
+        )
+    limit = _two_digits_above(float(np.max(np.abs(channel.samples))))
+    return BdfSignal(
+        channel.samples,
+        fs_hz,
+        label=channel.name,
+        transducer_type="force sensor" if channel.muscle is None else "bipolar surface electrode",
+        physical_dimension=channel.unit,
+        physical_range=(-limit, limit),
+    )
+
+
+def _two_digits_above(value: float) -> float:
+    """``value`` rounded up to two significant digits, which fit the eight characters a range may take."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    limit = math.ceil(value / unit) * unit
+    return float(f"{limit:.2g}")

@@ -11,9 +11,8 @@ import numpy as np
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import ChannelSettings, SimulationSettings, WindowSettings
 from emg2vsa.study import RecordingEntry, Study
-from emg2vsa.synthetic.activity import check_coefficients
 from emg2vsa.synthetic.presses import longest_record_s
-from emg2vsa.synthetic.recording import SyntheticRecording, make_recording, spread
+from emg2vsa.synthetic.recording import SyntheticRecording, check_coefficients, make_recording, spread
 
 FIRST_SESSION = datetime(2026, 1, 5, 9, 0, 0)
 "The first participant's first recording; the others follow, one participant a day. No clock is read."
@@ -54,7 +53,7 @@ class PlannedRecording:
 def plan_study(study: Study) -> tuple[SimulationSettings, tuple[PlannedRecording, ...]]:
     """Every recording of the study, participants in order, specimens in order.
 
-    Raises SettingError where the simulation settings do not fit the study.
+    Raises SettingError where the study has no simulation settings, or EMG would not rise with force.
     """
     settings = _checked_settings(study)
     longest_s = max((longest_record_s(settings, entry.window.force_n) for entry in study.recordings), default=0.0)
@@ -96,37 +95,13 @@ def _task(entry: RecordingEntry) -> str:
 
 
 def _checked_settings(study: Study) -> SimulationSettings:
+    """The settings; what else they must fit, the study file has been checked for."""
     settings = study.simulation
     if settings is None:
         raise SettingError(
             f"{study.path}, [simulation]", wanted="simulation settings", found="none", do="Add a [simulation] table."
         )
-    shares = settings.muscle_share
-    if abs(sum(shares.values()) - 1) > 1e-9:
-        raise _refused(study, "muscle_share", "shares that sum to one", f"{sum(shares.values()):g}", "Change a share.")
-    for key in ("loading_s", "rest_s"):
-        shortest, longest = getattr(settings, key)
-        if shortest > longest:
-            found = f"{shortest:g} above {longest:g}"
-            raise _refused(study, key, "the shorter time first", found, "Swap the two.")
     for entry in study.recordings:
-        _check_recording(study, settings, entry)
+        where = f"{study.path}, simulation, specimen {entry.specimen}"
+        check_coefficients(where, settings.a_v[entry.specimen], settings.b_v[entry.specimen], entry.window.force_n[0])
     return settings
-
-
-def _check_recording(study: Study, settings: SimulationSettings, entry: RecordingEntry) -> None:
-    if set(settings.muscle_share) != set(entry.channels.emg):
-        wanted = "a share for each muscle of the channels: " + ", ".join(sorted(entry.channels.emg))
-        found = ", ".join(sorted(settings.muscle_share))
-        raise _refused(study, "muscle_share", wanted, found, "Name the same muscles in both.")
-    for key in ("a_v", "b_v"):
-        values = getattr(settings, key)
-        if entry.specimen not in values:
-            found = ", ".join(values) or "none"
-            raise _refused(study, key, f"a value for specimen {entry.specimen}", found, "Add it.")
-    a_v, b_v = settings.a_v[entry.specimen], settings.b_v[entry.specimen]
-    check_coefficients(f"{study.path}, simulation, specimen {entry.specimen}", a_v, b_v, entry.window.force_n[0])
-
-
-def _refused(study: Study, key: str, wanted: str, found: str, do: str) -> SettingError:
-    return SettingError(f"{study.path}, simulation.{key}", wanted=wanted, found=found, do=do)

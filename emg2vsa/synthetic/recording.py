@@ -8,13 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.synthetic.activity import true_cocontraction_v
 from emg2vsa.synthetic.carrier import below, emg_carrier, gaussian_noise
 from emg2vsa.synthetic.presses import Presses, make_presses
 
 FloatArray = NDArray[np.float64]
 
+JOIN_SHARE = 0.6
+"The logarithm ends at this share of the lower force of the window (0.3 N of 0.5 N)."
+REST_SHARE = 0.2
+"Rest tone, as a share of the co-contraction where the logarithm ends."
 EMG_DRIFT_V, EMG_DRIFT_HZ = 3e-6, 1.0
 "Baseline drift of each EMG channel, rms, and the frequency it ends at."
 FORCE_DRIFT_N, FORCE_DRIFT_HZ = 0.01, 0.02
@@ -121,3 +125,33 @@ def _force_channel(
     if delay_s > 0:
         force_n = np.interp(np.arange(n) - delay_s * fs_hz, np.arange(n), force_n)
     return force_n + offset_n + drift + noise
+
+
+def true_cocontraction_v(force_n: FloatArray, a_v: float, b_v: float, lower_n: float) -> FloatArray:
+    """Equation (6), v = a + b ln F, for F >= 0.6 ``lower_n``; below, a power of F, equal in value and slope there.
+
+    force_n : (n,) true force, not negative. Returns (n,) volts; at zero force a rest tone, a fifth of the joint value.
+    """
+    join_n, join_v = logarithm_end(a_v, b_v, lower_n)
+    rest_v = REST_SHARE * join_v
+    exponent = b_v / (join_v - rest_v)
+    below = rest_v + (join_v - rest_v) * (np.minimum(force_n, join_n) / join_n) ** exponent
+    return np.where(force_n >= join_n, a_v + b_v * np.log(np.maximum(force_n, join_n)), below)
+
+
+def logarithm_end(a_v: float, b_v: float, lower_n: float) -> tuple[float, float]:
+    """Force and co-contraction at which the logarithm ends."""
+    join_n = JOIN_SHARE * lower_n
+    return join_n, a_v + b_v * math.log(join_n)
+
+
+def check_coefficients(where: str, a_v: float, b_v: float, lower_n: float) -> None:
+    """Refuse a logarithm that is not rising, or not positive where it ends."""
+    join_n, join_v = logarithm_end(a_v, b_v, lower_n)
+    if not (b_v > 0 and join_v > 0):
+        raise SettingError(
+            where,
+            wanted=f"b_v > 0 and a_v + b_v ln({join_n:g} N) > 0, so that EMG rises with force and stays positive",
+            found=f"a_v = {a_v:g}, b_v = {b_v:g}, which give {join_v:.3g} V at {join_n:g} N",
+            do="Raise a_v or lower b_v.",
+        )

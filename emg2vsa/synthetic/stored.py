@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,3 +59,18 @@ def _stored_force(force_n: FloatArray, setting: ForceChannelSettings) -> StoredC
         newtons = NEWTONS[unit]
     scale = setting.sign * newtons
     return StoredChannel(setting.name, force_n / scale, unit, None)
+
+
+def number_rows(columns: Sequence[NDArray[np.float64]], formats: Sequence[str]) -> str:
+    """CSV rows of equally long columns, each with its printf format, lines ended by a line feed."""
+    table = np.column_stack(columns)
+    line = ",".join(formats) + "\n"
+    text: str = line * table.shape[0] % tuple(table.ravel().tolist())
+    return text
+
+
+def text_rows(rows: Iterable[Sequence[object]], delimiter: str) -> str:
+    """Rows of any cells, quoted where needed; floats in their shortest exact form."""
+    buffer = io.StringIO()
+    csv.writer(buffer, delimiter=delimiter, lineterminator="\n").writerows(rows)
+    return buffer.getvalue()

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from emg2vsa.atomic import write_text_atomic
+from casr.atomic import write_text_atomic
 from emg2vsa.settings import SimulationSettings
-from emg2vsa.synthetic.delimited import text_rows
 from emg2vsa.synthetic.plan import PlannedRecording
 from emg2vsa.synthetic.recording import SyntheticRecording
+from emg2vsa.synthetic.stored import text_rows
 
 PRESS_COLUMNS = {
     "participant": "Participant of the study.",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.signals.delay_budget import DelayBudget
+from emg2vsa.signals.delays import DelayBudget
 
 __all__ = ["DelayBudget", "Trials"]
 

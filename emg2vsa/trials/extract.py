@@ -1,4 +1,4 @@
-"""The making of trials: condition one continuous recording, find its presses, judge each."""
+"""The making of trials: condition one continuous recording, find its presses, judge each on what was measured."""
 
 from __future__ import annotations
 
@@ -16,16 +16,48 @@ from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoother
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
-from emg2vsa.signals.force import ForceRecord, condition_force
-from emg2vsa.signals.force_sign import doubt_by_emg
+from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants
-from emg2vsa.signals.quality import ratio_db, window_means
-from emg2vsa.signals.verdicts import judge
+from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
+from emg2vsa.signals.verdicts import Evidence, judge
 from emg2vsa.trials import Trials
-from emg2vsa.trials.emg_record import EmgRecord, emg_record, where_of
-from emg2vsa.trials.evidence import gather_evidence, record_qualities
 
 OVERVIEW_HZ = 10.0
+
+
+@dataclass(frozen=True)
+class _EmgRecord:
+    """The EMG channels of one record, (n,) each in volts, and where they were interpolated."""
+
+    muscles: tuple[str, ...]
+    samples: tuple[Floats, ...]
+    missing: tuple[NDArray[np.bool_], ...]
+    fs_hz: float
+    start_s: float
+
+
+def _where_of(channel: Channel) -> str:
+    """The channel, as an error names it."""
+    return f"channel {channel.name!r}"
+
+
+def _emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
+    """All channels at the rate and start of the first, cut to the shortest."""
+    if not emg:
+        raise SignalError("EMG", wanted="at least one channel", found="none", do="Name the channel of a muscle.")
+    first = next(iter(emg.values()))
+    for channel in emg.values():
+        if abs(channel.fs_hz - first.fs_hz) > 1e-6 * first.fs_hz or abs(channel.start_s - first.start_s) > 1e-6:
+            raise SignalError(
+                _where_of(channel),
+                wanted=f"{first.fs_hz:g} Hz from {first.start_s:g} s, as {_where_of(first)}",
+                found=f"{channel.fs_hz:g} Hz from {channel.start_s:g} s",
+                do="Choose EMG channels of one sensor system.",
+            )
+    n = min(channel.samples.size for channel in emg.values())
+    bridged = [bridge_gaps(samples_1d(c.samples, _where_of(c), at_least=2)[:n], _where_of(c)) for c in emg.values()]
+    samples, missing = zip(*bridged, strict=True)
+    return _EmgRecord(tuple(emg), samples, missing, first.fs_hz, first.start_s)
 
 
 @dataclass(frozen=True)
@@ -37,7 +69,7 @@ class Chain:
     step: int
     low: IirFilter | None
 
-    def envelopes(self, record: EmgRecord, pressing: Instants, resting: Instants) -> tuple[Floats, Floats]:
+    def envelopes(self, record: _EmgRecord, pressing: Instants, resting: Instants) -> tuple[Floats, Floats]:
         """Envelopes (m, N) in volts, computed at the instants of either only."""
         first, counts = np.append(pressing.first, resting.first), np.append(pressing.counts, resting.counts)
         both = envelopes_at(record.samples, first, counts, self.step, self.band, self.envelope)
@@ -64,7 +96,7 @@ def extract_trials(
     Force is interpolated onto the instants of the envelopes. Missing samples are interpolated, and reject the trials
     that hold them. SignalError, SettingError: channels too short, of unequal rates, or filters that cannot be built.
     """
-    record = emg_record(emg)
+    record = _emg_record(emg)
     chain = _chain(filters, record, force.fs_hz)
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
@@ -80,11 +112,11 @@ def extract_trials(
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     rest_v = _rest_level(resting_v, resting)
     snr_db = ratio_db(window_means(envelopes_v, instants.offsets), rest_v[:, None])
-    quality = record_qualities(record, instants, chain.envelope)
+    quality = _record_qualities(record, instants, chain.envelope)
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, envelopes_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-    evidence = gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt)
+    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt)
     verdicts = [judge(trial, window) for trial in evidence]
     said += (doubt,) if doubt else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
@@ -120,7 +152,7 @@ def extract_trials(
     )
 
 
-def _chain(filters: FilterSettings, record: EmgRecord, force_fs_hz: float) -> Chain:
+def _chain(filters: FilterSettings, record: _EmgRecord, force_fs_hz: float) -> Chain:
     """The filters, designed for these rates; SignalError where the EMG is too short for them."""
     step = decimation(record.fs_hz, filters.output_fs_hz)
     band, envelope = band_pass(filters, record.fs_hz), smoother(filters, record.fs_hz, step)
@@ -136,7 +168,7 @@ def _conditioned(
 ) -> tuple[ForceRecord, NDArray[np.bool_]]:
     """The force record, and which of its samples (n,) were missing."""
     at_least = 4 if low is None else max(4, low.pad_samples + 1)
-    raw_n, missing = bridge_gaps(samples_1d(force.samples, where_of(force), at_least=at_least), where_of(force))
+    raw_n, missing = bridge_gaps(samples_1d(force.samples, _where_of(force), at_least=at_least), _where_of(force))
     return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
 
 
@@ -150,3 +182,51 @@ def _rest_level(envelopes_v: Floats, resting: Instants) -> Floats:
 def _filter_notes(chain: Chain) -> tuple[str, ...]:
     force = ("force: not filtered, as the study says",) if chain.low is None else chain.low.notes
     return (*chain.band.notes, *chain.envelope.notes, *force)
+
+
+def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother) -> list[list[RawQuality]]:
+    """Quality by muscle and trial, of all raw samples under the envelope's kernel."""
+    starts = np.maximum(instants.first - envelope.before, 0)
+    stops = instants.last + envelope.after + 1
+    windows = [slice(i, j) for i, j in zip(starts.tolist(), stops.tolist(), strict=True)]
+    return [
+        raw_qualities([samples[window] for window in windows], [gone[window] for window in windows], record.fs_hz)
+        for samples, gone in zip(record.samples, record.missing, strict=True)
+    ]
+
+
+def _gather_evidence(
+    force: ForceRecord,
+    instants: Instants,
+    force_n: Floats,
+    force_missing: NDArray[np.bool_],
+    quality: list[list[RawQuality]],
+    snr_db: Floats,
+    record: _EmgRecord,
+    sign_doubt: str,
+) -> list[Evidence]:
+    """What is known of each press of a record; arrays as in ``extract_trials``."""
+    presses, offsets = force.presses, instants.offsets
+    fs_hz = force.fs_hz
+    evidence = []
+    for i, (start_s, stop_s) in enumerate(zip(presses.start_s, presses.stop_s, strict=True)):
+        curve_n = force_n[offsets[i] : offsets[i + 1]]
+        begin, end = int(start_s * fs_hz), min(int(np.ceil(stop_s * fs_hz)) + 1, force_missing.size)
+        evidence.append(
+            Evidence(
+                sign_doubt=sign_doubt,
+                duration_s=float(stop_s - start_s),
+                peak_force_n=float(presses.peak_n[i]),
+                reached=bool(presses.reached[i]),
+                at_edge=bool(presses.at_edge[i]),
+                covered=bool(instants.covered[i]),
+                force_missing=int(np.count_nonzero(force_missing[begin:end])),
+                falling_share=falling_share(curve_n, force.reversal_n),
+                rest_gap_n=float(force.gap_n[i]),
+                start_force_n=float(force.force_n[begin]),
+                emg_fs_hz=record.fs_hz,
+                emg={muscle: row[i] for muscle, row in zip(record.muscles, quality, strict=True)},
+                snr_db=dict(zip(record.muscles, snr_db[:, i].tolist(), strict=True)),
+            )
+        )
+    return evidence

@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from emg2vsa.authors.crate import CONTEXT, METADATA, Publication, metadata, parts_of
+from emg2vsa.authors.crate import CONTEXT, METADATA, Publication, description, encoding_format, metadata, parts_of
 
 FILES = {"README.txt": b"read", "tables/a b.csv": b"x,y\n", "figures/f.pdf": b"%PDF", "study.toml": b"[study]"}
 INPUTS = {"data/P01 é.bdf": "ab" * 32}
@@ -90,3 +90,17 @@ def test_the_files_of_a_package_are_read_back_and_another_crate_is_not_taken_for
     for other in ("[]", "{}", '{"@graph": []}', text.replace("emg2vsa report --paper", "their own run")):
         with pytest.raises((ValueError, KeyError, TypeError)):
             parts_of(other)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "said"),
+    [
+        ("results.json", "application/json", "Every number by name"),
+        ("figures/fig08.pdf", "application/pdf", "Figure fig08, vector"),
+        ("tables/pairs.csv", "text/csv", "Table pairs, every digit"),
+        ("something/new.xyz", "application/octet-stream", "Result new"),
+    ],
+)
+def test_every_file_has_a_media_type_and_a_line(name, kind, said):
+    assert encoding_format(name) == kind
+    assert description(name).startswith(said)

@@ -10,10 +10,13 @@ import pytest
 from casr.score import score
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld, PressSettings, simulate_press
-from emg2vsa.calibration import CalibrationSettings, calibrate, compare_laws, estimate
-from emg2vsa.calibration.forms import casr_of, eta_of, kappa_of, kappa_slope, x_of, x_slope
+from emg2vsa.calibration.calibrate import calibrate
+from emg2vsa.calibration.forms import HERTZ, eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.calibration.laws import LAWS, fit_law
+from emg2vsa.calibration.left_out import compare_laws
+from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import SettingError
+from emg2vsa.settings import CalibrationSettings
 
 QUICK = CalibrationSettings(resamples=2)
 PAPER = CalibrationSettings(law="exponential", minimise="kappa", resamples=2)
@@ -28,7 +31,6 @@ def error(bench, settings, angle_deg=0.0):
 def test_axes_turn_round_and_slope_as_they_say(law):
     values = np.array([0.4, 1.3, 7.7])
     np.testing.assert_allclose(kappa_of(law, eta_of(law, values)), values)
-    np.testing.assert_allclose(casr_of(law, x_of(law, values)), values)
     step = 1e-6
     np.testing.assert_allclose(x_slope(law, values), (x_of(law, values + step) - x_of(law, values - step)) / 2 / step)
     eta = eta_of(law, values)
@@ -75,7 +77,6 @@ def test_where_no_specimen_is_so_stiff_there_is_no_kappa(hertz):
     rigid = hertz.casr(1e9)
     assert estimate(fit, rigid).kappa[0] > 1e6
     assert np.isnan(estimate(fit, 0.9 * rigid).kappa[0])
-    assert "compliance" in estimate(fit, rigid).outcome().method
     assert fit.equation().startswith("1/kappa = -0.25 ")
 
 
@@ -86,7 +87,8 @@ def test_errors_of_casr_weigh_the_specimens_alike(hertz):
 
     def squares(level, slope):
         moved = dataclasses.replace(fit, level=fit.level * level, slope=fit.slope * slope)
-        return np.sum((moved.casr(hertz.kappa[None]) - known.mean(axis=2)) ** 2)
+        x = moved.x0 + (1 / hertz.kappa[None] - moved.level) / moved.slope
+        return np.sum((x ** (1 / HERTZ) - known.mean(axis=2)) ** 2)
 
     for change in (0.98, 1.02):
         assert squares(1, 1) < min(squares(change, 1), squares(1, change))

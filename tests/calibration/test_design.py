@@ -8,8 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from emg2vsa.calibration import CalibrationSettings, calibrate
-from emg2vsa.calibration.design import Situation, situation_of, smallest, try_designs
+from emg2vsa.calibration.design import Situation, smallest, try_designs
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
 
@@ -47,17 +46,6 @@ def test_the_smallest_design_that_is_good_enough():
     assert chosen is not None
     assert (chosen.specimens, chosen.repetitions) == (3, 10)
     assert smallest(designs, 0.001) is None
-
-
-def test_the_situation_of_a_calibration(hertz):
-    known, _ = hertz.presses(0, noise=0.02, r=400)
-    found = situation_of(calibrate(hertz.kappa, known, casr_unit="mm2/N"), 5.32)
-    assert found.noise == pytest.approx(0.02, rel=0.1)
-    assert found.sensor_n_per_mm == pytest.approx(4.0, rel=0.1)
-    assert found.kappa_range == (1.11, 7.63)
-    other = calibrate(hertz.kappa, known, CalibrationSettings(law="power"), casr_unit="mm2/N")
-    with pytest.raises(SettingError, match="compliance law"):
-        situation_of(other, 5.32)
 
 
 @pytest.mark.parametrize("change", [{"noise": 0.0}, {"kappa_range": (2.0, 1.0)}, {"kappa": np.nan}])

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.calibration.cut_curves import cut_rates, rising
-from emg2vsa.calibration.online import OnlineEstimator, calibrate_online
+from emg2vsa.calibration.online import OnlineEstimator, calibrate_online, cut_rates, rising
 from emg2vsa.errors import DataError
 
 FORCES_N = np.arange(0.5, 7.05, 0.1)

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from emg2vsa import artifacts
-from emg2vsa.calibration import CalibrationSettings, calibrate, estimate
-from emg2vsa.calibration.growth import growth_power
+from emg2vsa.calibration.calibrate import calibrate
+from emg2vsa.calibration.forms import growth_power
 from emg2vsa.calibration.presses import without_outliers
 from emg2vsa.calibration.runs_calibration import calibrate_runs
+from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import DataError
 from emg2vsa.runs import ALGORITHMS
+from emg2vsa.settings import CalibrationSettings
 
 QUICK = CalibrationSettings(resamples=50)
 
@@ -41,8 +43,6 @@ def test_stiffness_of_the_new_specimen_is_found(results):
     assert edge.chosen.low < 5.32 < edge.chosen.high
     assert edge.chosen.error == pytest.approx(edge.chosen.kappa / 5.32 - 1)
     assert results.known_kappa_new == 5.32
-    errors = [each.algorithms["edge"].chosen.error for each in results.conditions if each.condition == "modular"]
-    assert results.median_error("modular", "edge") == pytest.approx(np.median(np.abs(errors)))
     assert edge.best_law == "compliance"
 
 
@@ -72,9 +72,6 @@ def test_growth_of_the_contact_gives_the_exponent_of_its_world(results, runs):
     assert growth_power(runs) == pytest.approx(0.5, abs=0.005)
     at = results.find(0.0, "modular")
     assert at.exponent == pytest.approx(2, rel=0.01)
-    edge = at.algorithms["edge"]
-    assert edge.kappa_by_growth == pytest.approx(edge.chosen.kappa, rel=0.02)
-    assert edge.kappa_by_growth != edge.chosen.kappa
 
 
 def test_results_are_stored_and_read_back(results, tmp_path):
@@ -127,7 +124,6 @@ def test_runs_without_a_log_have_no_second_cue_and_a_truth_that_is_not_known_no_
     assert at.indentation is None
     assert at.algorithms["edge"].fused is None
     assert np.isnan([at.algorithms["edge"].chosen.error, found.known_kappa_new]).all()
-    assert np.isnan(found.median_error("modular", "edge"))
 
 
 def test_an_algorithm_that_finds_nothing_is_undefined_and_says_so(run_of, stiffness_n_per_mm):

@@ -36,7 +36,7 @@ def pressed() -> tuple[FrameSequence, Score]:
 def test_hexagons_tile_a_turned_lattice(angle_deg: float, x: float) -> None:
     c, s = np.cos(np.deg2rad(angle_deg)), np.sin(np.deg2rad(angle_deg))
     centres = (PINS_PX - 149.5) @ np.array([[c, s], [-s, c]]) + x
-    corners = hexagons(centres, 20.0)
+    corners = hexagons(centres, centres)
     # every inner corner belongs to three cells: two triangles' worth of neighbours meet there
     _, counts = np.unique(np.round(corners.reshape(-1, 2), 3), axis=0, return_counts=True)
     apart = np.hypot(*(corners.reshape(-1, 1, 2) - corners[63].reshape(1, 6, 2)).transpose(2, 0, 1))

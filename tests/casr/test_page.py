@@ -10,8 +10,7 @@ import pytest
 
 from casr.frames import FrameSequence, force_per_frame
 from casr.page import Embedded, index_page, press_page
-from casr.page.html import number
-from casr.page.wording import verdict
+from casr.page.wording import number, verdict
 from casr.score import Score, score
 from casr.synthetic import PressSettings, TimelineSettings, simulate_press
 
@@ -64,7 +63,7 @@ def test_a_press_page_stands_alone(scored: Score) -> None:
 def test_notes_come_before_the_pictures(scored: Score) -> None:
     noted = dataclasses.replace(scored, notes=("The force falls in 3 steps.",))
     page = press_page(noted, [PICTURE], camera=None, n_frames=30, shape=(300, 300))
-    assert page.index("The force falls in 3 steps.") < page.index("<h2>Pictures")
+    assert page.index("The force falls in 3 steps.") < page.index(">Pictures</h2>")
 
 
 def test_every_setting_is_shown(scored: Score) -> None:

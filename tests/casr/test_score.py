@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.tactile.array_frames import ArrayFrames
 from casr.camera import Camera
 from casr.contact_area import initial_area
 from casr.errors import FramesError, NoContactError, PinsError, SettingError
 from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
 from casr.frame_files import open_frames
-from casr.frames import ArrayFrames, FrameSequence, force_per_frame
+from casr.frames import FrameSequence, force_per_frame
 from casr.score import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate

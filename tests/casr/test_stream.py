@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.tactile.array_frames import ArrayFrames
 from casr.errors import CasrError, FramesError, NoContactError
 from casr.flow.estimate import ENGINES, FlowSettings
-from casr.frames import ArrayFrames, FrameSequence, force_per_frame
+from casr.frames import FrameSequence, force_per_frame
 from casr.score import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer, StreamState

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import signal
 
-from emg2vsa.curves.autocorrelation import autocorrelation, effective_number, memory
+from emg2vsa.curves.press_fits import autocorrelation, effective_number, memory
 
 
 def residual_memory(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

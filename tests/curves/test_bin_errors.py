@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emg2vsa.curves.bin_errors import bin_covariance, error_factors
-from emg2vsa.curves.force_bins import bin_means
+from emg2vsa.curves.force_bins import bin_covariance, bin_means, error_factors
 from emg2vsa.curves.logarithmic import fit_log, widen
 
 EDGES = np.array([1.0, 2.0, 3.0, 4.0])

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emg2vsa.curves.force_bins import bin_edges, bin_means
-from emg2vsa.curves.ragged import pad_rows
+from emg2vsa.curves.force_bins import bin_edges, bin_means, pad_rows
 from emg2vsa.errors import SettingError
 
 

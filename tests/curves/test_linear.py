@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.nist import LINEAR_DEGREE, digits, read_regression
-from emg2vsa.curves.linear import LinearFit, fit_linear, powers
+from benchmarks.statistics.linear import LinearFit, fit_linear, powers
 from emg2vsa.errors import DataError
 
 DOUBLE = {

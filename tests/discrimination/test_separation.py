@@ -53,12 +53,12 @@ def test_no_spread_and_no_press_have_no_gap(pair):
 @pytest.mark.parametrize("gap", [0.5, 8.0])
 def test_intervals_of_gaps_and_of_their_differences_hold_the_truth_as_often_as_they_promise(gap):
     rng = np.random.default_rng(0)
-    first, second = (rng.normal([[0.0], [gap]], 1.0, (600, 2, 10)) for _ in range(2))
+    first, second = (rng.normal([[0.0], [gap]], 1.0, (300, 2, 10)) for _ in range(2))
     ours, other = gaps_of(first, 0.95), gaps_of(second, 0.95)
     difference = ours.less(other)
-    assert np.mean((ours.low <= gap) & (gap <= ours.high)) == pytest.approx(0.95, abs=0.02)
-    assert np.mean((difference.low <= 0) & (difference.high >= 0)) == pytest.approx(0.95, abs=0.02)
-    assert np.mean(ours.gap) == pytest.approx(gap, rel=0.02, abs=0.02)
+    assert np.mean((ours.low <= gap) & (gap <= ours.high)) == pytest.approx(0.95, abs=0.025)
+    assert np.mean((difference.low <= 0) & (difference.high >= 0)) == pytest.approx(0.95, abs=0.025)
+    assert np.mean(ours.gap) == pytest.approx(gap, rel=0.02, abs=0.03)
 
 
 def test_a_difference_is_that_of_the_gaps_and_turns_with_them():

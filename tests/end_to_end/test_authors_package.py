@@ -34,7 +34,7 @@ def test_every_number_table_and_figure_of_the_report_is_there(package: Path) -> 
     found, report = contents(package), contents(package.parent)
     kept = {
         name for name in report
-        if not name.startswith(("paper/", "participants/")) and not name.endswith((".html", ".svg"))
+        if not name.startswith((".", "paper/", "participants/")) and not name.endswith((".html", ".svg"))
     }  # fmt: skip
     assert kept <= set(found)
     assert all(found[name] == report[name] for name in kept)
@@ -66,7 +66,7 @@ def test_every_number_leads_to_steps_and_on_to_the_recordings(package: Path) -> 
     def files_behind(step: str) -> set[str]:
         found = set(steps[step]["files"])
         for name, key in steps[step]["inputs"].items():
-            assert steps[name]["key"] == key
+            assert steps[name]["result"] == key
             found |= files_behind(name)
         return found
 

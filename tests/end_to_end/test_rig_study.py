@@ -111,10 +111,10 @@ def test_nothing_changed_nothing_runs_and_nothing_heavy_is_loaded(copy, capsys):
 
 
 def test_a_setting_of_the_scores_presses_nothing_again(copy, capsys):
-    before = {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs/*/log.csv")}
+    before = {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs-virtual/*/log.csv")}
     copy.write_text(copy.read_text() + "[calibration]\nconfidence = 0.9\n")
     assert run(copy, capsys)["ran"] == ["calibration/study", "report/study"]
-    assert {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs/*/log.csv")} == before
+    assert {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs-virtual/*/log.csv")} == before
 
 
 def test_people_only_and_rig_only(copy, capsys):
@@ -131,7 +131,7 @@ def stripped(pressed: Path, root: Path) -> None:
     rows = []
     for number, name in enumerate(RUNS):
         folder = root / f"day-{number}"
-        for press in sorted((pressed / "runs" / name).glob("press-*")):
+        for press in sorted((pressed / "runs-virtual" / name).glob("press-*")):
             frames = folder / press.name / "frames"
             frames.mkdir(parents=True)
             for index, image in enumerate(tifffile.imread(press / "frames.tif")):
@@ -146,7 +146,7 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated,
     study = tmp_path / "studies" / "small" / "study.toml"
     shutil.copytree(simulated, study.parent)
     stripped(pressed, tmp_path / "lab")
-    shutil.copy(pressed / "runs" / RUNS[0] / "camera.toml", tmp_path / "lab" / "our-camera.toml")
+    shutil.copy(pressed / "runs-virtual" / RUNS[0] / "camera.toml", tmp_path / "lab" / "our-camera.toml")
     assert read_camera(tmp_path / "lab" / "our-camera.toml") is not None
     study.write_text(study.read_text() + '\n[runs]\nroot = "../../lab"\ncamera = "../../lab/our-camera.toml"\n')
     assert run(study, capsys, "--casr-only")["failures"] == []
@@ -275,11 +275,11 @@ def test_what_is_wrong_with_the_runs_stops_no_session_check(simulated, tmp_path,
 
 
 def test_a_measured_run_is_never_overwritten(copy, capsys):
-    (copy.parent / "runs" / "S1_0_modular" / "emulated.json").unlink()
+    (copy.parent / "runs-virtual" / "S1_0_modular" / "emulated.json").unlink()
     shutil.rmtree(copy.parent / ".emg2vsa")
     (failure,) = [f for f in run(copy, capsys, "--casr-only")["failures"] if f["item"] == "S1_0_modular"]
     assert "no measured run where an emulated one goes" in failure["message"]
-    assert (copy.parent / "runs" / "S1_0_modular" / "log.csv").is_file()
+    assert (copy.parent / "runs-virtual" / "S1_0_modular" / "log.csv").is_file()
 
 
 def test_killed_halfway_and_run_again(simulated, pressed, tmp_path, capsys):
@@ -288,15 +288,15 @@ def test_killed_halfway_and_run_again(simulated, pressed, tmp_path, capsys):
     study = with_rig(folder / "study.toml")
     program = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--casr-only", "--jobs", "1"]
     running = subprocess.Popen(program, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while len(list(folder.glob("runs/S*"))) < 2:
+    while len(list(folder.glob("runs-virtual/S*"))) < 2:
         assert running.poll() is None
         time.sleep(0.02)
     os.killpg(running.pid, signal.SIGKILL)
     running.wait()
-    whole = {p.name for p in folder.glob("runs/S*")}
+    whole = {p.name for p in folder.glob("runs-virtual/S*")}
     assert len(whole) < len(RUNS)
     again = run(study, capsys, "--casr-only")
     assert again["failures"] == []
-    assert sorted(p.name for p in folder.glob("runs/*")) == sorted(RUNS)
+    assert sorted(p.name for p in folder.glob("runs-virtual/[!.]*")) == sorted(RUNS)
     for name, found in scores(study).items():
         np.testing.assert_array_equal(found.casr["edge"], scores(pressed / "study.toml")[name].casr["edge"])

@@ -3,17 +3,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.calibration import CalibrationSettings, calibrate
+from casr.overlays.area import hexagons
+from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.results import LawResult
 from emg2vsa.figures.boxes import PairBar
-from emg2vsa.figures.canvas import style, svg_text
-from emg2vsa.figures.casr_areas import AreaPanel, draw_areas
+from emg2vsa.figures.canvas import panel_grid, style, svg_text
+from emg2vsa.figures.casr_areas import AreaPanel, draw_areas, draw_contacts
 from emg2vsa.figures.casr_calibration import law_curve
-from emg2vsa.figures.casr_conditions import ConditionBoxes, draw_conditions
-from emg2vsa.figures.casr_contact import draw_contacts, hexagons
-from emg2vsa.figures.casr_rates import RateSeries, curve_of, draw_rates
-from emg2vsa.figures.grid import panel_grid
+from emg2vsa.figures.casr_rates import ConditionBoxes, RateSeries, curve_of, draw_conditions, draw_rates
 from emg2vsa.figures.palette import looks
+from emg2vsa.settings import CalibrationSettings
 
 LOOKS = looks(["S1", "S3"], "S_new")
 VALUES = np.linspace(9.0, 11.0, 10)
@@ -66,10 +65,6 @@ def test_hexagons_tile_the_lattice_of_the_pins(turn):
     first, second = tiles[0], tiles[1]
     shared = np.linalg.norm(first[:, None] - second, axis=2) < 1e-6
     assert shared.sum() == 2
-
-
-def test_a_single_pin_has_no_hexagon():
-    assert hexagons(np.zeros((1, 2)), np.zeros((1, 2))).shape == (0, 6, 2)
 
 
 def test_the_picture_is_in_the_drawing_with_its_area(run_of):
@@ -158,6 +153,6 @@ def test_the_curve_is_the_law_that_was_fitted(law):
     parameters = tuple(fitted.fit.parameters[0].tolist())
     nan = float("nan")
     none = np.empty(0)
-    result = LawResult(law, "casr", "", parameters, *[nan] * 8, none, none, none, nan, ())
+    result = LawResult(law, "casr", "", parameters, *[nan] * 8, none, nan, ())
     at = np.array([8.5, 11.0])
     assert law_curve(result, at) == pytest.approx(fitted.fit.at(at[None])[0])

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from emg2vsa.figures.activity_scale import activity_scale
 from emg2vsa.figures.boxes import PairBar, hazen_box, stars
 from emg2vsa.figures.canvas import inline_svg, new_figure, pdf_bytes, style, svg_text
-from emg2vsa.figures.cocontraction import draw_cocontraction
-from emg2vsa.figures.interpolation import draw_interpolation
+from emg2vsa.figures.cocontraction import draw_cocontraction, draw_interpolation
 from emg2vsa.figures.palette import BLUE, GREEN, RED, YELLOW, looks
 from emg2vsa.profiles import Profile
 

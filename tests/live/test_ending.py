@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.live.ending import read_ending
+from emg2vsa.live.run_facts import read_ending
 
 
 @pytest.fixture

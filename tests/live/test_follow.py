@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.live.follow import Follower, newest_run
-from emg2vsa.live.stop_button import request_stop
+from emg2vsa.rig.stop_requests import request_stop
 
 
 @pytest.fixture
@@ -109,7 +109,7 @@ def test_the_folder_of_one_run_is_followed_alone(begin, runs):
 def test_a_request_to_stop_is_seen_by_every_page(follower, begin, runs):
     begin("run")
     assert not follower.look().stop_requested
-    request_stop(runs / "run")
+    request_stop(runs / "run", "a test")
     assert follower.look().stop_requested
     assert Follower(runs).look().stop_requested
 

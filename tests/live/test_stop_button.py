@@ -6,15 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.live.stop_button import REASON, request_stop, stop_requested
-from emg2vsa.rig.stop_requests import StopRequests
+from emg2vsa.rig.stop_requests import StopRequests, request_stop, stop_requested
+
+REASON = "STOP on the live page"
 
 
 def test_the_executor_reads_the_reason(tmp_path):
     asked = StopRequests(tmp_path)
     assert asked() is None
     assert not stop_requested(tmp_path)
-    request_stop(tmp_path)
+    request_stop(tmp_path, REASON)
     assert asked() == REASON
     assert stop_requested(tmp_path)
 
@@ -22,7 +23,7 @@ def test_the_executor_reads_the_reason(tmp_path):
 def test_a_second_click_changes_nothing(tmp_path):
     (tmp_path / "stop").write_text("somebody at the shell")
     before = (tmp_path / "stop").stat()
-    request_stop(tmp_path)
+    request_stop(tmp_path, REASON)
     assert StopRequests(tmp_path)() == "somebody at the shell"
     assert (tmp_path / "stop").stat().st_ino == before.st_ino
 
@@ -34,9 +35,9 @@ def test_the_file_appears_whole_or_not_at_all(tmp_path, monkeypatch):
         seen.append((Path(source).read_text(), target.exists()))
         raise OSError("no room")
 
-    monkeypatch.setattr("emg2vsa.atomic.os.replace", renamed)
+    monkeypatch.setattr("casr.atomic.os.replace", renamed)
     with pytest.raises(OSError, match="no room"):
-        request_stop(tmp_path)
+        request_stop(tmp_path, REASON)
     assert seen == [(f"{REASON}\n", False)]
     assert list(tmp_path.iterdir()) == []
     assert not stop_requested(tmp_path)

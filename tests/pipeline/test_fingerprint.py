@@ -1,87 +1,164 @@
-"""Code digests follow imports and ignore prose; file digests follow content."""
+"""Digests of files follow their content and are remembered; settings become plain values in a fixed order."""
 
 from __future__ import annotations
 
+import json
+import os
+import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from emg2vsa.pipeline import fingerprint
-from emg2vsa.pipeline.fingerprint import Fingerprints, as_json, digest
+from emg2vsa.pipeline.fingerprint import Fingerprints, Values, digest
+from emg2vsa.pipeline.stage import Keyed
 
 
 @pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A small package: stage -> helper -> deep; other stands alone."""
-    folder = tmp_path / "emg2vsa"
-    (folder / "signals").mkdir(parents=True)
-    (folder / "stage.py").write_text('"""Doc."""\nfrom emg2vsa.signals import helper\n\nX = helper.f(1)\n')
-    (folder / "signals" / "__init__.py").write_text("")
-    (folder / "signals" / "helper.py").write_text(
-        "from ..deep import K\n\n\ndef f(x):\n    'Doc.'\n    return x * K  # why\n"
-    )
-    (folder / "deep.py").write_text("K = 2\n")
-    (folder / "other.py").write_text("Y = 1\n")
-    monkeypatch.setattr(fingerprint, "_package_folder", lambda package: folder)
-    return folder
+def memory(tmp_path: Path) -> Path:
+    return tmp_path / "memory.json"
 
 
-def code(tmp_path: Path) -> dict[str, str]:
-    prints = Fingerprints(tmp_path / "memory.json")
-    reached = prints.code(["emg2vsa.stage"])
+def written(path: Path, text: str) -> Path:
+    """A file that was changed long enough ago to be remembered."""
+    path.write_text(text)
+    time.sleep(fingerprint._SETTLED_NS / 1e9 + 0.02)
+    return path
+
+
+def remembered(memory: Path, path: Path) -> str:
+    """The digest by a program that starts, looks and ends."""
+    prints = Fingerprints(memory, lambda text: pytest.fail(text))
+    found = prints.file(path)
     prints.save()
-    return reached
+    return found
 
 
-def test_reaches_helpers_of_helpers(package: Path, tmp_path: Path) -> None:
-    assert set(code(tmp_path)) == {"emg2vsa.stage", "emg2vsa.signals", "emg2vsa.signals.helper", "emg2vsa.deep"}
+def test_content_is_followed_and_read_once(memory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert remembered(memory, tmp_path / "a") == "missing"
+    path = written(tmp_path / "a", "1")
+    assert remembered(memory, path) == digest("1")
+    plain = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda self: plain(self) if self == memory else pytest.fail(f"read {self}"))
+    assert remembered(memory, path) == digest("1")
+    monkeypatch.undo()
+    assert remembered(memory, written(path, "22")) == digest("22")
+    path.unlink()
+    assert remembered(memory, path) == "missing"
+
+
+def test_a_change_in_place_with_its_time_put_back_is_noticed(memory: Path, tmp_path: Path) -> None:
+    path = written(tmp_path / "a", "1")
+    before = path.stat()
+    remembered(memory, path)
+    path.write_text("2")
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    after = path.stat()
+    assert (after.st_mtime_ns, after.st_size, after.st_ino) == (before.st_mtime_ns, before.st_size, before.st_ino)
+    assert remembered(memory, path) == digest("2")
+
+
+def test_changes_faster_than_the_clock_of_the_file_system_are_noticed(memory: Path, tmp_path: Path) -> None:
+    prints, path = Fingerprints(memory), tmp_path / "a"
+    for text in "12345678":
+        path.write_text(text)
+        assert prints.file(path) == digest(text)
+
+
+def test_forgetting_reads_again(memory: Path, tmp_path: Path) -> None:
+    path = written(tmp_path / "a", "1")
+    prints = Fingerprints(memory)
+    prints.file(path)
+    prints._known[str(path)][1] = "of a disk that lies"
+    assert prints.file(path) == "of a disk that lies"
+    prints.forget(path)
+    assert prints.file(path) == digest("1")
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new", "changed"),
-    [
-        ("deep.py", "K = 2", "K = 3", {"emg2vsa.deep"}),
-        ("signals/helper.py", "# why", "# because", set()),
-        ("signals/helper.py", "'Doc.'", "'Another text.'", set()),
-        ("stage.py", '"""Doc."""', '"""Changed."""', set()),
-        ("stage.py", "f(1)", "f(2)", {"emg2vsa.stage"}),
-        ("other.py", "Y = 1", "Y = 2", set()),
-    ],
-)
-def test_what_counts_as_a_change(
-    package: Path, tmp_path: Path, file: str, old: str, new: str, changed: set[str]
-) -> None:
-    before = code(tmp_path)
-    path = package / file
-    assert old in path.read_text()
-    path.write_text(path.read_text().replace(old, new) + "\n")
-    after = code(tmp_path)
-    assert {name for name in after if after[name] != before.get(name)} == changed
-
-
-def test_file_digest_follows_content_and_is_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "rec.csv"
-    prints = Fingerprints(tmp_path / "memory.json")
-    assert prints.file(path) == "missing"
-    path.write_text("1")
-    first = prints.file(path)
+    "content",
+    [b"", b'{"half', b"[1]", b"\xff\xfe", b"5", b'{"files": 5}', b'{"sum": "0", "files": {"a": [[], 1]}}', b"[" * 9**5],
+)  # fmt: skip
+def test_a_damaged_memory_is_one_warning_and_made_anew(memory: Path, tmp_path: Path, content: bytes) -> None:
+    memory.write_bytes(content)
+    path = written(tmp_path / "a", "1")
+    warnings: list[str] = []
+    prints = Fingerprints(memory, warnings.append)
+    assert len(warnings) == 1
+    assert str(memory) in warnings[0]
+    assert prints.file(path) == digest("1")
     prints.save()
-    monkeypatch.setattr(Path, "read_bytes", lambda self: pytest.fail(f"read {self} again"))
-    assert Fingerprints(tmp_path / "memory.json").file(path) == first
-    monkeypatch.undo()
-    path.write_text("22")
-    assert Fingerprints(tmp_path / "memory.json").file(path) == digest("22") != first
+    assert remembered(memory, path) == digest("1")
 
 
-def test_a_damaged_memory_is_forgotten(tmp_path: Path) -> None:
-    (tmp_path / "memory.json").write_text('{"half')
-    (tmp_path / "x").write_text("1")
-    assert Fingerprints(tmp_path / "memory.json").file(tmp_path / "x") == digest("1")
+def test_one_changed_byte_of_the_memory_is_noticed(memory: Path, tmp_path: Path) -> None:
+    remembered(memory, written(tmp_path / "a", "1"))
+    whole = memory.read_bytes()
+    for at in range(0, len(whole), 7):
+        memory.write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+        warnings: list[str] = []
+        assert Fingerprints(memory, warnings.append)._known == {}
+        assert len(warnings) == 1
+
+
+def test_the_memory_of_0_1_0_is_read_anew_without_a_word(memory: Path, tmp_path: Path) -> None:
+    path = written(tmp_path / "a", "1")
+    memory.write_text(json.dumps({str(path): [[1, path.stat().st_mtime_ns], "other"]}))
+    assert remembered(memory, path) == digest("1")
+
+
+def test_a_memory_that_cannot_be_written_is_no_error(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    path = tmp_path / "a"
+    path.write_text("1")
+    prints = Fingerprints(tmp_path / "memory.json")
+    prints._memory = tmp_path / "file" / "memory.json"
+    assert prints.file(path) == digest("1")
+    prints.save()
+
+
+def test_libraries_are_looked_up_again_when_a_folder_of_them_changes(
+    memory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path / "site-packages")
+    (tmp_path / "site-packages").mkdir()
+    prints = Fingerprints(memory)
+    assert prints.installed(lambda: "1.0") == "1.0"
+    assert prints.installed(lambda: pytest.fail("nothing was installed")) == "1.0"
+    (tmp_path / "site-packages" / "new").mkdir()
+    assert prints.installed(lambda: "1.1") == "1.1"
 
 
 def test_digest_keeps_borders() -> None:
     assert digest("ab", "c") != digest("a", "bc")
 
 
-def test_as_json_sorts_and_flattens() -> None:
-    assert as_json({"b": (1, Path("x/y")), "a": None}) == {"a": None, "b": [1, "x/y"]}
+@dataclass(frozen=True)
+class Filters:
+    low_hz: float
+    folder: Path
+    inner: Any = None
+
+
+def test_settings_become_plain_values_in_a_fixed_order() -> None:
+    filters = Filters(20.0, Path("/here"), Filters(5.0, Path("x")))
+    found = Values().plain({"b": (1, None, Path("y")), "a": filters, "c": Keyed(object(), ["key"])})
+    assert found == {"a": {"low_hz": 20.0, "inner": {"low_hz": 5.0, "inner": None}}, "b": [1, None], "c": ["key"]}
+    assert list(Values().plain({"b": 1, "a": 2})) == ["a", "b"]
+
+
+def test_where_something_lies_is_no_part_of_a_key() -> None:
+    values = Values()
+    parts = [values.part({"filters": Filters(20.0, Path(where)), "at": Path(where)}) for where in ("/a", "/b")]
+    assert parts[0].digest == parts[1].digest
+    assert values.part({"filters": Filters(21.0, Path("/a")), "at": None}).digest != parts[0].digest
+
+
+def test_a_shared_object_is_converted_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    values, shared = Values(), Filters(20.0, Path("x"))
+    first = values.part({"filters": shared, "n": 1})
+    assert values.part({"filters": shared, "n": 1}) is first
+    monkeypatch.setattr("dataclasses.fields", lambda value: pytest.fail("converted again"))
+    assert values.part({"filters": shared, "n": 2}).digest != first.digest

@@ -1,7 +1,9 @@
-"""A task that fails, or takes its process down, leaves the others alone."""
+"""A task that fails, or takes its process down, leaves the others alone; every failure is told apart."""
 
 from __future__ import annotations
 
+import importlib
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -9,67 +11,119 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
-from emg2vsa.errors import DataError
-from emg2vsa.pipeline.pool import run_tasks
-from emg2vsa.pipeline.tasks import Ended, Task, guarded
+from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.store import claimed
+from emg2vsa.pipeline.tasks import Ended
+
+DEEDS = """
+import os, time
+from dataclasses import dataclass
+from pathlib import Path
+from emg2vsa import artifacts
+from emg2vsa.errors import DataError, SlowReadingError
+from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.stage import Given
+from emg2vsa.pipeline.tasks import Task
+
+class Deed(Task):
+    def _make(self):
+        match self.given.item:
+            case "refuse":
+                raise DataError("x.csv", wanted="data", found="none", do="Record again.")
+            case "slow":
+                raise SlowReadingError("x.c3d", wanted="data", found="that it took more than 10 s", do="Export.")
+            case "crash":
+                raise ZeroDivisionError("by zero")
+            case "damaged":
+                artifacts.load(Path("absent.result"))
+            case "die":
+                os._exit(9)
+            case "sleep":
+                Path(f"{self.step}.pid").write_text(str(os.getpid()))
+                time.sleep(60)
+        time.sleep(0.02)
+        return str(os.getpid())
+
+def deeds(names):
+    return [Deed(f"s{i}", Given(name, {}), Path("x"), Path(f"claims/{i}").absolute()) for i, name in enumerate(names)]
+"""
 
 
-def work(step: str, deed: str) -> list[Ended]:
-    """What the tasks of this file do, named by ``tests_work``."""
-
-    def make() -> None:
-        if deed == "refuse":
-            raise DataError("x.csv", wanted="data", found="none", do="Record again.")
-        if deed == "crash":
-            raise ZeroDivisionError("by zero")
-        if deed == "die":
-            os._exit(9)
-        if deed == "sleep":
-            Path(f"{step}.pid").write_text(str(os.getpid()))
-            time.sleep(60)
-
-    return [guarded(step, make)]
+@pytest.fixture
+def tasks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Any]]:
+    """Tasks that do as their names say; their module is where worker processes find it too."""
+    (tmp_path / "deeds_of_tests.py").write_text(DEEDS)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, "deeds_of_tests", raising=False)
+    module: ModuleType = importlib.import_module("deeds_of_tests")
+    return lambda *names: list(module.deeds(names))
 
 
-def tasks(deeds: list[str], monkeypatch: pytest.MonkeyPatch) -> list[Task]:
-    monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__))
-    return [Task((f"s{i}",), "test_pool:work", {"step": f"s{i}", "deed": deed}) for i, deed in enumerate(deeds)]
+def run(workers: Workers, tasks: list[Any]) -> dict[str, Ended]:
+    ended: dict[str, Ended] = {}
+    workers.run(tasks, lambda e: ended.__setitem__(e.step, e))
+    return ended
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_failures_are_isolated_and_told_apart(jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(os.path.dirname(__file__))
-    ended: dict[str, Ended] = {}
-    run_tasks(tasks(["ok", "refuse", "crash", "ok"], monkeypatch), jobs, lambda e: ended.__setitem__(e.step, e))
-    assert [ended[f"s{i}"].status for i in range(4)] == ["done", "failed", "failed", "done"]
-    assert ended["s1"].final
-    assert "x.csv: wanted data; found none" in ended["s1"].message
-    assert not ended["s2"].final
-    assert "ZeroDivisionError in test_pool.py" in ended["s2"].message
+def test_failures_are_isolated_and_told_apart(jobs: int, tasks: Callable[..., list[Any]]) -> None:
+    with Workers(jobs) as workers:
+        ended = run(workers, tasks("ok", "refuse", "crash", "damaged", "ok"))
+    assert [ended[f"s{i}"].status for i in range(5)] == ["done", "failed", "failed", "failed", "done"]
+    assert [ended[f"s{i}"].final for i in range(5)] == [False, True, False, False, False]
+    assert ended["s1"].message.startswith("x.csv: wanted data; found none")
+    assert "ZeroDivisionError in deeds_of_tests.py" in ended["s2"].message
+    assert "please report it" in ended["s2"].message
+    assert [ended[f"s{i}"].damaged for i in range(5)] == ["", "", "", "absent.result", ""]
+    assert not list(Path("claims").iterdir())
 
 
-def test_a_dead_process_costs_only_its_task(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(os.path.dirname(__file__))
-    ended: dict[str, Ended] = {}
-    run_tasks(tasks(["ok", "die", "ok", "ok", "ok"], monkeypatch), 2, lambda e: ended.__setitem__(e.step, e))
-    assert [ended[f"s{i}"].status for i in range(5)] == ["done", "failed", "done", "done", "done"]
-    assert "process died" in ended["s1"].message
+def test_a_step_that_another_process_works_at_is_left_to_it(tasks: Callable[..., list[Any]]) -> None:
+    (task,) = tasks("ok")
+    with claimed(task.claim):
+        ended = task()
+        assert task.claim.exists()
+    assert (ended.status, ended.final) == ("failed", False)
+    assert f"process {os.getpid()}" in ended.message
+
+
+def test_a_dead_process_costs_only_its_task(tasks: Callable[..., list[Any]]) -> None:
+    with Workers(2) as workers:
+        ended = run(workers, tasks("ok", "die", "ok", "ok", "ok"))
+        assert [ended[f"s{i}"].status for i in range(5)] == ["done", "failed", "done", "done", "done"]
+        assert "process died" in ended["s1"].message
+        assert not list(Path("claims").iterdir())
+        assert [each.status for each in run(workers, tasks("ok", "ok")).values()] == ["done", "done"]
+
+
+def test_workers_serve_one_stage_after_the_other_and_end_with_the_last(tasks: Callable[..., list[Any]]) -> None:
+    with Workers(2) as workers:
+        pids = {each.message for _ in range(3) for each in run(workers, tasks("ok", "ok", "ok", "ok")).values()}
+        assert 1 <= len(pids - {str(os.getpid())}) <= 2
+        assert run(workers, tasks("ok"))["s0"].message == str(os.getpid())  # one task is done here
+    assert not {str(child.pid) for child in multiprocessing.active_children()} & pids
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="looks into /proc")
-def test_workers_end_with_a_process_that_is_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    main = "import test_pool as t, pytest; t.run_tasks(t.tasks(['sleep'] * 2, pytest.MonkeyPatch()), 2, print)"
-    monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__))
-    parent = subprocess.Popen([sys.executable, "-c", main], cwd=tmp_path)
+def test_workers_end_with_a_process_that_is_killed(tmp_path: Path, tasks: Callable[..., list[Any]]) -> None:
+    main = (
+        "from deeds_of_tests import *\nwith Workers(2) as workers:\n"
+        "    workers.run(deeds(['ok'] * 4), print)\n    workers.run(deeds(['sleep'] * 2), print)"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    parent = subprocess.Popen([sys.executable, "-c", main], env=environment, stdout=subprocess.DEVNULL)
     pids = [tmp_path / f"s{i}.pid" for i in range(2)]
-    assert soon(lambda: all(path.exists() and path.read_text() for path in pids), 30)
+    assert soon(lambda: all(path.exists() and path.read_text() for path in pids), 60)
     workers = [Path("/proc", path.read_text()) for path in pids]
     parent.send_signal(signal.SIGKILL)
     parent.wait()
-    assert soon(lambda: not any(map(runs, workers)), 3)
+    assert soon(lambda: not any(map(runs, workers)), 10)
 
 
 def runs(process: Path) -> bool:
@@ -85,3 +139,10 @@ def soon(happened: Callable[[], bool], within_s: float) -> bool:
     while not happened() and time.monotonic() < end:
         time.sleep(0.02)
     return happened()
+
+
+def test_a_recording_that_was_read_too_slowly_is_tried_again(tasks: Callable[..., list[Any]]) -> None:
+    (task,) = tasks("slow")
+    ended = task()
+    assert (ended.status, ended.final) == ("failed", False)
+    assert "more than 10 s" in ended.message

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import time
 from pathlib import Path
 
 import edfio
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers.bids_sidecars import side_file_paths, side_files
+from emg2vsa.readers.bids_sidecars import SideFileIndex, side_file_paths, side_files
 from emg2vsa.readers.front_door import inspect, read
 
 HEAD = "name\ttype\tunits\tsampling_frequency\tstatus\tstatus_description\n"
@@ -138,3 +140,43 @@ def test_real_example(shared_data) -> None:
         "sub-01_task-grasping_channels.tsv",
         "sub-01_task-grasping_emg.json",
     ]
+
+
+def test_an_index_lists_each_folder_once_and_finds_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "dataset_description.json").touch()
+    (tmp_path / "task-press_emg.json").touch()
+    recordings = []
+    for participant in range(40):
+        folder = tmp_path / f"sub-{participant}" / "emg"
+        folder.mkdir(parents=True)
+        for run in range(5):
+            stem = f"sub-{participant}_task-press_run-{run}"
+            recordings.append(folder / f"{stem}_emg.edf")
+            for ending in ("channels.tsv", "emg.json"):
+                (folder / f"{stem}_{ending}").touch()
+        (folder / f"sub-{participant}_channels.tsv").touch()
+    alone = [side_file_paths(path) for path in recordings]
+    assert [path.name for path in alone[7]] == [
+        "sub-1_task-press_run-2_channels.tsv", "task-press_emg.json", "sub-1_task-press_run-2_emg.json"
+    ]  # fmt: skip
+    listed = []
+    listdir = os.listdir
+    monkeypatch.setattr(os, "listdir", lambda folder: listed.append(folder) or listdir(folder))
+    index = SideFileIndex()
+    assert [side_file_paths(path, index) for path in recordings] == alone
+    assert len(listed) == len(set(listed)) == 40 * 2 + 1
+    monkeypatch.chdir(recordings[0].parent)
+    assert side_file_paths(Path(recordings[0].name), index) == alone[0]
+    assert len(listed) == 81
+
+
+def test_thousands_of_recordings_in_one_folder_take_no_more_than_their_number(tmp_path: Path) -> None:
+    (tmp_path / "dataset_description.json").touch()
+    recordings = [tmp_path / f"sub-{i // 50}_run-{i % 50}_emg.bdf" for i in range(2000)]
+    for path in recordings:
+        path.with_name(path.name.replace("emg.bdf", "channels.tsv")).touch()
+    index = SideFileIndex()
+    side_file_paths(recordings[0], index)
+    start = time.process_time()
+    assert all(len(side_file_paths(path, index)) == 1 for path in recordings)
+    assert (time.process_time() - start) / len(recordings) < 2e-4  # 0.01 ms here; looking at every file takes 1 ms

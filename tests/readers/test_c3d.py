@@ -80,6 +80,25 @@ def test_millivolts_of_a_real_file(shared_data) -> None:
     assert channel.conversion == "mV x 0.001 = V"
 
 
+def test_long_descriptions_of_kinarm_are_shortened_for_ezc3d(shared_data, tmp_path: Path) -> None:
+    path = shared_data("emg/c3d/btk_BKINtechnologies.c3d")  # as it is, ezc3d takes gigabytes and does not end
+    channels = inspect(path)[1]
+    assert len(channels) == 20
+    assert {(channel.fs_hz, channel.n_samples) for channel in channels} == {(1000.0, 5065)}
+    angle, torque = read(path, ["Right_L1Ang", "a1_M1TorMSRD"]).channels
+    stored = np.frombuffer(path.read_bytes()[31 * 512 :], "<f4").reshape(5065, 2 * 4 + 20)  # two points before them
+    np.testing.assert_allclose(angle.samples, stored[:, 8 + 1], rtol=1e-6)
+    np.testing.assert_allclose(torque.samples, stored[:, 8 + 16], rtol=1e-6)
+
+
+def test_a_description_longer_than_its_parameter_is_refused_at_once(shared_data, tmp_path: Path) -> None:
+    content = bytearray(shared_data("emg/c3d/btk_BKINtechnologies.c3d").read_bytes())
+    content[content.index(b"\xa3Session identification numbers")] += 1
+    (tmp_path / "damaged.c3d").write_bytes(content)
+    with pytest.raises(RecordingError, match=r"lengths fit together; found damage near byte 46\d\d"):
+        inspect(tmp_path / "damaged.c3d")
+
+
 def test_a_file_that_ezc3d_refuses(shared_data) -> None:
     with pytest.raises(RecordingError, match=r"a refusal .The format is not standard"):
         inspect(shared_data("emg/c3d/btk_badParameterOffset.c3d"))

@@ -14,7 +14,8 @@ import pytest
 from emg2vsa.fits import Fits, concatenate, fit_trials
 from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.profiles import build_profiles
-from emg2vsa.report.inputs import Failure, StudyResults
+from emg2vsa.report.failures import Failure
+from emg2vsa.report.inputs import StudyResults
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import (
     ChannelSettings,

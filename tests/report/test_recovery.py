@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emg2vsa.report.recovery import recover
+from emg2vsa.truth import recover
 
 
 @pytest.fixture

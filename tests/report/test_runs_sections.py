@@ -11,11 +11,11 @@ import pytest
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.discrimination import discriminate
 from emg2vsa.report import runs_conclusions as conclusions
-from emg2vsa.report.inputs import Failure
+from emg2vsa.report.failures import Failure
 from emg2vsa.report.kappa_conclusion import kappa_conclusion
 from emg2vsa.report.kappa_tables import kappa_tables
 from emg2vsa.report.runs_section import runs_sections
-from emg2vsa.report.study_report import write_study_report
+from emg2vsa.report.study_report import write_figure_pdfs, write_study_report
 from emg2vsa.settings import CalibrationSettings, DiscriminationSettings
 
 FEW = DiscriminationSettings(resamples=200)
@@ -42,7 +42,7 @@ def whole(results, some_runs, tested, stiffness_n_per_mm):
 @pytest.fixture(scope="module")
 def written(whole, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("runs")
-    files = write_study_report(whole, folder)
+    files = write_study_report(whole, folder) + write_figure_pdfs(whole, folder)
     assert set(files) == {path for path in folder.rglob("*") if path.is_file()}
     return folder
 
@@ -124,6 +124,7 @@ def test_without_a_known_stiffness_no_error_is_stated(whole):
 @pytest.mark.slow
 def test_writing_twice_gives_the_same_bytes(whole, written, tmp_path):
     write_study_report(whole, tmp_path)
+    write_figure_pdfs(whole, tmp_path)
     for path in written.rglob("*.*"):
         assert path.read_bytes() == (tmp_path / path.relative_to(written)).read_bytes()
 

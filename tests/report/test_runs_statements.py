@@ -9,11 +9,11 @@ import pytest
 
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.discrimination import discriminate
-from emg2vsa.report import paper_runs
+from emg2vsa.report import paper_comparison as paper
 from emg2vsa.report import runs_conclusions as conclusions
 from emg2vsa.report.kappa_conclusion import holds, kappa_conclusion
 from emg2vsa.report.kappa_tables import kappa_tables
-from emg2vsa.report.runs_methods import runs_methods
+from emg2vsa.report.methods import runs_methods
 from emg2vsa.report.runs_section import runs_sections
 from emg2vsa.report.wording import NO_BREAK
 from emg2vsa.settings import CalibrationSettings, DiscriminationSettings
@@ -129,7 +129,7 @@ def test_the_papers_r2_stands_only_where_the_paper_has_one(calibration):
     assert shown["high-stiffness, 30°"] == shown["high-stiffness, 45°"] == "0.8963"
     assert shown["constant-mean, 0°"] == "0.9996"
     assert shown["modular, 0°"] == "0.9753"
-    assert set(paper_runs.WORST_ADJ_R2) < {condition for condition, _ in paper_runs.DESIGNS}
+    assert set(paper.WORST_ADJ_R2) < {condition for condition, _ in paper.DESIGNS}
 
 
 def test_what_the_papers_test_can_give_stands_beside_each_p(runs, stiffness_n_per_mm):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from emg2vsa.report.inputs import Failure
+from emg2vsa.report.failures import Failure
 from emg2vsa.report.session_page import write_session_page
 
 LIGHT_PAGE_BYTES = 100_000
@@ -95,6 +95,17 @@ def test_same_bytes_again(write):
     assert write("P01").read_bytes() == first
 
 
-def test_pages_do_not_wait_for_matplotlib():
-    code = "import sys, emg2vsa.report.session_page; sys.exit('matplotlib' in sys.modules or 'pandas' in sys.modules)"
+def test_pages_load_neither_matplotlib_nor_the_statistics():
+    heavy = ("matplotlib", "pandas", "emg2vsa.stats", "emg2vsa.discrimination", "emg2vsa.calibration")
+    code = f"import sys, emg2vsa.report.session_page; sys.exit(not sys.modules.keys().isdisjoint({heavy}))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_page_takes_nothing_of_other_participants(write, results):
+    """The study that a page is handed may be reduced, and failures of P020 are none of P02."""
+    study, failures = results.study, [Failure("P020", "pages", "of another"), Failure("P02", "fits", "own")]
+    whole = write("P02", failures=failures).read_bytes()
+    own = tuple(entry for entry in study.recordings if entry.participant == "P02")
+    reduced = replace(study, recordings=own, participants=("P02",))
+    assert write("P02", failures=failures[1:], study=reduced).read_bytes() == whole
+    assert b"of another" not in whole

@@ -16,14 +16,17 @@ import pytest
 from scipy.stats import kstwo
 
 from emg2vsa.profiles import build_profiles
-from emg2vsa.report.inputs import Failure
-from emg2vsa.report.study_report import write_study_report
+from emg2vsa.report.failures import Failure
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.study_report import write_figure_pdfs, write_study_report
 
 
 @pytest.fixture(scope="module")
 def written(results, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     files = write_study_report(results, folder)
+    assert not [path for path in files if path.suffix == ".pdf"]
+    files += write_figure_pdfs(results, folder)
     assert set(files) == {path for path in folder.rglob("*") if path.is_file()}
     assert len(set(files)) == len(files)
     return folder
@@ -98,8 +101,10 @@ def test_figures_keep_their_width_fonts_and_no_date(written):
 def test_bytes_depend_on_the_results_alone(written, results, tmp_path):
     (tmp_path / "results.pickle").write_bytes(pickle.dumps(results))
     code = (
-        "import pickle, sys; from pathlib import Path; from emg2vsa.report.study_report import write_study_report; "
-        "write_study_report(pickle.load(open(sys.argv[1], 'rb')), Path(sys.argv[2]))"
+        "import pickle, sys; from pathlib import Path; from emg2vsa.report import study_report; "
+        "results = pickle.load(open(sys.argv[1], 'rb')); "
+        "study_report.write_study_report(results, Path(sys.argv[2])); "
+        "study_report.write_figure_pdfs(results, Path(sys.argv[2]))"
     )
     environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo", "SOURCE_DATE_EPOCH": "1"}
     again = tmp_path / "again"
@@ -118,7 +123,8 @@ def test_a_failed_stage_says_why_in_its_place(broken, tmp_path, read_page):
     assert "channel 'Fz' is missing" in page.text
     assert "No table of simulated truth was found beside the recordings" in page.text
     assert "svg" not in page.tags
-    assert not [path for path in files if path.suffix == ".pdf"]
+    assert not [path for path in files if path.parent.name == "figures"]
+    assert write_figure_pdfs(broken, tmp_path) == []
 
 
 def test_without_an_exemplary_participant_all_enter(results, tmp_path, read_page):
@@ -188,3 +194,23 @@ def test_schedules_are_printed_without_repeating_what_is_constant(written, resul
     printed = (written / "tables/schedules.tex").read_text().count(" & constant-")
     assert printed == 3 * specimens
     assert len((written / "tables/schedules.csv").read_text().splitlines()) == 1 + 4 * specimens * steps
+
+
+def test_a_study_whose_recordings_all_failed_has_a_report_that_says_so(results, tmp_path, read_page):
+    failures = (Failure("P01/S1", "trials", "no channel <Fz>"),)
+    write_study_report(StudyResults(results.study, failures=failures), tmp_path)
+    page = read_page(tmp_path / "index.html")
+    assert "No recording of people could be used." in page.text
+    assert "no channel <Fz>" in page.text
+    assert "#failures" in page.addresses
+    assert not (tmp_path / "tables").exists()
+
+
+def test_a_study_of_runs_alone_says_nothing_on_people(results, tmp_path, read_page):
+    study = replace(results.study, recordings=(), participants=())
+    write_study_report(StudyResults(study, provenance={"numpy": "2.3", "digest of runs": "abc"}), tmp_path)
+    page = read_page(tmp_path / "index.html")
+    assert "The study has no recordings of people." in page.text
+    assert "What failed" not in page.text
+    assert (tmp_path / "methods.txt").read_text() == "Software: numpy 2.3.\n"
+    assert "study.participants" not in (tmp_path / "results.json").read_text()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from emg2vsa.report.verdicts import change, change_of_claim, change_of_evidence, how_many
+from emg2vsa.report.verdicts import change, change_of_claim, change_of_evidence, dunn_bounds, how_many
+from emg2vsa.stats.kruskal import dunn, kruskal
 
 NAN = np.nan
 
@@ -62,3 +64,24 @@ def test_counts_name_the_p_that_matters() -> None:
     assert how_many(few, 0.05, "pairs", "plain") == "1 of 3 pairs significant (smallest p = 0.01)"
     assert how_many(many, 0.05, "pairs", "plain") == "2 of 3 pairs significant (largest p = 0.6)"
     assert how_many(np.array([NAN]), 0.05, "pairs") == "not defined"
+
+
+def test_three_groups_of_ten() -> None:
+    assert dunn_bounds(np.array([10, 10, 10])) == pytest.approx((0.01109, 0.03326), abs=5e-6)
+
+
+def test_no_design_of_equal_groups_is_below() -> None:
+    rng = np.random.default_rng(0)
+    for k, n in ((3, 2), (3, 4), (4, 3)):
+        bounds = dunn_bounds(np.full(k, n))
+        assert bounds is not None
+        designs = rng.permuted(np.tile(np.arange(float(k * n)), (5000, 1)), axis=1).reshape(-1, k, n)
+        found = dunn(kruskal(designs))
+        alone = 2 * stats.norm.sf(np.abs(found.z))
+        for bound, p in zip(bounds, (alone, found.p), strict=True):
+            assert np.max(p, axis=1).min() >= bound - 1e-12
+
+
+@pytest.mark.parametrize("count", [[10, 10, 9], [0, 0], [5]])
+def test_other_designs_have_none(count) -> None:
+    assert dunn_bounds(np.array(count)) is None

@@ -15,8 +15,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock, WallClock
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.camera_server import CameraServer
-from emg2vsa.rig.frame_pace import FramePace
-from emg2vsa.rig.opencv_camera import OpenCvCamera, fitted
+from emg2vsa.rig.opencv_camera import FramePace, OpenCvCamera, fitted
 from emg2vsa.rig.press_recorder import PressRecorder
 
 
@@ -249,7 +248,7 @@ def test_a_press_seen_recorded_and_read(tmp_path, clock, scene):
 def test_the_emulated_camera_over_a_network(scene):
     clock = WallClock()
     emulated = EmulatedCamera(scene, lambda time_s: 1.0, clock)
-    with CameraServer(emulated, clock) as server:
+    with CameraServer(emulated) as server:
         camera = OpenCvCamera(server.url, clock)
         camera.start()
         first = camera.frames()[0]
@@ -261,7 +260,7 @@ def test_the_emulated_camera_over_a_network(scene):
 
 def test_no_camera_at_another_address(scene):
     clock = WallClock()
-    with CameraServer(EmulatedCamera(scene, lambda time_s: 1.0, clock), clock) as server:
+    with CameraServer(EmulatedCamera(scene, lambda time_s: 1.0, clock)) as server:
         camera = OpenCvCamera(server.url.replace("frames", "other"), clock)
         with pytest.raises(DeviceError, match="none that opens"):
             camera.start()

@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 from scipy.signal import freqz, group_delay
 
-from emg2vsa.errors import SettingError
-from emg2vsa.rig.moving_average import MovingAverage, cutoff_hz, samples_for
+from emg2vsa.rig.moving_average import MovingAverage
 
 
 def test_it_is_the_mean_of_the_last_samples():
     average = MovingAverage(3, 200)
     assert [average.update(value) for value in (3, 5, 10, 0, 2)] == [3, 4, 6, 5, 4]
-    average.reset()
-    assert average.update(7) == 7
 
 
 def test_no_rounding_stays_behind_and_no_nan():
@@ -34,7 +31,6 @@ def test_the_papers_filter_is_18_hz_and_10_ms():
 
 
 def test_5_hz_needs_18_samples():
-    assert samples_for(5, 200) == 18
     assert MovingAverage(18, 200).cutoff_hz == pytest.approx(5, abs=0.1)
 
 
@@ -52,22 +48,3 @@ def test_one_sample_is_no_filter():
     average = MovingAverage(1, 200)
     assert (average.cutoff_hz, average.delay_s) == (math.inf, 0)
     assert average.description.startswith("no filter")
-
-
-@pytest.mark.parametrize("wanted_hz", [1.0, 5.0, 17.0, 40.0, 99.0])
-def test_no_other_length_is_nearer(wanted_hz):
-    n = samples_for(wanted_hz, 200)
-    off = [abs(cutoff_hz(length, 200) - wanted_hz) for length in range(2, 200)]
-    assert off[n - 2] == min(off)
-
-
-@pytest.mark.parametrize(("n", "rate_hz"), [(0, 200), (5, 0), (5, math.inf), (5, math.nan)])
-def test_lengths_and_rates_that_make_no_sense(n, rate_hz):
-    with pytest.raises(SettingError, match="moving average"):
-        MovingAverage(n, rate_hz)
-
-
-@pytest.mark.parametrize("wanted_hz", [0, 100, -1])
-def test_cut_offs_that_make_no_sense(wanted_hz):
-    with pytest.raises(SettingError, match="cut-off"):
-        samples_for(wanted_hz, 200)

@@ -28,14 +28,13 @@ def page(**changes: str | None) -> bytes:
 def test_a_live_net_ft_box():
     config = parse_config(page())
     assert config.n_per_count == config.nm_per_count == 1e-6
-    assert (config.rate_hz, config.internal_rate_hz) == (100, 7000)
+    assert config.rate_hz == 100
     assert (config.axia, config.product, config.calibration_serial) == (False, "", "FT12345")
 
 
 def test_an_ethernet_axia():
     config = parse_config(page(prodname="Ethernet Axia", runrate=None))
     assert config.axia
-    assert config.internal_rate_hz == 7000
 
 
 @pytest.mark.parametrize(

@@ -13,11 +13,10 @@ def images(count, shape):
     return np.random.default_rng(0).integers(0, 256, (count, *shape), dtype=np.uint8)
 
 
-@pytest.mark.parametrize("big", [False, True])
 @pytest.mark.parametrize("shape", [(25, 31), (12, 16), (1, 1)])
-def test_it_is_the_page_written_last(tmp_path, shape, big):
+def test_it_is_the_page_written_last(tmp_path, shape):
     path = tmp_path / "frames.tif"
-    pages = TiffPages(path, shape, big=big)
+    pages = TiffPages(path, shape)
     assert newest_page(path) is None
     for image in images(5, shape):
         pages.append(image)

@@ -15,17 +15,16 @@ from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, Device
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.guards import GuardSettings
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
 from emg2vsa.rig.qbmove_info import QbmoveInfo
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig.rigid_motor import RigidMotor
 
 PATIENT = RigSettings(guards=GuardSettings(stale_s=2.0, camera_s=5.0))
 INFO = QbmoveInfo(
     firmware="QBMMP v6.1.0", device_id=1, max_stiffness_ticks=3000,
     position_limits_ticks=((-15000, 15000), (-15000, 15000)), resolutions=(1, 1, 1), control_mode="Position",
-    input_mode="USB", current_limit_ma=1500, max_pwm_rate=None, voltage_mv=24000, text="",
+    input_mode="USB", current_limit_ma=1500, max_pwm_rate=None, voltage_mv=24000,
 )  # fmt: skip
 
 

@@ -9,14 +9,13 @@ import pytest
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.qbmove import Measurements, Qbmove
-from emg2vsa.rig.qbmove_dialects import Generation
-from emg2vsa.rig.qbmove_packets import Command
+from emg2vsa.rig.device_settings import Generation
+from emg2vsa.rig.devices import Measurements
+from emg2vsa.rig.qbmove import Qbmove
 from emg2vsa.rig.transport import LoopbackLine
 
 IS_ACTIVE, ACTIVE, INACTIVE = "3a3a 01 02 81 81", "3a3a 01 03 81 03 82", "3a3a 01 03 81 00 81"
 ACTIVATE, DEACTIVATE = "3a3a 01 03 80 03 83", "3a3a 01 03 80 00 80"
-STORE, V6_DONE, V6_FAILED = "3a3a 01 02 03 03", "3a3a 01 02 01 01", "3a3a 01 02 00 00"
 
 
 @contextmanager
@@ -63,23 +62,6 @@ def test_currents_come_from_133() -> None:
         assert device.currents_ma() == (100, -100)
 
 
-@pytest.mark.parametrize(
-    ("generation", "model", "read"),
-    [
-        ("v6", "maker-pro", (2500, -500)),
-        ("v6", "advanced", (-2500, 500)),
-        ("v7", "maker-pro", (2500, -500)),
-        ("v7", "advanced", (2500, -500)),
-    ],
-)
-def test_inputs_are_turned_back_for_the_advanced_of_generation_6(
-    generation: Generation, model: str, read: tuple[int, int]
-) -> None:
-    pair = ("3a3a 01 02 83 83", "3a3a 01 06 83 09c4 fe0c bc")
-    with scripted(pair, generation=generation, model=model) as device:
-        assert device.inputs() == read
-
-
 def test_deactivate_reads_back() -> None:
     with scripted((DEACTIVATE, ""), (IS_ACTIVE, INACTIVE)) as device:
         device.deactivate()
@@ -121,74 +103,8 @@ def test_silence_is_told_after_three_attempts() -> None:
         device.is_active()
 
 
-def test_store_asks_once_and_hears_both_answers() -> None:
-    with scripted((IS_ACTIVE, INACTIVE), (STORE, V6_DONE)) as device:
-        device.store_parameters()
-    with scripted((IS_ACTIVE, INACTIVE), (STORE, V6_FAILED)) as device, pytest.raises(DeviceError, match="a failure"):
-        device.store_parameters()
-    with scripted((IS_ACTIVE, INACTIVE), (STORE, "")) as device, pytest.raises(DeviceError, match="no answer"):
-        device.store_parameters()
-    with scripted((IS_ACTIVE, INACTIVE), (STORE, "3a3a 01 03 03 01 02"), generation="v7") as device:
-        device.store_parameters()
-
-
-def test_parameters_change_with_motors_off_only() -> None:
-    for change in (
-        lambda device: device.store_parameters(),
-        lambda device: device.set_parameter(13, 1000),
-        lambda device: device.change_id(5),
-    ):
-        with scripted((IS_ACTIVE, ACTIVE)) as device, pytest.raises(DeviceError, match="motors off; found motors on"):
-            change(device)
-
-
-def test_a_new_id_of_generation_6_is_confirmed_by_the_old_one() -> None:
-    with scripted(
-        (IS_ACTIVE, INACTIVE),
-        ("3a3a 01 05 0c 0001 05 08", ""),
-        (STORE, V6_DONE),
-        ("3a3a 05 02 00 00", "3a3a 05 02 00 00"),
-    ) as device:
-        device.change_id(5)
-        assert device.device_id == 5
-
-
-def test_a_new_id_of_generation_7_is_confirmed_by_the_new_one() -> None:
-    with scripted(
-        (IS_ACTIVE, INACTIVE),
-        ("3a3a 01 05 0c 0001 05 08", "3a3a 05 03 0c 01 0d"),
-        ("3a3a 05 02 03 03", "3a3a 05 03 03 01 02"),
-        ("3a3a 05 02 00 00", "3a3a 05 06 00 00980001 99"),
-        generation="v7",
-    ) as device:
-        device.change_id(5)
-
-
-MAINTENANCE = [
-    (4, "STORE_DEFAULT_PARAMS"),
-    (5, "RESTORE_PARAMS"),
-    (9, "BOOTLOADER"),
-    (10, "INIT_MEM"),
-    (11, "CALIBRATE"),
-]
-
-
-@pytest.mark.parametrize(("code", "name"), MAINTENANCE)
-def test_maintenance_needs_its_flag(code: int, name: str) -> None:
-    with scripted() as device, pytest.raises(DeviceError, match=name):
-        device.maintain(Command(code))
-    with scripted((f"3a3a 01 02 {code:02x} {code:02x}", "3a3a 07 02 01 01")) as device:
-        device.maintain(Command(code), allow=True)
-
-
 def test_nothing_is_commanded_before_the_limits_are_known() -> None:
     with scripted() as device, pytest.raises(DeviceError, match="Call activate first"):
         device.set_position_stiffness(0, 1500)
     with scripted() as device, pytest.raises(DeviceError, match="Call activate first"):
         device.set_inputs(0, 0)
-
-
-@pytest.mark.parametrize("device_id", [0, -1, 256])
-def test_an_id_that_cannot_be_is_refused(device_id: int) -> None:
-    with pytest.raises(DeviceError, match="1 to 255"):
-        Qbmove(LoopbackLine("script", lambda data: b""), device_id, clock=VirtualClock())

@@ -12,7 +12,7 @@ from emg2vsa.rig.qbmove_info import QbmoveInfo
 from emg2vsa.rig.qbmove_limits import QbmoveLimits, stiffness_on_wire, watchdog_on_wire
 
 INFO = QbmoveInfo(
-    "QBMMP v6.1.0", 1, 3000, ((-15000, 15000), (-14000, 14000)), (1, 1, 1), "Position", "USB", 1500, None, 24000, ""
+    "QBMMP v6.1.0", 1, 3000, ((-15000, 15000), (-14000, 14000)), (1, 1, 1), "Position", "USB", 1500, None, 24000
 )
 LIMITS = QbmoveLimits("line", INFO, (20.0, 80.0))
 
@@ -72,7 +72,4 @@ def test_a_device_that_would_not_obey_is_not_ready(changed: dict[str, object], n
 
 
 def test_the_watchdog_counts_in_20_ms() -> None:
-    assert [watchdog_on_wire(period_s, "line") for period_s in (0.06, 0.5, 5.0)] == [3, 25, 250]
-    for period_s in (0.0, 0.04, 5.1, float("nan")):
-        with pytest.raises(DeviceError, match=r"0\.06 to 5\.0 s"):
-            watchdog_on_wire(period_s, "line")
+    assert [watchdog_on_wire(period_s) for period_s in (0.06, 0.5, 5.0)] == [3, 25, 250]

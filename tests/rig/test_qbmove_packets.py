@@ -6,8 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emg2vsa.rig.qbmove_dialects import acknowledgement, parameter_list, ping_reply
-from emg2vsa.rig.qbmove_packets import Command, find_reply, flushing, frame, lrc, wanted
+from emg2vsa.rig.qbmove_packets import (
+    Command,
+    find_reply,
+    flushing,
+    frame,
+    lrc,
+    parameter_list,
+    ping_reply,
+    wanted,
+)
 
 MEASUREMENTS = bytes.fromhex("3a3a 01 08 84 09c4 fe0c 0000 bb")  # 2500, -500, 0
 
@@ -69,7 +77,7 @@ def test_a_frame_that_was_not_asked_for_is_no_reply(other: str) -> None:
 
 @given(st.binary(max_size=300))
 def test_garbage_never_raises_and_never_swallows_more_than_it_may(garbage: bytes) -> None:
-    for expected in (wanted(1, 132, 6), ping_reply(None), acknowledgement("v6", None, 3), parameter_list("v7", 1)):
+    for expected in (wanted(1, 132, 6), ping_reply(None), parameter_list("v7", 1)):
         found = find_reply(garbage, expected)
         assert garbage.endswith(found.rest)
         assert found.reply is not None or found.missing > 0
@@ -86,19 +94,6 @@ def test_the_reply_is_found_behind_any_garbage(pieces: list[bytes]) -> None:
     # the garbage may by chance have ended the last frame early; otherwise it is there at its last byte
     assert found.reply
     assert missing == 0
-
-
-def test_an_acknowledgement_of_generation_6_names_no_command() -> None:
-    for heard, done in (("3a3a 01 02 01 01", 1), ("3a3a 01 02 00 00", 0)):
-        reply = find_reply(bytes.fromhex(heard), acknowledgement("v6", 1, Command.STORE_PARAMS)).reply
-        assert reply
-        assert reply.command == done
-
-
-def test_an_acknowledgement_of_generation_7_does() -> None:
-    reply = find_reply(bytes.fromhex("3a3a 01 03 03 01 02"), acknowledgement("v7", 1, Command.STORE_PARAMS)).reply
-    assert reply
-    assert reply.payload == b"\x01"
 
 
 def test_a_ping_may_bring_a_serial_number() -> None:

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.qbmove_info import parse_info
-from emg2vsa.rig.qbmove_parameters import Parameter, decode_parameters, encode_values
+from emg2vsa.rig.qbmove_info import Parameter, decode_parameters, parse_info
 
 INFO = """
 Firmware version: QBADV v6.1.6.
@@ -116,10 +115,10 @@ SLOTS = b"\x04" + b"".join(
 def test_slots_are_read() -> None:
     found = decode_parameters(SLOTS + b"0 -> Usb\n", "line")
     assert found == {
-        1: Parameter(1, "Device ID", 2, (5,)),
-        2: Parameter(2, "Position PID [P, I, D]", 7, (0.5, 0.0, -0.25)),
-        3: Parameter(3, "Startup Activation", 0, (1,)),
-        4: Parameter(4, "Pos. limits [inf, sup]", 5, (-15000, 15000, -15000, 15000)),
+        1: Parameter(1, "Device ID", (5,)),
+        2: Parameter(2, "Position PID [P, I, D]", (0.5, 0.0, -0.25)),
+        3: Parameter(3, "Startup Activation", (1,)),
+        4: Parameter(4, "Pos. limits [inf, sup]", (-15000, 15000, -15000, 15000)),
     }
 
 
@@ -138,26 +137,3 @@ def test_any_bytes_are_read_or_refused(payload: bytes) -> None:
     except DeviceError:
         return
     assert len(found) == payload[0]
-
-
-LIMITS = Parameter(11, "Pos. limits", 5, (-15000, 15000, -15000, 15000))
-CURRENT = Parameter(13, "Current limit", 3, (1500,))
-GAINS = Parameter(2, "Position PID", 7, (0.1, 0, 0.8))
-
-
-@pytest.mark.parametrize(
-    ("parameter", "values", "written"),
-    [
-        (LIMITS, (-12000, 12000, -12000, 12000), "000b ffffd120 00002ee0 ffffd120 00002ee0"),
-        (CURRENT, (1000,), "000d 03e8"),
-        (GAINS, (0.5, 0, -0.25), "0002 3f000000 00000000 be800000"),
-    ],
-)
-def test_values_are_written_as_their_type(parameter: Parameter, values: tuple[float, ...], written: str) -> None:
-    assert encode_values(parameter, values, "line") == bytes.fromhex(written)
-
-
-@pytest.mark.parametrize("values", [(), (1, 2), (40000,), (0.5,), (float("nan"),), (float("inf"),)])
-def test_values_that_do_not_fit_are_refused(values: tuple[float, ...]) -> None:
-    with pytest.raises(DeviceError, match=r"parameter 13 \(Current limit\).*It holds 1500"):
-        encode_values(CURRENT, values, "line")

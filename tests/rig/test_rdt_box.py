@@ -5,6 +5,8 @@ from __future__ import annotations
 import http.client
 import socket
 import struct
+import time
+from contextlib import closing
 from itertools import pairwise
 from xml.etree import ElementTree
 
@@ -13,10 +15,11 @@ import pytest
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
-from emg2vsa.rig.emulated.rdt_pages import configuration_page, tcp_answer
+from emg2vsa.rig.datagrams import UdpLine
+from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.rig.net_ft import open_net_ft
+from emg2vsa.rig.rdt import Command, parse_records, request_bytes
 
 LOAD = np.array([1.0, -2.0, 3.0, 0.1, -0.2, 0.3])
 QUIET = {"noise": (0.0, 0.0), "counts_per_force": 1000, "counts_per_torque": 10}
@@ -92,16 +95,6 @@ def test_equal_seeds_give_equal_noise():
     assert noisy[0] == noisy[1] != noisy[2]
 
 
-def test_commands_over_tcp():
-    box = quiet_box(counts_per_force=1_000_000, counts_per_torque=1_000_000)
-    header, force_unit, torque_unit, cpf, cpt, *scale = struct.unpack(">HBBII6H", tcp_answer(box, b"\1" + bytes(19), 0))
-    assert (header, force_unit, torque_unit, cpf, cpt) == (0x1234, 2, 3, 1_000_000, 1_000_000)
-    header, status, *counts = struct.unpack(">HH6h", tcp_answer(box, bytes(20), 0))
-    assert (header, status) == (0x1234, 0)
-    np.testing.assert_allclose(np.multiply(counts, scale) / cpf, LOAD, atol=0.01)
-    assert tcp_answer(box, b"\2" + bytes(19), 0) == b""
-
-
 @pytest.fixture
 def server():
     box = RdtBox(lambda time_s: LOAD, BoxSettings(force_unit="kN", n_per_unit=1e3, counts_per_force=10_000_000))
@@ -125,20 +118,38 @@ def test_our_client_over_udp_and_http(server):
     assert clock.now_s() - sample.time_s >= 0
 
 
-def test_pages_and_commands_on_their_ports(server):
+def test_its_page_on_its_port(server):
     connection = http.client.HTTPConnection(server.host, server.http_port, timeout=5)
     answers = {}
-    for path in ("/netftapi2.xml", "/netftapi2.xml?index=0", "/netftcalapi.xml", "/other"):
+    for path in ("/netftapi2.xml", "/netftapi2.xml?index=0", "/other"):
         connection.request("GET", path)
         answer = connection.getresponse()
         answers[path] = answer.status, answer.read()
     connection.close()
-    assert [status for status, _ in answers.values()] == [200, 200, 200, 404]
+    assert [status for status, _ in answers.values()] == [200, 200, 404]
     assert answers["/netftapi2.xml"] == answers["/netftapi2.xml?index=0"]
     assert ElementTree.fromstring(answers["/netftapi2.xml"][1]).findtext("scfgfu") == "kN"
-    with socket.create_connection((server.host, server.tcp_port), timeout=5) as tcp:
-        tcp.sendall(b"\1" + bytes(19))
-        assert tcp.recv(64)[:4].hex() == "12340403"
+
+
+class WithoutRecvmsg(socket.socket):
+    """As on Windows."""
+
+    @property
+    def recvmsg(self):
+        raise AttributeError
+
+
+def test_where_no_system_tells_the_age_of_a_datagram(server, monkeypatch):
+    monkeypatch.setattr(socket, "socket", WithoutRecvmsg)
+    line = UdpLine(server.host, server.rdt_port)
+    assert line.receive() is None
+    line.send(request_bytes(Command.STREAM, 2))
+    with closing(line):
+        end_s = time.monotonic() + 5
+        while (datagram := line.receive()) is None:
+            assert time.monotonic() < end_s
+    assert datagram.age_s == 0
+    assert parse_records(datagram.data)[0].rdt_sequence == 1
 
 
 def test_the_newest_client_wins_over_udp(server):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.rig.rdt_packets import PORT, Command, Record, parse_records, parse_request, record_bytes, request_bytes
+from emg2vsa.rig.device_settings import RDT_PORT
+from emg2vsa.rig.rdt import Command, Record, parse_records, parse_request, record_bytes, request_bytes, steps
 
 REQUESTS = [
     (Command.STOP, 0, "1234 0000 00000000"),
     (Command.STREAM, 0, "1234 0002 00000000"),
     (Command.STREAM, 1, "1234 0002 00000001"),
     (Command.BUFFERED, 0x01020304, "1234 0003 01020304"),
-    (Command.RESET_LATCH, 0, "1234 0041 00000000"),
     (Command.BIAS, 0, "1234 0042 00000000"),
 ]
 RECORDS = [
@@ -55,4 +55,12 @@ def test_what_is_no_request(wire):
 
 
 def test_the_port_is_atis():
-    assert PORT == 49152
+    assert RDT_PORT == 49152
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [(1, 2, 1), (2, 1, -1), (2**32 - 1, 0, 1), (0, 2**32 - 1, -1), (2**32 - 2, 3, 5), (7, 7, 0)],
+)
+def test_steps_wrap(before, after, expected):
+    assert steps(before, after) == expected

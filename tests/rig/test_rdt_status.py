@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.rig.rdt_status import axia_status, netbox_status
+from emg2vsa.rig.rdt import axia_status, netbox_status
 
 NETBOX = [
     (0x00000000, (), ()),

@@ -7,7 +7,7 @@ import pytest
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.devices import Actuator
-from emg2vsa.rig.emulated.motor_board import motor_board
+from emg2vsa.rig.emulated.bench import motor_board
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.qbmove import Qbmove
@@ -26,7 +26,8 @@ class Bench:
         self.world = World(self.clock, WorldSettings(springs=None))
         self.device = motor_board(self.world, self.clock)
         self.heard: list[str] = []
-        self.motor = RigidMotor(Qbmove(LoopbackLine("bench", self._keep, self.clock), 1, clock=self.clock))
+        self.board = Qbmove(LoopbackLine("bench", self._keep, self.clock), 1, clock=self.clock)
+        self.motor = RigidMotor(self.board)
 
     def _keep(self, data: bytes) -> bytes:
         self.heard.append(data.hex())
@@ -45,7 +46,7 @@ class Bench:
 def test_a_whole_press() -> None:
     bench = Bench()
     actuator: Actuator = bench.motor
-    with bench.motor:
+    with bench.board:
         actuator.activate()
         for k in range(400):
             actuator.set_position_stiffness(9 * k, 0)
@@ -113,9 +114,9 @@ def test_whatever_happens_the_motor_is_off_at_the_end() -> None:
     bench = Bench()
 
     def press() -> None:
-        with bench.motor as motor:
-            motor.activate()
-            motor.set_position_stiffness(3000, 0)
+        with bench.board:
+            bench.motor.activate()
+            bench.motor.set_position_stiffness(3000, 0)
             bench.wait(0.1)
             raise KeyboardInterrupt
 

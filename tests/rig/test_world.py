@@ -136,7 +136,7 @@ def test_the_first_motors_find_the_shaft_at_rest() -> None:
 
 def test_before_any_motors_the_probe_hangs_at_0() -> None:
     it = world()
-    it.advance(1.0)
+    it.force_n(1.0)
     assert (it.probe_mm(1.5), it.normal_force_n(2.0)) == (0.0, 0.0)
 
 
@@ -180,7 +180,7 @@ def test_a_step_of_a_rounding_error_is_a_step() -> None:
 def test_time_that_has_passed_takes_new_motors_from_then_on() -> None:
     it = world(springs=None)
     it.shaft_rad(0.0, (0.0, 0.0))
-    it.advance(1.0)
+    it.force_n(1.0)
     assert it.shaft_rad(0.9, (1.0, 0.0)) == 0.0
     assert it.shaft_rad(1.001, (1.0, 0.0)) == 1.0
 

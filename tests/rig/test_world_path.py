@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.emulated.shaft_path import ShaftPath
+from emg2vsa.rig.emulated.world import ShaftPath
 
 
 def test_motion_is_straight_between_points_and_rest_is_flat() -> None:

@@ -104,6 +104,13 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            "[emulated]", "[camera]\nsource = 0\nheight = 3000\nwidth = 4000\nrate_hz = 120\n[emulated]",
+            [
+                "16: camera.height: wanted less than 4 GiB of frames in a press; found up to 4.1 GiB: 4000 x 3000 "
+                "pixels for 3.05 s. Choose smaller frames, a lower rate_hz, or a faster ramp.",
+            ],
+        ),
+        (
             MOTOR, "",
             [
                 "1: motor: wanted a table [motor], as the experiment has the condition high-stiffness; found nothing. "

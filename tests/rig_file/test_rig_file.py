@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
 from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.experiment import ExperimentSettings
-from emg2vsa.rig.guards import GuardSettings
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -58,6 +59,13 @@ def test_paths_start_at_the_folder_of_the_rig_file(small: str, load: Load, tmp_p
     assert file.devices.force.cal_file == str(tmp_path / "studies" / "FT1.cal")
 
 
+def test_outside_studies_the_schedules_lie_beside_the_rig_file(small: str, tmp_path: Path) -> None:
+    path = tmp_path / "lab" / "rig.toml"
+    path.parent.mkdir()
+    path.write_text(small, encoding="utf-8")
+    assert load_rig(path).schedules == tmp_path / "lab" / "reports" / "lab" / "schedules"
+
+
 def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
     file = load_rig(ROOT / "studies" / "palpation" / "rig.toml")
     assert file.rig == RigSettings()
@@ -71,3 +79,18 @@ def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
 def test_it_shows_every_guard() -> None:
     text = (ROOT / "studies" / "palpation" / "rig.toml").read_text(encoding="utf-8")
     assert [each.name for each in fields(GuardSettings) if f"\n{each.name} = " not in text] == []
+
+
+def test_reading_a_rig_file_loads_no_heavy_library() -> None:
+    code = (
+        "import sys; from emg2vsa.rig_file import load_rig; load_rig(sys.argv[1]);"
+        "print(*{'numpy', 'scipy', 'cv2', 'pandas', 'serial', 'casr.synthetic', 'emg2vsa.rig.qbmove'} & {*sys.modules})"
+    )
+    command = [sys.executable, "-c", code, str(ROOT / "studies" / "palpation" / "rig.toml")]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == "\n"
+
+
+def test_emulated_runs_go_to_folders_beside_the_others(small: str, load: Load, tmp_path: Path) -> None:
+    file = load(small.replace('["S1", "S3"]', '["S1", "S3"]\nruns = "../all/measured"'))
+    assert file.virtual_runs.resolve() == tmp_path / "studies" / "all" / "measured-virtual"
+    assert file.emulated_runs.resolve() == tmp_path / "studies" / "all" / "measured-emulated"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.errors import DataError
-from emg2vsa.run_folders.find import find_runs, left_out
+from emg2vsa.run_folders.find import find_runs, left_by_emulator, left_out
 
 KNOWN = ("S1", "S3", "S5", "S_new")
 
@@ -101,3 +101,13 @@ def test_folders_with_frames_that_no_row_lists_are_known(tmp_path):
     (tmp_path / "b" / "press-001" / "frames.tif").touch()
     table(tmp_path, "a\tS1\t45\tmodular")
     assert left_out(tmp_path, find_runs(tmp_path, KNOWN)) == ("b",)
+
+
+def test_runs_that_the_emulated_rig_left(tmp_path):
+    assert left_by_emulator(tmp_path / "nowhere") == ()
+    own_run(tmp_path, "S1_30_modular")
+    emulated = [own_run(tmp_path, name) for name in ("S3_0_modular", "S1_0_modular-2")]
+    for folder in (*emulated, tmp_path / "no-run"):
+        folder.mkdir(exist_ok=True)
+        (folder / "emulated.json").write_text("{}")
+    assert left_by_emulator(tmp_path) == (emulated[1], emulated[0])

@@ -15,7 +15,7 @@ from scipy import stats
 
 from emg2vsa.errors import DataError
 from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.lsd import lsd
+from emg2vsa.stats.post_hoc import lsd
 
 CEILING = {
     "SiRstv": 13.1, "SmLs01": 15, "SmLs02": 15, "SmLs03": 15, "AtmWtAg": 10.2, "SmLs04": 10.4,
@@ -155,7 +155,6 @@ def test_undefined_designs_say_why(values: list[list[float]], note: str) -> None
     assert np.isnan(anova.f[0])
     assert np.isnan(anova.p[0])
     assert outcome.notes[0].startswith(note)
-    assert outcome.significant(0.05) is None
     assert np.isnan(lsd(anova).p).all()
 
 

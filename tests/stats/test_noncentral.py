@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy import special
 
-from emg2vsa.stats.effect_size import eta2_interval, hedges_g
-from emg2vsa.stats.noncentral import noncentral_f, noncentral_t
+from emg2vsa.stats.effect_size import eta2_interval, hedges_g, noncentral_f, noncentral_t
 
 
 def columns(*values: float) -> list[np.ndarray]:

@@ -108,7 +108,7 @@ def test_outcome_names_the_variant() -> None:
     assert "raw" in raw.method
     assert raw.n == 10
     assert raw.statistic_name == "D"
-    assert raw.significant(0.05)
+    assert raw.p < 0.05
 
 
 def test_no_rows() -> None:

@@ -5,16 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.lsd import lsd
 from emg2vsa.stats.normality import ks_normal
-from emg2vsa.stats.outcome import Outcome
-
-
-def test_significance_needs_a_p() -> None:
-    assert Outcome(method="t", n=3, p=0.04).significant(0.05) is True
-    assert Outcome(method="t", n=3, p=0.05).significant(0.05) is False
-    assert Outcome(method="t", n=3, p=float("nan")).significant(0.05) is None
-    assert Outcome(method="Bayes factor", n=3, statistic_name="BF01", statistic=4.0).significant(0.05) is None
+from emg2vsa.stats.post_hoc import lsd
 
 
 def test_holds_no_numpy() -> None:

@@ -10,13 +10,9 @@ from scipy import stats
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.oneway import anova_oneway
 
-from emg2vsa.errors import SettingError
 from emg2vsa.stats import studentized_range
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.lsd import lsd
-from emg2vsa.stats.multiplicity import Adjustment, adjust
-from emg2vsa.stats.tukey import tukey
-from emg2vsa.stats.variances import levene
+from emg2vsa.stats.anova import brown_forsythe, one_way
+from emg2vsa.stats.post_hoc import Adjustment, adjust, lsd, tukey
 from emg2vsa.stats.welch import games_howell, welch
 
 UPPER = np.triu_indices(4, 1)
@@ -45,22 +41,51 @@ def test_welch_is_statsmodels() -> None:
         )
 
 
-@pytest.mark.parametrize(("center", "peer"), [("median", "median"), ("mean", "mean")])
-def test_levene_is_scipys(center: str, peer: str) -> None:
-    found = levene(DESIGNS, center).anova  # type: ignore[arg-type]
+def test_brown_forsythe_is_scipys() -> None:
+    found = brown_forsythe(DESIGNS).anova
     for i, design in enumerate(DESIGNS):
-        np.testing.assert_allclose([found.f[i], found.p[i]], stats.levene(*groups_of(design), center=peer), rtol=1e-10)
+        np.testing.assert_allclose([found.f[i], found.p[i]], stats.levene(*groups_of(design)), rtol=1e-10)
 
 
-@pytest.mark.parametrize("equal_var", [True, False])
-def test_tukey_and_games_howell_are_scipys(equal_var: bool) -> None:
-    found = tukey(one_way(DESIGNS)) if equal_var else games_howell(DESIGNS)
-    for i, design in enumerate(DESIGNS[:5]):
-        peer = stats.tukey_hsd(*groups_of(design), equal_var=equal_var)
-        interval = peer.confidence_interval(0.95)
-        np.testing.assert_allclose(found.p[i], peer.pvalue[UPPER], atol=1e-12)
-        np.testing.assert_allclose(found.low[i], interval.low[UPPER], rtol=1e-7)
-        np.testing.assert_allclose(found.high[i], interval.high[UPPER], rtol=1e-7)
+SCIPY = {
+    "tukey": [
+        [[0.8904282412682, 0.05446974356019, 0.2853820070466, 0.006188710374097, 0.05038291318722, 0.6982008946122],
+         [-2.095000093161, -5.284253106374, -4.329473861415, -5.87611674868, -4.918064330968, -1.371300012793],
+         [3.559092851411, 0.03889939859005, 0.8786941894638, -0.8333297173546, 0.003191900766672, 3.165874048627]],
+        [[0.9887219349218, 0.9937450614187, 0.3031535016584, 0.9997674496704, 0.5261834788211, 0.4012878912032],
+         [-4.508826942459, -3.980422920133, -6.669000547065, -3.822679722075, -6.482471431846, -6.228893949982],
+         [3.577451854107, 3.295088455081, 1.417278249501, 4.068720345376, 2.162124222635, 1.662506117469]],
+        [[0.9659639517206, 0.5657485253938, 0.8334231840447, 0.8643899616733, 0.9855420921319, 0.9710468974607],
+         [-5.095834998153, -5.982894832868, -5.470026305738, -5.42421226205, -4.90596369467, -3.410678211883],
+         [3.625560053711, 2.130274570924, 2.909219023821, 3.041866944548, 3.815431357195, 4.70249119191]],
+    ],
+    "games_howell": [
+        [[0.6256216946666, 0.01160242797671, 0.1762343596022, 0.006852910605307, 0.08084872477506, 0.7792612657933],
+         [-1.293909808357, -4.59931612003, -4.09621291919, -5.776420386317, -5.167194194996, -1.833555822384],
+         [2.758002566608, -0.6460375877538, 0.645433247239, -0.9330260797172, 0.252321764795, 3.628129858218]],
+        [[0.672894052712, 0.9886689563003, 0.5258204500845, 0.9994715965642, 0.6600832172492, 0.7029418374059],
+         [-1.695798537046, -3.762449033367, -9.228311720251, -3.309031680235, -8.752012291798, -8.891821678816],
+         [0.7644234486932, 3.077114568315, 3.976589422687, 3.555072303536, 4.431665082586, 4.325433846304]],
+        [[0.7006352314121, 0.1280620806257, 0.9146516824212, 0.429574396354, 0.9919291279144, 0.9877899799543],
+         [-2.760424648527, -4.292581258904, -7.91093032077, -3.450498544693, -7.179359738814, -5.986053192463],
+         [1.290149704085, 0.4399609969604, 5.350123038852, 1.068153227191, 6.088827401338, 7.27786617249]],
+    ],
+}  # fmt: skip
+"""p, low and high of all pairs of the first three designs by SciPy 1.17, which takes 80 s for them:
+
+    peer = stats.tukey_hsd(*groups_of(design), equal_var=True)  # False: Games and Howell
+    interval = peer.confidence_interval(0.95)
+    [[float(f"{v:.13g}") for v in table[UPPER]] for table in (peer.pvalue, interval.low, interval.high)]
+"""
+
+
+@pytest.mark.parametrize("name", SCIPY)
+def test_tukey_and_games_howell_are_scipys(name: str) -> None:
+    found = tukey(one_way(DESIGNS)) if name == "tukey" else games_howell(DESIGNS)
+    for i, (p, low, high) in enumerate(SCIPY[name]):
+        np.testing.assert_allclose(found.p[i], p, atol=1e-12)
+        np.testing.assert_allclose(found.low[i], low, rtol=1e-7)
+        np.testing.assert_allclose(found.high[i], high, rtol=1e-7)
 
 
 def test_two_groups_are_the_t_test() -> None:
@@ -101,18 +126,15 @@ def test_protected_lsd_needs_a_significant_f() -> None:
     assert anova.p[1] < 0.05
 
 
-@pytest.mark.parametrize(
-    ("method", "peer"),
-    [("bonferroni", "bonferroni"), ("holm", "holm"), ("fdr_bh", "fdr_bh"), ("fdr_by", "fdr_by")],
-)
-def test_adjusted_p_is_statsmodels_and_ignores_absent_tests(method: Adjustment, peer: str) -> None:
+@pytest.mark.parametrize("method", ["bonferroni", "holm", "fdr_bh"])
+def test_adjusted_p_is_statsmodels_and_ignores_absent_tests(method: Adjustment) -> None:
     rng = np.random.default_rng(5)
     p = rng.uniform(0, 1, (20, 8)) ** 3
     p[rng.uniform(size=p.shape) < 0.2] = np.nan
     found = adjust(p, method)
     for row, adjusted in zip(p, found, strict=True):
         there = np.isfinite(row)
-        np.testing.assert_allclose(adjusted[there], multipletests(row[there], method=peer)[1], rtol=1e-13)
+        np.testing.assert_allclose(adjusted[there], multipletests(row[there], method=method)[1], rtol=1e-13)
         assert np.isnan(adjusted[~there]).all()
 
 
@@ -121,7 +143,7 @@ def test_adjusted_p_is_statsmodels_and_ignores_absent_tests(method: Adjustment, 
 def test_adjustments_keep_the_order_and_do_not_depend_on_it(p: list[float], random: object) -> None:
     values = np.array(p)
     order = np.array(random.sample(range(len(p)), len(p)))  # type: ignore[attr-defined]
-    for method in ("bonferroni", "holm", "fdr_bh", "fdr_by"):
+    for method in ("bonferroni", "holm", "fdr_bh"):
         found = adjust(values, method)  # type: ignore[arg-type]
         np.testing.assert_array_equal(adjust(values[order], method), found[order])  # type: ignore[arg-type]
         assert (np.diff(found[np.argsort(values)]) >= 0).all()
@@ -130,17 +152,12 @@ def test_adjustments_keep_the_order_and_do_not_depend_on_it(p: list[float], rand
     assert (adjust(values, "holm") <= adjust(values, "bonferroni")).all()
 
 
-def test_unknown_adjustment_is_named() -> None:
-    with pytest.raises(SettingError, match="holm"):
-        adjust([0.1], "sidak")  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300])
 def test_scale_and_shift_do_not_matter(scale: float) -> None:
     values = DESIGNS * scale
     np.testing.assert_allclose(welch(values).p, welch(DESIGNS).p, rtol=1e-9)
     np.testing.assert_allclose(games_howell(values).p, games_howell(DESIGNS).p, rtol=1e-9)
-    np.testing.assert_allclose(levene(values).anova.p, levene(DESIGNS).anova.p, rtol=1e-9)
+    np.testing.assert_allclose(brown_forsythe(values).anova.p, brown_forsythe(DESIGNS).anova.p, rtol=1e-9)
 
 
 def test_hostile_designs_are_undefined_and_say_so() -> None:
@@ -157,7 +174,7 @@ def test_hostile_designs_are_undefined_and_say_so() -> None:
     assert all("undefined" in found.outcome(i).notes[0] for i in range(3))
     assert np.isnan(games_howell(hostile).p).all()
     assert np.isnan(tukey(one_way(hostile)).p).all()
-    assert np.isnan(levene(hostile).anova.p).all()
+    assert np.isnan(brown_forsythe(hostile).anova.p).all()
     one_missing = np.array([[1.0, 2.0, 4.0], [nan, nan, nan], [6.0, 7.5, 9.0]])
     pair = games_howell(one_missing)
     np.testing.assert_array_equal(np.isnan(pair.p[0]), [True, False, True])

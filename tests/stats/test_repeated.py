@@ -56,8 +56,6 @@ def test_corrections_are_the_textbook_formulas() -> None:
     assert found.epsilon_gg[0] == pytest.approx(gg, rel=1e-12)
     assert found.epsilon_hf[0] == pytest.approx((n * (k - 1) * gg - 2) / ((k - 1) * (n - 1 - (k - 1) * gg)), rel=1e-12)
     assert found.p_gg[0] == pytest.approx(stats.f.sf(found.f[0], gg * 4, gg * 52), rel=1e-10)
-    latent = np.sort(np.linalg.eigvalsh(centred))[1:]
-    assert found.mauchly_w[0] == pytest.approx(np.prod(latent) / np.mean(latent) ** 4, rel=1e-10)
     assert found.outcome(0).df == pytest.approx((4 * gg, 52 * gg))
 
 
@@ -74,7 +72,7 @@ def test_two_treatments_are_the_paired_t_test(seed: int, shift: float) -> None:
     t = stats.ttest_rel(x[:, 0], x[:, 1])
     assert found.f[0] == pytest.approx(t.statistic**2, rel=1e-6)
     assert found.epsilon_gg[0] == pytest.approx(1.0)
-    assert np.isnan(found.mauchly_w[0])
+    assert np.isnan(found.mauchly_p[0])
 
 
 def test_gaps_and_hostile_designs() -> None:
@@ -108,25 +106,9 @@ def test_no_variances_are_likelier(person: float, interaction: float) -> None:
         y = study(seed, person, interaction, (6, 3, 4))
         found = balanced_mixed(y)
         best = restricted_likelihood(y, found.variance[0])
-        assert found.log_likelihood[0] == pytest.approx(best, rel=1e-11)
         for step in np.random.default_rng(seed).standard_normal((40, 3)) * 0.05:
             other = np.maximum(found.variance[0] + step, [0, 0, 1e-3])
             assert restricted_likelihood(y, other) <= best + 1e-9
-
-
-def test_standard_errors_are_those_of_generalised_least_squares() -> None:
-    y = study(2, shape=(6, 3, 4))
-    found = balanced_mixed(y)
-    p, s, r = (index.ravel() for index in np.indices(y.shape))
-    same = p[:, None] == p
-    cell = same & (s[:, None] == s)
-    v = found.variance[0, 0] * same + found.variance[0, 1] * cell + found.variance[0, 2] * (cell & (r[:, None] == r))
-    x = (s[:, None] == np.arange(3)).astype(float)
-    covariance = np.linalg.inv(x.T @ np.linalg.inv(v) @ x)
-    assert found.se_mean[0] == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-11)
-    contrast = np.array([1, -1, 0])
-    assert found.se_difference[0] == pytest.approx(np.sqrt(contrast @ covariance @ contrast), rel=1e-11)
-    np.testing.assert_allclose(found.mean[0], y.mean(axis=(0, 2)), rtol=1e-12)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-100, 100), st.sampled_from([1e-150, 1e-6, 1.0, 1e150]))
@@ -137,8 +119,6 @@ def test_unit_and_origin_of_the_mixed_model(seed: int, shift: float, scale: floa
     np.testing.assert_allclose(other.f, found.f, rtol=1e-8)
     np.testing.assert_allclose(other.variance / scale**2, found.variance, rtol=1e-7, atol=1e-9)
     np.testing.assert_allclose(other.sd_ratio, found.sd_ratio, rtol=1e-6, atol=1e-6)
-    n = 60 - 3
-    assert other.log_likelihood[0] == pytest.approx(found.log_likelihood[0] - n * np.log(scale), rel=1e-8, abs=1e-6)
 
 
 def test_beyond_all_numbers_a_variance_of_zero_stays_zero() -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from emg2vsa.errors import StudyError
 from emg2vsa.study_file import load_study
-from emg2vsa.study_file.lines import KeyPath
+from emg2vsa.study_file.problems import KeyPath
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDIES = [tomllib.loads(path.read_text()) for path in sorted(ROOT.glob("studies/*/study.toml"))]

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.study_file.lines import KeyPath, key_lines, line_of
+from emg2vsa.study_file.problems import KeyPath
+from emg2vsa.study_file.toml_file import key_lines, line_of
 
 ROOT = Path(__file__).resolve().parents[2]
 

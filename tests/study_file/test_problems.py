@@ -57,6 +57,11 @@ def test_one_faulty_key(small: str, problems: Problems, line: str, said: str) ->
     assert problem.removeprefix("32: ").startswith(said)
 
 
+def test_true_is_no_number_in_a_choice_of_numbers(small: str, problems: Problems) -> None:
+    (problem,) = problems(small.replace('name = "Fz"', 'name = "Fz"\nsign = true'))
+    assert problem == "27: channels.force.sign: wanted 1 or -1; found true."
+
+
 def test_a_key_of_another_table_says_which(small: str, problems: Problems) -> None:
     (problem,) = problems(small + "[filters]\nbin_n = 0.3\n")
     assert problem.endswith("[fit] has a key of that name.")
@@ -70,9 +75,11 @@ def test_tables_that_are_missing_or_no_tables(problems: Problems) -> None:
     assert "1: recordings: wanted a table [recordings]; found nothing." in said
 
 
-def test_good_keys_of_a_faulty_table_are_still_checked_against_each_other(small: str, problems: Problems) -> None:
-    said = problems(small + "[filters]\nband_order = 0\nband_hz = [450, 10]\n")
-    assert [line.split(": ")[1] for line in said] == ["filters.band_order", "filters.band_hz"]
+def test_a_table_with_a_faulty_key_is_compared_with_others_once_it_is_mended(small: str, problems: Problems) -> None:
+    two = "[filters]\nband_order = 0\nband_hz = [450, 10]\n[fit]\nbin_n = 3\n[window]\nforce_n = [0.5, 1, 2]\n"
+    assert [line.split(": ")[1] for line in problems(small + two)] == ["filters.band_order", "window.force_n"]
+    mended = two.replace("= 0", "= 2").replace("[0.5, 1, 2]", "[0.5, 2]")
+    assert [line.split(": ")[1] for line in problems(small + mended)] == ["filters.band_hz", "fit.bin_n"]
 
 
 def test_a_faulty_key_is_not_reported_twice(small: str, problems: Problems) -> None:
@@ -103,3 +110,55 @@ def test_windows_line_ends_and_bytes_that_are_not_utf8(tmp_path: Path, small: st
 def test_no_such_file(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match="wanted a study file; found none to read"):
         load_study(tmp_path / "study.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("title = 1" + "0" * 5000, "wanted valid TOML; found: "),
+        ("title = " + "[" * 5000 + "]" * 5000, "wanted valid TOML; found "),
+    ],
+)
+def test_toml_that_python_does_not_read(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(f"[study]\n{text}\n")
+    with pytest.raises(StudyError) as caught:
+        load_study(path)
+    assert said in caught.value.problems[0]
+
+
+def test_numbers_beyond_all_bounds(small: str, problems: Problems) -> None:
+    huge = "0x" + "f" * 5000
+    said = problems(f"{small}[filters]\nrms_window_s = {huge}\nband_order = {huge}\nband_hz = [1, {huge}]\n")
+    assert [line.split(": ")[1] for line in said] == [
+        "filters.rms_window_s",
+        "filters.band_order",
+        "filters.band_hz[1]",
+    ]
+    assert said[0].endswith("wanted a finite number; found a number of thousands of digits.")
+
+
+def test_a_participants_table_with_a_name_that_no_file_can_have(small: str, problems: Problems) -> None:
+    (problem,) = problems(small.replace('ids = ["P01", "P02"]', 'file = "a\\u0000b"'))
+    assert problem.startswith("5: participants.file: wanted a readable table")
+
+
+def test_listed_layout_without_files(small: str, problems: Problems) -> None:
+    layout = small[small.index("layout = ") : small.index("[channels.emg.EDC]")]
+    (problem,) = problems(small.replace(layout, 'layout = "files"\nfiles = []\n'))
+    assert "recordings.files: wanted a key 'files' with layout = 'files'" in problem
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("max_seconds = 0", "; found 0."),
+        ("max_seconds = 4000", "wanted a number <= 3600; found 4000."),
+        ("max_memory_mb = 10", "; found 10."),
+        ('max_memory_mb = "500"', '; found "500". Write it without quotes.'),
+        ("seconds = 3", "wanted a known key; found 'seconds'. Did you mean 'max_seconds'?"),
+    ],
+)
+def test_bad_limits_of_reading(small: str, problems: Problems, line: str, said: str) -> None:
+    (problem,) = problems(f"{small}[reading]\n{line}\n")
+    assert problem.endswith(said)

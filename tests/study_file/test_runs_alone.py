@@ -33,9 +33,9 @@ def test_it_needs_no_participants_recordings_or_channels(load):
 @pytest.mark.parametrize(
     ("old", "new", "missing"),
     [
-        ('root = "lab"', 'rig = "rig.toml"', "participants recordings channels"),
-        ("[runs]", '[participants]\nids = ["P1"]\n[runs]', "recordings channels"),
-        ('[runs]\nroot = "lab"\n', "", "participants recordings channels"),
+        ('root = "lab"', 'rig = "rig.toml"', "participants recordings"),
+        ("[runs]", '[participants]\nids = ["P1"]\n[runs]', "recordings"),
+        ('[runs]\nroot = "lab"\n', "", "participants recordings"),
     ],
 )
 def test_a_rig_that_is_emulated_needs_people_and_so_does_any_word_of_them(problems, old, new, missing):

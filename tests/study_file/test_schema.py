@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,7 @@ from typing import Any
 import pytest
 
 from emg2vsa import settings
-from emg2vsa.study_file import json_schema
-from emg2vsa.study_file.__main__ import REFERENCE, SCHEMA
-from emg2vsa.study_file.reference import reference
-from emg2vsa.study_file.schema import field_docs
+from scripts.file_reference import FILES, field_docs, rig_schema, study_schema, text_of
 
 ROOT = Path(__file__).resolve().parents[2]
 DRAFT_4 = {
@@ -39,32 +35,31 @@ def nodes(schema: Any) -> Iterator[dict[str, Any]]:
                 yield from nodes(part)
 
 
-def test_the_written_schema_is_current() -> None:
-    assert json.loads((ROOT / SCHEMA).read_text()) == json_schema(), "run python -m emg2vsa.study_file"
+@pytest.mark.parametrize("path", FILES, ids=str)
+def test_what_is_written_is_current(path: Path) -> None:
+    assert (ROOT / path).read_text(encoding="utf-8") == text_of(path), "run python scripts/file_reference.py"
 
 
-def test_the_written_reference_is_current() -> None:
-    assert (ROOT / REFERENCE).read_text(encoding="utf-8") == reference(), "run python -m emg2vsa.study_file"
-
-
-def test_only_draft_4_keywords() -> None:
-    for node in nodes(json_schema()):
+@pytest.mark.parametrize("schema", [study_schema, rig_schema])
+def test_only_draft_4_keywords(schema: Callable[[], dict[str, Any]]) -> None:
+    for node in nodes(schema()):
         assert set(node) <= DRAFT_4
         assert isinstance(node.get("exclusiveMinimum", True), bool)
         assert node.get("type") != "null"
 
 
-def test_every_reference_leads_somewhere() -> None:
-    schema = json_schema()
+@pytest.mark.parametrize("make", [study_schema, rig_schema])
+def test_every_reference_leads_somewhere(make: Callable[[], dict[str, Any]]) -> None:
+    schema = make()
     targets = {node["$ref"].rpartition("/")[2] for node in nodes(schema) if "$ref" in node}
     assert targets == set(schema["definitions"])
 
 
 def test_every_setting_is_described() -> None:
     docs = field_docs(settings)
-    for node in nodes(json_schema()):
-        for described in node.get("properties", {}).values():
-            assert described["description"]
+    for schema in (study_schema(), rig_schema()):
+        for table in (schema, *schema["definitions"].values()):
+            assert all(described["description"] for described in table["properties"].values())
     assert docs["FilterSettings", "band_hz"].startswith("EMG band-pass: -3 dB edges")
     assert {key for name, key in docs if name == "FitSettings"} == {f.name for f in fields(settings.FitSettings)}
 
@@ -100,7 +95,7 @@ def accepts(schema: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
 
 @pytest.mark.parametrize("name", ["palpation", "recorded"])
 def test_the_studies_fit_the_schema(name: str) -> None:
-    schema = json_schema()
+    schema = study_schema()
     study = tomllib.loads((ROOT / "studies" / name / "study.toml").read_text())
     assert accepts(schema, study, schema)
     for table, key, wrong in (("recordings", "layout", "bid"), ("study", "named", "x"), ("study", "name", 1)):

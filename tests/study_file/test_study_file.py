@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from emg2vsa.settings import PAPER
+from emg2vsa.settings import PAPER, ReadingSettings
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study, missing_files
 
@@ -27,6 +29,33 @@ def test_paths_start_at_the_folder_of_the_study_file(small: str, load: Load, tmp
     assert [r.key for r in study.recordings] == ["P01/S1", "P01/S3", "P02/S1", "P02/S3"]
     assert study.recordings[1].emg_file == folder / "data" / "P01_S3.csv"
     assert study.recordings[1].force_file is None
+
+
+def test_outside_the_shipped_layout_the_report_lies_beside_the_study_file(small: str, tmp_path: Path) -> None:
+    for place in ("lab/study.toml", "studies/study.toml", "studies/2026/small/study.toml"):
+        path = tmp_path / place
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(small)
+        assert load_study(path).reports == path.parent / "reports" / "small"
+    path.write_text(small.replace('name = "small"', 'name = "small"\nreports = "../out"'))
+    assert load_study(path).reports == path.parents[1] / "out"
+
+
+@pytest.mark.parametrize(
+    ("runs", "root"),
+    [
+        ('rig = "rig.toml"', "runs-virtual"),
+        ('rig = "rig.toml"\nroot = "runs"', "runs"),
+        ("", "runs"),
+        ('camera = "c.toml"', "runs"),
+        ('root = "../lab"', "../lab"),
+    ],
+)
+def test_runs_of_an_emulated_rig_lie_apart_from_measured_ones(small: str, load: Load, runs: str, root: str) -> None:
+    study = load(f"{small}[runs]\n{runs}\n")
+    assert study.runs_source is not None
+    assert study.runs_source.root == Path(os.path.normpath(study.path.parent / root))
+    assert (study.runs_source.rig is not None) == ("rig" in runs)
 
 
 def test_absolute_paths_stay_and_nothing_is_expanded(small: str, load: Load, tmp_path: Path) -> None:
@@ -155,11 +184,41 @@ def test_the_recorded_study_names_channels_that_its_files_hold(shared_data: Call
     assert refused == [("noplate", "btk_1123x01EMG.c3d, channel 'plate 1 Fz'")]
 
 
-def test_loading_leaves_the_numerical_libraries_alone() -> None:
+def test_recordings_share_the_settings_that_they_do_not_replace(small: str, load: Load) -> None:
+    own = '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S3"\nwindow.min_duration_s = 0.1\n'
+    study = load(f"{small}{own}")
+    for recording in study.recordings:
+        assert recording.filters is study.filters
+        assert recording.channels is study.recordings[0].channels
+        assert (recording.window is study.window) == (recording.key != "P01/S3")
+
+
+@pytest.mark.parametrize("listed", [False, True])
+def test_many_recordings_load_at_once(small: str, load: Load, listed: bool) -> None:
+    people = [f"P{i:04d}" for i in range(1000)]
+    text = small.replace('ids = ["P01", "P02"]', f"ids = {people}")
+    if listed:
+        layout = text[text.index("layout = ") : text.index("[channels.emg.EDC]")]
+        cells = [
+            f'{{ participant = "{p}", specimen = "{s}", emg = "{p}{s}.csv" }}' for p in people for s in ("S1", "S3")
+        ]
+        text = text.replace(layout, f'layout = "files"\nfiles = [{", ".join(cells)}]\n')
+    start = time.process_time()
+    study = load(text)
+    assert time.process_time() - start < 2
+    assert len({recording.emg_file for recording in study.recordings}) == 2000
+
+
+def test_how_long_a_file_may_be_read(small: str, load: Load) -> None:
+    assert load(small).reading == ReadingSettings()
+    assert load(small + "[reading]\nmax_seconds = 60\n").reading.max_seconds == 60.0
+
+
+def test_loading_leaves_heavy_libraries_alone() -> None:
     code = (
         "import sys; from emg2vsa.study_file import load_study;"
         f"load_study({str(ROOT / 'studies/palpation/study.toml')!r});"
-        "print(sorted({'numpy', 'scipy', 'pandas', 'matplotlib', 'pyarrow'} & set(sys.modules)))"
+        "print(sorted({'numpy', 'scipy', 'pandas', 'matplotlib', 'pyarrow', 'pydantic'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

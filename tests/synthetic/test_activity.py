@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emg2vsa.errors import SettingError
-from emg2vsa.synthetic.activity import check_coefficients, logarithm_end, true_cocontraction_v
+from emg2vsa.synthetic.recording import check_coefficients, logarithm_end, true_cocontraction_v
 
 A_V, B_V = 30e-6, 15e-6
 

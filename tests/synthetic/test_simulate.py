@@ -10,9 +10,8 @@ import pytest
 
 from emg2vsa.errors import SettingError
 from emg2vsa.study import Study
-from emg2vsa.synthetic import simulate_study
+from emg2vsa.synthetic import WRITERS, Format, simulate_study
 from emg2vsa.synthetic.plan import plan_study
-from emg2vsa.synthetic.simulate import WRITERS, Format
 
 Make = Callable[..., Study]
 

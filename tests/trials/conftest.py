@@ -9,7 +9,7 @@ import pytest
 
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.signals.delay_budget import DelayBudget
+from emg2vsa.signals.delays import DelayBudget
 from emg2vsa.trials import Trials
 from emg2vsa.trials.extract import extract_trials
 

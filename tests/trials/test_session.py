@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from emg2vsa.fits import in_session
 from emg2vsa.settings import CocontractionSettings
-from emg2vsa.trials.session import in_session
 
 SESSION_MAX = CocontractionSettings(normalise="session-max")
 

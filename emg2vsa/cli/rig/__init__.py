@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-
-from emg2vsa.cli.arguments import Commands
+from casr.command_line import Commands, add_subcommands
 
 SUBCOMMANDS = ("scan", "info", "dry-run", "run", "emulate", "watch")
 
@@ -18,6 +16,4 @@ def add_to(commands: Commands) -> None:
         epilog="Try: emg2vsa rig dry-run studies/palpation/rig.toml, then emg2vsa rig run studies/palpation/rig.toml "
         "--virtual. What a rig is made of stands in its rig file (docs/reference/rig-file.md).",
     )
-    subcommands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for name in SUBCOMMANDS:
-        importlib.import_module(f"emg2vsa.cli.rig.{name.replace('-', '_')}").add_to(subcommands)
+    add_subcommands(parser, "emg2vsa.cli.rig", SUBCOMMANDS)

@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.cli.arguments import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
 
 if TYPE_CHECKING:

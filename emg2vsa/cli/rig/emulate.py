@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import argparse
 import gc
+import json
+import os
 import signal
 import sys
 import threading
-from collections.abc import Iterable, Iterator
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from emg2vsa.cli.arguments import Commands, add_command
+from casr.command_line import Commands, add_command
 from emg2vsa.cli.rig.choice import add_rig
 
 if TYPE_CHECKING:
     from emg2vsa.rig.emulated.bench import EmulatedRig
     from emg2vsa.rig.emulated.servers import EmulatedServers
     from emg2vsa.rig_file import RigFile
-
+_HEAD = "# Written by emg2vsa rig emulate, good for as long as it runs."
 _SWITCH_S = 2e-4
 
 
@@ -40,12 +43,8 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.errors import SettingError
     from emg2vsa.rig_file import load_rig
 
-    if sys.platform == "win32":
-        do = "Use emg2vsa rig run --virtual."
-        raise SettingError("rig emulate", wanted="a system with virtual serial ports", found="Windows", do=do)
     file = load_rig(arguments.rig)
     with _served(file, arguments) as servers:
         _introduce(file, servers, arguments)
@@ -86,8 +85,7 @@ def _served(file: RigFile, arguments: argparse.Namespace) -> Iterator[EmulatedSe
 
 
 def _introduce(file: RigFile, servers: EmulatedServers, arguments: argparse.Namespace) -> None:
-    from emg2vsa.atomic import write_text_atomic
-    from emg2vsa.cli.rig.served_file import check_replaceable, served_file, served_tables, toml_lines
+    from casr.atomic import write_text_atomic
 
     specimen = arguments.specimen or file.experiment.specimens[0]
     under = "the rigid motor" if arguments.rigid else f"the qbmove ({servers.bench.model})"
@@ -118,3 +116,56 @@ def _obey(bench: EmulatedRig, lines: Iterable[str]) -> None:
                     print(put(bench, words), flush=True)
                 except SettingError as error:
                     print(error, flush=True)
+
+
+def served_tables(servers: EmulatedServers) -> dict[str, dict[str, Any]]:
+    """The tables [actuator], [motor], [force] and [camera] of the rig that ``servers`` put up."""
+    from emg2vsa.rig.emulated.bench import DEVICE_ID
+
+    bench, force = servers.bench, servers.force
+    ports = servers.port, servers.idle_port
+    motor_port, qbmove_port = ports if bench.rigid else reversed(ports)
+    return {
+        "actuator": {"port": qbmove_port, "id": DEVICE_ID, "generation": "v6", "model": bench.model},
+        "motor": {"port": motor_port, "id": DEVICE_ID, "generation": "v6"},
+        "force": {"kind": "net-ft", "host": force.host, "rdt_port": force.rdt_port, "http_port": force.http_port},
+        "camera": {"source": servers.camera_url},
+    }
+
+
+def served_file(file: RigFile, servers: EmulatedServers, folder: Path) -> str:
+    """Text of a rig file for ``folder``: as ``file``, with these devices, and another folder for the runs."""
+    raw = tomllib.loads(file.path.read_text(encoding="utf-8"))
+    places = {
+        "schedules": os.path.relpath(file.schedules, folder),
+        "runs": os.path.relpath(file.emulated_runs, folder),
+    }
+    tables = raw | served_tables(servers) | {"experiment": raw["experiment"] | places}
+    tables |= {"emulated": raw.get("emulated", {}) | {"behind_ports": True}}
+    return f"{_HEAD} From {file.path.name}.\n" + "\n".join(toml_lines(tables)) + "\n"
+
+
+def check_replaceable(path: Path) -> None:
+    """SettingError where there is a file that no emulation has written."""
+    from emg2vsa.errors import SettingError
+
+    if path.exists() and not path.read_text(encoding="utf-8", errors="replace").startswith(_HEAD):
+        do = "Choose another name for --write."
+        raise SettingError(path, wanted="a new file, or one of an earlier emulation", found="another file", do=do)
+
+
+def toml_lines(tables: Mapping[str, Any], name: str = "") -> Iterator[str]:
+    """TOML of nested tables of texts, numbers, booleans and lists."""
+    if name:
+        yield f"\n[{name}]"
+    for key, value in tables.items():
+        if not isinstance(value, Mapping):
+            # a JSON text, number, boolean or list of these is TOML as well
+            yield f"{_key(key)} = {json.dumps(value, ensure_ascii=False)}"
+    for key, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from toml_lines(value, f"{name}.{_key(key)}" if name else _key(key))
+
+
+def _key(name: str) -> str:
+    return name if name.replace("-", "_").isidentifier() and name.isascii() else json.dumps(name)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from emg2vsa.cli.arguments import Commands, add_command, add_jobs, jobs_of, positive
+from casr.command_line import Commands, add_command, whole_number
+from emg2vsa.cli.arguments import add_jobs, jobs_of
 from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
 
 
@@ -22,9 +23,14 @@ def add_to(commands: Commands) -> None:
     )
     add_rig(parser)
     add_choice(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the runs (default: as the rig file says)")
     parser.add_argument(
-        "--repetitions", type=positive, metavar="N", help="presses of the run (default: as the rig file says)"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the runs (default: as the rig file says; with --virtual another beside that one)",
+    )
+    parser.add_argument(
+        "--repetitions", type=whole_number, metavar="N", help="presses of the run (default: as the rig file says)"
     )
     parser.add_argument("--virtual", action="store_true", help="emulated rig, minutes in seconds; no device is opened")
     add_jobs(parser)
@@ -35,11 +41,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     file = load_rig(arguments.rig)
     runs = runs_chosen(arguments, file)
-    folder = arguments.out or file.runs
     if arguments.virtual:
         from emg2vsa.cli.rig.virtual_runs import run_virtually
 
-        return run_virtually(file, runs, folder, arguments.repetitions, jobs_of(arguments))
+        return run_virtually(file, runs, arguments.out or file.virtual_runs, arguments.repetitions, jobs_of(arguments))
     from emg2vsa.cli.rig.real_run import run_for_real
 
-    return run_for_real(file, runs, folder, arguments.repetitions)
+    return run_for_real(file, runs, arguments.out or file.runs, arguments.repetitions)

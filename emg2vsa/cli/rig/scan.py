@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from emg2vsa.cli.arguments import Commands, add_command, positive
+from casr.command_line import Commands, add_command, whole_number
 
 if TYPE_CHECKING:
     from emg2vsa.rig.clock import Clock
@@ -27,7 +27,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--port", action="append", default=[], help="this port as well, listed or not; repeat")
     parser.add_argument("--id", action="append", default=[], type=_device_id, help="ask only this id; repeat")
     parser.add_argument(
-        "--wait-ms", type=positive, default=5, metavar="MS", help="wait for each answer (default 5; slow lines: 20)"
+        "--wait-ms", type=whole_number, default=5, metavar="MS", help="wait for each answer (default 5; slow lines: 20)"
     )
 
 

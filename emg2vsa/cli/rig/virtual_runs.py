@@ -8,8 +8,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 from emg2vsa.cli.rig.ending import summary
@@ -29,15 +29,7 @@ from emg2vsa.rig_file.plans import Run, plans_of
 _BEFORE = "done before"
 
 
-@dataclass(frozen=True)
-class _Job:
-    plan: RunPlan
-    rig: RigSettings
-    emulated: EmulatedSettings
-    folder: Path
-
-    def __call__(self) -> Ended:
-        return run_virtual(self.plan, self.rig, self.emulated, self.folder, started=datetime.now(UTC))
+Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path]
 
 
 def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None, jobs: int) -> int:
@@ -53,10 +45,12 @@ def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: i
         check_plan(plan, file.rig)
     start = time.monotonic()
     results: dict[Run, Ended | str] = {
-        run: _BEFORE for run, plan in plans.items() if completed_folder(root, run_name(*run), plan.repetitions)
+        run: _BEFORE
+        for run, plan in plans.items()
+        if completed_folder(root, run_name(*run), plan.repetitions, emulated=True)
     }
-    waiting = {
-        run: _Job(plan, file.rig, file.emulated, new_folder(root, run_name(*run), plan.repetitions))
+    waiting: dict[Run, Job] = {
+        run: (plan, file.rig, file.emulated, new_folder(root, run_name(*run), plan.repetitions, emulated=True))
         for run, plan in plans.items()
         if run not in results
     }
@@ -73,21 +67,25 @@ def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: i
     return int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
 
 
-def _carried_out(waiting: dict[Run, _Job], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
+def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
     """Every run and how it ended, or why there is none, in the order of their ends."""
     if jobs == 1 or len(waiting) < 2:
         for run, job in waiting.items():
-            yield run, _outcome(job)
+            yield run, _outcome(partial(_run, *job))
         return
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(waiting)), mp_context=context, initializer=end_with_parent) as pool:
-        futures = {pool.submit(job): run for run, job in waiting.items()}
+        futures = {pool.submit(_run, *job): run for run, job in waiting.items()}
         try:
             for future in as_completed(futures):
                 yield futures[future], _outcome(future.result)
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _run(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path) -> Ended:
+    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC))
 
 
 def _outcome(make: Callable[[], Ended]) -> Ended | str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from emg2vsa.cli.arguments import Commands, add_command
+from casr.command_line import Commands, add_command
 from emg2vsa.errors import SettingError
 
 _PORT = 8420

@@ -11,23 +11,35 @@ from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.datagrams import LoopbackDatagrams
+from emg2vsa.rig.device_settings import Model
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.faults import FaultyWire
-from emg2vsa.rig.emulated.motor_board import motor_board
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
-from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
-from emg2vsa.rig.emulated.rdt_pages import configuration_page
+from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.net_ft import NetFt
 from emg2vsa.rig.netft_config import parse_config
-from emg2vsa.rig.qbmove import Model, Qbmove
+from emg2vsa.rig.qbmove import Qbmove
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig.rigid_motor import RigidMotor
 from emg2vsa.rig.transport import LoopbackLine
+
+MOTOR_SPEED_RAD_PER_S = 3.0
+"""Of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V) without it."""
+MOTOR_BOARD = replace(MAKER_PRO, supply_mv=12000, motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S)
+
+
+def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmware:
+    """The board of the rigid motor: a qbrobotics board with one motor and one AS5045 encoder (paper, section V.A).
+
+    Which firmware it runs is not published; it is taken to be the qbmove's, with motor 1 connected and motor 2 not.
+    It has id 1, and turns a world whose ``springs`` are None; at the start its motor reads ``home_ticks``."""
+    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=MOTOR_BOARD.factory((home_ticks, 0, home_ticks)))
+
 
 DEVICE_ID = 1
 _AWAY_MM = 1e6

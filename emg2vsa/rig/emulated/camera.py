@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from casr.synthetic import Scene
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.camera import LOST_S, RATE_HZ, Frame
 from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.device_settings import LOST_S, RATE_HZ
+from emg2vsa.rig.devices import Frame
 
 
 @dataclass

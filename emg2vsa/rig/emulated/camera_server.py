@@ -5,11 +5,10 @@ from __future__ import annotations
 import contextlib
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from types import TracebackType
+from typing import Self
 
 import cv2
 
-from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 
 HOST = "127.0.0.1"
@@ -19,36 +18,24 @@ _POLL_S = 2e-3
 
 
 class CameraServer:
-    """Shows ``camera`` to one client after the other, in real time, from `start` to `close` or within a with.
+    """Shows ``camera`` to one client after the other, in real time, within a with statement. url : what to open."""
 
-    port : where; chosen by the system unless given. url : what to open.
-    """
-
-    def __init__(self, camera: EmulatedCamera, clock: Clock, *, port: int = 0) -> None:
-        self.camera, self._clock = camera, clock
+    def __init__(self, camera: EmulatedCamera) -> None:
+        self.camera = camera
         self._ended = threading.Event()
-        self._http = ThreadingHTTPServer((HOST, port), _stream_of(self))
-        self.port: int = self._http.server_address[1]
-        self.url = f"http://{HOST}:{self.port}{PATH}"
+        self._http = ThreadingHTTPServer((HOST, 0), _stream_of(self))
+        self.url = f"http://{HOST}:{self._http.server_address[1]}{PATH}"
         self._thread = threading.Thread(target=self._http.serve_forever, args=(0.05,), daemon=True)
 
-    def start(self) -> None:
-        """Begin to serve."""
+    def __enter__(self) -> Self:
         self._thread.start()
+        return self
 
-    def close(self) -> None:
-        """End, and free the port."""
+    def __exit__(self, *error: object) -> None:
         self._ended.set()
         self._http.shutdown()
         self._thread.join()
         self._http.server_close()
-
-    def __enter__(self) -> CameraServer:
-        self.start()
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
 
     def next_pictures(self) -> list[bytes] | None:
         """JPEG files of the frames taken since the last call; waits for the first; None at the end."""

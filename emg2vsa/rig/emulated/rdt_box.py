@@ -1,4 +1,4 @@
-"""An ATI Net F/T box or Ethernet Axia up to its sockets: requests in, records out as time goes on.
+"""An ATI Net F/T box or Ethernet Axia up to its sockets: requests in, records out as time goes on, and its page.
 
 Behaviour after ATI manuals 9620-05 and 9610-05: one client, the newest request wins; rates are whole fractions of 7000
 a second; bias is not answered. The noise is a guess.
@@ -14,7 +14,7 @@ from operator import add, gt, mul, sub, truediv
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.rig.rdt_packets import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
+from emg2vsa.rig.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
 INTERNAL_RATE_HZ = 7000
 NETBOX_SATURATED = 0x80020000
@@ -197,3 +197,29 @@ def _noise(settings: BoxSettings) -> Iterator[list[float]]:
     size = np.repeat(settings.noise, 3)
     while True:
         yield from (size * rng.standard_normal((_NOISE_BLOCK, 6))).tolist()
+
+
+def configuration_page(box: RdtBox) -> bytes:
+    """netftapi2.xml: the tags of a live box that clients look at, in its order."""
+    s = box.settings
+    tags: dict[str, object] = {
+        "runstat": "0x00000000",
+        "runrate": INTERNAL_RATE_HZ,
+        "cfgnam": "emulated",
+        "cfgcalsel": 0,
+        "cfgcalsn": "FT00000",
+        "scfgfu": s.force_unit,
+        "scfgtu": s.torque_unit,
+        "cfgcpf": s.counts_per_force,
+        "cfgcpt": s.counts_per_torque,
+        "cfgmr": ";".join(f"{rating:g}" for rating in s.rating),
+        "setcfgsel": 0,
+        "setbias": "0;0;0;0;0;0",
+        "comrdte": "Enabled",
+        "comrdtrate": INTERNAL_RATE_HZ // s.divisor,
+        "comrdtbsiz": s.buffer,
+    }
+    if s.axia:
+        tags = {"prodname": "Ethernet Axia"} | tags
+    lines = "\n".join(f"<{tag}>{text}</{tag}>" for tag, text in tags.items())
+    return f'<?xml version="1.0"?><netft>\n{lines}\n</netft>'.encode("ascii")

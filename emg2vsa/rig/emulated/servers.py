@@ -2,18 +2,70 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import select
+import sys
+import threading
+from collections.abc import Callable
 from contextlib import ExitStack
-from types import TracebackType
 from typing import Self
 
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.camera_server import CameraServer
 from emg2vsa.rig.emulated.rdt_server import RdtServer
-from emg2vsa.rig.emulated.serial_port import VirtualSerialPort
+
+if sys.platform != "win32":
+    import pty
+    import tty
+
+_LOOK_UP_S = 0.05
+_CHUNK_BYTES = 4096
+
+
+class VirtualSerialPort:
+    """A pseudo-terminal and the thread that answers on it. ``name`` is the port to open."""
+
+    def __init__(self, device: Callable[[bytes], bytes]) -> None:
+        """``device`` is called from the thread, one call at a time."""
+        self._device = device
+        self._device_end, self._host_end, self.name = _pseudo_terminal()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name=f"device at {self.name}", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stop.set()
+        self._thread.join()
+        # the host's end stays open until here, so that clients may come and go
+        for end in (self._host_end, self._device_end):
+            with contextlib.suppress(OSError):
+                os.close(end)
+
+    def _serve(self) -> None:
+        while not self._stop.is_set():
+            if select.select([self._device_end], [], [], _LOOK_UP_S)[0]:
+                answer = self._device(os.read(self._device_end, _CHUNK_BYTES))
+                while answer:
+                    answer = answer[os.write(self._device_end, answer) :]
+
+
+def _pseudo_terminal() -> tuple[int, int, str]:
+    """The device's end, the host's end, and the name of the port. SettingError on Windows, which has none."""
+    if sys.platform != "win32":
+        device_end, host_end = pty.openpty()
+        tty.setraw(host_end)
+        return device_end, host_end, os.ttyname(host_end)
+    do = "Use emg2vsa rig run --virtual."
+    raise SettingError("rig emulate", wanted="a system with virtual serial ports", found="Windows", do=do)
 
 
 class EmulatedServers:
-    """Serves ``bench``, which must be on a wall clock, from `start` to `close` or within a with.
+    """Serves ``bench``, which must be on a wall clock, within a with statement.
 
     port : name of the serial port of the actuator that presses; idle_port : of the other one. force : host and ports of
     the force sensor's box.
@@ -22,25 +74,17 @@ class EmulatedServers:
 
     def __init__(self, bench: EmulatedRig) -> None:
         self.bench = bench
-        self.force = RdtServer(bench.box, bench.clock)
         self._serial = VirtualSerialPort(bench.answer)
-        self._camera = CameraServer(bench.camera, bench.clock)
+        self.force = RdtServer(bench.box, bench.clock)
+        self._camera = CameraServer(bench.camera)
         self._idle = VirtualSerialPort(bench.idle)
         self.port, self.idle_port, self.camera_url = self._serial.name, self._idle.name, self._camera.url
         self._open = ExitStack()
 
-    def start(self) -> None:
-        """Begin to serve."""
+    def __enter__(self) -> Self:
         for server in (self._serial, self._idle, self.force, self._camera):
             self._open.enter_context(server)
-
-    def close(self) -> None:
-        """End, and give ports back."""
-        self._open.close()
-
-    def __enter__(self) -> Self:
-        self.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
+    def __exit__(self, *error: object) -> None:
+        self._open.close()

@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Le
-
 from casr.specimens import SPECIMENS
-from emg2vsa.settings import FORBID_UNKNOWN_KEYS, Positive
+from emg2vsa.settings import Ge, Gt, Le, Positive
 
 
 @dataclass(frozen=True, kw_only=True)
 class EmulatedSettings:
     """The bench that stands in for a real one, and in what its presses differ from each other."""
-
-    __pydantic_config__ = FORBID_UNKNOWN_KEYS
 
     stiffness_n_per_mm: dict[str, Positive] = field(default_factory=lambda: dict(SPECIMENS))
     "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B)."

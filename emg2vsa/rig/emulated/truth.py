@@ -10,17 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.experiment import run_name
-from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
 
 
 def true_areas_mm2(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, force_n: ArrayLike
+    specimen: str, angle_deg: float, condition: str, rig: RigSettings, emulated: EmulatedSettings, force_n: ArrayLike
 ) -> NDArray[np.float64]:
     """(R,) true contact area in the image, mm2, of press r at ``force_n``[r], N along the probe's axis; NaN for NaN."""
-    name = run_name(plan.specimen, plan.angle_deg, plan.condition)
-    rigid = plan.condition == RIGID
-    draws = PressDraws(emulated, plan.specimen, plan.angle_deg, rigid, rig, name)
+    name = run_name(specimen, angle_deg, condition)
+    draws = PressDraws(emulated, specimen, angle_deg, condition == RIGID, rig, name)
     areas = []
     for press, force in enumerate(np.asarray(force_n, dtype=np.float64).tolist()):
         world = draws.world(press)

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 
+from casr.atomic import write_text_atomic
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
-from emg2vsa.atomic import write_text_atomic
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
@@ -17,10 +17,10 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.ended import Ended
 from emg2vsa.rig.execute import execute
 from emg2vsa.rig.experiment import run_name
+from emg2vsa.rig.new_folder import EMULATED_FILE
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_record import EMULATED_FILE
 
 
 def run_virtual(

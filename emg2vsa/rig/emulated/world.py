@@ -1,24 +1,75 @@
 """The one physical world that all emulated devices share: motors, springs, shaft, probe, sensor and specimen.
 
 The actuator's firmware tells where its motors are; the force sensor and the camera ask for the force. They come in any
-order, from any thread, and with times of their own. A time that the actuator has not reached yet is answered with its
+order and with times of their own, one at a time. A time that the actuator has not reached yet is answered with its
 motors held still, so whoever joins the devices lets the firmware ``advance`` first.
 """
 
 from __future__ import annotations
 
 import math
-import threading
+from bisect import bisect_left
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.actuator_joint import Joint, Motors, RigidJoint, SpringJoint
 from emg2vsa.rig.emulated.probe import Probe
-from emg2vsa.rig.emulated.shaft_path import ShaftPath
 from emg2vsa.rig.emulated.world_settings import WorldSettings
+
+_REMEMBERED = 60_000
+"""Points kept at least: a minute of motion in steps of 1 ms, and any length of rest."""
+
+
+class ShaftPath:
+    """Where the shaft has been, angles over time, straight between points.
+
+    Devices read the world at times of their own, some of them a little in the past.
+    """
+
+    def __init__(self, time_s: float, angle_rad: float) -> None:
+        self._times_s, self._angles_rad = [time_s], [angle_rad]
+
+    @property
+    def end_s(self) -> float:
+        """Newest time."""
+        return self._times_s[-1]
+
+    @property
+    def end_rad(self) -> float:
+        """Newest angle."""
+        return self._angles_rad[-1]
+
+    def append(self, time_s: float, angle_rad: float) -> None:
+        """One more point, later than the last."""
+        times_s, angles_rad = self._times_s, self._angles_rad
+        if len(times_s) > 1 and angles_rad[-2] == angles_rad[-1] == angle_rad:
+            times_s[-1] = time_s
+            return
+        times_s.append(time_s)
+        angles_rad.append(angle_rad)
+        if len(times_s) > 2 * _REMEMBERED:
+            del times_s[:_REMEMBERED], angles_rad[:_REMEMBERED]
+
+    def angle_rad(self, time_s: float) -> float:
+        """Angle at a time not after the end. DeviceError before what is remembered."""
+        times_s, angles_rad = self._times_s, self._angles_rad
+        if time_s < times_s[0]:
+            raise DeviceError(
+                "emulated world",
+                wanted=f"a time from {times_s[0]:.3f} s on",
+                found=f"{time_s:.3f} s",
+                do="Read the devices more often.",
+            )
+        after = bisect_left(times_s, time_s)
+        if times_s[after] == time_s:
+            return angles_rad[after]
+        share = (time_s - times_s[after - 1]) / (times_s[after] - times_s[after - 1])
+        return angles_rad[after - 1] + share * (angles_rad[after] - angles_rad[after - 1])
+
 
 STEP_S = 1e-3
 """Longest step while something moves."""
@@ -46,24 +97,17 @@ class World:
         self._joint = _joint(self.settings)
         self._path = ShaftPath(clock.now_s(), 0.0)
         self._motors_rad: Motors | None = None
-        self._lock = threading.Lock()
 
     def shaft_rad(self, time_s: float, motors_rad: Motors) -> float:
         """Shaft angle, rad, with the motors there at ``time_s``, after an even motion from where they last were."""
         # seen from the other side of the gear: springs and friction are the same both ways round
         side = self.settings.turns_to_push
         motors_rad = side * motors_rad[0], side * motors_rad[1]
-        with self._lock:
-            if self._motors_rad is None:
-                start_rad = self._joint.moved(sum(motors_rad) / 2, math.inf, motors_rad, self._probe)
-                self._motors_rad, self._path = motors_rad, ShaftPath(self._path.end_s, start_rad)
-            self._run(time_s, motors_rad)
-            return side * self._path.end_rad
-
-    def advance(self, time_s: float) -> None:
-        """Let time pass with the motors where they are; nothing when it has passed."""
-        with self._lock:
-            self._run(time_s, self._motors_rad)
+        if self._motors_rad is None:
+            start_rad = self._joint.moved(sum(motors_rad) / 2, math.inf, motors_rad, self._probe)
+            self._motors_rad, self._path = motors_rad, ShaftPath(self._path.end_s, start_rad)
+        self._run(time_s, motors_rad)
+        return side * self._path.end_rad
 
     def probe_mm(self, time_s: float) -> float:
         """Way of the probe from where the shaft is at 0, mm, down is positive."""
@@ -78,9 +122,8 @@ class World:
         return self._probe.normal_force_n(self._shaft_at(time_s))
 
     def _shaft_at(self, time_s: float) -> float:
-        with self._lock:
-            self._run(time_s, self._motors_rad)
-            return self._path.angle_rad(time_s)
+        self._run(time_s, self._motors_rad)
+        return self._path.angle_rad(time_s)
 
     def _run(self, until_s: float, motors_rad: Motors | None) -> None:
         before_rad, start_s = self._motors_rad, self._path.end_s

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.tactile.flow_pairs import contact_pair
 from casr.errors import ImageError, SettingError
 from casr.flow.dis import PRESETS, Dis, dis_flow
-from casr.synthetic import contact_pair
 
 
 @pytest.mark.parametrize("preset", PRESETS)

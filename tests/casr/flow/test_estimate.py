@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.tactile.flow_pairs import linear_pair
 from casr.errors import ImageError, PinsError, SettingError
 from casr.flow.estimate import ENGINES, FlowSettings, FlowStep, FlowTracker
 from casr.flow.region import Region
 from casr.flow.step import notes_by_frame
 from casr.specimens import SPECIMENS
-from casr.synthetic import Appearance, ContactEllipse, PressSettings, linear_pair, simulate_press
+from casr.synthetic import Appearance, ContactEllipse, PressSettings, simulate_press
 
 WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
 "Share of the total log growth; the smallest contact, of stiff specimens at 45 degrees, is the hardest for dense flow."
@@ -147,3 +148,30 @@ def test_settings_that_make_no_sense(wrong: dict[str, object]) -> None:
 def test_the_default_engine_loads_neither_numba_nor_scipy() -> None:
     code = "import sys, casr.flow.estimate as e; e.FlowTracker(); sys.exit(bool({'numba', 'scipy'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("engine", "said"),
+    [
+        ("pin-affine", ""),
+        ("dis", ""),
+        (
+            "horn-schunck",
+            "flow engine horn-schunck: wanted the package numba, which compiles this engine; found no such package. "
+            "Install it (pip install 'emg2vsa[flow]'), or choose another engine: pin-affine or dis.\n",
+        ),
+    ],
+)
+def test_without_numba_only_its_own_engine_is_refused(engine: str, said: str) -> None:
+    code = f"""
+import sys
+sys.modules["numba"] = None
+from casr.errors import CasrError
+from casr.flow.estimate import FlowSettings, FlowTracker
+try:
+    FlowTracker(FlowSettings(engine={engine!r}))
+except CasrError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == said

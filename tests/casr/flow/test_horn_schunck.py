@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.tactile.flow_pairs import contact_pair
+from benchmarks.tactile.ours import NATURAL_IMAGES
 from casr.errors import ImageError, SettingError
 from casr.flow.divergence import divergence
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings, horn_schunck
-from casr.synthetic import contact_pair
 
 CORE_PX = 64.0
 
@@ -64,7 +65,7 @@ def test_a_camera_may_reuse_its_memory():
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
-@pytest.mark.parametrize("preset", [HornSchunckSettings(), HornSchunckSettings.natural_images()])
+@pytest.mark.parametrize("preset", [HornSchunckSettings(), NATURAL_IMAGES])
 def test_identical_frames_give_exactly_zero(precision, preset):
     image = np.random.default_rng(0).integers(0, 256, (70, 83), dtype=np.uint8)
     chosen = HornSchunckSettings(**{**vars(preset), "precision": precision})
@@ -88,7 +89,7 @@ def test_tiny_frames(shape, cell_px):
         flow = horn_schunck(first, second, settings=chosen)
         assert flow.shape == (*shape, 2)
         assert np.isfinite(flow).all()
-    assert np.isfinite(horn_schunck(first, second, settings=HornSchunckSettings.natural_images())).all()
+    assert np.isfinite(horn_schunck(first, second, settings=NATURAL_IMAGES)).all()
 
 
 @pytest.mark.parametrize("alpha", [1e-6, 1e-3, 1.0, 1e3, 1e6])
@@ -212,5 +213,5 @@ def test_settings_out_of_range_are_refused(wrong):
 
 
 def test_settings_load_without_numba():
-    code = "import sys, casr.flow.horn_schunck_settings, casr.flow.estimate; sys.exit('numba' in sys.modules)"
+    code = "import sys, casr.flow.step, casr.flow.estimate; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -20,24 +18,14 @@ def test_an_affine_motion_is_recovered(a, b, c, d, dx, dy):
     matrix = np.array([[a, b], [c, d]])
     fit = fit_affine(PINS, PINS + (PINS - 100) @ matrix.T + (dx, dy))
     assert fit.matrix == pytest.approx(matrix, abs=1e-12)
-    assert fit.divergence == pytest.approx(a + d, abs=1e-12)
-    assert fit.log_growth == pytest.approx(np.log((1 + a) * (1 + d) - b * c), abs=1e-11)
     assert fit.displacement_px(np.array([[100.0, 100.0]])) == pytest.approx(np.array([[dx, dy]]), abs=1e-9)
     assert (fit.n, fit.notes) == (127, ())
-    assert fit.rms_px < 1e-10
 
 
 def test_nothing_moved_is_exactly_nothing():
     fit = fit_affine(PINS, PINS.copy())
-    assert (fit.divergence, fit.log_growth, fit.rms_px) == (0.0, 0.0, 0.0)
+    assert not fit.matrix.any()
     assert not fit.offset_px.any()
-
-
-def test_log_growth_adds_up_over_steps_and_divergence_does_not():
-    places = [PINS * 1.02**k for k in range(11)]
-    fits = [fit_affine(a, b) for a, b in pairwise(places)]
-    assert sum(fit.log_growth for fit in fits) == pytest.approx(fit_affine(places[0], places[-1]).log_growth)
-    assert sum(fit.divergence for fit in fits) == pytest.approx(0.4)
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -47,8 +35,6 @@ def test_order_and_place_of_the_image_do_not_matter(seed):
     order, shift = rng.permutation(127), rng.uniform(-500, 500, 2)
     fit, moved = fit_affine(PINS, after), fit_affine(PINS[order] + shift, after[order] + shift)
     assert moved.matrix == pytest.approx(fit.matrix, abs=1e-10)
-    assert moved.rms_px == pytest.approx(fit.rms_px, rel=1e-6)
-    assert fit.rms_px == pytest.approx(0.01, rel=0.25)
 
 
 @pytest.mark.parametrize("n_wrong", [1, 5])
@@ -57,7 +43,7 @@ def test_a_pin_taken_for_its_neighbour_is_left_out_with_a_note(n_wrong):
     good = fit_affine(PINS[n_wrong:], after[n_wrong:])
     after[:n_wrong] += (20.0, 0.0)
     fit = fit_affine(PINS, after)
-    assert fit.divergence == pytest.approx(good.divergence, abs=1e-12)
+    assert fit.matrix == pytest.approx(good.matrix, abs=1e-12)
     assert fit.n == 127 - n_wrong
     assert fit.notes == ("pins mistaken for others are left out",)
 
@@ -83,7 +69,3 @@ def test_lost_pins_are_as_if_they_had_never_been():
 def test_too_few_pins_say_so(pins):
     with pytest.raises(PinsError, match="3 or more"):
         fit_affine(pins, pins)
-
-
-def test_a_map_that_folds_has_no_area():
-    assert fit_affine(PINS, PINS * (-1.0, 1.0)).log_growth == -np.inf

@@ -43,6 +43,20 @@ def test_a_press_folder_brings_its_force_and_camera(press, frames):
     np.testing.assert_array_equal(list(sequence), frames)
 
 
+def test_a_press_of_a_run_has_the_camera_of_the_run(press, monkeypatch):
+    (press / "camera.toml").rename(press.parent / "camera.toml")
+    assert open_frames(press).camera == Camera(width_px=32, height_px=24)
+    monkeypatch.chdir(press)
+    assert open_frames(".").camera == Camera(width_px=32, height_px=24)
+    own = Camera(width_px=32, height_px=24, depth_mm=9.0)
+    write_camera(press / "camera.toml", own)
+    assert open_frames(press).camera == own
+    write_camera(press.parent / "camera.toml", Camera(width_px=48, height_px=24))
+    (press / "camera.toml").unlink()
+    with pytest.raises(CameraError):
+        open_frames(press)
+
+
 def test_frames_in_a_folder_of_their_own(press, frames):
     (press / "frames.tif").unlink()
     write_images(press / "frames", frames)

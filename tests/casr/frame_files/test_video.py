@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import struct
+import time
 
 import cv2
 import numpy as np
 import pytest
 
+from casr.decoder_child import Limits
+from casr.decoder_process import InChild, child_pid, end_child
 from casr.errors import FramesError
-from casr.frame_files import open_frames
+from casr.frame_files import open_frames, video
+from casr.frame_files.video import VideoDecoder
 
 
 def write_video(path, frames, codec):
@@ -56,9 +62,9 @@ def test_frames_in_turn_and_in_any_order(tmp_path, striped, name, codec, monkeyp
 
 
 def test_reading_in_turn_never_goes_back(tmp_path, striped, monkeypatch):
-    sequence = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
+    decoder = VideoDecoder(write_video(tmp_path / "press.avi", striped, "MJPG"))
     grabbed = []
-    capture = sequence.source._capture
+    capture = decoder._capture
 
     class Watched:
         def grab(self):
@@ -68,9 +74,9 @@ def test_reading_in_turn_never_goes_back(tmp_path, striped, monkeypatch):
         def __getattr__(self, name):
             return getattr(capture, name)
 
-    monkeypatch.setattr(sequence.source, "_capture", Watched())
-    for _ in sequence:
-        pass
+    monkeypatch.setattr(decoder, "_capture", Watched())
+    frames = [frame for first in range(0, 30, 8) for frame in decoder.read_from(first, 8)]
+    assert [number_of(frame) for frame in frames] == list(range(30))
     assert len(grabbed) == 29
 
 
@@ -120,3 +126,44 @@ def test_what_is_no_video(tmp_path, data):
     (tmp_path / "press.avi").write_bytes(data)
     with pytest.raises(FramesError, match=r"press.avi: wanted a video"):
         open_frames(tmp_path / "press.avi")
+
+
+def test_frames_go_on_after_their_child_was_killed(tmp_path, striped):
+    sequence = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
+    assert number_of(sequence[3]) == 3
+    os.kill(child_pid(), signal.SIGKILL)
+    while child_pid() is not None:
+        time.sleep(0.01)
+    assert [number_of(frame) for frame in sequence] == list(range(30))
+
+
+def test_a_decoder_that_crashes_is_a_frames_error(tmp_path, striped, monkeypatch):
+    (tmp_path / "crashing.py").write_text(
+        "import ctypes\nclass Decoder:\n    def read_from(self, first, count):\n        ctypes.string_at(0)\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    end_child()
+    sequence = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
+    monkeypatch.setattr(sequence.source, "_decoder", InChild("OpenCV", "crashing", "Decoder", (), Limits()))
+    with pytest.raises(
+        FramesError, match=r"press.avi: wanted a video .* that its reader crashed \(OpenCV, segm.* Copy"
+    ):
+        sequence[20]
+    end_child()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no process can be stopped on Windows")
+def test_a_video_that_takes_too_long_is_refused(tmp_path, striped, monkeypatch):
+    path = write_video(tmp_path / "press.avi", striped, "MJPG")
+    open_frames(path)  # starts the child
+    os.kill(child_pid(), signal.SIGSTOP)
+    monkeypatch.setattr(video, "LIMITS", Limits(seconds=0.2))
+    with pytest.raises(FramesError, match=r"that its reader took more than .* s\. Copy the file again"):
+        open_frames(path)
+
+
+def test_a_frame_may_be_changed_without_changing_the_file_s(tmp_path, striped):
+    sequence = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
+    for frame in sequence:
+        frame[:] = 0
+    assert number_of(open_frames(tmp_path / "press.avi")[7]) == 7

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from casr.errors import FramesError
 from casr.frames import force_per_frame
-from casr.frames.exposure import force_at_exposure
+from casr.frames.force import force_at_exposure
 
 FRAME_S = np.arange(8) / 20
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.tactile.array_frames import ArrayFrames
 from casr.camera import Camera
 from casr.errors import CameraError, FramesError, ImageError
-from casr.frames import ArrayFrames, FrameSequence
+from casr.frames import FrameSequence
 
 FRAMES = np.arange(4 * 3 * 5, dtype=np.uint8).reshape(4, 3, 5)
 

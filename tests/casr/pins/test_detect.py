@@ -26,13 +26,6 @@ def test_every_pin_is_found_to_two_hundredths_of_a_pixel(draw, hexagon_px):
     assert np.abs(errors.mean(axis=0)).max() < 0.002
 
 
-def test_whole_pixel_centroids_cost_what_rounding_down_costs(draw, hexagon_px):
-    errors = errors_px(hexagon_px, detect_pins(draw(hexagon_px), PinSettings(integer_centroids=True)).centroids_px)
-    # uniform on (-1, 0] along x and y
-    assert np.sqrt((errors**2).sum(axis=1).mean()) == pytest.approx(np.sqrt(2 / 3), rel=0.1)
-    assert errors.mean(axis=0) == pytest.approx([-0.5, -0.5], abs=0.1)
-
-
 def test_area_is_that_of_the_pin(draw, hexagon_px):
     assert detect_pins(draw(hexagon_px)).area_px.mean() == pytest.approx(np.pi * 4.5**2, rel=0.1)
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.cli.rig.served_file import check_replaceable, served_file, toml_lines
+from emg2vsa.cli.rig.emulate import check_replaceable, served_file, toml_lines
 from emg2vsa.errors import SettingError
 from emg2vsa.rig_file import load_rig
 from emg2vsa.run_folders.presses import is_simulated
@@ -100,6 +100,15 @@ def test_what_cannot_be_emulated(
     assert (status, out) == (2, "")
     assert says in err
     assert "Traceback" not in err
+
+
+def test_on_windows_it_says_what_to_do(
+    rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("emg2vsa.rig.emulated.servers.sys", SimpleNamespace(platform="win32"))
+    status, out, err = rig("emulate", rig_file())
+    assert (status, out) == (2, "")
+    assert "wanted a system with virtual serial ports; found Windows. Use emg2vsa rig run --virtual." in err
 
 
 @pytest.mark.slow

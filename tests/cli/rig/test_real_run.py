@@ -8,9 +8,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from casr.frame_files import open_frames
-from emg2vsa.rig.run_log import read_log
+import pytest
 
+from benchmarks.rig.logs import read_log
+from casr.frame_files import open_frames
+
+pytestmark = pytest.mark.realtime
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
 MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
@@ -104,3 +107,26 @@ def test_more_than_one_run_is_listed_and_one_asked_for(rig: Rig, rig_file: Calla
         "--specimen S3 --angle 0 --condition modular   # guard before, 0 of 2 presses",
     ]
     assert "wanted one run; found 4, of which 3 are still to do. Name one as listed, or add --virtual" in err
+
+
+def test_runs_of_the_emulated_rig_are_told_and_do_not_count(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    path, runs = rig_file(), tmp_path / "runs"
+    for name in ("S1_0_modular", "S3_0_modular"):
+        (runs / name).mkdir(parents=True)
+        for file in ("emulated.json", "plan.json"):
+            (runs / name / file).write_text("{}")
+        (runs / name / "ended.json").write_text(json.dumps({"how": "completed", "repetitions_done": 2}))
+    status, out, err = rig("run", path, "--angle", 0, "--condition", "modular")
+    assert status == 2
+    assert len(out.splitlines()) == 2
+    assert f"2 folders in {runs} were made by the emulated rig of version 0.1.0 and do not count as done; " in err
+    assert "emg2vsa clean STUDY --move-virtual moves them away." in err
+
+    for name in ("S1_0_modular", "S3_0_modular"):
+        (runs / name / "emulated.json").unlink()
+    status, out, err = rig("run", path, "--angle", 0, "--condition", "modular")
+    assert (status, out) == (2, "")
+    assert "found 2, of which 0 are still to do. To repeat one, move its folder away, or choose another" in err
+    assert "0.1.0" not in err

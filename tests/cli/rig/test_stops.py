@@ -16,8 +16,9 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.rig.run_log import read_log
+from benchmarks.rig.logs import read_log
 
+pytestmark = pytest.mark.realtime
 Rig = Callable[..., tuple[int, str, str]]
 ONE = ("--specimen", "S1", "--angle", "0", "--condition", "modular")
 MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from benchmarks.rig.logs import read_log
 from emg2vsa.cli.rig import virtual_runs
 from emg2vsa.rig.new_folder import how_ended
-from emg2vsa.rig.run_log import read_log
 
 Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]
@@ -55,7 +55,18 @@ def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFil
     assert "1/1 S1_0_high-stiffness: guard: travel in approach of press 1 (" in err or "in load of press 1 (" in err
     assert "high-stiffness, 0 degrees     0, travel\n" in out
     assert rig("run", rig_file(), *options)[0] == 0
-    assert how_ended(tmp_path / "runs" / "S1_0_high-stiffness-2") == "completed"
+    assert how_ended(tmp_path / "runs-virtual" / "S1_0_high-stiffness-2") == "completed"
+
+
+def test_measured_runs_are_none_of_its_own(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    options = ("--specimen", "S1", "--angle", 0, "--condition", "high-stiffness", "--repetitions", 1)
+    measured = tmp_path / "runs" / "S1_0_high-stiffness"
+    measured.mkdir(parents=True)
+    (measured / "ended.json").write_text('{"how": "completed", "repetitions_done": 2}')
+    assert rig("run", rig_file(), "--virtual", *options)[0] == 0
+    assert [path.name for path in (tmp_path / "runs").iterdir()] == [measured.name]
+    assert rig("run", rig_file(), "--virtual", "--out", tmp_path / "runs", *options)[0] == 0
+    assert sorted(path.name for path in (tmp_path / "runs").iterdir()) == [measured.name, f"{measured.name}-2"]
 
 
 def test_without_an_emulated_rig(rig: Rig, rig_file: RigFile) -> None:
@@ -69,7 +80,7 @@ def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path
     status, _, err = rig("run", path, "--virtual")
     assert status == 2
     assert "preset_ticks: wanted 560 to 2240 ticks" in err
-    assert not (tmp_path / "runs").exists()
+    assert not (tmp_path / "runs-virtual").exists()
 
 
 @pytest.mark.parametrize("how", ["interrupted", "full"])

@@ -18,12 +18,11 @@ from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.execute import execute
-from emg2vsa.rig.guards import GuardSettings
 from emg2vsa.rig.net_ft import open_net_ft
 from emg2vsa.rig.opencv_camera import OpenCvCamera
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove import BAUD, Qbmove
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig.rigid_motor import RigidMotor
 from emg2vsa.rig.transport import LoopbackLine, SerialLine
 
@@ -156,6 +155,7 @@ def test_help_names_every_fault() -> None:
     assert all(f"  {name}" in help_text() for name in (*FAULTS, "off", "quit"))
 
 
+@pytest.mark.realtime
 def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> None:
     """The rigid motor over real ports; a machine with other work must not trip the guards."""
     guards = GuardSettings(force_n=250, force_rate_n_per_s=1e5, stale_s=2, late_s=2, camera_s=10)

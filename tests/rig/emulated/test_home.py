@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.rig.logs import read_log
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
@@ -18,7 +19,7 @@ from emg2vsa.rig.ended import Ended
 from emg2vsa.rig.execute import execute
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row, read_log
+from emg2vsa.rig.run_log import Row
 
 ENCODER_MM = 8 * 360 / 32768 * 0.2
 """A step of the 12 bits, at the probe."""

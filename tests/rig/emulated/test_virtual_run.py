@@ -10,17 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
 from casr.score import score
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
-from emg2vsa.rig.camera import Frame
+from emg2vsa.rig.devices import Frame
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row, read_log
+from emg2vsa.rig.run_log import Row
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 RIG = RigSettings()

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row, read_log
+from emg2vsa.rig.run_log import Row
 
 PRESS = ["approach", "contact", "load", "retract", "pause"]
 

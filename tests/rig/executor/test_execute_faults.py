@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
+from benchmarks.rig.logs import read_log
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.append_file import AppendFile
-from emg2vsa.rig.run_log import read_log
 
 PHASES = ("home", "approach", "contact", "load", "retract", "pause")
 FAULTS = {

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.rig.logs import read_log
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.run_log import Row, RunLog, read_log
+from emg2vsa.rig.run_log import Row, RunLog
 
 ROWS = [
     Row(n / 200, 1, "load", n / 200, 0.25 * n, None, 100 + n, 600, None, None, n, -3, None, n // 10 - 1)
@@ -36,9 +37,7 @@ def test_cut_off_anywhere_whole_rows_are_read(tmp_path: Path) -> None:
         assert read_log(cut) == ROWS[: content[:size].count(b"\n") - 1]
 
 
-@pytest.mark.parametrize(
-    ("old", "new"), [(b"load", b"load,1"), (b"100", b"1x0"), (b"time_s", b"time"), (b"load", b"\xff")]
-)
+@pytest.mark.parametrize(("old", "new"), [(b"load", b"load,1"), (b"100", b"1x0"), (b"time_s", b"time")])
 def test_anything_else_is_refused(tmp_path: Path, old: bytes, new: bytes) -> None:
     (tmp_path / "bad.csv").write_bytes(written(tmp_path / "log.csv").replace(old, new, 1))
     with pytest.raises(RecordingError, match=r"bad\.csv"):

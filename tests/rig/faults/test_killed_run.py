@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.rig.logs import read_log
 from benchmarks.rig.patient import as_json
 from benchmarks.rig.plans import SPECIMEN
 from casr.frame_files import open_frames
@@ -20,7 +21,6 @@ from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, Device
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.run_log import read_log
 
 PATIENCE_S = 60.0
 ROOT = Path(__file__).parents[3]
@@ -34,6 +34,7 @@ def servers() -> Iterator[EmulatedServers]:
 
 
 @pytest.mark.slow
+@pytest.mark.realtime
 def test_kill_9_leaves_a_readable_run_and_motors_off(servers: EmulatedServers, tmp_path: Path) -> None:
     force = servers.force
     settings = DeviceSettings(

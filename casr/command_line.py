@@ -1,0 +1,148 @@
+"""A program of sub-commands: one module each, heavy imports only in the one that runs; and its reference page."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from casr.errors import UserError
+
+Group = argparse._ActionsContainer  # a parser or a group of its options
+Commands = Any  # argparse gives its collection of sub-parsers no public type
+
+PAGE_COLUMNS = 100
+"Of the help; a terminal's own width must not change the page."
+PAGE_HEAD = """# The commands of {name}
+
+Written by `python -m {name}.cli.reference`; do not edit. The same text is in `{name} COMMAND --help`.
+
+| exit status | meaning |
+|---|---|
+| 0 | done |
+| 1 | done, but something is not good; the help of the command says what |
+| 2 | unusable input ({inputs}), said in one line for each problem |
+| 130 | stopped with Ctrl-C; what was finished is kept |
+
+Results go to the standard output; progress, notes and complaints to the error stream. With `--json` the standard output
+holds one JSON value.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Program:
+    """A program and its sub-commands.
+
+    Parameters
+    ----------
+    name : as typed. Module ``<name>.cli.<command>`` adds its parser in ``add_to(commands)``, with its work as ``run``.
+    version, description, epilog : for ``--version`` and ``--help``; the exit statuses are added to the epilog.
+    commands : in the order of the help.
+    stopped : what Ctrl-C leaves, said after it.
+    """
+
+    name: str
+    version: str
+    description: str
+    epilog: str
+    commands: tuple[str, ...]
+    stopped: str
+
+    def main(self, argv: Sequence[str] | None = None) -> int:
+        """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
+        words = sys.argv[1:] if argv is None else argv
+        only = [name for name in words[:1] if name in self.commands]
+        arguments = self.parser(only or self.commands).parse_args(words)
+        try:
+            status: int = arguments.run(arguments)
+            sys.stdout.flush()
+            return status
+        except UserError as error:
+            print(error.told_by(self.name), file=sys.stderr)
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+        except OSError as error:
+            print(f"{self.name}: {error.filename or 'input or output'}: {error.strerror or error}", file=sys.stderr)
+        except KeyboardInterrupt:
+            print(f"\nStopped. {self.stopped}", file=sys.stderr)
+            return 130
+        return 2
+
+    def parser(self, names: Sequence[str] = ()) -> argparse.ArgumentParser:
+        """The parser of the whole command line, or of these commands only."""
+        whole = argparse.ArgumentParser(
+            prog=self.name,
+            description=self.description,
+            epilog=f"{self.epilog} Exit status: 0 done; 1 something is not good; 2 unusable input, nothing was done; "
+            "130 stopped.",
+        )
+        whole.add_argument("--version", action="version", version=f"{self.name} {self.version}")
+        add_subcommands(whole, f"{self.name}.cli", names or self.commands)
+        return whole
+
+    def reference_page(self, inputs: str) -> str:
+        """Help of every command as Markdown. inputs : what can be unusable."""
+        parts = []
+        for parser in _with_commands(self.parser()):
+            parser.formatter_class = partial(argparse.HelpFormatter, width=PAGE_COLUMNS)  # type: ignore[assignment]
+            parts.append(f"\n## `{parser.prog}`\n\n```text\n{parser.format_help()}```\n")
+        return PAGE_HEAD.format(name=self.name, inputs=inputs) + "".join(parts)
+
+
+def _with_commands(whole: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    """``whole``, then its commands, each followed by its own."""
+    yield whole
+    for action in whole._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from _with_commands(command)
+
+
+def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequence[str]) -> None:
+    """Let the module ``<package>.<name>`` of each name, with _ for -, add its parser."""
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for name in names:
+        importlib.import_module(f"{package}.{name.replace('-', '_')}").add_to(commands)
+
+
+def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: str = "") -> argparse.ArgumentParser:
+    """A sub-command whose help opens with its one-line summary."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name, help=summary, description=summary, epilog=epilog or None
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_json(parser: Group) -> None:
+    """Output for programs."""
+    parser.add_argument("--json", action="store_true", help="print JSON for a program to read")
+
+
+def print_json(value: object) -> None:
+    """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
+    print(json.dumps(_finite(value), indent=2, sort_keys=True))
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and value - value != 0:
+        return None
+    return value
+
+
+def whole_number(text: str) -> int:
+    """A whole number from 1, for argparse."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
+    return int(text)

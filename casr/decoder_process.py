@@ -1,0 +1,254 @@
+"""Foreign decoders of binary files run in a child process, so that a file can bring down nothing but that child.
+
+A library such as ezc3d, scipy.io or OpenCV may crash, never end or ask for all memory on a damaged file. This process
+keeps one warm child. The child imports the decoder of a format once, holds the opened files, and sends back what the
+decoder returns or raises. Arrays come back as arrays that can be written to. The child ends with this process.
+
+The time limit holds everywhere. The memory limit is the one of the operating system: it holds on Linux; macOS and
+Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, where it waits for the time limit.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import pickle
+import select
+import signal
+import subprocess
+import sys
+import threading
+import time
+import weakref
+from io import FileIO
+from typing import IO, Any, Literal
+
+import numpy as np
+
+from casr.decoder_child import HEAD, Limits, SharedMemory, read_whole, write_whole
+
+START_SECONDS = 60.0
+"""Limit on starting the child and importing a decoder; it is not the file's fault."""
+_END_SECONDS = 5.0
+
+
+class DecoderFailed(Exception):
+    """The decoder crashed, did not end, or needed too much memory.
+
+    reason : a clause, such as "its reader took more than 10 s". limit : which limit was met; None for a crash.
+    """
+
+    def __init__(self, reason: str, limit: Literal["seconds", "memory"] | None = None) -> None:
+        self.reason, self.limit = reason, limit
+        super().__init__(reason, limit)
+
+    def __str__(self) -> str:
+        return self.reason
+
+
+class InChild:
+    """An object that lives in the child: ``module.function(*arguments)``, made anew when the child had to be replaced.
+
+    Parameters
+    ----------
+    library : named in the reason of a crash.
+    module, function : what makes the object; imported in the child only.
+    limits : of each request.
+
+    Raises
+    ------
+    DecoderFailed : the child crashed or met a limit. Whatever ``function`` raises is raised here too.
+    """
+
+    def __init__(self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits) -> None:
+        self._library, self._limits = library, limits
+        self._made_by = module, function, arguments
+        self._child: _Child | None = None
+        self._key = 0
+        with _lock:
+            self._make()
+
+    def ask(self, name: str, *arguments: Any) -> Any:
+        """What the method ``name`` of the object returns or raises, or the value of its attribute ``name``."""
+        with _lock:
+            if self._child is None or not self._child.alive:
+                self._make()
+            assert self._child is not None
+            return self._child.ask(("ask", self._key, name, arguments), self._limits, self._library)
+
+    def _make(self) -> None:
+        self._child = child = _running_child()
+        module, function, arguments = self._made_by
+        child.import_decoder(module, self._library)
+        self._key = child.new_key()
+        child.ask(("make", self._key, module, function, arguments), self._limits, self._library)
+        weakref.finalize(self, child.released.append, self._key)
+
+
+_lock = threading.RLock()
+_current: _Child | None = None
+
+
+def child_pid() -> int | None:
+    """Process id of the running child; None where no file needed one yet."""
+    return _current.pid if _current is not None and _current.alive else None
+
+
+def end_child() -> None:
+    """End the child, if there is one; the next file starts another."""
+    if _current is not None:
+        _current.end()
+
+
+def _running_child() -> _Child:
+    global _current
+    if _current is None or not _current.alive:
+        _current = _Child()
+    return _current
+
+
+def _forget_child() -> None:
+    """After a fork: the child belongs to the parent of this process."""
+    global _current, _lock
+    _lock = threading.RLock()
+    if _current is not None:
+        _current.close_pipes()
+        _current = None
+
+
+atexit.register(end_child)
+if sys.platform != "win32":
+    os.register_at_fork(after_in_child=_forget_child)
+
+
+class _Child:
+    """The parent's end: one request, one answer.
+
+    The bytes of an answer lie in shared memory on Linux, elsewhere they follow in the pipe.
+    """
+
+    def __init__(self) -> None:
+        how: dict[str, Any] = {}
+        self._shared: SharedMemory | None = None
+        if sys.platform == "win32":
+            how["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
+        else:
+            how["process_group"] = 0  # Ctrl-C is for the parent
+        if sys.platform == "linux":
+            with contextlib.suppress(OSError):  # some containers forbid it
+                self._shared = SharedMemory(os.memfd_create("decoded"))
+                how["pass_fds"] = (self._shared.descriptor,)
+        shared = self._shared.descriptor if self._shared else -1
+        search = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", f"from casr.decoder_child import serve; serve({shared})"],
+            env=os.environ | {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0, **how,
+        )  # fmt: skip
+        assert self._process.stdin is not None
+        assert isinstance(self._process.stdout, FileIO)
+        self._requests: IO[bytes] = self._process.stdin
+        self._answers: FileIO = self._process.stdout
+        self._open, self._ending = True, threading.RLock()
+        self.released: list[int] = []
+        self._imported: set[str] = set()
+        self._keys = 0
+
+    @property
+    def alive(self) -> bool:
+        if self._open and self._process.poll() is not None:
+            self.end()
+        return self._open
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    def new_key(self) -> int:
+        self._keys += 1
+        return self._keys
+
+    def import_decoder(self, module: str, library: str) -> None:
+        """Outside the limits of a file: starting Python and importing a library are not its fault."""
+        if module not in self._imported:
+            self.ask(("import", module), Limits(START_SECONDS, 1e6), library)
+            self._imported.add(module)
+
+    def ask(self, request: tuple[Any, ...], limits: Limits, library: str) -> Any:
+        released, self.released[:] = tuple(self.released), []
+        try:
+            started = time.monotonic()
+            message = pickle.dumps((request, released, limits, _working_folder()))
+            write_whole(self._requests, HEAD.pack(len(message)) + message)
+            self._await(limits)
+            ended_well, value = self._answer()
+        except (OSError, EOFError, ValueError, MemoryError, pickle.UnpicklingError) as error:  # or a spoilt answer
+            late = time.monotonic() - started >= limits.seconds
+            raise _too_late(limits) if late else self._crashed(library) from error
+        except BaseException:  # an answer may still come, which the next request would take for its own
+            self.end()
+            raise
+        if ended_well:
+            return value
+        if isinstance(value, MemoryError):
+            self.end()  # what it holds is not known
+            raise DecoderFailed(f"its reader needed more than {limits.memory_mb:.0f} MB", "memory")
+        raise value
+
+    def _await(self, limits: Limits) -> None:
+        if sys.platform == "win32":
+            return  # pipes cannot be waited for there; the child's own watchdog ends it, and the pipe with it
+        answers = select.poll()
+        answers.register(self._answers, select.POLLIN)
+        if not answers.poll(1e3 * limits.seconds):
+            self.end()
+            raise _too_late(limits)
+
+    def _answer(self) -> tuple[bool, Any]:
+        parts = self._parts()
+        ended_well, value = pickle.loads(parts[0].data, buffers=parts[1:])
+        return ended_well, value
+
+    def _parts(self) -> list[np.ndarray[Any, Any]]:
+        (count,) = HEAD.unpack(read_whole(self._answers, HEAD.size).data)
+        *sizes, capacity = read_whole(self._answers, (count + 1) * HEAD.size).view(np.dtype("<u8")).tolist()
+        if self._shared is None:
+            return [read_whole(self._answers, size) for size in sizes]
+        memory, starts = self._shared.array(capacity), np.cumsum([0, *sizes])
+        return [memory[start : start + size].copy() for start, size in zip(starts, sizes, strict=False)]
+
+    def _crashed(self, library: str) -> DecoderFailed:
+        try:
+            code = self._process.wait(_END_SECONDS)
+            how = f"exit code {code}" if code >= 0 else (signal.strsignal(-code) or f"signal {-code}").lower()
+        except subprocess.TimeoutExpired:
+            how = "no valid answer"
+        self.end()
+        return DecoderFailed(f"its reader crashed ({library}, {how})")
+
+    def end(self) -> None:
+        with self._ending:  # a descriptor that is closed twice may be another's by then
+            if self._open:
+                self._process.kill()
+                self._process.wait()
+                self.close_pipes()
+
+    def close_pipes(self) -> None:
+        self._open = False
+        for end in (self._requests, self._answers, self._shared):
+            if end is not None:
+                with contextlib.suppress(OSError):
+                    end.close()
+
+
+def _working_folder() -> str:
+    """To which paths are relative; "" where it was removed."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
+
+
+def _too_late(limits: Limits) -> DecoderFailed:
+    return DecoderFailed(f"its reader took more than {limits.seconds:.3g} s", "seconds")

@@ -1,0 +1,140 @@
+"""Pages: the HTML pieces they are made of, and their one look. ``text`` is escaped here; ``body`` is HTML already."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+CSS = """
+:root{--ink:#1a1a1a;--muted:#555;--line:#ccc;--soft:#f4f4f2;--link:#00518a;--page:#fff;color-scheme:light dark}
+@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--muted:#a8a8a8;--line:#4a4a4a;--soft:#262626;--link:#8ec7f0;--page:#161616}}
+*{box-sizing:border-box}
+body{margin:0;font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",Arial,sans-serif;color:var(--ink);background:var(--page)}
+header,nav,main,footer{max-width:68rem;margin:0 auto;padding:0 1rem}
+h1{font-size:1.6rem;line-height:1.2;margin:1.2rem 0 .3rem;overflow-wrap:anywhere}
+h2{font-size:1.25rem;margin:2.2rem 0 .5rem;padding-top:.5rem;border-top:1px solid var(--line)}
+h3{font-size:1.05rem;margin:1.4rem 0 .3rem}
+p,ul{max-width:46rem;margin:.5rem 0}
+a{color:var(--link)}
+nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;list-style:none;padding:0;max-width:none}
+.sub,figcaption,caption,.small{color:var(--muted);font-size:.9rem}
+.say{border-left:4px solid var(--ink);background:var(--soft);padding:.5rem .8rem;max-width:46rem;margin:.8rem 0}
+.good{border-color:#009E73}.usable{border-color:#E69F00}.bad,.repeat,.unreadable{border-color:#D55E00}
+.say strong:first-child{font-size:1.1rem}
+.tiles{display:flex;flex-wrap:wrap;gap:.6rem;padding:0;margin:.8rem 0;list-style:none;max-width:none}
+.tiles li{border:1px solid var(--line);padding:.4rem .8rem;min-width:8rem;flex:0 1 auto}
+.tiles b{display:block;font-size:1.2rem}
+.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,27rem),1fr));gap:1.2rem;align-items:start}
+.small-ones{grid-template-columns:repeat(auto-fill,minmax(min(100%,13rem),1fr))}
+figure{margin:1rem 0}
+.pictures figure{margin:0}
+figure h3{margin:0 0 .3rem}
+figure img,figure svg{display:block;width:100%;height:auto;background:#fff}
+.pictures img,.pictures svg{border:1px solid var(--line)}
+.wide{overflow-x:auto}
+@media(max-width:40rem){.wide table{min-width:34rem}}
+table{border-collapse:collapse;font-size:.86rem;margin:.5rem 0;font-variant-numeric:tabular-nums}
+caption{text-align:left;padding:.2rem 0}
+th,td{padding:.15rem .7rem .15rem 0;text-align:left;vertical-align:top}
+th{border-bottom:1px solid var(--ink);vertical-align:bottom}
+td,tbody th{border-bottom:1px solid var(--line);font-weight:inherit}
+.n{text-align:right}
+details{margin:.5rem 0}
+summary{cursor:pointer;color:var(--link)}
+dl{display:grid;grid-template-columns:minmax(5rem,auto) minmax(0,1fr);gap:.2rem 1rem;max-width:52rem;margin:.5rem 0}
+dt{font-weight:600}dd{margin:0;overflow-wrap:anywhere}
+code{font-size:.85rem;overflow-wrap:anywhere}
+footer{margin:2rem auto}
+.skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:var(--page)}
+@media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible}figure,tr{break-inside:avoid}
+h2{break-after:avoid}a{color:inherit;text-decoration:none}details:not([open])>*{display:none}}
+"""
+"One column, readable on a phone, by night and on paper; no fonts or scripts from elsewhere."
+
+
+def page(title: str, header: str, nav: Iterable[tuple[str, str]], body: str, footer: str) -> str:
+    """A whole document. header, footer : HTML. nav : (address, text) of each link, if any."""
+    links = "".join(f'<li><a href="{escape(address)}">{escape(text)}</a></li>' for address, text in nav)
+    skip = '<a class="skip" href="#main">Skip to content</a>\n' if links else ""
+    contents = f'<nav aria-label="Contents"><ul>{links}</ul></nav>\n' if links else ""
+    style = CSS.strip().replace("\n", "")
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
+        f'{skip}<header>{header}</header>\n{contents}<main id="main">\n{body}</main>\n'
+        f"<footer>{footer}</footer>\n</body>\n</html>\n"
+    )
+
+
+def section(name: str, title: str, *body: str) -> str:
+    """A landmark with its heading."""
+    return (
+        f'<section id="{escape(name)}" aria-labelledby="{escape(name)}-h">'
+        f'<h2 id="{escape(name)}-h">{escape(title)}</h2>\n'
+        f"{''.join(body)}</section>\n"
+    )
+
+
+def heading(text: str) -> str:
+    return f"<h3>{escape(text)}</h3>\n"
+
+
+def paragraph(text: str, kind: str = "") -> str:
+    return f"<p{_attribute('class', kind)}>{escape(text)}</p>\n"
+
+
+def statement(kind: str, strong: str, text: str) -> str:
+    """A sentence nobody may miss."""
+    return f'<p class="say{" " + kind if kind else ""}"><strong>{escape(strong)}</strong> {escape(text)}</p>\n'
+
+
+def bullets(texts: Iterable[str]) -> str:
+    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+    return f"<ul>{items}</ul>\n" if items else ""
+
+
+def tiles(facts: Iterable[tuple[str, str, str]]) -> str:
+    """Name, value and a remark of each number."""
+    items = "".join(f"<li>{escape(name)}<b>{escape(value)}</b>{escape(remark)}</li>" for name, value, remark in facts)
+    return f'<ul class="tiles">{items}</ul>\n'
+
+
+def details(summary: str, body: str) -> str:
+    """Folded away until asked for."""
+    return f"<details><summary>{escape(summary)}</summary>\n{body}</details>\n"
+
+
+def pairs(facts: Iterable[tuple[str, str]]) -> str:
+    """Names and what they stand for."""
+    return "<dl>" + "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in facts) + "</dl>\n"
+
+
+def figure(svg: str, caption: str, data: str = "") -> str:
+    """A drawing with caption; ``svg`` and ``data`` (its numbers as a table) are HTML."""
+    label = escape(caption.split(".")[0])
+    return (
+        f'<figure><div class="wide" role="region" tabindex="0" aria-label="{label}">{svg}</div>'
+        f"<figcaption>{escape(caption)}</figcaption>\n{data}</figure>\n"
+    )
+
+
+def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]], links: Sequence[str] = ()) -> str:
+    """The first column holds names, the others numbers; ``links`` are the names' addresses. Scrolls sideways."""
+    kind = ["", *[' class="n"'] * (len(heads) - 1)]
+    top = "".join(f'<th scope="col"{k}>{escape(head)}</th>' for k, head in zip(kind, heads, strict=True))
+    body = []
+    for place, row in enumerate(rows):
+        cells = [escape(text) for text in row]
+        if links:
+            cells[0] = f'<a href="{escape(links[place])}">{cells[0]}</a>'
+        body.append("<tr>" + "".join(f"<td{k}>{cell}</td>" for k, cell in zip(kind, cells, strict=True)) + "</tr>")
+    joined = "\n".join(body)
+    return (
+        f'<div class="wide"><table><caption>{escape(caption)}</caption>\n'
+        f"<thead><tr>{top}</tr></thead>\n<tbody>\n{joined}\n</tbody></table></div>\n"
+    )
+
+
+def _attribute(name: str, text: str) -> str:
+    return f' {name}="{escape(text)}"' if text else ""

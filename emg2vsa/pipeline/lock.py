@@ -1,0 +1,83 @@
+"""One writer at a time for the results of a study: a lock that ends with the process that holds it, however it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from emg2vsa.errors import DataError
+from emg2vsa.pipeline.store import myself, told
+
+_LOOK_AGAIN_S = 0.05
+_PATIENCE = 3
+"""Looks before anybody is told: ``holder`` takes the lock for a moment."""
+LOCK_FILE = ".lock"
+_BYTE = 1 << 30
+"""Windows locks a byte, which nobody else may read then: one far behind the text that names the holder."""
+
+
+@contextlib.contextmanager
+def study_lock(folder: Path, *, wait: bool, say: Callable[[str], None]) -> Iterator[None]:
+    """Hold the lock of the results in ``folder``.
+
+    wait : until another holder ends, which ``say`` is told once; else DataError says who holds it since when.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / LOCK_FILE
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        looks = 0
+        while not _taken(handle):
+            looks += 1
+            if looks > _PATIENCE and not wait:
+                do = "Wait until it ends, or run again without --no-wait."
+                raise DataError(folder, wanted="results that nobody else writes", found=f"held by {told(path)}", do=do)
+            if looks == _PATIENCE + 1:
+                say(f"Waiting: another run holds {folder}: {told(path)}.")
+            time.sleep(_LOOK_AGAIN_S)
+        os.ftruncate(handle, 0)
+        os.lseek(handle, 0, os.SEEK_SET)
+        os.write(handle, json.dumps(myself()).encode())
+        yield
+    finally:
+        os.close(handle)  # gives the lock back
+
+
+def holder(folder: Path) -> str:
+    """Who holds the lock, in words; "" where nobody does. Writes nothing."""
+    path = folder / LOCK_FILE
+    try:
+        handle = os.open(path, os.O_RDWR)
+    except OSError:
+        return ""
+    try:
+        return "" if _taken(handle) else told(path)
+    finally:
+        os.close(handle)
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _taken(handle: int) -> bool:
+        os.lseek(handle, _BYTE, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+else:
+    import fcntl
+
+    def _taken(handle: int) -> bool:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True

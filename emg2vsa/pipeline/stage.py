@@ -1,0 +1,98 @@
+"""What a stage is: each file of ``emg2vsa.pipeline.stages`` declares one as ``STAGE``; nothing else says what it is.
+
+A step is a stage for one item: one recording, one run of the rig, one participant, or the whole study. ``run`` gets
+what the declaration names and nothing else, so that everything a result depends on is part of the step's key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.campaign import Campaign
+
+Part = Literal["people", "emulated rig", "runs", "report"]
+"""Recordings of people; runs that an emulated rig makes; runs of any rig; all of them."""
+
+Input = tuple[str, str]
+"""Stage and item of a step whose result another step takes."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """What ``run`` gets.
+
+    settings : what ``Stage.settings`` returned. files : what ``Stage.files`` returned. inputs : stage to the results of
+    its steps, in the study's order; steps that failed are left out. failures : (item, stage, message) of every failed
+    step, for a stage that tells them. folder : where a stage that writes files writes them.
+    """
+
+    item: str
+    settings: Mapping[str, Any]
+    files: Mapping[str, Sequence[Path]] = field(default_factory=dict)
+    inputs: Mapping[str, Sequence[Path]] = field(default_factory=dict)
+    failures: Sequence[tuple[str, str, str]] = ()
+    folder: Path | None = None
+
+    def all(self, stage: str) -> list[Any]:
+        """The results of a stage. DamagedResult where one is not as it was stored."""
+        from emg2vsa import artifacts  # loads NumPy, which planning does without
+
+        return [artifacts.load(path) for path in self.inputs.get(stage, ())]
+
+    def one(self, stage: str) -> Any:
+        """The result of a stage that has one step; None where it failed."""
+        return next(iter(self.all(stage)), None)
+
+
+@dataclass(frozen=True)
+class Keyed:
+    """A setting of which only ``key`` counts: what the value holds besides changes no result."""
+
+    value: Any
+    key: Any
+
+
+def value_of(setting: Any) -> Any:
+    """A setting as ``run`` gets it."""
+    return setting.value if isinstance(setting, Keyed) else setting
+
+
+def nothing(campaign: Campaign, item: str) -> dict[str, Any]:
+    """No settings, or no files."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage.
+
+    needs : stages whose results it takes. per : what it runs for. of : the part of a study it belongs to.
+    run : makes the product from what is given; a stage that writes files returns their paths, all inside its folder.
+    settings : name to value, all that ``run`` may use of the study; paths in it are not part of the key.
+    files : role to the files outside the store that ``run`` reads; their content is part of the key.
+    takes : the inputs of one item, where they are not what ``needs`` and ``per`` say.
+    folder : where the files go that it writes; None for a stage whose product is stored.
+    alone_in : folder that holds nothing but its files; a file more in it makes the step stale.
+    says : what a person should read of a product, "" where nothing.
+    tells_failures : ``run`` gets the messages of all failed steps.
+    gives : what it puts into the report, with a verb, such as "The mean profiles are".
+    alone : up to so many steps run in the calling process, as starting workers would take longer.
+    """
+
+    per: Literal["recording", "run", "participant", "study"]
+    of: Part
+    run: Callable[[Given], Any]
+    needs: tuple[str, ...] = ()
+    settings: Callable[[Campaign, str], dict[str, Any]] = nothing
+    files: Callable[[Campaign, str], Mapping[str, Sequence[Path]]] = nothing
+    takes: Callable[[Campaign, str], Sequence[Input]] | None = None
+    folder: Callable[[Campaign, str], Path] | None = None
+    alone_in: Callable[[Campaign, str], Path] | None = None
+    says: Callable[[Any], str] = lambda product: ""
+    tells_failures: bool = False
+    gives: str = "Results are"
+    alone: int = 1

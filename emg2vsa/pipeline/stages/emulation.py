@@ -1,0 +1,109 @@
+"""Emulation: a run of the experiment, carried out by the emulated rig in virtual time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Given, Input, Stage
+from emg2vsa.settings import RIGID
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.rig.emulated.settings import EmulatedSettings
+    from emg2vsa.rig.plan import RunPlan
+    from emg2vsa.rig.rig_settings import RigSettings
+
+STARTED = "2026-01-05T09:00:00+00:00"
+"""Date of every emulated run: the same study gives the same bytes on any day."""
+
+
+def takes(campaign: Campaign, item: str) -> list[Input]:
+    """The rigid motor follows no schedule."""
+    return [] if campaign.runs[item].condition == RIGID else [("schedules", "study")]
+
+
+def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    """Of the other runs nothing: neither their names nor the stiffness of their specimens."""
+    assert campaign.rig is not None
+    assert campaign.rig.emulated is not None
+    entry, rig, emulated = campaign.runs[item], campaign.rig, campaign.rig.emulated
+    own = {name: value for name, value in emulated.stiffness_n_per_mm.items() if name == entry.specimen}
+    return {
+        "run": (entry.specimen, entry.angle_deg, entry.condition),
+        "experiment": replace(rig.experiment, specimens=(entry.specimen,), angles_deg={}),
+        "rig": rig.rig,
+        "emulated": replace(emulated, stiffness_n_per_mm=own),
+    }
+
+
+def folder(campaign: Campaign, item: str) -> Path:
+    assert campaign.study.runs_source is not None
+    return campaign.study.runs_source.root
+
+
+def alone_in(campaign: Campaign, item: str) -> Path:
+    return folder(campaign, item) / item
+
+
+def run(given: Given) -> list[Path]:
+    import os
+    import shutil
+
+    from emg2vsa.errors import DataError
+    from emg2vsa.rig.experiment import plan_of
+    from emg2vsa.rig.new_folder import EMULATED_FILE
+
+    assert given.folder is not None
+    made, unfinished = given.folder / given.item, given.folder / f".{given.item}.{os.getpid()}.unfinished"
+    if made.exists() and not (made / EMULATED_FILE).is_file():
+        do = "Choose another root under [runs], or leave rig out of it to score measured runs."
+        raise DataError(made, wanted="no measured run where an emulated one goes", found="one", do=do)
+    used = given.settings
+    specimen, angle_deg, condition = used["run"]
+    plan = plan_of(used["experiment"], specimen, angle_deg, condition, given.one("schedules") or ())
+    for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
+        shutil.rmtree(left, ignore_errors=True)
+    try:
+        _record(plan, used["rig"], used["emulated"], unfinished)
+        shutil.rmtree(made, ignore_errors=True)
+        unfinished.rename(made)
+    except BaseException:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        raise
+    return sorted(path for path in made.rglob("*") if path.is_file())
+
+
+def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path) -> None:
+    """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
+
+    OSError : it could not be recorded. KeyboardInterrupt : Ctrl-C, which the executor takes for the end of the run.
+    """
+    import errno
+    from datetime import datetime
+
+    from emg2vsa.errors import DeviceError
+    from emg2vsa.rig.emulated.virtual_run import run_virtual
+    from emg2vsa.rig.new_folder import how_ended
+
+    try:
+        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED))
+    except DeviceError as error:
+        raise OSError(errno.EIO, str(error)) from error
+    if ended.how == "interrupted":
+        raise KeyboardInterrupt
+    if ended.cause == "recording" or how_ended(folder) != ended.how:
+        raise OSError(errno.EIO, ended.why or "; ".join(ended.notes))
+
+
+STAGE = Stage(
+    per="run",
+    of="emulated rig",
+    needs=("schedules",),
+    run=run,
+    settings=settings,
+    takes=takes,
+    folder=folder,
+    alone_in=alone_in,
+)

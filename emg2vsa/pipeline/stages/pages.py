@@ -1,0 +1,48 @@
+"""Pages: one for each participant, for the person who runs the session."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.campaign import Campaign
+
+
+def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    """The study less all other participants; of it the page shows title, specimens and recordings."""
+    own = tuple(campaign.recordings[cell] for cell in campaign.cells[item])
+    study = replace(campaign.study, participants=(item,), recordings=own, runs=())
+    return {"study": Keyed(study, {"title": study.title, "specimens": study.specimens, "recordings": own})}
+
+
+def folder(campaign: Campaign, item: str) -> Path:
+    return campaign.study.reports
+
+
+def run(given: Given) -> list[Path]:
+    from emg2vsa.fits import concatenate
+    from emg2vsa.report.failures import Failure
+    from emg2vsa.report.session_page import write_session_page
+
+    assert given.folder is not None
+    fits, failures = given.all("fits"), tuple(Failure(*failure) for failure in given.failures)
+    return write_session_page(
+        given.settings["study"], given.item, given.all("trials"), concatenate(fits) if fits else None, failures,
+        given.folder,
+    )  # fmt: skip
+
+
+STAGE = Stage(
+    per="participant",
+    of="people",
+    needs=("trials", "fits"),
+    run=run,
+    settings=settings,
+    folder=folder,
+    tells_failures=True,
+    alone=64,
+)

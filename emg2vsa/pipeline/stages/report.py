@@ -1,0 +1,123 @@
+"""Report: everything that was found, in one folder; a stage that failed leaves its section saying why."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.report.inputs import StudyResults
+
+NOT_SHOWN = ("path", "results", "reports", "data", "runs", "runs_source", "recordings")
+"""Where things lie changes nothing in a report; which runs there are, it sees in their results."""
+
+
+def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    study = campaign.study
+    shown = {each.name: getattr(study, each.name) for each in fields(study) if each.name not in NOT_SHOWN}
+    return {"study": Keyed(study, shown | {"file": study.path.name, "recordings": _recordings(campaign)})}
+
+
+def _recordings(campaign: Campaign) -> list[tuple[Any, list[str]]]:
+    """Each set of settings once, with the recordings that have it."""
+    found: dict[tuple[int, ...], tuple[Any, list[str]]] = {}
+    for key, entry in campaign.recordings.items():
+        own = (entry.channels, entry.filters, entry.window)
+        found.setdefault(tuple(map(id, own)), (own, []))[1].append(key)
+    return list(found.values())
+
+
+def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """The table of the simulated presses beside the recordings, where the study was simulated."""
+    data = campaign.study.data
+    places = (data / "derivatives" / "truth" / "truth.tsv", data / "truth.tsv")
+    return {"truth": [path for path in places if path.is_file()][:1]} if campaign.study.recordings else {}
+
+
+def folder(campaign: Campaign, item: str) -> Path:
+    return campaign.study.reports
+
+
+def run(given: Given) -> list[Path]:
+    from emg2vsa.report.study_report import write_study_report
+    from emg2vsa.schedule_files import write_schedule
+
+    assert given.folder is not None
+    results = results_of(given)
+    written = write_study_report(results, given.folder)
+    for schedule in results.schedules:
+        written += write_schedule(given.folder / "schedules", schedule)
+    return written
+
+
+def results_of(given: Given) -> StudyResults:
+    """All products of the study; of stages that failed none."""
+    from emg2vsa import artifacts
+    from emg2vsa.fits import concatenate
+    from emg2vsa.report.failures import Failure
+    from emg2vsa.report.inputs import StudyResults, without_samples
+    from emg2vsa.truth import read_truth
+
+    fits = given.all("fits")
+    all_fits = concatenate(fits) if fits else None
+    truth = given.files.get("truth", ())
+    return StudyResults(
+        study=given.settings["study"],
+        trials=tuple(without_samples(artifacts.load(path)) for path in given.inputs["trials"]),
+        fits=all_fits,
+        hypotheses=given.one("hypotheses"),
+        profiles=given.one("profiles"),
+        schedules=given.one("schedules") or (),
+        failures=tuple(Failure(*failure) for failure in given.failures),
+        provenance=_provenance(given),
+        truth=read_truth(truth[0], all_fits) if truth and all_fits else None,
+        runs=tuple(given.all("runs")),
+        discrimination=given.one("discrimination"),
+        calibration=given.one("calibration"),
+    )
+
+
+def _provenance(given: Given) -> dict[str, str]:
+    """Versions of what made the numbers, and the digests of the results that have one step."""
+    import platform
+    from importlib.metadata import version
+
+    import emg2vsa
+    from emg2vsa import artifacts
+
+    versions = {name: version(name) for name in ("numpy", "scipy", "matplotlib")} | {"emg2vsa": emg2vsa.__version__}
+    python = ".".join(platform.python_version_tuple()[:2])
+    single = {stage: paths[0] for stage, paths in given.inputs.items() if len(paths) == 1}
+    return (
+        {"python": python}
+        | versions
+        | {f"digest of {stage}": artifacts.digest_of(path) for stage, path in single.items()}
+    )
+
+
+STAGE = Stage(
+    per="study",
+    of="report",
+    needs=(
+        "trials",
+        "fits",
+        "pages",
+        "hypotheses",
+        "profiles",
+        "schedules",
+        "emulation",
+        "runs",
+        "discrimination",
+        "calibration",
+    ),
+    run=run,
+    settings=settings,
+    files=files,
+    folder=folder,
+    tells_failures=True,
+)

@@ -1,0 +1,110 @@
+"""Runs: every press of one run of the rig, scored by every vision algorithm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
+
+if TYPE_CHECKING:
+    from emg2vsa.arrays import Floats
+    from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.runs import RunScores
+
+
+_FRAMES = "frames"
+"""The one folder that casr opens through a link; its own name for it comes with OpenCV, which planning does without."""
+
+
+def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    """Where the run lies is no part of the key. The emulated world is: it tells the true areas."""
+    entry, source = campaign.runs[item], campaign.study.runs_source
+    assert source is not None
+    used = {"scoring": campaign.study.scoring, "run": (entry.specimen, entry.angle_deg, entry.condition)}
+    if campaign.rig is None:
+        inside = [_folders_in(folder) for folder in entry.folders]
+        return used | {"folders": Keyed(entry.folders, inside), "camera": Keyed(source.camera, None)}
+    from emg2vsa.pipeline.stages.emulation import settings as emulation_settings
+
+    world = emulation_settings(campaign, item)
+    return used | {
+        "folders": Keyed((source.root / item,), 1),
+        "camera": Keyed(None, None),
+        "rig": world["rig"],
+        "emulated": world["emulated"],
+    }
+
+
+def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """What a measured run consists of; the files of an emulated one are the result of its emulation."""
+    source = campaign.study.runs_source
+    assert source is not None
+    inside = [path for folder in campaign.runs[item].folders for path in _files_in(folder)]
+    return {"camera": [source.camera] if source.camera else [], "run": inside}
+
+
+def _folders_in(folder: Path) -> list[str]:
+    """Names of the folders of presses: one without a file in it is a press too, which is told."""
+    return sorted(path.name for path in folder.glob("[!.]*") if path.is_dir())
+
+
+def _files_in(folder: Path) -> list[Path]:
+    """Every file below; of linked folders those with frames, as of no other a link is followed."""
+    found: list[Path] = []
+    for path in sorted(folder.rglob("*")):
+        if path.is_file():
+            found.append(path)
+        elif path.is_symlink() and path.name == _FRAMES and path.is_dir():
+            found += sorted(frame for frame in path.iterdir() if frame.is_file())
+    return found
+
+
+def takes(campaign: Campaign, item: str) -> list[tuple[str, str]]:
+    return [] if campaign.rig is None else [("emulation", item)]
+
+
+def run(given: Given) -> RunScores:
+    from emg2vsa.errors import DataError
+    from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes
+    from emg2vsa.runs.score_run import score_run
+
+    used = given.settings
+    specimen, angle_deg, condition = used["run"]
+    scores = score_run(
+        read_presses(used["folders"], used["camera"]),
+        used["scoring"],
+        specimen=specimen,
+        angle_deg=angle_deg,
+        condition=condition,
+        simulated=is_simulated(used["folders"]),
+        notes=run_notes(used["folders"]),
+    )
+    if not scores.verdicts:
+        do = "See that its folder holds the presses' frames."
+        raise DataError(given.item, wanted="one press or more", found="none", do=do)
+    return replace(scores, true_a_c0=_true_a_c0(given, scores)) if "emulated" in used else scores
+
+
+def _true_a_c0(given: Given, scores: RunScores) -> Floats:
+    import numpy as np
+
+    from emg2vsa.rig.emulated.truth import true_areas_mm2
+
+    first_n = [curve.force_n[0] if curve.force_n.size else np.nan for curve in scores.curves]
+    specimen, angle_deg, condition = given.settings["run"]
+    rig, emulated = given.settings["rig"], given.settings["emulated"]
+    return true_areas_mm2(specimen, angle_deg, condition, rig, emulated, first_n)
+
+
+def says(scores: RunScores) -> str:
+    rejected = scores.verdicts.count("rejected")
+    of_all = f"{rejected} of {len(scores.verdicts)} presses rejected: {scores.most_frequent_reason}"
+    return of_all if rejected else ""
+
+
+STAGE = Stage(
+    per="run", of="runs", needs=("emulation",), run=run, settings=settings, files=files, takes=takes, says=says
+)

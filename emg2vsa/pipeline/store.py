@@ -1,0 +1,165 @@
+"""Where results lie, files that steps wrote outside the store, and who works at which step.
+
+A step's result is ``store/<stage>/<item>/<key>.result``. A stage that writes files stores their names and digests
+instead. While a step is under way, ``under-way/`` holds its claim and its unfinished result.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import platform
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from emg2vsa import artifacts
+from emg2vsa.errors import DataError
+from emg2vsa.pipeline.fingerprint import MISSING, Fingerprints, digest
+
+
+@dataclass(frozen=True)
+class WrittenFiles:
+    """Files that a step wrote into its folder: names relative to it, and digests of their content."""
+
+    names: tuple[str, ...]
+    digests: tuple[str, ...]
+
+    def trouble(self, folder: Path, prints: Fingerprints) -> str:
+        """Which of them is not there as it was written; "" where all are."""
+        for name, known in zip(self.names, self.digests, strict=True):
+            found = prints.file(f"{folder}/{name}")
+            if found != known:
+                return f"its file {name} {'is missing' if found == MISSING else 'was changed'}"
+        return ""
+
+    def besides(self, folder: Path, inner: Path) -> str:
+        """A file in ``inner``, in ``folder``, that is none of them; "" for none. Hidden ones do not count."""
+        shown = (path.relative_to(folder) for path in sorted(inner.rglob("[!.]*")) if not path.is_dir())
+        return next((path.as_posix() for path in shown if path.as_posix() not in self.names), "")
+
+
+def written_files(folder: Path, paths: Sequence[Path]) -> WrittenFiles:
+    """The files ``paths``, all inside ``folder``, as they are now."""
+    names = tuple(Path(os.path.relpath(path, folder)).as_posix() for path in paths)
+    return WrittenFiles(names, tuple(digest(path.read_bytes()) for path in paths))
+
+
+class Store:
+    """The results of one study.
+
+    below : the results of the same study elsewhere, which are read and never written.
+    """
+
+    def __init__(self, folder: Path, below: Path | None = None) -> None:
+        self.folder, self.below = folder, below
+
+    def path(self, step: str, key: str) -> Path:
+        """Where the result of a step with this key is, or will be."""
+        return Path(f"{self.folder}/store/{step}/{key}.result")
+
+    def path_below(self, step: str, key: str) -> Path | None:
+        """The same in the store below; None where there is none."""
+        return None if self.below is None else Path(f"{self.below}/store/{step}/{key}.result")
+
+    def unfinished(self, step: str, key: str) -> Path:
+        """Where a step writes its result before it is known to hold."""
+        return self.folder / "under-way" / f"{_flat(step)}.{key}.{os.getpid()}.result"
+
+    def claim(self, step: str) -> Path:
+        """The claim of the process that works at a step."""
+        return self.folder / "under-way" / f"{_flat(step)}.json"
+
+    def settle(self, unfinished: Path, step: str, key: str) -> Path:
+        """Give a result its place."""
+        path = self.path(step, key)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(unfinished, path)
+        return path
+
+    def sweep(self) -> None:
+        """Remove what killed processes left; only the holder of the study's lock may."""
+        with contextlib.suppress(OSError):
+            for path in (self.folder / "under-way").iterdir():
+                path.unlink(missing_ok=True)
+
+    def results(self, step: str) -> list[Path]:
+        """All results of a step."""
+        return sorted(self.path(step, "x").parent.glob("*.result"))
+
+    def keep_only(self, step: str, keys: Sequence[str]) -> None:
+        """Remove the results of a step with other keys."""
+        for path in self.results(step):
+            if path.stem not in keys:
+                path.unlink(missing_ok=True)
+
+    def drop_empty_folders(self) -> None:
+        """Remove folders that hold no result any more."""
+        for folder, _, _ in os.walk(self.folder / "store", topdown=False):
+            with contextlib.suppress(OSError):
+                os.rmdir(folder)
+
+    def stored_steps(self) -> Iterator[str]:
+        """Ids of all steps that have a folder in the store."""
+        root = self.folder / "store"
+        for folder, _, names in os.walk(root):
+            if any(name.endswith(".result") for name in names):
+                yield Path(folder).relative_to(root).as_posix()
+
+
+def _flat(step: str) -> str:
+    """A step's id as one file name; no name of a participant or specimen holds a tilde."""
+    return step.replace("/", "~")
+
+
+class ClaimedElsewhere(DataError):
+    """Another process works at the step."""
+
+
+@contextlib.contextmanager
+def claimed(claim: Path) -> Iterator[None]:
+    """Hold the claim of one step. ClaimedElsewhere where another process holds it."""
+    claim.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        handle = os.open(claim, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+    except FileExistsError:
+        raise ClaimedElsewhere(
+            claim.stem, wanted="a step that no other process works at", found=told(claim), do="Wait until it ends."
+        ) from None
+    try:
+        os.write(handle, json.dumps(myself()).encode())
+        os.close(handle)
+        yield
+    finally:
+        claim.unlink(missing_ok=True)
+
+
+def myself() -> dict[str, object]:
+    """Who holds a claim or a lock: process, computer, and since when."""
+    return {
+        "pid": os.getpid(),
+        "host": platform.node(),
+        "since": datetime.now().astimezone().isoformat("T", "seconds"),
+    }
+
+
+def told(path: Path) -> str:
+    """The holder that a claim or a lock names, in words."""
+    try:
+        held = json.loads(path.read_text())
+        since = datetime.fromisoformat(held["since"]).strftime("%H:%M:%S on %Y-%m-%d")
+        return f"process {held['pid']} on {held['host']}, since {since}"
+    except (OSError, ValueError, KeyError, TypeError):
+        return "another process"
+
+
+def remove_left_files(folder: Path, old: Sequence[Path], new: WrittenFiles) -> None:
+    """Remove from ``folder`` what earlier results of the same step wrote and the new one did not."""
+    for path in old:
+        with contextlib.suppress(artifacts.DamagedResult):
+            before = artifacts.load(path)
+            left = set(before.names) - set(new.names) if isinstance(before, WrittenFiles) else ()
+            for name in left:
+                (folder / name).unlink(missing_ok=True)

@@ -1,0 +1,158 @@
+"""Differences between the groups of one-way designs, pair by pair: the answer of every post-hoc test on means."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.stats import studentized_range
+from emg2vsa.stats.anova import Anova
+from emg2vsa.stats.outcome import Outcome
+
+Adjustment = Literal["none", "bonferroni", "holm", "fdr_bh"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairDifferences:
+    """All q = k (k - 1) / 2 pairs of groups of d designs.
+
+    first, second : (q,) group numbers. difference : mean of the first minus mean of the second, low, high : its
+    interval at ``confidence``, statistic, df, p, n (values in the two groups) : (d, q). NaN where undefined.
+    method : the test's full name. caution : what its p does and does not account for.
+    """
+
+    method: str
+    caution: str
+    statistic_name: str
+    first: Ints
+    second: Ints
+    difference: Floats
+    low: Floats
+    high: Floats
+    statistic: Floats
+    df: Floats
+    p: Floats
+    n: Ints
+    confidence: float
+
+    def outcome(self, i: int = 0, pair: int = 0) -> Outcome:
+        """One pair of design ``i`` alone."""
+        return Outcome(
+            method=self.method,
+            n=int(self.n[i, pair]),
+            statistic_name=self.statistic_name,
+            statistic=float(self.statistic[i, pair]),
+            df=(float(self.df[i, pair]),),
+            p=float(self.p[i, pair]),
+            estimate_name="difference of means",
+            estimate=float(self.difference[i, pair]),
+            interval=(float(self.low[i, pair]), float(self.high[i, pair])),
+            confidence=self.confidence,
+            notes=(self.caution,),
+        )
+
+
+def pair_numbers(k: int) -> tuple[Ints, Ints]:
+    """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ..."""
+    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> PairDifferences:
+    """Uncorrected pairwise t tests with the pooled SD and its df (Fisher 1935), as MATLAB's multcompare with 'lsd'.
+
+    protected : pairs of a design whose F test has p above 1 - ``confidence`` get p = 1, Fisher's first step. Either way
+    the family-wise error is not controlled beyond three groups: .276 without and up to .20 with protection for five
+    groups (statistics notes 4.2).
+    """
+    first, second = pair_numbers(anova.mean.shape[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        difference = anova.mean[:, first] - anova.mean[:, second]
+        per_value = 1 / anova.count[:, first] + 1 / anova.count[:, second]
+        se = anova.sd[:, None] * np.sqrt(per_value)
+        t = difference / se
+        df = np.where(np.isnan(t), np.nan, anova.df2[:, None])
+        critical = special.stdtrit(np.where(anova.df2 > 0, anova.df2, np.nan), 0.5 + 0.5 * confidence)
+        reach = critical[:, None] * se
+        p = 2 * special.stdtr(df, -np.abs(t))
+    if protected:
+        p = np.where((anova.p[:, None] > 1 - confidence) & ~np.isnan(p), 1.0, p)
+    return PairDifferences(
+        method="Fisher's LSD, pooled SD" + (", protected by the F test" if protected else ""),
+        caution=f"one of {first.size} pairs, not corrected for their number",
+        statistic_name="t",
+        first=first,
+        second=second,
+        difference=difference,
+        low=difference - reach,
+        high=difference + reach,
+        statistic=t,
+        df=df,
+        p=p,
+        n=anova.count[:, first] + anova.count[:, second],
+        confidence=confidence,
+    )
+
+
+def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
+    """Pairs by the studentized range of the k groups that have values, with the pooled SD (Tukey 1949, Kramer 1956)."""
+    first, second = pair_numbers(anova.mean.shape[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        difference = anova.mean[:, first] - anova.mean[:, second]
+        se = anova.sd[:, None] * np.sqrt((1 / anova.count[:, first] + 1 / anova.count[:, second]) / 2)
+        q = np.abs(difference) / se
+    df = np.where(np.isnan(q) | (anova.df2 < 1)[:, None], np.nan, anova.df2[:, None])
+    groups = (anova.df1 + 1)[:, None]
+    critical = studentized_range.quantile(confidence, np.where(np.isnan(df), np.nan, groups), df)
+    return PairDifferences(
+        method="Tukey's HSD",
+        caution=f"family-wise error of the {first.size} pairs held, equal variances assumed",
+        statistic_name="q",
+        first=first,
+        second=second,
+        difference=difference,
+        low=difference - critical * se,
+        high=difference + critical * se,
+        statistic=q,
+        df=df,
+        p=studentized_range.survival(q, groups, df),
+        n=anova.count[:, first] + anova.count[:, second],
+        confidence=confidence,
+    )
+
+
+def adjust(p: ArrayLike, method: Adjustment) -> Floats:
+    """Adjusted p (f, m) of f families of m tests, or (m,) of one; NaN is no test: it stays NaN and does not count.
+
+    bonferroni, holm (1979): family-wise error under any dependence. fdr_bh (1995): false discovery rate, independent or
+    positively dependent tests.
+    """
+    values = np.asarray(p, dtype=np.float64)
+    if method == "none":
+        return values.copy()
+    families = np.atleast_2d(values)
+    m = np.count_nonzero(~np.isnan(families), axis=1)[:, None]
+    if method == "bonferroni":
+        return np.asarray(np.minimum(families * m, 1.0).reshape(values.shape))
+    order = np.argsort(families, axis=1)  # NaN last
+    rank = np.arange(1, families.shape[1] + 1)
+    ordered = np.take_along_axis(families, order, axis=1)
+    adjusted = np.empty_like(families)
+    np.put_along_axis(adjusted, order, _stepwise(ordered, m, rank, method), axis=1)
+    return np.minimum(adjusted, 1.0).reshape(values.shape)
+
+
+def _stepwise(ordered: Floats, m: np.ndarray, rank: np.ndarray, method: Adjustment) -> Floats:
+    """``ordered`` p (f, m), ascending with NaN last: the running maximum (Holm) or minimum from above (FDR)."""
+    if method == "holm":
+        scaled = ordered * (m - rank + 1)
+        return np.where(np.isnan(ordered), np.nan, np.fmax.accumulate(scaled, axis=1))
+    scaled = ordered * (m / rank)
+    lowest = np.fmin.accumulate(scaled[:, ::-1], axis=1)[:, ::-1]
+    return np.where(np.isnan(ordered), np.nan, lowest)

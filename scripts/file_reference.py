@@ -1,0 +1,280 @@
+"""``python scripts/file_reference.py`` in the checkout writes schema and reference of study file and rig file anew.
+
+Both are what the classes of the tables and the texts under their fields say: a JSON schema for editors, and Markdown.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import json
+from collections.abc import Sequence
+from dataclasses import MISSING, fields
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal, Union
+
+from emg2vsa import settings
+from emg2vsa.rig import device_settings, experiment, rig_settings
+from emg2vsa.rig.emulated import settings as emulated
+from emg2vsa.rig_file import tables as rig_tables
+from emg2vsa.settings import PAPER, Limit
+from emg2vsa.study_file import tables as study_tables
+from emg2vsa.study_file.problems import Kind, Pattern, kinds_of, required_keys
+
+
+def study_schema() -> dict[str, Any]:
+    """The schema of a study file."""
+    return schema_of(study_tables.StudyFile, (study_tables, settings))
+
+
+def rig_schema() -> dict[str, Any]:
+    """The schema of a rig file."""
+    modules = (rig_tables, rig_settings, device_settings, experiment, emulated)
+    return schema_of(rig_tables.RigTables, modules)
+
+
+def schema_of(file: type, modules: Sequence[ModuleType]) -> dict[str, Any]:
+    """The schema of a file, in Draft 4, the draft that TOML editors read. ``modules``: where its tables are defined."""
+    docs = {place: text for module in modules for place, text in field_docs(module).items()}
+    definitions: dict[str, Any] = {}
+    root = _table_schema(file, docs, definitions)
+    head = {"$schema": "http://json-schema.org/draft-04/schema#"}
+    return head | root | {"definitions": dict(sorted(definitions.items()))}
+
+
+@cache
+def field_docs(module: ModuleType) -> dict[tuple[str, str], str]:
+    """(class, field) to the text literal under the field."""
+    docs = {}
+    for node in ast.parse(inspect.getsource(module)).body:
+        if isinstance(node, ast.ClassDef):
+            for line, after in zip(node.body, node.body[1:], strict=False):
+                if (
+                    isinstance(line, ast.AnnAssign)
+                    and isinstance(line.target, ast.Name)
+                    and isinstance(after, ast.Expr)
+                ):
+                    docs[node.name, line.target.id] = str(ast.literal_eval(after.value))
+    return docs
+
+
+def _table_schema(table: type, docs: dict[tuple[str, str], str], definitions: dict[str, Any]) -> dict[str, Any]:
+    """The schema of one table; those of the tables within it are added to ``definitions``."""
+    properties: dict[str, Any] = {}
+    for each in fields(table):
+        inner = _value_schema(kinds_of(table)[each.name], docs, definitions)
+        described = {"allOf": [inner]} if "$ref" in inner else inner
+        if each.default not in (MISSING, None):
+            described["default"] = list(each.default) if isinstance(each.default, tuple) else each.default
+        # in the class itself or in the one that it inherits the field from
+        text = next(docs[of.__name__, each.name] for of in table.__mro__ if (of.__name__, each.name) in docs)
+        properties[each.name] = described | {"description": text}
+    schema = {"type": "object", "description": inspect.getdoc(table), "properties": properties}
+    required = {"required": list(required_keys(table))} if required_keys(table) else {}
+    return schema | required | {"additionalProperties": False}
+
+
+_TYPES = {float: "number", int: "integer", str: "string", bool: "boolean"}
+
+
+def _value_schema(kind: Kind, docs: dict[tuple[str, str], str], definitions: dict[str, Any]) -> dict[str, Any]:
+    if kind.is_table:
+        name = kind.of.__name__
+        if name not in definitions:
+            definitions[name] = _table_schema(kind.of, docs, definitions)
+        return {"$ref": f"#/definitions/{name}"}
+    if kind.of is Union:
+        return {"anyOf": [_value_schema(part, docs, definitions) for part in kind.parts]}
+    if kind.of is Literal:
+        return {"type": _TYPES[type(kind.parts[0])], "enum": list(kind.parts)}
+    if kind.of in _TYPES:
+        return {"type": _TYPES[kind.of]} | _limits_of(kind.limits)
+    least = [limit.bound for limit in kind.limits]
+    if kind.of is dict:
+        return _free_keys(kind.parts, docs, definitions) | ({"minProperties": least[0]} if least else {})
+    if kind.parts[-1] is Ellipsis:
+        items = {"type": "array", "items": _value_schema(kind.parts[0], docs, definitions)}
+        return items | ({"minItems": least[0]} if least else {})
+    each = [_value_schema(part, docs, definitions) for part in kind.parts]
+    return {"type": "array", "items": each, "additionalItems": False, "minItems": len(each), "maxItems": len(each)}
+
+
+def _free_keys(parts: tuple[Any, ...], docs: dict[tuple[str, str], str], definitions: dict[str, Any]) -> dict[str, Any]:
+    names, value = parts[0], _value_schema(parts[1], docs, definitions)
+    if names.of is Literal:
+        return {"type": "object", "properties": dict.fromkeys(names.parts, value), "additionalProperties": False}
+    return {"type": "object", "additionalProperties": value}
+
+
+def _limits_of(limits: Sequence[Limit | Pattern]) -> dict[str, Any]:
+    made: dict[str, Any] = {}
+    for limit in limits:
+        if isinstance(limit, Pattern):
+            made["pattern"] = f"^{limit.text}$"
+        elif limit.sign == "length >=":
+            made["minLength"] = limit.bound
+        else:
+            bound = "minimum" if ">" in limit.sign else "maximum"
+            made[bound] = limit.bound
+            made |= {} if "=" in limit.sign else {f"exclusive{bound.capitalize()}": True}
+    return made
+
+
+def study_reference() -> str:
+    """The reference of the study file, as Markdown."""
+    return markdown(study_schema(), _STUDY_HEAD, PAPER)
+
+
+def rig_reference() -> str:
+    """The reference of the rig file, as Markdown."""
+    return markdown(rig_schema(), _RIG_HEAD, {})
+
+
+def markdown(schema: dict[str, Any], head: str, paper: dict[str, dict[str, Any]]) -> str:
+    """``head``, then every table of ``schema`` with its keys; ``paper``: what the mode of that name sets."""
+    definitions = schema["definitions"]
+    lines = head.splitlines()
+    for name, described in schema["properties"].items():
+        optional = "" if name in schema["required"] else " (may be left out)"
+        many = described.get("type") == "array"
+        lines += ["", f"## `{_heading(name, many)}`{optional}", "", described["description"], ""]
+        lines += _table(definitions, _target(described), paper.get(name, {}))
+        lines += _inner(definitions, _target(described), name)
+    return "\n".join(lines) + "\n"
+
+
+_STUDY_HEAD = """\
+# The study file
+
+Written by `python scripts/file_reference.py`; do not edit.
+
+A study file is TOML. Every problem in it is reported at once, as `file:line: key: wanted ...; found ...`. Unknown keys
+are errors. Units are part of the names. Relative paths start at the folder of the study file; `~` and environment
+variables are not expanded. With `mode = "paper"` the keys with a value under *paper* take it, unless the file sets
+them. An editor that knows TOML schemas checks the file as you type, if its first line is
+`#:schema ../study.schema.json`."""
+
+_RIG_HEAD = """\
+# The rig file
+
+Written by `python scripts/file_reference.py`; do not edit.
+
+A rig file is TOML and lies beside the study file. Every problem in it is reported at once, as
+`file:line: key: wanted ...; found ...`. Unknown keys are errors. Units are part of the names. Relative paths start at
+the folder of the rig file; `~` and environment variables are not expanded. Ticks are those of the qbmove, 32768 to a
+turn of its shaft. What each guard means: [how-to/engineer.md](../how-to/engineer.md). An editor that knows TOML schemas
+checks the file as you type, if its first line is `#:schema ../rig.schema.json`."""
+
+
+def _heading(name: str, many: bool) -> str:
+    return f"[[{name}]]" if many else f"[{name}]"
+
+
+def _target(described: dict[str, Any]) -> str:
+    """Name of the class behind a property; "" where it is a plain value."""
+    inner = described
+    for key in ("items", "additionalProperties"):
+        inner = inner[key] if isinstance(inner.get(key), dict) else inner
+    ref = inner.get("$ref") or inner.get("allOf", [{}])[0].get("$ref", "")
+    return str(ref).rpartition("/")[2]
+
+
+def _table(definitions: dict[str, Any], name: str, paper: dict[str, Any]) -> list[str]:
+    heads = ["key", "value", "default", *(["paper"] if paper else []), "meaning"]
+    rows = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    definition = definitions[name]
+    for key, described in definition["properties"].items():
+        if _target(described):
+            continue
+        default = "required" if key in definition.get("required", ()) else _value(described.get("default"))
+        paper_cell = [_value(paper.get(key))] if paper else []
+        rows.append(
+            "| " + " | ".join([f"`{key}`", _kind(described), default, *paper_cell, described["description"]]) + " |"
+        )
+    return rows if len(rows) > 2 else []
+
+
+def _inner(definitions: dict[str, Any], name: str, at: str) -> list[str]:
+    """The tables within a table; a stage's own table is described once only, where it stands at the top."""
+    lines: list[str] = []
+    for key, described in definitions[name]["properties"].items():
+        target = _target(described)
+        if not target:
+            continue
+        free = ".<muscle>" if isinstance(described.get("additionalProperties"), dict) else ""
+        path = f"{at}.{key}{free}"
+        lines += ["", f"### `{_heading(path, described.get('type') == 'array')}`", "", described["description"]]
+        if at.startswith("recordings.files"):
+            continue
+        lines += ["", *_table(definitions, target, {})]
+        lines += _inner(definitions, target, path)
+    return lines
+
+
+def _value(value: Any) -> str:
+    if value is None:
+        return ""
+    items = ", ".join(map(_literal, value)) if isinstance(value, (list, tuple)) else ""
+    return f"`[{items}]`" if isinstance(value, (list, tuple)) else f"`{_literal(value)}`"
+
+
+def _literal(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_literal(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else f"{value:g}"
+
+
+_KINDS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+
+
+def _kind(described: dict[str, Any]) -> str:
+    """What a value may be, in words."""
+    if "anyOf" in described:
+        return " or ".join(_kind(branch) for branch in described["anyOf"])
+    if "enum" in described:
+        return " or ".join(f"`{_literal(value)}`" for value in described["enum"])
+    kind = described.get("type")
+    if kind == "array":
+        items = described["items"]
+        each = [_kind(item) for item in items] if isinstance(items, list) else [_kind(items), "..."]
+        return f"[{', '.join(each)}]"
+    if kind == "object":
+        if "properties" in described:
+            names, kinds = zip(*described["properties"].items(), strict=True)
+            return f"name = {_kind(kinds[0])}, ..., with names out of {', '.join(f'`{name}`' for name in names)}"
+        return f"name = {_kind(described['additionalProperties'])}, ..."
+    return _KINDS[str(kind)] + _limits(described)
+
+
+def _limits(described: dict[str, Any]) -> str:
+    lower, upper = described.get("minimum"), described.get("maximum")
+    above = ">" if described.get("exclusiveMinimum") else ">="
+    below = "<" if described.get("exclusiveMaximum") else "<="
+    limits = ([f"{above} {lower:g}"] if lower is not None else []) + (
+        [f"{below} {upper:g}"] if upper is not None else []
+    )
+    return " " + " and ".join(limits) if limits else ""
+
+
+FILES = {
+    Path("studies/study.schema.json"): study_schema,
+    Path("studies/rig.schema.json"): rig_schema,
+    Path("docs/reference/study-file.md"): study_reference,
+    Path("docs/reference/rig-file.md"): rig_reference,
+}
+"""What is written to which file of the checkout."""
+
+
+def text_of(path: Path) -> str:
+    """What one of ``FILES`` should hold."""
+    made = FILES[path]()
+    return made if isinstance(made, str) else json.dumps(made, indent=2) + "\n"
+
+
+if __name__ == "__main__":
+    for path in FILES:
+        path.write_text(text_of(path), encoding="utf-8")

@@ -1,0 +1,32 @@
+"""A reader sees the old file or the new one."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from casr.atomic import write_bytes_atomic, write_text_atomic
+
+
+def test_replaces_and_leaves_nothing_beside(tmp_path: Path) -> None:
+    path = tmp_path / "a" / "b.txt"
+    write_text_atomic(path, "old\n")
+    write_text_atomic(path, "new µ\n")
+    assert path.read_bytes() == "new µ\n".encode()
+    assert [p.name for p in path.parent.iterdir()] == ["b.txt"]
+
+
+def test_a_failed_write_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "b.txt"
+    write_text_atomic(path, "old")
+
+    def refuse(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr(os, "replace", refuse)
+    with pytest.raises(OSError, match="disk full"):
+        write_bytes_atomic(path, b"new")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["b.txt"]

@@ -1,0 +1,121 @@
+"""The code behind a result: what is imported, however it is spelt, and nothing that is prose."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.pipeline import code
+from emg2vsa.pipeline.code import Code, Reached
+from emg2vsa.pipeline.fingerprint import Fingerprints
+
+MODULES = {
+    "__init__": "",
+    "stage": '''
+        """Doc."""
+        from __future__ import annotations
+        import json
+        from typing import TYPE_CHECKING
+        from emg2vsa.signals import helper
+        from numpy import array as array_of
+        if TYPE_CHECKING:
+            from emg2vsa.types_only import T
+        else:
+            import emg2vsa.not_for_checkers
+        X = helper.f(1)
+        def late():
+            import emg2vsa.late
+    ''',
+    "signals/__init__": "import emg2vsa.of_package",
+    "signals/helper": """
+        from ..deep import K
+        from . import beside
+        READERS = {".bdf": "emg2vsa.readers:read_bdf", ".edf": "emg2vsa.no_such"}
+        def f(x):
+            "Doc."
+            return x * K  # why
+    """,
+    "signals/beside": "",
+    "deep": """
+        from importlib import import_module
+        K = 2
+        import_module("emg2vsa.engine")
+        import_module("library_by_name.inner")
+    """,
+    "readers": "import no_such_library",
+    "engine": "from emg2vsa import stage",
+    **dict.fromkeys(("late", "of_package", "not_for_checkers", "types_only"), ""),
+    "other": "Y = 1",
+}
+REACHED = {
+    "emg2vsa", "emg2vsa.stage", "emg2vsa.signals", "emg2vsa.signals.helper", "emg2vsa.signals.beside", "emg2vsa.deep",
+    "emg2vsa.readers", "emg2vsa.engine", "emg2vsa.late", "emg2vsa.of_package", "emg2vsa.not_for_checkers",
+}  # fmt: skip
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "emg2vsa"
+    for name, text in MODULES.items():
+        path = folder / f"{name}.py"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("\n".join(line[8:] if line[:8].isspace() else line for line in text.splitlines()))
+    monkeypatch.setattr(code, "_folder", lambda package: str(folder))
+    monkeypatch.setattr(code, "module_file", code.module_file.__wrapped__)
+    return folder
+
+
+def reached(package: Path) -> Reached:
+    """By a program that starts, looks and ends."""
+    prints = Fingerprints(package.parent / "memory.json")
+    found = Code(prints).reached("emg2vsa.stage")
+    prints.save()
+    return found
+
+
+def test_everything_imported_or_named_is_reached(package: Path) -> None:
+    assert set(reached(package).modules.value) == REACHED
+    assert set(reached(package).modules.value) == REACHED  # remembered
+
+
+def test_libraries_are_derived_with_their_versions(package: Path) -> None:
+    import numpy
+
+    found = reached(package).libraries.value
+    assert set(found) == {"python", "numpy", "no_such_library", "library_by_name"}
+    assert found["numpy"] == numpy.__version__
+    assert found["no_such_library"] == "absent"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "changed"),
+    [
+        ("deep.py", "K = 2", "K = 3", {"emg2vsa.deep"}),
+        ("signals/__init__.py", "import", "Z = 1; import", {"emg2vsa.signals"}),
+        ("stage.py", "f(1)", "f(2)", {"emg2vsa.stage"}),
+        ("late.py", "", "Z = 1", {"emg2vsa.late"}),
+        ("signals/helper.py", "# why", "# because", set()),
+        ("signals/helper.py", '"Doc."', '"Another text."', set()),
+        ("stage.py", '"""Doc."""', '"""Changed."""', set()),
+        ("other.py", "Y = 1", "Y = 2", set()),
+        ("types_only.py", "", "T = 1", set()),
+    ],
+)
+def test_what_counts_as_a_change(package: Path, file: str, old: str, new: str, changed: set[str]) -> None:
+    before = reached(package).modules
+    path = package / file
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new) + "\n")
+    after = reached(package).modules
+    assert {name for name in after.value if after.value[name] != before.value.get(name)} == changed
+    assert (after.digest == before.digest) == (not changed)
+
+
+def test_an_edit_while_a_study_runs_is_noticed_by_stages_looked_up_later(package: Path) -> None:
+    found = Code(Fingerprints(package.parent / "memory.json"))
+    first = found.reached("emg2vsa.stage")
+    assert first.holds()
+    (package / "deep.py").write_text("K = 3")
+    assert not first.holds()
+    assert not found.reached("emg2vsa.engine").holds()

@@ -1,0 +1,112 @@
+"""Run one step of a finished study again, and tell which modules ran, what they imported, and the bytes that came out.
+
+``python trace_step.py STUDY STAGE ITEM OUT`` writes OUT/executed.txt, OUT/imported.txt and OUT/product.result. Its
+child processes do the same recording through ``traced_children/sitecustomize.py``.
+"""
+
+from __future__ import annotations
+
+import builtins
+import importlib
+import importlib.util
+import os
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+PACKAGES = ("emg2vsa", "casr")
+
+
+def record(out: Path) -> Callable[[], None]:
+    """Begin to write down executed modules and imports of foreign packages; call the result to stop."""
+    roots = {package: str(Path(_origin(package)).parent) for package in PACKAGES}
+    seen: dict[str, str] = {}
+    executed, imported = (out / "executed.txt").open("a"), (out / "imported.txt").open("a")
+    known: set[str] = set()
+
+    def module_of(file: str) -> str:
+        for package, root in roots.items():
+            if file.startswith(root + "/"):
+                name = ".".join([package, *Path(file).relative_to(root).with_suffix("").parts])
+                return name.removesuffix(".__init__")
+        return ""
+
+    def on_event(frame: FrameType, event: str, argument: object) -> None:
+        file = frame.f_code.co_filename
+        if file not in seen:
+            seen[file] = name = module_of(file)
+            if name:
+                executed.write(name + "\n")
+                executed.flush()
+
+    def told(importer: str, name: str) -> None:
+        first = name.partition(".")[0]
+        if importer.startswith(PACKAGES) and first not in sys.stdlib_module_names and first not in (*PACKAGES, *known):
+            known.add(first)
+            imported.write(first + "\n")
+            imported.flush()
+
+    plain_import, plain_by_name = builtins.__import__, importlib.import_module
+
+    def watched(name: str, globals: Any = None, locals: Any = None, fromlist: Any = (), level: int = 0) -> Any:
+        if not level:
+            told((globals or {}).get("__name__", ""), name)
+        return plain_import(name, globals, locals, fromlist, level)
+
+    def watched_by_name(name: str, package: str | None = None) -> Any:
+        told(sys._getframe(1).f_globals.get("__name__", ""), name)
+        return plain_by_name(name, package)
+
+    def stop() -> None:
+        sys.setprofile(None)
+        threading.setprofile(None)  # type: ignore[arg-type]
+        builtins.__import__, importlib.import_module = plain_import, plain_by_name
+
+    builtins.__import__, importlib.import_module = watched, watched_by_name
+    threading.setprofile(on_event)
+    sys.setprofile(on_event)
+    return stop
+
+
+def _origin(package: str) -> str:
+    spec = importlib.util.find_spec(package)
+    assert spec is not None
+    assert spec.origin is not None
+    return spec.origin
+
+
+def main() -> None:
+    study, name, item, out = sys.argv[1], sys.argv[2], sys.argv[3], Path(sys.argv[4])
+    from emg2vsa import artifacts
+    from emg2vsa.pipeline.plan import survey
+    from emg2vsa.pipeline.stage_order import ORDER, stage
+    from emg2vsa.pipeline.store import written_files
+    from emg2vsa.study_file import load_study
+
+    board = survey(load_study(study), ORDER, print)
+    step = board.steps[f"{name}/{item}"]
+    assert step.status == "fresh", (step.id, step.status, step.reasons, step.message)
+    given = board.given(step)
+    if given.folder is not None:
+        given = replace(given, folder=out / "folder")
+        (out / "folder").mkdir()
+    children = {"TRACE_TO": str(out), "PYTHONPATH": str(Path(__file__).parent / "traced_children")}
+    os.environ |= children | {"PYTHONPATH": os.pathsep.join([children["PYTHONPATH"], os.environ.get("PYTHONPATH", "")])}
+    run = stage(name).run
+    stop = record(out)
+    try:
+        product = run(given)
+        if given.folder is None:
+            artifacts.save(out / "product.result", product)
+    finally:
+        stop()
+    if given.folder is not None:
+        artifacts.save(out / "product.result", written_files(given.folder, product))
+
+
+if __name__ == "__main__":
+    main()

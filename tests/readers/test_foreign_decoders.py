@@ -1,0 +1,131 @@
+"""Decoders of binary recordings that crash, never end or flood the memory; and a seeded sample of flipped bytes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from benchmarks.corrupted_files import flipped, good_files
+from casr.decoder_process import child_pid, end_child
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers import front_door
+from emg2vsa.readers.formats import Reader
+from emg2vsa.readers.front_door import inspect, read
+from emg2vsa.readers.roles import read_roles
+from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings, ReadingSettings
+from emg2vsa.study_file.problems import checked
+
+READER = """
+import ctypes
+import numpy as np
+from emg2vsa.readers.opened import Contents, StoredChannel
+from emg2vsa.recordings import ChannelInfo
+
+def open_recording(path):
+    return Opened(path)
+
+class Opened:
+    def __init__(self, path):
+        self.path = path
+        self.contents = Contents(("EDC", "Fz"), notes=("a note",))
+        fault = path.read_text()
+        if fault == "crash":
+            ctypes.string_at(0)
+        if fault == "hang":
+            ctypes.PyDLL(None).sleep(100)
+        if fault == "flood":
+            np.ones(10**9)
+
+    def describe(self):
+        return (ChannelInfo("EDC", "V", 100.0, 500), ChannelInfo("Fz", "N", 100.0, 500))
+
+    def load(self, indices):
+        if self.path.read_text() == "crash later":
+            ctypes.string_at(0)
+        return [StoredChannel("", np.arange(500.0), ("V", "N")[i], 100.0, notes=("of a channel",)) for i in indices]
+"""
+ROLES = ChannelSettings(emg={"EDC": EmgChannelSettings(name="EDC")}, force=ForceChannelSettings(name="Fz"))
+
+
+@pytest.fixture
+def odd(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A file of a format whose decoder does what the file says."""
+    (tmp_path / "odd_reader.py").write_text(READER)
+    monkeypatch.syspath_prepend(tmp_path)
+    reader = Reader("ODD", "odd_reader", lambda path, head: True, "libodd")
+    monkeypatch.setattr(front_door, "reader_of", lambda path, head: reader)
+    end_child()
+    yield tmp_path / "rec.odd"
+    end_child()
+
+
+def test_a_good_file_comes_with_its_notes(odd: Path) -> None:
+    odd.write_text("good")
+    recording = read(odd, ["Fz", "EDC"])
+    assert (recording.format, recording.notes) == ("ODD", ("a note", "of a channel"))
+    assert [(channel.name, channel.unit, channel.samples.sum()) for channel in recording.channels] == [
+        ("Fz", "N", 124750.0), ("EDC", "V", 124750.0)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("fault", "found", "do"),
+    [
+        ("crash", "that its reader crashed (libodd, segmentation fault)", "Export the file again, as CSV if need be."),
+        ("crash later", "that its reader crashed (libodd, segmentation fault)", "Export the file again"),
+        ("hang", "that its reader took more than 1 s", "raise max_seconds in the study's table [reading]"),
+        ("flood", "that its reader needed more than 200 MB", "raise max_memory_mb in the study's table [reading]"),
+    ],
+)
+def test_a_fault_is_a_recording_error_and_the_next_file_is_read(odd: Path, fault: str, found: str, do: str) -> None:
+    odd.write_text(fault)
+    reading = ReadingSettings(max_seconds=1, max_memory_mb=200)
+    with pytest.raises(RecordingError) as caught:
+        read_roles(odd, None, ROLES, reading)
+    assert caught.value.where == str(odd)
+    assert caught.value.found == found
+    assert do in caught.value.do
+    assert "wanted ODD data that libodd can read" in str(caught.value)
+    odd.write_text("good")
+    assert [info.name for info in inspect(odd, reading)[1]] == ["EDC", "Fz"]
+
+
+def test_files_of_text_start_no_child(tmp_path: Path) -> None:
+    (tmp_path / "rec.csv").write_text("time (s),EDC (V)\n0,1\n0.001,2\n0.002,3\n")
+    end_child()
+    assert read(tmp_path / "rec.csv", ["EDC"]).channels[0].fs_hz == 1000
+    assert child_pid() is None
+
+
+@pytest.mark.parametrize(
+    "values", [{"max_seconds": 0.5}, {"max_seconds": 4000}, {"max_memory_mb": 100}, {"max_memory_mb": 2e6}, {"max": 3}]
+)
+def test_limits_that_make_no_sense(values: dict[str, float]) -> None:
+    _, problems = checked(ReadingSettings, values, ("reading",))
+    assert [problem.path for problem in problems] == [("reading", *values)]
+
+
+def test_limits_of_the_command(tmp_path: Path) -> None:
+    (tmp_path / "rec.csv").write_text("time (s),EDC (V)\n0,1\n0.001,2\n0.002,3\n")
+    command = [sys.executable, "-m", "emg2vsa.cli", "fit", str(tmp_path / "rec.csv")]
+    good = subprocess.run([*command, "--max-seconds", "20", "--max-memory", "900"], capture_output=True, text=True)
+    assert (good.returncode, good.stderr) == (0, "")
+    bad = subprocess.run([*command, "--max-seconds", "0", "--max-memory", "1"], capture_output=True, text=True)
+    assert bad.returncode != 0
+    assert "max_seconds" in bad.stderr
+    assert "max_memory_mb" in bad.stderr
+    assert "Traceback" not in bad.stderr
+
+
+def test_flipped_bytes_are_read_or_refused(tmp_path: Path) -> None:
+    tallies = [flipped(good, tries=20, seed=7) for good in good_files(tmp_path)]
+    assert [tally.name.rpartition(".")[2] for tally in tallies] == ["edf", "bdf", "c3d", "mat", "mat", "csv"]
+    for tally in tallies:
+        assert tally.tries == 20
+        assert tally.outcomes["other exception"] == 0, tally.examples
+        assert tally.peak_mb < 1000
+        assert tally.slowest_s < 60

@@ -1,0 +1,149 @@
+"""The two locks and scripts/setup: what a run needs is installed, once, by uv or else pip, and extended for tests."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+LOCKS = ("requirements.lock", "requirements-dev.lock")
+BASH = shutil.which("bash")
+
+
+def requirements(lock: str) -> list[str]:
+    """Lines of a lock, each requirement with its hashes on one line."""
+    return (ROOT / lock).read_text().replace("\\\n", " ").splitlines()
+
+
+def packages(lock: str) -> set[str]:
+    return {line.split("==")[0] for line in requirements(lock)}
+
+
+def names(dependencies: list[str]) -> set[str]:
+    return {re.split(r"[<>=!\[ ;]", dependency)[0].lower() for dependency in dependencies}
+
+
+@pytest.mark.parametrize("lock", LOCKS)
+def test_every_locked_package_has_a_hash_and_no_lock_names_a_host(lock: str) -> None:
+    assert all(re.match(r"[a-z0-9._-]+==\S+ .*--hash=sha256:[0-9a-f]{64}", line) for line in requirements(lock))
+    assert "://" not in (ROOT / lock).read_text()
+
+
+def test_the_locks_hold_what_the_project_asks_for_and_share_nothing() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = names([one for extra in project["optional-dependencies"].values() for one in extra])
+    run, dev = (packages(lock) for lock in LOCKS)
+    assert names(project["dependencies"]) <= run
+    assert extras <= run | dev
+    assert run & dev == set()
+    assert not run & {"numba", "llvmlite", "pytest", "mypy", "ruff"}
+
+
+FAKE_UV = """#!/bin/sh
+echo "uv $*" >> "$CALLS"
+if [ "$1" = venv ]; then
+  for place; do :; done
+  rm -rf "$place"
+  mkdir -p "$place/bin"
+  cp "$0.python" "$place/bin/python"
+fi
+"""
+FAKE_PYTHON = """#!/bin/sh
+echo "python $*" >> "$CALLS"
+"""
+
+
+class Place:
+    """A source folder with tiny locks, and a uv and a python that write down how they are called."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.calls, tools = folder, folder / "calls", folder / "tools"
+        (folder / "scripts").mkdir()
+        tools.mkdir()
+        shutil.copy(ROOT / "scripts" / "setup", folder / "scripts")
+        for lock in LOCKS:
+            (folder / lock).write_text(f"{lock}\n")
+        for name, text in (("uv", FAKE_UV), ("uv.python", FAKE_PYTHON)):
+            (tools / name).write_text(text)
+            (tools / name).chmod(0o755)
+        self.path = f"{tools}:/usr/bin:/bin"
+
+    def setup(self, *arguments: str, python: str = sys.executable) -> tuple[int, list[str], str]:
+        """Exit status, what was called (the compiling of the sources left out) and what was said."""
+        self.calls.write_text("")
+        environment = {**os.environ, "PATH": self.path, "PYTHON": python, "CALLS": str(self.calls)}
+        command = [str(BASH), str(self.folder / "scripts" / "setup"), *arguments]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        calls = [line for line in self.calls.read_text().splitlines() if "compileall" not in line]
+        return done.returncode, calls, done.stderr
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Place:
+    if BASH is None:
+        pytest.skip("no bash")
+    return Place(tmp_path)
+
+
+INSTALL = "uv pip install --quiet --python .venv/bin/python --no-deps"
+
+
+def test_a_run_gets_its_lock_and_the_tests_extend_it_without_a_new_environment(place: Place) -> None:
+    status, calls, said = place.setup()
+    assert status == 0
+    assert calls[0].startswith("uv venv")
+    assert calls[1:] == [f"{INSTALL} --require-hashes -r requirements.lock", f"{INSTALL} --editable ."]
+    assert "installing requirements.lock into .venv with uv" in said
+    assert place.setup("run") == (0, [], "")
+    assert place.setup("test")[1] == [f"{INSTALL} --require-hashes -r requirements-dev.lock"]
+    assert place.setup("test") == (0, [], "")
+    assert place.setup("run") == (0, [], "")
+
+
+@pytest.mark.parametrize(("lock", "what"), [(LOCKS[0], "run"), (LOCKS[0], "test"), (LOCKS[1], "test")])
+def test_a_changed_lock_makes_the_environment_anew(lock: str, what: str, place: Place) -> None:
+    place.setup("test")
+    (place.folder / lock).write_text("another\n")
+    calls = place.setup(what)[1]
+    assert calls[0].startswith("uv venv")
+    assert calls[-1].endswith("requirements-dev.lock" if what == "test" else "--editable .")
+    assert place.setup(what) == (0, [], "")
+
+
+def test_an_installation_that_failed_is_done_again(place: Place) -> None:
+    uv = place.folder / "tools" / "uv"
+    uv.write_text(FAKE_UV + '[ "$2" != install ]\n')
+    assert place.setup()[0] != 0
+    uv.write_text(FAKE_UV)
+    assert place.setup()[1][0].startswith("uv venv")
+
+
+def test_without_uv_pip_installs(place: Place) -> None:
+    (place.folder / "tools" / "uv").unlink()
+    (place.folder / ".venv" / "bin").mkdir(parents=True)
+    shutil.copy(place.folder / "tools" / "uv.python", place.folder / ".venv" / "bin" / "python")
+    shutil.copy(place.folder / LOCKS[0], place.folder / ".venv")
+    _, calls, said = place.setup("test")
+    assert calls[-1] == (
+        "python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-dev.lock"
+    )
+    assert "with pip" in said
+
+
+def test_an_unknown_argument_and_an_old_python_are_refused(place: Place) -> None:
+    status, calls, said = place.setup("everything")
+    assert (status, calls) == (2, [])
+    assert said == 'setup: the argument is "run" or "test", not "everything".\n'
+    old = place.folder / "tools" / "old"
+    old.write_text('#!/bin/sh\n[ "$1" = --version ] && echo Python 3.9.2\n')
+    old.chmod(0o755)
+    status, _, said = place.setup(python=str(old))
+    assert status == 2
+    assert said.startswith("setup: Python 3.11 or newer is needed, this is Python 3.9.2.")
