@@ -48,10 +48,11 @@ class Limits:
         return Limits(self.seconds + size * _SECONDS_PER_BYTE, self.memory_mb + _MEMORY_PER_FILE_SIZE * size / _MB)
 
 
-def serve(shared: int) -> None:
+def serve(shared: int, lifeline: int) -> None:
     """The child's end: answer requests until the pipe ends.
 
     shared : descriptor of the file in memory that answers are written to; -1: they follow in the pipe.
+    lifeline : descriptor of a pipe that the parent holds open and never writes to; -1: there is none.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     requests, answers = FileIO(os.dup(0), "r"), FileIO(os.dup(1), "w")
@@ -60,7 +61,8 @@ def serve(shared: int) -> None:
     os.dup2(nowhere, 1)  # what a decoder prints must not be taken for an answer
     memory = SharedMemory(shared) if shared >= 0 else None
     objects: dict[int, Any] = {}
-    _die_with_parent_while_busy(requests.fileno())
+    if lifeline >= 0:
+        _die_with_parent(lifeline)
     while True:
         try:
             (size,) = HEAD.unpack(read_whole(requests, HEAD.size).data)
@@ -139,24 +141,22 @@ def _limited(limits: Limits, nowhere: int) -> Iterator[None]:
         asked = int(limits.memory_mb * _MB)
         resource.setrlimit(resource.RLIMIT_DATA, (asked if hard < 0 else min(asked, hard), hard))
     faulthandler.dump_traceback_later(limits.seconds + _WATCHDOG_AFTER_SECONDS, exit=True, file=nowhere)
-    if sys.platform == "linux":
-        signal.signal(signal.SIGIO, signal.SIG_DFL)
     try:
         yield
     finally:
-        if sys.platform == "linux":
-            signal.signal(signal.SIGIO, signal.SIG_IGN)
         faulthandler.cancel_dump_traceback_later()
 
 
-def _die_with_parent_while_busy(requests: int) -> None:
-    """Linux signals the end of the pipe of requests; unhandled, that signal ends a process whatever it is doing."""
+def _die_with_parent(lifeline: int) -> None:
+    """Linux signals the end of the lifeline; unhandled, that signal ends a process whatever it is doing.
+
+    The pipe of requests would not do: the signal of a request may come when the child works on it already.
+    """
     if sys.platform == "linux":
         import fcntl  # noqa: PLC0415  (there is none on Windows)
 
-        signal.signal(signal.SIGIO, signal.SIG_IGN)
-        fcntl.fcntl(requests, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(requests, fcntl.F_SETFL, fcntl.fcntl(requests, fcntl.F_GETFL) | os.O_ASYNC)
+        fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 class SharedMemory:

@@ -131,6 +131,8 @@ class _Child:
     def __init__(self) -> None:
         how: dict[str, Any] = {}
         self._shared: SharedMemory | None = None
+        self._lifeline: FileIO | None = None
+        childs_end = -1
         if sys.platform == "win32":
             how["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
         else:
@@ -138,14 +140,18 @@ class _Child:
         if sys.platform == "linux":
             with contextlib.suppress(OSError):  # some containers forbid it
                 self._shared = SharedMemory(os.memfd_create("decoded"))
-                how["pass_fds"] = (self._shared.descriptor,)
+            childs_end, ours = os.pipe()
+            self._lifeline = FileIO(ours, "w")
+            how["pass_fds"] = [childs_end, *([self._shared.descriptor] if self._shared else [])]
         shared = self._shared.descriptor if self._shared else -1
         search = os.pathsep.join(os.path.abspath(folder) for folder in sys.path)
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", f"from casr.decoder_child import serve; serve({shared})"],
+            [sys.executable, "-P", "-c", f"from casr.decoder_child import serve; serve({shared}, {childs_end})"],
             env=os.environ | {"PYTHONPATH": search, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0, **how,
         )  # fmt: skip
+        if childs_end >= 0:
+            os.close(childs_end)
         assert self._process.stdin is not None
         assert isinstance(self._process.stdout, FileIO)
         self._requests: IO[bytes] = self._process.stdin
@@ -236,7 +242,7 @@ class _Child:
 
     def close_pipes(self) -> None:
         self._open = False
-        for end in (self._requests, self._answers, self._shared):
+        for end in (self._requests, self._answers, self._lifeline, self._shared):
             if end is not None:
                 with contextlib.suppress(OSError):
                     end.close()

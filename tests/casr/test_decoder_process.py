@@ -7,27 +7,31 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from casr import decoder_process
 from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, InChild, child_pid, end_child
 from casr.errors import FramesError
 
 DECODER = """
-import ctypes, os, sys
+import ctypes, fcntl, os, sys, time
 import numpy as np
 from casr.errors import FramesError
 
-def is_pipe(fd):
+def is_pipe_to_parent(fd):
     try:
-        return os.readlink(f"/proc/self/fd/{fd}").startswith("pipe")
+        pipe = os.readlink(f"/proc/self/fd/{fd}").startswith("pipe")
+        return pipe and fcntl.fcntl(fd, fcntl.F_GETFL) & os.O_ACCMODE == os.O_WRONLY
     except OSError:
         return False
 
@@ -53,8 +57,12 @@ class Decoder:
     def flood(self):
         return np.ones(10**9)
 
+    def nap(self):
+        time.sleep(0.5)
+        return "rested"
+
     def spoil(self):
-        os.write(max(fd for fd in range(3, 20) if is_pipe(fd)), bytes(range(100, 160)))
+        os.write(max(fd for fd in range(3, 20) if is_pipe_to_parent(fd)), bytes(range(100, 160)))
         return "unheard"
 
     def talk(self):
@@ -232,6 +240,23 @@ def test_interrupted_parent_ends_at_once_with_its_child(make, tmp_path: Path) ->
     assert time.monotonic() - start < 5
     assert said.count("KeyboardInterrupt") == 1  # of the parent alone
     assert _ends(pid)
+
+
+def test_a_request_that_is_signalled_late_does_not_end_the_child(make, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened = make()
+    child = decoder_process._current
+    assert child is not None
+    written = child._requests.write
+
+    def write_and_signal_again(message: bytes) -> int:
+        size = written(message)
+        threading.Timer(0.2, lambda: written(b"\0")).start()  # its signal comes while the child works
+        return size
+
+    with monkeypatch.context() as patched:
+        patched.setattr(child, "_requests", SimpleNamespace(write=write_and_signal_again))
+        assert opened.ask("nap") == "rested"
+    end_child()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the child's own watchdog ends it at its time limit")
