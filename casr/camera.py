@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from math import isfinite, nan
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,6 +19,37 @@ _UNDISTORT_TO_THE_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1
 
 
 @dataclass(frozen=True)
+class Sensor:
+    """What is known of the sensor before the camera; None where it is not.
+
+    Parameters
+    ----------
+    pin_length_mm : from the inner face of the skin to the tip of a pin.
+    dome_radius_mm : outer radius of the dome.
+    skin_mm : thickness of the skin.
+    flange_mm : how far behind the flange the pinhole of the camera lies, along the axis; negative in front of it.
+
+    Raises
+    ------
+    CameraError : a value of another type, not finite, or not above 0 where it must be.
+    """
+
+    pin_length_mm: float | None = None
+    dome_radius_mm: float | None = None
+    skin_mm: float | None = None
+    flange_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in self.known().items():
+            object.__setattr__(self, name, _number(f"sensor.{name}", value, above_zero=name != "flange_mm"))
+
+    def known(self) -> dict[str, float]:
+        """Names and values of what is set."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True)
 class Camera:
     """A pinhole camera looking at the pins from ``depth_mm`` away.
 
@@ -28,6 +60,7 @@ class Camera:
     depth_mm : distance from camera to pins, from the depth sensor, used in eq. (5).
     distortion : OpenCV's (k1, k2, p1, p2[, k3, ...]); empty when the frames are already undistorted.
     frame_rate_hz : frames per second.
+    sensor : what lies before the camera, as far as it is known.
 
     Raises
     ------
@@ -43,17 +76,26 @@ class Camera:
     depth_mm: float = 50.0
     distortion: tuple[float, ...] = ()
     frame_rate_hz: float = 20.0
+    sensor: Sensor = Sensor()
 
     def __post_init__(self) -> None:
-        for name in (field.name for field in fields(self) if field.name != "distortion"):
+        for name in KEYS:
             # plain Python numbers, so that cameras compare, print and are written alike
-            object.__setattr__(self, name, _number(name, getattr(self, name)))
+            if name != "distortion":
+                value = _number(f"camera.{name}", getattr(self, name), name in _ABOVE_ZERO, name in _COUNTS)
+                object.__setattr__(self, name, value)
         object.__setattr__(self, "distortion", _coefficients(self.distortion))
+        if not isinstance(self.sensor, Sensor):
+            raise CameraError(
+                "camera.sensor", wanted="a Sensor", found=repr(self.sensor), do="Give casr.camera.Sensor(...)."
+            )
 
     def to_toml(self) -> str:
-        """The table ``[camera]`` of a camera.toml; reading it gives back the very same camera."""
-        values = asdict(self) | {"distortion": list(self.distortion)}
-        return "[camera]\n" + "".join(f"{key} = {value!r}\n" for key, value in values.items())
+        """A camera.toml: the table ``[camera]``, and ``[sensor]`` if anything is known of it; reading it gives back
+        the very same camera."""
+        values = {name: getattr(self, name) for name in KEYS} | {"distortion": list(self.distortion)}
+        sensor = self.sensor.known()
+        return _table("camera", values) + (f"\n{_table('sensor', sensor)}" if sensor else "")
 
     @property
     def matrix(self) -> NDArray[np.float64]:
@@ -83,13 +125,20 @@ class Camera:
         return undistorted[:, 0, :].astype(np.float64)
 
 
-def _number(name: str, value: object) -> int | float:
-    count, above_zero = name in _COUNTS, name in _ABOVE_ZERO
+KEYS = tuple(field.name for field in fields(Camera) if field.name != "sensor")
+"Of the table ``[camera]``."
+
+
+def _table(name: str, values: dict[str, Any]) -> str:
+    return f"[{name}]\n" + "".join(f"{key} = {value!r}\n" for key, value in values.items())
+
+
+def _number(name: str, value: object, above_zero: bool, count: bool = False) -> int | float:
     number = _float(value)
     if not isfinite(number) or (above_zero and number <= 0) or (count and not isinstance(value, (int, np.integer))):
         kind = "whole number" if count else "number"
         raise CameraError(
-            f"camera.{name}",
+            name,
             wanted=f"a {kind} above 0" if above_zero else f"a finite {kind}",
             found=repr(value),
             do="Correct the camera.",

@@ -101,7 +101,7 @@ def _origin(score: Score, camera: Camera | None, n_frames: int, shape: tuple[int
         facts.append(("camera", "none given: areas are in px²"))
     else:
         facts.append(("pixel size at the pins", " x ".join(f"{size:.5g}" for size in camera.mm_per_px) + " mm"))
-        facts += [(f"camera {name}", str(value)) for name, value in dataclasses.asdict(camera).items()]
+        facts += _settings(camera, "camera ")
     facts.append(("force", "mean of the force rows of each frame" if score.force_n is not None else "none"))
     facts.append(
         ("method", "Initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2) of the paper, as the settings say")

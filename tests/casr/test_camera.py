@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from casr.camera import Camera
+from casr.camera import Camera, Sensor
 from casr.errors import CameraError
 
 # a real pin camera of this kind (DigiTac v1.5), as published with its distortion
@@ -90,3 +90,35 @@ def test_numbers_of_numpy_become_plain_ones():
 def test_what_makes_no_camera_is_refused_by_name(key, value):
     with pytest.raises(CameraError, match=f"camera.{key}: wanted"):
         Camera(**{key: value})
+
+
+def test_what_is_known_of_the_sensor_is_all_optional():
+    assert Camera().sensor == Sensor()
+    assert Sensor().known() == {}
+    sensor = Sensor(pin_length_mm=np.float32(1.5), flange_mm=-2)
+    assert sensor.known() == {"pin_length_mm": 1.5, "flange_mm": -2.0}
+    assert {type(value) for value in sensor.known().values()} == {float}
+    assert hash(Camera(sensor=sensor)) == hash(Camera(sensor=Sensor(pin_length_mm=1.5, flange_mm=-2.0)))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("pin_length_mm", 0.0),
+        ("pin_length_mm", "1.5"),
+        ("dome_radius_mm", -20.0),
+        ("dome_radius_mm", float("inf")),
+        ("skin_mm", True),
+        ("skin_mm", 0),
+        ("flange_mm", float("nan")),
+        ("flange_mm", (1.0,)),
+    ],
+)
+def test_what_makes_no_sensor_is_refused_by_name(key, value):
+    with pytest.raises(CameraError, match=f"sensor.{key}: wanted"):
+        Sensor(**{key: value})
+
+
+def test_a_camera_takes_no_table_for_a_sensor():
+    with pytest.raises(CameraError, match=r"camera.sensor: wanted a Sensor; found \{'pin_length_mm': 1.5\}"):
+        Camera(sensor={"pin_length_mm": 1.5})

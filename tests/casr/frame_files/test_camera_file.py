@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from casr.camera import Camera
+from casr.camera import Camera, Sensor
 from casr.errors import CameraError
 from casr.frame_files import read_camera, write_camera
 
@@ -36,6 +36,13 @@ ANY = st.floats(allow_nan=False, allow_infinity=False)
         depth_mm=ABOVE_ZERO,
         distortion=st.sampled_from([0, 4, 5, 8]).flatmap(lambda n: st.tuples(*[ANY] * n)),
         frame_rate_hz=ABOVE_ZERO,
+        sensor=st.builds(
+            Sensor,
+            pin_length_mm=st.none() | ABOVE_ZERO,
+            dome_radius_mm=st.none() | ABOVE_ZERO,
+            skin_mm=st.none() | ABOVE_ZERO,
+            flange_mm=st.none() | ANY,
+        ),
     )
 )
 def test_what_is_written_is_read_back_exactly(tmp_path, camera):
@@ -47,6 +54,16 @@ def test_distortion_and_frame_rate_may_be_left_out(tmp_path):
     (tmp_path / "camera.toml").write_text(REQUIRED + "\n[rig]\nname = 'two'\n")
     camera = read_camera(tmp_path / "camera.toml")
     assert camera == Camera(640, 480, 323.379, 342.3, 310.423, 247.103, 22.0)
+
+
+def test_what_is_known_of_the_sensor_is_read(tmp_path):
+    (tmp_path / "camera.toml").write_text(REQUIRED + "[sensor]\npin_length_mm = 2\nskin_mm = 1.0\n")
+    assert read_camera(tmp_path / "camera.toml").sensor == Sensor(pin_length_mm=2.0, skin_mm=1.0)
+
+
+def test_a_table_sensor_is_written_only_when_something_is_known():
+    assert "sensor" not in Camera().to_toml()
+    assert Camera(sensor=Sensor(skin_mm=1.0)).to_toml().endswith("\n\n[sensor]\nskin_mm = 1.0\n")
 
 
 @pytest.mark.parametrize(
@@ -61,6 +78,11 @@ def test_distortion_and_frame_rate_may_be_left_out(tmp_path):
         (REQUIRED.replace("22", "true"), r"camera.depth_mm: .* found True"),
         (REQUIRED + "distortion = [0.1]\n", r"camera.distortion: wanted no or 4, 5"),
         (REQUIRED + "distortion = 'none'\n", r"camera.distortion: .* found 'none'"),
+        (REQUIRED + "sensor = 2\n", r"\[camera\] sensor: .* found the unknown key sensor"),
+        ("sensor = 2\n" + REQUIRED, r"wanted a table \[sensor\]; found sensor = 2"),
+        (REQUIRED + "[sensor]\npin_length = 2\n", r"\[sensor\] pin_length: .* Did you mean pin_length_mm\?"),
+        (REQUIRED + "[sensor]\npin_length_mm = 0\n", r"camera.toml, sensor.pin_length_mm: wanted a number above 0"),
+        (REQUIRED + "[sensor]\nflange_mm = nan\n", r"sensor.flange_mm: wanted a finite number; found nan"),
         (REQUIRED.replace("[camera]\n", ""), r"wanted a table \[camera\]; found the keys width_px"),
         ("camera = 3\n", r"wanted a table \[camera\]"),
         ("", r"found no keys"),
