@@ -27,6 +27,7 @@ class PressScorer:
     Attributes
     ----------
     log_growth : of the region since first contact.
+    pins_px : of every frame since first contact, (N, 2): the place of each pin of the rest frame, NaN where it is lost.
 
     Parameters
     ----------
@@ -41,6 +42,7 @@ class PressScorer:
         self._flow = FlowTracker(flow)
         self._steps: list[FlowStep] = []
         self.log_growth = self._divergence = 0.0
+        self.pins_px: list[Array] = []
 
     def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> None:
         """Initial area and contact region from the static frame and the frame of first contact.
@@ -50,20 +52,23 @@ class PressScorer:
         NoContactError : no pin moved, and no region is given.
         PinsError : too few pins. ImageError : not an image.
         """
-        tracker = PinTracker(self._settings.flow.pins)
-        self._rest = tracker.start(rest_image)
-        self._contact_px = tracker.step(contact_image)
+        self._tracker = PinTracker(self._settings.flow.pins)
+        self._rest = self._tracker.start(rest_image)
+        self._contact_px = self._tracker.step(contact_image)
         self._initial, self._region, self._notes = self._contact()
-        self._flow.start(contact_image, self._region)
+        self._flow.start(contact_image, self._region, self._contact_px)
+        self.pins_px.append(self._contact_px)
 
     def load(self, image: NDArray[Any]) -> FlowStep:
         """Growth up to the next frame. Raises PinsError when too few of the region's pins are left."""
         before = self._steps[-1].region if self._steps else self._region
-        step = self._flow.step(image)
+        pins_px = self._tracker.step(image)
+        step = self._flow.step(image, pins_px)
         if self._camera is not None and self._camera.distortion:
             growth = self._flat(step.region).area_px2 / self._flat(before).area_px2
             step = replace(step, log_growth=float(np.log(growth)))
         self._steps.append(step)
+        self.pins_px.append(pins_px)
         self.log_growth += step.log_growth
         self._divergence += step.divergence
         return step

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from casr.errors import SettingError
 from casr.flow.pin_affine import Affine
-from casr.flow.region import Region
+from casr.flow.region import Points, Region
 from casr.flow.step import FlowStep
 from casr.images import Grey
 
@@ -87,12 +87,12 @@ class DenseEngine:
     def __init__(self, method: DenseFlow, core_fraction: float) -> None:
         self._method, self._core_fraction = method, core_fraction
 
-    def start(self, image: Grey, region: Region) -> None:
+    def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
         region.box(image.shape)  # a region outside the image is an error of the first frame
         self._method.start(image)
         self._region = region
 
-    def step(self, image: Grey) -> FlowStep:
+    def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
         core = self._region.scaled(self._core_fraction)
         fit = fit_field(self._method.step(image, core.box(image.shape)), core)
         before, self._region = self._region, self._region.advanced(fit)

@@ -11,7 +11,7 @@ from casr.errors import ImageError
 from casr.flow.dense_engine import DenseEngine
 from casr.flow.dis import Dis
 from casr.flow.pin_engine import PinEngine
-from casr.flow.region import Region
+from casr.flow.region import Points, Region
 from casr.flow.step import ENGINES, Engine, FlowSettings, FlowStep
 from casr.images import as_grey
 
@@ -31,8 +31,13 @@ class FlowTracker:
         self._engine = _engine(self.settings)
         self._shape: tuple[int, ...] | None = None
 
-    def start(self, image: NDArray[Any], region: Region) -> None:
+    def start(self, image: NDArray[Any], region: Region, pins_px: Points | None = None) -> None:
         """Take the frame of first contact and the contact region in it.
+
+        Parameters
+        ----------
+        pins_px : (N, 2) places of its pins, NaN where one is lost, if somebody follows them already; every ``step`` is
+            then given the same pins. None: ``pin-affine`` follows those it needs by itself.
 
         Raises
         ------
@@ -42,9 +47,9 @@ class FlowTracker:
         """
         grey = as_grey(image)
         self._shape = grey.shape
-        self._engine.start(grey, region)
+        self._engine.start(grey, region, pins_px)
 
-    def step(self, image: NDArray[Any]) -> FlowStep:
+    def step(self, image: NDArray[Any], pins_px: Points | None = None) -> FlowStep:
         """Growth of the region from the frame before to this one. Identical frames give exactly 0.
 
         Raises
@@ -56,7 +61,7 @@ class FlowTracker:
         if grey.shape != self._shape:
             wanted = "a first frame: call start" if self._shape is None else f"frames of one shape, {self._shape}"
             raise ImageError("frame", wanted=wanted, found=f"shape {grey.shape}", do="Give frames of one recording.")
-        return self._engine.step(grey)
+        return self._engine.step(grey, pins_px)
 
 
 def _engine(settings: FlowSettings) -> Engine:

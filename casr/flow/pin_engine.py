@@ -10,7 +10,7 @@ from casr.flow.pin_affine import FEWEST_PINS, Affine, fit_affine
 from casr.flow.region import Points, Region
 from casr.flow.step import FlowSettings, FlowStep
 from casr.images import Grey
-from casr.pins import PinTracker
+from casr.pins import PinTracker, pin_pitch_px
 
 PIN_SCATTER_PX = 0.4
 EDGE_SD_PX = 1.0
@@ -72,7 +72,7 @@ ROUND_ENOUGH = 0.1  # spread of the pins across a line over the spread along it
 
 
 class PinEngine:
-    """Follows the pins that lie in the core of the region at first contact, and no others.
+    """Measures by the pins that lie in the core of the region at first contact.
 
     The region is a piece of skin, so its pins stay the same. The map is fitted from the first frame to the present one
     and steps are differences: errors of single centroids do not add up over frames, and a pin that is lost for a while
@@ -83,15 +83,18 @@ class PinEngine:
         self._settings = settings
         self._tracker = PinTracker(settings.pins)
 
-    def start(self, image: Grey, region: Region) -> None:
-        pins_px = self._tracker.start(image).centroids_px
-        self._ids, self._start_notes = _pins_of(region, pins_px, self._settings.core_fraction)
-        self._tracker.restrict(self._ids)
-        self._region, self._last_px = region, pins_px[self._ids]
+    def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        followed = pins_px is not None
+        start_px = pins_px if pins_px is not None else self._tracker.start(image).centroids_px
+        self._ids, self._start_notes = _pins_of(region, start_px, self._settings.core_fraction)
+        if not followed:
+            self._tracker.restrict(self._ids)
+        self._pitch_px = pin_pitch_px(start_px)
+        self._region, self._last_px = region, start_px[self._ids]
         self._skin = _BulgingRegion(region, self._last_px)
 
-    def step(self, image: Grey) -> FlowStep:
-        now_px = self._tracker.step(image)[self._ids]
+    def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        now_px = (self._tracker.step(image) if pins_px is None else pins_px)[self._ids]
         region, affine = self._skin.at(now_px)
         divergence, log_growth = self._region.growth_to(region)
         notes = (*self._start_notes, *affine.notes, *self._lost(now_px), *self._jump(now_px))
@@ -107,7 +110,7 @@ class PinEngine:
         """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike."""
         moved_px = np.hypot(*(now_px - self._last_px).T)
         typical_px = float(np.nanmedian(moved_px)) if np.isfinite(moved_px).any() else 0.0
-        if typical_px <= self._tracker.pitch_px / 2:
+        if typical_px <= self._pitch_px / 2:
             return ()
         return ("pins jump beyond half their pitch: are these frames one press, in order?",)
 
@@ -115,7 +118,7 @@ class PinEngine:
 def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.ndarray, tuple[str, ...]]:
     """Rows of the pins in the core; where those are few, of the region; where they fix no map, the next ones too."""
     depth = region.depth(pins_px)
-    outwards = np.argsort(depth, kind="stable")
+    outwards = np.argsort(depth, kind="stable")[: int(np.isfinite(depth).sum())]  # NaN of lost pins sorts last
     n_core, n_inside = int(np.sum(depth <= core_fraction)), int(np.sum(depth <= 1))
     n = max(n_core, min(n_inside, SPARE_PINS), FEWEST_PINS)
     while n < len(outwards) and not _span_a_plane(pins_px[outwards[:n]]):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from casr.errors import SettingError
-from casr.flow.region import Region
+from casr.flow.region import Points, Region
 from casr.images import Grey
 from casr.pins import PinSettings
 
@@ -138,8 +138,8 @@ def _named(where: list[int]) -> str:
 class Engine(Protocol):
     """One way to measure it; what a tracker drives."""
 
-    def start(self, image: Grey, region: Region) -> None:
-        """Take the first frame and the region in it."""
+    def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        """Take the first frame, the region in it and, where they are followed already, its pins."""
 
-    def step(self, image: Grey) -> FlowStep:
-        """Take the next frame."""
+    def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        """Take the next frame and, as at the start, its pins."""

@@ -19,6 +19,8 @@ from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
 from casr.frame_files import open_frames
 from casr.frames import FrameSequence, force_per_frame
+from casr.pins import detect_pins, match_pins
+from casr.press_scorer import PressScorer
 from casr.score import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
@@ -239,3 +241,19 @@ def test_real_images_in_no_order_give_a_note_or_an_error(shared_data: Callable[[
     except PinsError as error:
         said = str(error)
     assert "one press, in order?" in said
+
+
+def test_the_places_of_all_pins_in_every_scored_frame() -> None:
+    press = simulated("S5")
+    frames = [drawn(press, index) for index in (0, *press.truth.loading_frames[:12].tolist())]
+    for engine in ("pin-affine", "dis"):
+        scorer = PressScorer(None, ScoreSettings(flow=FlowSettings(engine=engine)))
+        scorer.touch(*frames[:2])
+        for image in frames[2:]:
+            scorer.load(image)
+        assert [places.shape for places in scorer.pins_px] == [(127, 2)] * 12
+        last_px = detect_pins(frames[-1]).centroids_px
+        here, _ = match_pins(scorer.pins_px[-1], last_px, max_distance_px=0.05)
+        assert len(here) == 127, "the same row is the same pin, and none is lost"
+        moved_px = np.hypot(*np.diff(scorer.pins_px, axis=0).transpose(2, 0, 1))
+        assert moved_px.max() < 5, "no pin is taken for the next one"
