@@ -1,0 +1,231 @@
+"""Many solutions of a dome's contact on one grid, so that a press can be held against all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.dome.tables import ContactTable, read_table
+from casr.errors import SettingError
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+FAMILY = ("C", "J", "H", "D", "E", "I", "G")
+"""Domes of the shipped library, softest gel first (0.0125 to 2 times the modulus of the skin): nothing else differs."""
+SHIPPED = "library.npz"
+DEFAULT_WORLD = "skin_over_gel.npz"
+"""Dome A, which the simulator presses; the library does not hold it."""
+LAST_RADIUS_MM = 18.0
+_QUANTUM = 2e-4
+"Of the motion in the file, mm or rad: a fiftieth of a pixel at 10 px/mm would be 2e-3."
+_SMOOTH_FROM_N, _SMOOTH_DEGREE = 0.02, 6
+_TREND_FROM = 0.6
+"A table is continued along the lines through its steps from this share of its largest radius on."
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """W worlds (a dome on a specimen), R contact radii, S arcs.
+
+    dome, stiffness_n_per_mm, friction : (W,) of each world; stiffness is inf for a rigid plate.
+    radius_mm : (R,) evenly spaced. arc_mm : (S,) evenly spaced from 0, along the inside of the undeformed skin.
+    computed_mm : (W,) largest radius that was computed; beyond it is continued.
+    force_n, edge_arc_mm : (W, R) normal force at each radius, and the edge on the undeformed outside of the skin.
+    motion : (W, R, S, 3) displacement outward and towards the tip, mm, and rotation, rad.
+    """
+
+    dome: NDArray[np.str_]
+    stiffness_n_per_mm: Array
+    friction: NDArray[np.str_]
+    radius_mm: Array
+    arc_mm: Array
+    computed_mm: Array
+    force_n: Array
+    edge_arc_mm: Array
+    motion: NDArray[np.float32]
+
+    @property
+    def n_worlds(self) -> int:
+        """W."""
+        return len(self.dome)
+
+    def motion_at(self, arc_mm: Array, worlds: Rows, radii: slice) -> NDArray[np.float32]:
+        """(3, W', R', N) motion at arcs (N,) of some worlds and radii; beyond the last arc that of the last."""
+        place = np.clip(arc_mm / self.arc_mm[1], 0, self.arc_mm.size - 1.000001)
+        low = place.astype(np.intp)
+        share = (place - low).astype(np.float32)[:, None]
+        motion = self.motion[worlds][:, radii]
+        between = motion[:, :, low] * (1 - share) + motion[:, :, low + 1] * share
+        return np.ascontiguousarray(np.moveaxis(between, -1, 0))
+
+    def save(self, file: Path | IO[bytes]) -> None:
+        """Write it with the motion in steps of 0.2 micrometres."""
+        motion = np.round(self.motion / _QUANTUM)
+        np.savez_compressed(
+            file, dome=self.dome, stiffness_n_per_mm=self.stiffness_n_per_mm, friction=self.friction,
+            radius_mm=self.radius_mm, arc_mm=self.arc_mm, computed_mm=self.computed_mm,
+            force_n=self.force_n.astype(np.float32), edge_arc_mm=self.edge_arc_mm.astype(np.float32),
+            motion=motion.clip(-32767, 32767).astype(np.int16),
+        )  # fmt: skip
+
+
+def gather(tables: Sequence[ContactTable], *, radius_step_mm: float, arc_step_mm: float) -> Library:
+    """The tables on one grid of radii and arcs."""
+    radius = np.arange(1.0, LAST_RADIUS_MM + radius_step_mm / 2, radius_step_mm)
+    arc = np.arange(0.0, min(table.s_mm[-1] for table in tables), arc_step_mm)
+    gridded = [_by_radius(table, radius, arc) for table in tables]
+    return Library(
+        dome=np.array([table.dome for table in tables]),
+        stiffness_n_per_mm=np.array([table.stiffness_n_per_mm for table in tables]),
+        friction=np.array([table.friction for table in tables]),
+        radius_mm=radius,
+        arc_mm=arc,
+        computed_mm=np.array([table.contact_radius_mm[-1] for table in tables]),
+        force_n=np.array([each[0] for each in gridded]),
+        edge_arc_mm=np.array([each[1] for each in gridded]),
+        motion=np.array([each[2] for each in gridded], dtype=np.float32),
+    )
+
+
+def _by_radius(table: ContactTable, radius: Array, arc: Array) -> tuple[Array, Array, Array]:
+    """(R,) force, (R,) edge and (R, S, 3) motion at each radius."""
+    low = np.clip(np.searchsorted(table.s_mm, arc) - 1, 0, table.s_mm.size - 2)
+    share = ((arc - table.s_mm[low]) / (table.s_mm[low + 1] - table.s_mm[low]))[:, None]
+    on_arc = table.motion[:, low] * (1 - share) + table.motion[:, low + 1] * share
+    radius_mm = _smooth_radius(table)
+    rising = np.append(False, np.diff(np.maximum.accumulate(radius_mm)) > 0)
+    reached = radius_mm[rising]
+    near_end = reached >= _TREND_FROM * reached[-1]
+    log_force = _continued(np.log(reached), np.log(table.force_n[rising]), np.log(radius), near_end)
+    edge = _continued(reached, table.edge_arc_mm[rising], radius, near_end)
+    return np.exp(log_force), edge, _continued(reached, on_arc[rising], radius, near_end)
+
+
+def _smooth_radius(table: ContactTable) -> Array:
+    """(T,) radius without the steps that the edge makes from node to node of the mesh (0.5 % of it)."""
+    smoothed = table.force_n >= _SMOOTH_FROM_N
+    log_force = np.log(table.force_n[smoothed])
+    weights = np.sqrt(np.gradient(log_force))  # so that all forces count alike
+    law = np.polynomial.Polynomial.fit(log_force, np.log(table.contact_radius_mm[smoothed]), _SMOOTH_DEGREE, w=weights)
+    radius = table.contact_radius_mm.copy()
+    radius[smoothed] = np.exp(law(log_force))
+    return radius
+
+
+def _continued(x: Array, y: Array, at: Array, near_end: NDArray[np.bool_]) -> Array:
+    """y(x) at ``at``: between rows along lines, below the first along the line to it, beyond the last along the trend."""
+    row = np.clip(np.searchsorted(x, at) - 1, 0, x.size - 2)
+    wide = (slice(None),) + (None,) * (y.ndim - 1)
+    part = ((at - x[row]) / (x[row + 1] - x[row]))[wide]
+    inside = y[row] * (1 - part) + y[row + 1] * part
+    powers = np.vander(x[near_end] - x[-1], 3)[:, :2]  # through the last row
+    slopes = np.linalg.lstsq(powers, (y[near_end] - y[-1]).reshape(len(powers), -1), rcond=None)[0]
+    ahead = np.vander(np.maximum(at - x[-1], 0.0), 3)[:, :2]
+    beyond = y[-1] + (ahead @ slopes).reshape(at.shape + y.shape[1:])
+    return np.where((at > x[-1])[wide], beyond, inside)
+
+
+def with_between(library: Library) -> Library:
+    """Also the worlds halfway between neighbours in stiffness, and halfway between neighbouring domes of ``FAMILY``."""
+    library = _joined(library, _next_in_stiffness(library))
+    return _joined(library, _next_in_family(library))
+
+
+Between = tuple[int, int, str, float]
+"""Rows of two worlds, and the dome and the stiffness that the world between them has."""
+
+
+def _joined(library: Library, pairs: list[Between]) -> Library:
+    first, second = (np.array([pair[k] for pair in pairs], dtype=np.intp) for k in (0, 1))
+    between = [(array[first] + array[second]) / 2 for array in (library.edge_arc_mm, library.motion)]
+    return Library(
+        dome=np.append(library.dome, [pair[2] for pair in pairs]),
+        stiffness_n_per_mm=np.append(library.stiffness_n_per_mm, [pair[3] for pair in pairs]),
+        friction=np.append(library.friction, library.friction[first]),
+        radius_mm=library.radius_mm,
+        arc_mm=library.arc_mm,
+        computed_mm=np.append(library.computed_mm, np.minimum(library.computed_mm[first], library.computed_mm[second])),
+        force_n=np.concatenate([library.force_n, np.sqrt(library.force_n[first] * library.force_n[second])]),
+        edge_arc_mm=np.concatenate([library.edge_arc_mm, between[0]]),
+        motion=np.concatenate([library.motion, between[1]]),
+    )
+
+
+def _next_in_stiffness(library: Library) -> list[Between]:
+    pairs: list[Between] = []
+    for dome, friction in sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True))):
+        rows = np.flatnonzero((library.dome == dome) & (library.friction == friction))
+        rows = rows[np.argsort(library.stiffness_n_per_mm[rows])]
+        for low, high in zip(rows[:-1].tolist(), rows[1:].tolist(), strict=True):
+            compliance = 1 / library.stiffness_n_per_mm[[low, high]]
+            pairs.append((low, high, dome, float(2 / compliance.sum())))
+    return pairs
+
+
+def _next_in_family(library: Library) -> list[Between]:
+    names = zip(
+        library.dome.tolist(), library.friction.tolist(), library.stiffness_n_per_mm.round(6).tolist(), strict=True
+    )
+    row_of = {name: row for row, name in enumerate(names)}
+    softer = dict(zip(FAMILY[1:], FAMILY[:-1], strict=True))
+    return [
+        (other, row, f"{softer[dome]}+{dome}", stiffness)
+        for (dome, friction, stiffness), row in row_of.items()
+        if (other := row_of.get((softer.get(dome, ""), friction, stiffness))) is not None
+    ]
+
+
+def read_library(folder: Path) -> Library:
+    """The tables of a folder (layout: ``casr.dome.tables``). SettingError where there are none."""
+    paths = sorted(folder.glob("*.npz"))
+    if not paths:
+        raise SettingError(
+            str(folder), wanted="tables of domes, <dome>_k<stiffness>_<friction>.npz", found="none",
+            do="Give the folder that holds them.",
+        )  # fmt: skip
+    return gather([read_table(path) for path in paths], radius_step_mm=0.25, arc_step_mm=0.5)
+
+
+@cache
+def shipped(name: str = SHIPPED) -> Library:
+    """A library that comes with casr."""
+    with resources.files("casr.dome").joinpath(name).open("rb") as file, np.load(file, allow_pickle=False) as kept:
+        arrays = {key: kept[key] for key in kept.files}
+    motion = arrays.pop("motion").astype(np.float32) * np.float32(_QUANTUM)
+    wide = {key: arrays.pop(key).astype(np.float64) for key in ("force_n", "edge_arc_mm")}
+    return Library(**arrays, **wide, motion=motion)
+
+
+@cache
+def worlds(folder: Path | None = None) -> Library:
+    """What a press is held against: the shipped domes and those between them, and the domes of a lab's ``folder``."""
+    ours = with_between(shipped())
+    if folder is None:
+        return ours
+    own = read_library(folder)
+    own = _joined(own, _next_in_stiffness(own))
+    if own.radius_mm.shape != ours.radius_mm.shape or own.arc_mm.size < ours.arc_mm.size:
+        raise SettingError(
+            str(folder), wanted=f"tables whose arc reaches {ours.arc_mm[-1]:g} mm", found=f"{own.arc_mm[-1]:g} mm",
+            do="Compute the skin as far as its clamped edge.",
+        )  # fmt: skip
+    size = ours.arc_mm.size
+    return Library(
+        dome=np.append(ours.dome, own.dome),
+        stiffness_n_per_mm=np.append(ours.stiffness_n_per_mm, own.stiffness_n_per_mm),
+        friction=np.append(ours.friction, own.friction),
+        radius_mm=ours.radius_mm,
+        arc_mm=ours.arc_mm,
+        computed_mm=np.append(ours.computed_mm, own.computed_mm),
+        force_n=np.concatenate([ours.force_n, own.force_n]),
+        edge_arc_mm=np.concatenate([ours.edge_arc_mm, own.edge_arc_mm]),
+        motion=np.concatenate([ours.motion, own.motion[:, :, :size]]),
+    )

@@ -1,0 +1,90 @@
+"""Finite-element solutions of a dome pressed on a specimen: the documented file of one solution.
+
+A file is named ``<dome>_k<stiffness, N/mm, or rigid>_<friction>.npz``. Row 0 is the untouched state; arrays of T steps and
+P nodes along the inside of the skin, from the pole outwards, in a frame that moves with the flange:
+
+| key | shape | unit | meaning |
+|---|---|---|---|
+| force_n | T | N | normal force, rising |
+| contact_radius_mm | T | mm | radius of the contact's edge, seen along the axis |
+| edge_arc_mm | T | mm | where the edge is on the undeformed outside of the skin, as an arc from the pole |
+| s_mm | P | mm | arc from the pole to each node on the undeformed inside |
+| u_r_mm, u_z_mm | T, P | mm | displacement away from the axis, and along it towards the tip |
+| tilt_rad | T, P | rad | rotation of the skin; positive turns the tips of pins away from the axis |
+
+The dome is a sphere of 20 mm radius with a skin of 1 mm; another size is the same dome in other millimetres.
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import SettingError
+
+Array = NDArray[np.float64]
+
+OF_STEPS = ("force_n", "contact_radius_mm", "edge_arc_mm")
+OF_NODES = ("u_r_mm", "u_z_mm", "tilt_rad")
+_NAME = re.compile(r"(?P<dome>[^_]+)_k(?P<stiffness>rigid|\d+(\.\d+)?)_(?P<friction>[^_]+)")
+_DO = "See the layout in docs/reference/dome-tables.md."
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTable:
+    """One dome pressed on one specimen: T steps, P nodes; see the layout of the file.
+
+    dome, friction : names. stiffness_n_per_mm : of the specimen; inf for a rigid plate.
+    motion : (T, P, 3) of u_r_mm, u_z_mm and tilt_rad.
+    """
+
+    dome: str
+    stiffness_n_per_mm: float
+    friction: str
+    force_n: Array
+    contact_radius_mm: Array
+    edge_arc_mm: Array
+    s_mm: Array
+    motion: Array
+
+
+def read_table(path: Path) -> ContactTable:
+    """Read one solution. SettingError for a file that is not laid out as above."""
+    named = _NAME.fullmatch(path.stem)
+    if named is None:
+        wanted = "a name like A_k5.3_stick.npz: dome, stiffness in N/mm or 'rigid', friction"
+        raise SettingError(str(path), wanted=wanted, found=path.name, do=_DO)
+    try:
+        with np.load(path, allow_pickle=False) as kept:
+            arrays = {key: np.asarray(kept[key], dtype=np.float64) for key in (*OF_STEPS, "s_mm", *OF_NODES)}
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise SettingError(str(path), wanted="a table of a dome's contact", found=str(error), do=_DO) from error
+    _check(path, arrays)
+    return ContactTable(
+        dome=named["dome"],
+        stiffness_n_per_mm=np.inf if named["stiffness"] == "rigid" else float(named["stiffness"]),
+        friction=named["friction"],
+        force_n=arrays["force_n"],
+        contact_radius_mm=arrays["contact_radius_mm"],
+        edge_arc_mm=arrays["edge_arc_mm"],
+        s_mm=arrays["s_mm"],
+        motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
+    )
+
+
+def _check(path: Path, arrays: dict[str, Array]) -> None:
+    steps, nodes = arrays["force_n"].shape, arrays["s_mm"].shape
+    shapes = {key: steps for key in OF_STEPS} | {key: steps + nodes for key in OF_NODES} | {"s_mm": nodes}
+    for key, shape in shapes.items():
+        array = arrays[key]
+        if array.shape != shape or not np.isfinite(array).all() or min(array.shape) < 5:
+            found = f"shape {array.shape}" + ("" if np.isfinite(array).all() else " with values that are not finite")
+            raise SettingError(f"{path}, {key}", wanted=f"finite numbers of shape {shape}", found=found, do=_DO)
+    for key in ("force_n", "s_mm"):
+        if not (np.diff(arrays[key]) > 0).all():
+            raise SettingError(f"{path}, {key}", wanted="rising values", found="values that do not rise", do=_DO)

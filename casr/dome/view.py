@@ -1,0 +1,115 @@
+"""A dome with pins seen by its camera: from a pin's pixel at rest to its place on the dome, and to its pixel in contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+Motion = NDArray[np.float32] | NDArray[np.float64]
+
+INNER_RADIUS_MM = 19.0
+"""Of the skin of the finite-element domes: 20 mm outside, 1 mm thick; pins stand on it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DomeView:
+    """A spherical skin with pins of one length that point at its centre, seen along its axis by a pinhole camera.
+
+    Millimetres are those of the sensor over ``scale``: a dome of another radius is the same dome in other units.
+
+    Parameters
+    ----------
+    focal_px : (2,) along x and y. pole_px : (2,) where the dome's axis meets the image.
+    depth_mm : from the camera to the tip of a pin at the pole, at rest.
+    pin_length_mm : from the skin's inside to the tip.
+    inner_radius_mm : of the skin, where pins stand.
+    """
+
+    focal_px: tuple[float, float]
+    pole_px: tuple[float, float]
+    depth_mm: float
+    pin_length_mm: float
+    inner_radius_mm: float = INNER_RADIUS_MM
+
+    @property
+    def tip_radius_mm(self) -> float:
+        """Of the sphere that the tips lie on at rest."""
+        return self.inner_radius_mm - self.pin_length_mm
+
+    @property
+    def behind_mm(self) -> float:
+        """Camera to the dome's centre."""
+        return self.depth_mm - self.tip_radius_mm
+
+    def directions(self, rest_px: Points) -> Points:
+        """(N, 3) unit vectors from the dome's centre to pins that are at rest at (N, 2) px; z points at the pole.
+
+        A pixel beyond the outline of the sphere of tips counts as on the outline.
+        """
+        x, y = ((rest_px - self.pole_px) / self.focal_px).T
+        far = x**2 + y**2
+        # |b + t ray| = r with ray (x, y, 1) from the camera, b the camera behind the centre; the far root is the skin
+        r, c = self.tip_radius_mm, self.behind_mm
+        root = np.sqrt(np.maximum(r**2 * (1 + far) - c**2 * far, 0.0))
+        along = (c + root) / (1 + far)
+        points = np.stack([x * along, y * along, along - c], axis=-1)
+        return np.asarray(points / np.linalg.norm(points, axis=-1, keepdims=True))
+
+    def rest_px(self, directions: Points) -> Points:
+        """(..., 2) px of tips at rest."""
+        return self.seen_px(self.tip_radius_mm * directions)
+
+    def seen_px(self, points_mm: Points) -> Points:
+        """(..., 2) px of (..., 3) points from the dome's centre."""
+        away = points_mm[..., 2:] + self.behind_mm
+        return np.asarray(points_mm[..., :2] / away * self.focal_px + self.pole_px)
+
+    def around(self, directions: Points, axis: Points) -> PinsAroundAxis:
+        """Pins as seen from the contact whose middle lies in the direction ``axis`` (3,)."""
+        cosine = np.clip(directions @ axis, -1.0, 1.0)
+        outward = directions - cosine[:, None] * axis
+        sine = np.linalg.norm(outward, axis=1)
+        return PinsAroundAxis(self, directions, axis, outward / np.maximum(sine, 1e-12)[:, None], np.arctan2(sine, cosine))
+
+
+@dataclass(frozen=True, eq=False)
+class PinsAroundAxis:
+    """Pins of a view in polar coordinates about the middle of a contact.
+
+    directions : (N, 3). axis : (3,). outward : (N, 3) unit vectors across the axis. angle : (N,) from the axis, rad.
+    """
+
+    view: DomeView
+    directions: Points
+    axis: Points
+    outward: Points
+    angle: Points
+
+    @property
+    def arc_mm(self) -> Points:
+        """(N,) arc along the inside of the skin from the middle of the contact to the root of each pin."""
+        return self.view.inner_radius_mm * self.angle
+
+    def moved_px(self, u_r_mm: Motion, u_z_mm: Motion, tilt_rad: Motion) -> Motion:
+        """(..., N, 2) px from rest, of displacements (..., N) of the skin under the pins across and along the axis.
+
+        A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an
+        assumption: it takes the clamped base for as far away from that contact as from one at the pole.
+        """
+        kind = tilt_rad.dtype
+        length, angle = kind.type(self.view.pin_length_mm), self.angle.astype(kind)
+        turned = angle - tilt_rad
+        out = u_r_mm - length * (np.sin(turned) - np.sin(angle))
+        up = u_z_mm - length * (np.cos(turned) - np.cos(angle))
+        tips = (self.view.tip_radius_mm * self.directions).astype(kind)
+        outward, axis = self.outward.astype(kind), self.axis.astype(kind)
+        x, y, z = (tips[:, k] + out * outward[:, k] + up * axis[k] for k in range(3))
+        per_mm = 1 / (z + kind.type(self.view.behind_mm))
+        at_rest = (self.view.rest_px(self.directions) - self.view.pole_px).astype(kind)
+        moved = np.empty((*tilt_rad.shape, 2), dtype=kind)
+        for k, along in enumerate((x, y)):
+            moved[..., k] = kind.type(self.view.focal_px[k]) * along * per_mm - at_rest[:, k]
+        return moved
