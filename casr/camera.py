@@ -124,6 +124,16 @@ class Camera:
         )
         return undistorted[:, 0, :].astype(np.float64)
 
+    def distorted_px(self, points_px: ArrayLike) -> NDArray[np.float64]:
+        """(N, 2) where the camera sees points (N, 2) of the undistorted image, px: the inverse of ``undistorted_px``."""
+        points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
+        if not self.distortion or points.size == 0:
+            return points
+        centre, focal = (self.cx_px, self.cy_px), (self.fx_px, self.fy_px)
+        rays = np.column_stack([(points - centre) / focal, np.ones(len(points))])
+        still = np.zeros(3)
+        return cv2.projectPoints(rays, still, still, self.matrix, np.array(self.distortion))[0][:, 0].astype(np.float64)
+
 
 KEYS = tuple(field.name for field in fields(Camera) if field.name != "sensor")
 "Of the table ``[camera]``."

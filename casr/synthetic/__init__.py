@@ -7,13 +7,16 @@ from casr.synthetic.region import ContactEllipse
 from casr.synthetic.scene import Scene
 from casr.synthetic.settings import PressSettings, TimelineSettings
 from casr.synthetic.skin import TACTIP_127, Skin
+from casr.synthetic.tabulated import TabulatedWorld
 from casr.synthetic.truth import PressTruth, casr_truth
+from casr.synthetic.world import ContactState, World
 from casr.synthetic.write import write_press
 
 __all__ = [
     "TACTIP_127",
     "Appearance",
     "ContactEllipse",
+    "ContactState",
     "ContactWorld",
     "PressSettings",
     "PressTruth",
@@ -21,7 +24,9 @@ __all__ = [
     "SimulatedFrames",
     "SimulatedPress",
     "Skin",
+    "TabulatedWorld",
     "TimelineSettings",
+    "World",
     "casr_truth",
     "simulate_press",
     "write_press",

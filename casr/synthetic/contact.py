@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import SettingError
+from casr.synthetic.stick import StickSkin
+
+if TYPE_CHECKING:
+    from casr.synthetic.settings import PressSettings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +54,20 @@ class ContactWorld:
                 found=f"{self.lever_ratio!r}, {self.exponent!r}",
                 do="Correct the contact.",
             )
+
+    @property
+    def name(self) -> str:
+        """In results."""
+        return f"stick from {self.stick_force_n:g} N"
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What is not known to be so."""
+        return ("from stick_force_n on the contact is a piece of skin that stretches as the contact grows",)
+
+    def press(self, settings: PressSettings, centre_mm: tuple[float, float]) -> StickSkin:
+        """The skin of one press."""
+        return StickSkin(self, settings, centre_mm)
 
     def modulus_mpa(self, stiffness_n_per_mm: float) -> float:
         """Reduced modulus of dome and specimen in series, MPa."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from casr.camera import Camera
+from casr.camera import Camera, Sensor
 from casr.errors import SettingError
 from casr.specimens import SPECIMENS
 from casr.synthetic.appearance import Appearance
-from casr.synthetic.contact import ContactWorld
 from casr.synthetic.skin import TACTIP_127, Skin
+from casr.synthetic.tabulated import TabulatedWorld
+from casr.synthetic.world import World
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +66,9 @@ class TimelineSettings:
             )
 
 
+SIMULATED_SENSOR = Sensor(pin_length_mm=3.0, dome_radius_mm=20.0, skin_mm=1.0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class PressSettings:
     """One press; equal settings give equal bytes.
@@ -82,9 +86,9 @@ class PressSettings:
     repetition: int = 0
     seed: int = 0
     centre_sd_mm: float = 0.5
-    world: ContactWorld = field(default_factory=ContactWorld)
+    world: World = field(default_factory=TabulatedWorld)
     skin: Skin = TACTIP_127
-    camera: Camera = field(default_factory=Camera)
+    camera: Camera = field(default_factory=lambda: Camera(sensor=SIMULATED_SENSOR))
     appearance: Appearance = field(default_factory=Appearance)
     timeline: TimelineSettings = field(default_factory=TimelineSettings)
 

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from casr.errors import SettingError
 from casr.spread import WINDOW_N
 from casr.synthetic.scene import Scene
-from casr.synthetic.settings import PressSettings
 from casr.synthetic.timeline import Timeline
 
 FloatArray = NDArray[np.float64]
@@ -25,16 +24,20 @@ class PressTruth:
     Parameters
     ----------
     time_s, force_n : (T,) exposure, and force there without noise.
-    area_mm2, area_px2 : (T,) contact area in the image plane.
+    world : name. assumptions : of it.
+    area_mm2 : (T,) contact area. area_px2 : (T,) the contact's ellipse in the image.
     centre_px : (x, y) of the contact, the same in all frames.
     semi_axes_px : (T, 2) of the contact's ellipse along x and y.
     loading_frames : (n,) frames from the first at ``start_n`` or more to the last before the peak.
     log_growth : (n-1,) ln(A_i / A_{i-1}) over the loading frames.
-    divergence : (n-1,) divergence of the skin inside the contact from each loading frame to the next.
+    skin_log_growth, divergence : (n-1,) growth of the skin of the first contact from each loading frame to the next, as
+        the logarithm of its area's ratio and as the divergence of its displacement.
     casr_power_mm2_per_n : mean rate of the true area over ``casr.spread.WINDOW_N``, whatever was loaded.
     casr_slope_mm2_per_n, casr_paper_mm2_per_n : ``casr_truth`` of the loading frames.
     """
 
+    world: str
+    assumptions: tuple[str, ...]
     time_s: FloatArray
     force_n: FloatArray
     area_mm2: FloatArray
@@ -43,6 +46,7 @@ class PressTruth:
     semi_axes_px: FloatArray
     loading_frames: NDArray[np.int64]
     log_growth: FloatArray
+    skin_log_growth: FloatArray
     divergence: FloatArray
     casr_power_mm2_per_n: float
     casr_slope_mm2_per_n: float
@@ -59,11 +63,14 @@ def press_truth(scene: Scene, timeline: Timeline) -> PressTruth:
     force = timeline.frame_force_n
     contacts = [scene.contact(value) for value in force.tolist()]
     area_px2 = np.array([contact.area_px2 for contact in contacts])
-    area_mm2 = area_px2 * scene.settings.camera.mm2_per_px2
+    area_mm2 = np.array([scene.area_mm2(value) for value in force.tolist()])
     rising = timeline.frame_time_s <= timeline.peak_time_s
     loading = np.flatnonzero(rising & (force >= scene.settings.timeline.start_n))
     steps = zip(force[loading[:-1]].tolist(), force[loading[1:]].tolist(), strict=True)
+    skin_growth = np.array([scene.skin_growth(before, after) for before, after in steps])
     return PressTruth(
+        world=scene.settings.world.name,
+        assumptions=scene.settings.world.assumptions,
         time_s=timeline.frame_time_s,
         force_n=force,
         area_mm2=area_mm2,
@@ -71,17 +78,18 @@ def press_truth(scene: Scene, timeline: Timeline) -> PressTruth:
         centre_px=scene.centre_px,
         semi_axes_px=np.array([contact.semi_axes_px for contact in contacts]),
         loading_frames=loading,
-        log_growth=np.diff(np.log(area_px2[loading])),
-        divergence=np.array([scene.divergence(before, after) for before, after in steps]),
-        casr_power_mm2_per_n=_mean_rate(scene.settings),
+        log_growth=np.diff(np.log(area_mm2[loading])),
+        skin_log_growth=skin_growth,
+        divergence=2 * np.expm1(skin_growth / 2),
+        casr_power_mm2_per_n=_mean_rate(scene),
         casr_slope_mm2_per_n=casr_truth(area_mm2[loading], force[loading]),
         casr_paper_mm2_per_n=casr_truth(area_mm2[loading], force[loading], rule="paper"),
     )
 
 
-def _mean_rate(settings: PressSettings) -> float:
-    first, last = settings.world.area_mm2(WINDOW_N, settings.stiffness_n_per_mm, settings.angle_deg)
-    return float((last - first) / (WINDOW_N[1] - WINDOW_N[0]))
+def _mean_rate(scene: Scene) -> float:
+    first, last = (scene.skin.area_mm2(scene.skin.state(force_n)) for force_n in WINDOW_N)
+    return (last - first) / (WINDOW_N[1] - WINDOW_N[0])
 
 
 def casr_truth(area_mm2: ArrayLike, force_n: ArrayLike, *, rule: str = "slope") -> float:

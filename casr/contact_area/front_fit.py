@@ -1,0 +1,167 @@
+"""The contact front of every frame: the finite-element contact whose pins move as the pins of this press do.
+
+A library holds how the skin of several domes moves when a contact of any radius lies on it. Per press one centre is
+fitted, and for each world of the library the radius in every frame: least squares after the common shift, with an
+amplitude that is free but drawn to 1. Force is not used: area over force and its rate follow afterwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.dome.library import Library, Rows
+from casr.dome.view import DomeView
+
+Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+
+PULL = 0.05
+"""Of the amplitude towards 1, as a share of the squared motion: the amplitude carries how flat the dome is pressed."""
+_CHOICE_FRAMES = 12
+_COARSE = slice(None, None, 4)
+_KEPT = (24, 12)
+"Worlds left after the first and the second look at the press."
+_CENTRED_BY = 4
+_CENTRE_ROUNDS = 5
+_CENTRE_STEP_RAD, _CENTRE_REACH_RAD, _CENTRE_FOUND_RAD = 0.02, 0.1, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class FrontFit:
+    """Contact radius of T frames by K worlds, best first.
+
+    view : of the sensor. worlds : (K,) rows of the library. axis : (3,) direction of the contact's middle from the
+    centre of the dome. radius_mm : (K, T). scatter : (K, T) standard error of ln radius for the scatter of pins.
+    misfit_px2 : (K,) squared motion left over in all frames, of ``moved_px2`` in all.
+    """
+
+    view: DomeView
+    worlds: Rows
+    axis: Array
+    radius_mm: Array
+    scatter: Array
+    misfit_px2: Array
+    moved_px2: float
+
+
+def fit_front(
+    view: DomeView, library: Library, rest_px: Array, pins_px: Array, like: FrontFit | None = None
+) -> FrontFit:
+    """Fit the places of pins.
+
+    Parameters
+    ----------
+    rest_px : (N, 2) at rest, without distortion. pins_px : (T, N, 2) in contact; NaN where a pin is lost.
+    like : take centre and worlds of this fit instead of finding them.
+    """
+    moved_px, seen = _moved(rest_px, pins_px)
+    search = _Search(view, library, view.directions(rest_px), moved_px, seen)
+    if like is not None:
+        axis, worlds = view.directions(like.view.rest_px(like.axis[None]))[0], like.worlds
+    else:
+        some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
+        axis, worlds = search.of(some).chosen()
+    radius, cost, bend = search.fit(axis, worlds)
+    misfit = cost.sum(axis=1)
+    order = np.argsort(misfit, kind="stable")
+    freedom = 2 * max(int(seen.sum()), 1)
+    scatter = np.sqrt(2 * misfit[:, None] / freedom / bend) / radius
+    return FrontFit(
+        view, worlds[order], axis, radius[order], scatter[order], misfit[order], float((moved_px**2).sum())
+    )
+
+
+def _moved(rest_px: Array, pins_px: Array) -> tuple[Array, Mask]:
+    """(T, N, 2) displacement without the mean of the pins seen, 0 where one is lost; (T, N) which are seen."""
+    moved = np.asarray(pins_px, dtype=np.float64) - rest_px
+    seen = np.isfinite(moved[..., 0])
+    moved = np.where(seen[..., None], moved, 0.0)
+    mean = moved.sum(axis=1, keepdims=True) / np.maximum(seen.sum(axis=1), 1)[:, None, None]
+    return np.where(seen[..., None], moved - mean, 0.0), seen
+
+
+class _Search:
+    """One press held against worlds."""
+
+    def __init__(self, view: DomeView, library: Library, directions: Array, moved_px: Array, seen: Mask) -> None:
+        self._view, self._library, self._directions = view, library, directions
+        self._moved_px, self._seen = moved_px, seen
+        self._power = (moved_px**2).sum(axis=(1, 2)).astype(np.float32)
+        self._flat = np.ascontiguousarray(moved_px.reshape(len(moved_px), -1).T, dtype=np.float32)
+        self._mask = np.ascontiguousarray(seen.T, dtype=np.float32)
+
+    def of(self, frames: Rows) -> _Search:
+        """The same press in fewer frames."""
+        return _Search(self._view, self._library, self._directions, self._moved_px[frames], self._seen[frames])
+
+    def chosen(self) -> tuple[Array, Rows]:
+        """(3,) direction of the contact's middle, and the worlds that explain the press best."""
+        weight = (self._moved_px[-1] ** 2).sum(axis=-1) ** 1.5 + 1e-12
+        axis = _unit(weight @ self._directions)
+        worlds = np.arange(self._library.n_worlds)
+        for kept in _KEPT:
+            misfit = self.fit(axis, worlds, _COARSE)[1].sum(axis=1)
+            worlds = worlds[np.argsort(misfit, kind="stable")[:kept]]
+            axis = self._centred(axis, worlds[:_CENTRED_BY])
+        return axis, worlds
+
+    def fit(self, axis: Array, worlds: Rows, radii: slice = slice(None)) -> tuple[Array, Array, Array]:
+        """(W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius."""
+        around = self._view.around(self._directions, axis)
+        u_r, u_z, tilt = self._library.motion_at(around.arc_mm, worlds, radii)
+        motion = around.moved_px(u_r, u_z, tilt)
+        shared, size = self._products(motion)
+        pull = PULL * self._power
+        amplitude = (shared + pull) / (size + pull)
+        cost = self._power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
+        radius = self._library.radius_mm[radii]
+        step = radius[1] - radius[0]
+        best = np.clip(np.argmin(cost, axis=1), 1, radius.size - 2)
+        before, least, after = (np.take_along_axis(cost, best[:, None] + k, axis=1)[:, 0] for k in (-1, 0, 1))
+        bend = np.maximum(before - 2 * least + after, 1e-6)
+        shift = np.clip((before - after) / (2 * bend), -1.0, 1.0)
+        cost_there = np.maximum(least - bend * shift**2 / 2, 1e-6)
+        return radius[0] + step * (best + shift), cost_there.astype(np.float64), bend.astype(np.float64) / step**2
+
+    def _products(self, motion: Array32) -> tuple[Array32, Array32]:
+        """(W, R, T) motion times what was seen, and (W, R, T or 1) its own square; both without the common shift."""
+        n_worlds, n_radii, n_pins = motion.shape[:3]
+        flat = motion.reshape(n_worlds, n_radii, -1)
+        shared = flat @ self._flat
+        if self._seen.all():
+            mean = motion.mean(axis=2)
+            size = np.einsum("wrn,wrn->wr", flat, flat) - n_pins * (mean**2).sum(axis=-1)
+            return shared, size[..., None]
+        square = (motion**2).sum(axis=-1) @ self._mask
+        sums = ((motion[..., k] @ self._mask) ** 2 for k in range(2))
+        return shared, square - sum(sums) / np.maximum(self._mask.sum(axis=0), 1)
+
+    def _centred(self, axis: Array, worlds: Rows) -> Array:
+        """The direction of least cost near ``axis``, by Newton's method with numerical derivatives."""
+        across = np.linalg.svd(axis[None])[2][1:]
+        h = _CENTRE_STEP_RAD
+        around = h * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1)], dtype=np.float64)
+        place = np.zeros(2)
+        for _ in range(_CENTRE_ROUNDS):
+            c = [self._cost(_unit(axis + (place + offset) @ across), worlds) for offset in around]
+            gradient = np.array([c[1] - c[2], c[3] - c[4]]) / (2 * h)
+            mixed = c[5] - c[1] - c[3] + c[0]
+            curve = np.array([[c[1] - 2 * c[0] + c[2], mixed], [mixed, c[3] - 2 * c[0] + c[4]]]) / h**2
+            if np.linalg.eigvalsh(curve)[0] <= 0:
+                curve = np.diag(np.maximum(np.abs(np.diag(curve)), 1e-6))
+            step = np.clip(-np.linalg.solve(curve, gradient), -_CENTRE_REACH_RAD, _CENTRE_REACH_RAD)
+            place = place + step
+            if np.abs(step).max() < _CENTRE_FOUND_RAD:
+                break
+        return _unit(axis + place @ across)
+
+    def _cost(self, axis: Array, worlds: Rows) -> float:
+        return float(self.fit(axis, worlds, _COARSE)[1].sum(axis=1).min())
+
+
+def _unit(vector: Array) -> Array:
+    return np.asarray(vector / np.linalg.norm(vector))

@@ -1,0 +1,65 @@
+"""What a world of the simulator is: how the skin moves, and how large the contact is, in a state of the contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from casr.synthetic.region import ContactEllipse, Points
+
+if TYPE_CHECKING:
+    from casr.synthetic.settings import PressSettings
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """A contact at one moment.
+
+    radius_mm : of its edge, seen along the normal of the specimen. normal_n, tangential_n : forces on the skin.
+    tangential_mm : displacement of the specimen along its surface since it touched.
+    """
+
+    radius_mm: float
+    normal_n: float
+    tangential_n: float = 0.0
+    tangential_mm: float = 0.0
+
+
+class PressedSkin(Protocol):
+    """The skin of one press."""
+
+    def state(self, force_n: float) -> ContactState:
+        """Of a contact that a normal force presses; the shipped worlds know no history."""
+
+    def moved_px(self, rest_px: Points, state: ContactState) -> Points:
+        """(N, 2) where tips of pins, at rest at (N, 2), are in that state."""
+
+    def texture_px(self, points_px: Points, state: ContactState) -> Points:
+        """(N, 2) where marks on the skin go that lie at (N, 2) at rest."""
+
+    def contact(self, state: ContactState) -> ContactEllipse:
+        """The edge as the camera sees it, as an ellipse."""
+
+    def area_mm2(self, state: ContactState) -> float:
+        """True area of the contact."""
+
+    def skin_growth(self, before: ContactState, after: ContactState) -> float:
+        """ln of how much larger the skin that was inside the contact at first becomes in the image between two states.
+
+        At first: when the press counts as loading.
+        """
+
+
+class World(Protocol):
+    """Mechanics of sensors and specimens."""
+
+    @property
+    def name(self) -> str:
+        """In results."""
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What is not known to be so."""
+
+    def press(self, settings: PressSettings, centre_mm: tuple[float, float]) -> PressedSkin:
+        """The skin of one press; ``centre_mm`` is how far the contact lands from where it was meant to."""
