@@ -2,6 +2,6 @@
 
 from casr.camera_calibration.boards import DICTIONARIES, Board, Charuco, Chessboard
 from casr.camera_calibration.intrinsics import Calibration, Fitted, calibrate
-from casr.camera_calibration.view import View
+from casr.camera_calibration.view import View, unusable
 
-__all__ = ["DICTIONARIES", "Board", "Calibration", "Charuco", "Chessboard", "Fitted", "View", "calibrate"]
+__all__ = ["DICTIONARIES", "Board", "Calibration", "Charuco", "Chessboard", "Fitted", "View", "calibrate", "unusable"]

@@ -18,8 +18,6 @@ from casr.errors import CameraError
 Array = NDArray[np.float64]
 
 LEAST_VIEWS = 5
-LEAST_CORNERS = 8
-"In a view; fewer hardly tell its pose."
 LEAST_COVERED = 0.4
 "Of the image; outside of what boards covered, the distortion is a guess."
 MOST_RELATIVE_SE = 0.01
@@ -58,7 +56,6 @@ class Calibration:
 
     Parameters
     ----------
-    width_px, height_px : image size.
     fx_px, fy_px, cx_px, cy_px : camera matrix. distortion : OpenCV's coefficients, as many as asked for.
     fx_se_px, fy_se_px, cx_se_px, cy_se_px : standard errors; the corners of one picture may err together.
     rms_px : reprojection error over all corners.
@@ -66,8 +63,6 @@ class Calibration:
     views : in the order given.
     """
 
-    width_px: int
-    height_px: int
     fx_px: float
     fy_px: float
     cx_px: float
@@ -87,7 +82,7 @@ def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion:
 
     Parameters
     ----------
-    views : each with `LEAST_CORNERS` corners or more.
+    views : none of them `unusable`.
     width_px, height_px : of every picture.
     n_distortion : coefficients to fit, a key of `OPENCV_FLAGS`; the others are 0.
 
@@ -107,31 +102,36 @@ def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion:
             "pictures", wanted=f"boards over {LEAST_COVERED:.0%} of the image or more", found=f"{part:.0%}",
             do="Take pictures with the board in every corner of the image.",
         )  # fmt: skip
-    points = [view.board_mm for view in views], [view.image_px for view in views]
+    boards, seen = [view.board_mm for view in views], [view.image_px for view in views]
+    first, flags = np.eye(3), OPENCV_FLAGS[n_distortion]
     try:
-        rms_px, matrix, coefficients, turns, shifts = cv2.calibrateCamera(
-            *points, (width_px, height_px), None, None, flags=OPENCV_FLAGS[n_distortion]  # type: ignore[call-overload]
-        )
+        rms_px, *solved = cv2.calibrateCamera(boards, seen, (width_px, height_px), first, np.zeros(0), flags=flags)
     except cv2.error as error:
         raise _undetermined("no solution") from error
-    distortion = np.asarray(coefficients, dtype=np.float64).ravel()[:n_distortion]
-    poses = list(zip(turns, shifts, strict=True))
+    matrix, coefficients = (np.asarray(each, dtype=np.float64) for each in solved[:2])
+    distortion = coefficients.ravel()[:n_distortion]
+    poses = [
+        (np.asarray(turn, np.float64), np.asarray(shift, np.float64)) for turn, shift in zip(*solved[2:], strict=True)
+    ]
     residuals, jacobians = _linearized(views, poses, matrix, distortion)
-    se = standard_errors(residuals, jacobians)[:4]
-    focal_px = np.array([matrix[0, 0], matrix[1, 1]])
-    worst = float(np.max(se[:2] / np.abs(focal_px)))
-    if not np.isfinite(worst) or worst > MOST_RELATIVE_SE or not (focal_px > 0).all():
-        raise _undetermined(f"{100 * worst:.3g} %")
+    fx_se, fy_se, cx_se, cy_se = standard_errors(residuals, jacobians)[:4].tolist()
+    fx, fy = float(matrix[0, 0]), float(matrix[1, 1])
     if rms_px > MOST_RMS_PX:
         raise CameraError(
             "reprojection error", wanted=f"{MOST_RMS_PX:g} px rms or less", found=f"{rms_px:.2f} px",
             do="Check the numbers of the board and that it is flat; leave out blurred pictures; a wide lens needs "
             "--distortion 8.",
         )  # fmt: skip
-    fitted = [_fitted(*each) for each in zip(views, poses, residuals, strict=True)]
+    relative = [fx_se / fx, fy_se / fy]
+    if not (fx > 0 and fy > 0 and all(each <= MOST_RELATIVE_SE for each in relative)):
+        raise _undetermined(" and ".join(f"{100 * each:.3g} %" for each in relative))
     return Calibration(
-        width_px, height_px, *(float(x) for x in (*focal_px, matrix[0, 2], matrix[1, 2])),
-        tuple(distortion.tolist()), *se.tolist(), float(rms_px), part, tuple(fitted),
+        fx_px=fx, fy_px=fy, cx_px=float(matrix[0, 2]), cy_px=float(matrix[1, 2]),
+        distortion=tuple(distortion.tolist()),
+        fx_se_px=fx_se, fy_se_px=fy_se, cx_se_px=cx_se, cy_se_px=cy_se,
+        rms_px=float(rms_px),
+        covered=part,
+        views=tuple(_fitted(view, pose, r) for view, pose, r in zip(views, poses, residuals, strict=True)),
     )  # fmt: skip
 
 
@@ -162,11 +162,13 @@ def _linearized(
     views: list[View], poses: list[tuple[Array, Array]], matrix: Array, distortion: Array
 ) -> tuple[list[Array], list[tuple[Array, Array]]]:
     """Residuals (2N,) px of each view, and what they change by with its pose and with the camera."""
-    residuals, jacobians = [], []
+    residuals: list[Array] = []
+    jacobians: list[tuple[Array, Array]] = []
     for view, (turn, shift) in zip(views, poses, strict=True):
         points = view.board_mm.astype(np.float64)
-        seen, by_all = cv2.projectPoints(points, turn, shift, matrix, distortion if distortion.size else None)
-        residuals.append((view.image_px - seen[:, 0, :]).ravel().astype(np.float64))
+        seen, derivatives = cv2.projectPoints(points, turn, shift, matrix, distortion if distortion.size else None)
+        by_all = np.asarray(derivatives, dtype=np.float64)
+        residuals.append(np.asarray(view.image_px - seen[:, 0, :], dtype=np.float64).ravel())
         jacobians.append((by_all[:, :6], by_all[:, 6 : 10 + distortion.size]))
     return residuals, jacobians
 
@@ -185,6 +187,6 @@ def _fitted(view: View, pose: tuple[Array, Array], residual: Array) -> Fitted:
 
 def _undetermined(found: str) -> CameraError:
     return CameraError(
-        "focal length", wanted=f"a standard error of {MOST_RELATIVE_SE:.0%} or less", found=found,
+        "focal length", wanted=f"standard errors of fx and fy of {MOST_RELATIVE_SE:.0%} or less", found=found,
         do="Views that are all parallel do not tell it: tilt the board by 20 to 40 degrees to different sides.",
     )  # fmt: skip

@@ -30,6 +30,21 @@ class View:
         return hull
 
 
+LEAST_CORNERS = 8
+"In a view; fewer hardly tell its pose."
+
+
+def unusable(view: View, n_corners: int) -> str | None:
+    """Why the view says too little; None when it does not. n_corners : of the whole board."""
+    seen = len(view.image_px)
+    if seen == 0:
+        return "it shows no board"
+    if seen < LEAST_CORNERS:
+        return f"it shows {seen} of {n_corners} corners, fewer than {LEAST_CORNERS}"
+    spread = np.linalg.svd(view.board_mm[:, :2] - view.board_mm[:, :2].mean(axis=0), compute_uv=False)
+    return "its corners lie on one line" if spread[1] < 1e-3 * spread[0] else None
+
+
 def covered(views: list[View], width_px: int, height_px: int) -> float:
     """Part of the image, 0 to 1, that lies inside the corners of at least one view."""
     mask = np.zeros((height_px, width_px), dtype=np.uint8)
