@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from casr.cli import arguments, bench, main, score
+from casr.cli import arguments, bench, calibrate, main, score
 
 
 def test_choices_are_those_of_the_modules() -> None:
     from benchmarks.tactile import KINDS
+    from casr.camera_calibration.intrinsics import OPENCV_FLAGS
     from casr.contact_area import RULES
     from casr.flow.step import ENGINES
     from casr.frames import FORCE_RULES
@@ -21,6 +22,7 @@ def test_choices_are_those_of_the_modules() -> None:
     assert score.RATE_RULES == RATE_RULES
     assert WINDOW_N[1] == score.PAPER_STOP_N
     assert bench.KINDS == KINDS
+    assert tuple(OPENCV_FLAGS) == calibrate.DISTORTIONS
 
 
 @pytest.mark.parametrize(
