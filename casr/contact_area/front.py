@@ -42,8 +42,9 @@ class ContactFront:
     """The contact of T frames.
 
     area : (T,) in mm^2, or px^2 at the tips of the pins without a camera. candidates : (K, T) the same by each world
-    that explains the press, weight : (K,) of each.
-    parts : name to (T,) relative standard error of ``area``; see ``PARTS``.
+    that explains the press. weight, spread_weight : (K,) of each for the estimate, and for how far they differ.
+    parts : name to (T,) relative standard error of ``area``; see ``PARTS``. Pin length and depth keep the sign that
+    belongs to longer pins and a larger depth.
     centre_px : (2,) middle of the contact in the rest frame. edge_px : (T, M, 2) its edge in each frame.
     pins_inside : (T,) pins whose roots are inside the edge. pitches : (T,) radius of the contact over the pins' pitch.
     misfit : share of the motion that the best world leaves over beyond the scatter of the pins.
@@ -55,6 +56,7 @@ class ContactFront:
     area: Array
     candidates: Array
     weight: Array
+    spread_weight: Array
     parts: dict[str, Array]
     centre_px: Array
     edge_px: Array
@@ -127,6 +129,7 @@ def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
         area=area,
         candidates=candidates,
         weight=weight,
+        spread_weight=spread_weight,
         parts=parts,
         centre_px=_distorted(best.view.rest_px(best.axis[None]), camera)[0],
         edge_px=_distorted(edge.outline_px(), camera),
@@ -217,7 +220,7 @@ def _sensitivity(
         view, pin_length_mm=view.pin_length_mm + pin_length / _scale(camera), depth_mm=view.depth_mm * (1 + depth_share)
     )
     one = replace(fit, worlds=fit.worlds[:1])
-    return np.abs(2 * np.log(fit_front(other, library, rest_px, pins_px, like=one).radius_mm[0] / fit.radius_mm[0]))
+    return 2 * np.log(fit_front(other, library, rest_px, pins_px, like=one).radius_mm[0] / fit.radius_mm[0])
 
 
 class _Edge:

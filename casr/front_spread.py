@@ -1,0 +1,116 @@
+"""Spread of the contact front over force: its rate, with a total interval, and how it compares to the stretch of skin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.contact_area.front import DOME_SD, ContactFront
+from casr.errors import FramesError
+from casr.spread import SpreadRate, TotalInterval, total_interval
+from casr.spread.correlated_errors import normal_quantile
+from casr.spread.rate import CONFIDENCE
+
+Array = NDArray[np.float64]
+
+MOST_MISFIT = 0.15
+"""Share of the motion left over beyond which the pins tell of some other thing than the contact of a dome."""
+FEWEST_FRAMES = 4
+FORCE_ZERO_SD_N = 0.02
+"Standard error of a resting level that nobody measured."
+_LEAST_WEIGHT = 1e-3
+LEFT_OUT = ("another mounting of sensor or specimen",)
+
+
+@dataclass(frozen=True, eq=False)
+class FrontSpread:
+    """A front that is determined.
+
+    rate : None without forces. interval : total, of the rate. first, first_n : index among the scored frames of the
+    first whose area is determined, and its force. skin_over_front : ratio of the growth of the first contact's skin to
+    that of the area over the frames that are determined, and its 95 % interval.
+    """
+
+    rate: SpreadRate | None
+    interval: TotalInterval | None
+    first: int
+    first_n: float
+    skin_over_front: tuple[float, float, float]
+
+
+def front_doubt(front: ContactFront) -> str:
+    """Why no area can be told from this front; empty where it can."""
+    if front.misfit > MOST_MISFIT:
+        return (
+            f"the pins do not move as on a dome that is pressed: {front.misfit:.0%} of their motion is left over by every "
+            "contact of the library"
+        )
+    if int(front.determined.sum()) < FEWEST_FRAMES:
+        return (
+            f"the contact is too small for the pitch of the pins: its radius is {front.pitches.max():.2g} pitches and "
+            f"{int(front.pins_inside.max())} pins lie inside at most"
+        )
+    return ""
+
+
+def front_spread(
+    front: ContactFront,
+    skin_log_growth: Array,
+    force_n: Array | None,
+    rate_of: Callable[[Array, Array], SpreadRate],
+    force_zero_sd_n: float | None,
+) -> FrontSpread:
+    """Rate over the frames that are determined.
+
+    Parameters
+    ----------
+    skin_log_growth : (T-1,) of the steps. rate_of : the rule, of areas and forces.
+    force_zero_sd_n : standard error of the resting level; None where none was taken off.
+    """
+    used = front.determined
+    first = int(np.argmax(used))
+    ratio = _skin_over_front(front, skin_log_growth, first)
+    if force_n is None:
+        return FrontSpread(None, None, first, np.nan, ratio)
+    force = force_n[used]
+    rate = rate_of(front.area[used], force)
+    parts = {
+        "scatter": (rate.high - rate.low) / 2 / normal_quantile(CONFIDENCE) / rate.value
+        if rate.low is not None and rate.high is not None
+        else np.nan
+    }
+    heavy = np.flatnonzero(front.spread_weight > _LEAST_WEIGHT)
+    rates = np.array([rate_of(front.candidates[row][used], force).value for row in heavy])
+    weight = front.spread_weight[heavy] / front.spread_weight[heavy].sum()
+    parts["dome"] = float(np.hypot(np.sqrt(weight @ (rates / rate.value - 1) ** 2), DOME_SD))
+    parts["misfit"] = float(front.parts["misfit"].max())
+    for name in ("pin length", "depth"):
+        moved = front.area[used] * np.exp(front.parts[name][used])
+        parts[name] = abs(rate_of(moved, force).value / rate.value - 1)
+    zero_n = FORCE_ZERO_SD_N if force_zero_sd_n is None else force_zero_sd_n
+    try:
+        parts["force zero"] = abs(rate_of(front.area[used], force + zero_n).value / rate.value - 1)
+    except FramesError:
+        parts["force zero"] = np.nan
+    return FrontSpread(rate, total_interval(rate.value, parts, LEFT_OUT), first, float(force_n[first]), ratio)
+
+
+def _skin_over_front(front: ContactFront, skin_log_growth: Array, first: int) -> tuple[float, float, float]:
+    skin = float(skin_log_growth[first:].sum())
+    grown = np.log(front.candidates[:, -1] / front.candidates[:, first])
+    mean = float(np.log(front.area[-1] / front.area[first]))
+    spread = float(np.sqrt(front.spread_weight @ (grown - mean) ** 2))
+    lengths = front.parts["pin length"]
+    error = np.sqrt(
+        spread**2
+        + 2 * DOME_SD**2
+        + float((front.parts["pins"][[first, -1]] ** 2).sum())
+        + float(lengths[-1] - lengths[first]) ** 2
+        + float(front.parts["misfit"][-1]) ** 2
+    )
+    reach = normal_quantile(CONFIDENCE) * error
+    ratio = skin - mean
+    return float(np.exp(ratio)), float(np.exp(ratio - reach)), float(np.exp(ratio + reach))
