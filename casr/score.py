@@ -2,45 +2,131 @@
 
 from __future__ import annotations
 
-from casr.errors import said_of
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
+from casr.errors import CasrError, NoContactError, PinsError, said_of
 from casr.frames import FrameSequence, LoadingPhase, loading_phase
+from casr.press_forces import PressForces, frames_before, lag_of, notes_on_lag, press_forces
 from casr.press_scorer import PressScorer
 from casr.scored import Score, ScoreSettings
-from casr.seen_loading import first_touch, seen_loading
+from casr.seen_loading import SeenLoading
+from casr.skin_motion import SkinMotion
 
 __all__ = ["Score", "ScoreSettings", "score"]
 
 
 def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Score:
-    """Score one press. With a force log only its rest frame and the frames of the loading phase are decoded.
+    """Score one press; every frame is decoded once at most.
 
-    The loading phase is that of ``loading_phase``. Without a force log there is no spread rate, and loading is what the
-    pins show: from ``first_touch``, or from frame 0 when the region is given, to the end of ``seen_loading``.
+    With a force log the loading phase is that of ``loading_phase``, and only its frames, the rest frame and, where the
+    log has times, those between are decoded. Without one there is no spread rate, and loading is what the pins show
+    (``SeenLoading``), from frame 0 when the region is given.
 
     Raises
     ------
-    NoContactError : nothing touches. FramesError : no loading phase, too few frames or a force that does not rise.
+    NoContactError : nothing touches. FramesError : no loading phase, too few frames, forces that are not newtons or do
+        not rise, or a lag that cannot be corrected.
     PinsError : too few pins to start from or to go on with. SettingError : the region lies outside the image.
     """
     settings = settings or ScoreSettings()
-    phase = _loading(sequence, settings)
-    scorer = PressScorer(sequence.camera, settings)
-    rest, contact = sequence[phase.rest], sequence[int(phase.frames[0])]
+    if sequence.force_n is None:
+        scored = _by_pins(sequence, settings)
+    else:
+        with said_of(sequence.name):
+            forces = press_forces(sequence, settings)
+        scored = _by_force(sequence, forces, settings)
+    notes = dict.fromkeys((*sequence.notes, *scored.notes))
+    return replace(scored, notes=tuple(notes), doubts=(*scored.doubts, *doubts_on_score(scored)))
+
+
+def _by_force(sequence: FrameSequence, forces: PressForces, settings: ScoreSettings) -> Score:
     with said_of(sequence.name):
-        scorer.touch(rest, contact)
-    for index in phase.frames[1:].tolist():
+        phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
+    scorer, motion = PressScorer(sequence.camera, settings), SkinMotion(settings.flow.pins)
+    rest = first_image = None
+    for index in (*frames_before(phase, sequence), *phase.frames.tolist()):
         image = sequence[index]
-        with said_of(f"{sequence.name}, frame {index}"):
-            scorer.load(image)
-    force_n = None if sequence.force_n is None else sequence.force_n[phase.frames]
+        with said_of(sequence.name if first_image is None else f"{sequence.name}, frame {index}"):
+            if index == phase.rest:
+                rest = image
+            motion.take(index, image)
+            if index < phase.frames[0]:
+                continue
+            if first_image is not None:
+                scorer.load(image)
+                continue
+            assert rest is not None
+            first_image = image
+            scorer.touch(rest, image)
     with said_of(sequence.name):
-        return scorer.result(sequence.name, phase, force_n)
+        force_n = forces.force_n[phase.frames]
+        scored = scorer.result(sequence.name, phase, force_n)
+    moved_px, same = (np.array(of_frame)[-phase.frames.size :] for of_frame in (motion.moved_px, motion.same))
+    lag = lag_of(sequence, forces, motion, settings.force_start_n)
+    notes = (*forces.notes, *notes_on_lag(lag), *scored.notes, *note_on_repeats(phase.frames[1:], same[1:] > 0))
+    doubts = doubts_on_motion(phase.frames, force_n, moved_px)
+    return replace(scored, notes=notes, force_zero=forces.zero, camera_lag=lag, doubts=doubts)
 
 
-def _loading(sequence: FrameSequence, settings: ScoreSettings) -> LoadingPhase:
+def _by_pins(sequence: FrameSequence, settings: ScoreSettings) -> Score:
+    """Loading and its score in one pass, which ends with the press."""
+    given = settings.region is not None
+    loading = SeenLoading(settings.threshold_px, from_start=given)
+    motion = SkinMotion(settings.flow.pins)
+    rest = sequence[0]
     with said_of(sequence.name):
-        if sequence.force_n is not None:
-            return loading_phase(sequence.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
-        pins = settings.flow.pins
-        first = 0 if settings.region is not None else first_touch(sequence, settings.threshold_px, pins)
-        return seen_loading(sequence, first, pins)
+        motion.take(0, rest)
+    scoring = _Scoring(sequence, settings, rest)
+    if given:
+        scoring.touch(0, rest)
+    for index in range(1, len(sequence)):
+        image = sequence[index]
+        motion.take(index, image)
+        before = loading.first
+        loading.take(index, motion.away_px)
+        if loading.over:
+            break
+        if loading.first is None:
+            continue
+        if loading.first != before:
+            scoring.touch(index, image)
+        else:
+            scoring.load(index, image)
+    with said_of(sequence.name):
+        phase = loading.phase(len(sequence))
+    return scoring.result(phase)
+
+
+class _Scoring:
+    """A scorer whose trouble counts only if the frame that makes it turns out to be of the press."""
+
+    def __init__(self, sequence: FrameSequence, settings: ScoreSettings, rest: NDArray[np.generic]) -> None:
+        self._sequence, self._settings, self._rest = sequence, settings, rest
+
+    def touch(self, index: int, image: NDArray[np.generic]) -> None:
+        self._scorer = PressScorer(self._sequence.camera, self._settings)
+        self._trouble: tuple[int, CasrError] | None = None
+        try:
+            self._scorer.touch(self._rest, image)
+        except (NoContactError, PinsError) as error:
+            self._trouble = index, error
+
+    def load(self, index: int, image: NDArray[np.generic]) -> None:
+        if self._trouble is None:
+            try:
+                self._scorer.load(image)
+            except PinsError as error:
+                self._trouble = index, error
+
+    def result(self, phase: LoadingPhase) -> Score:
+        name = self._sequence.name
+        if self._trouble is not None and self._trouble[0] <= phase.frames[-1]:
+            index, error = self._trouble
+            with said_of(f"{name}, frame {index}" if index > phase.frames[0] else name):
+                raise error
+        with said_of(name):
+            return self._scorer.result(name, phase, None)

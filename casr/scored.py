@@ -15,8 +15,12 @@ from casr.contact_area import RULES, InitialArea
 from casr.errors import SettingError
 from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
+from casr.frames import CameraLag, ForceZero
 from casr.pins import Pins
 from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate
+
+
+MOST_LAG_S = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +37,8 @@ class ScoreSettings:
     force_start_n : force of first contact, N. force_stop_n : force to stop at, N, None for the largest.
     region : the contact in the first scored frame, instead of the one found from the pins; all of it is measured, not
         only its core.
+    tare : the force at rest before contact is taken off all forces.
+    camera_lag_s : the frames were taken so long before their times, s. correct_lag : as long as the pins tell.
     """
 
     flow: FlowSettings = field(default_factory=FlowSettings)
@@ -44,6 +50,9 @@ class ScoreSettings:
     force_start_n: float = 0.5
     force_stop_n: float | None = None
     region: Region | None = None
+    tare: bool = True
+    camera_lag_s: float = 0.0
+    correct_lag: bool = False
 
     def __post_init__(self) -> None:
         choices = {"area_rule": RULES, "area_law": AREA_LAWS, "rate_rule": RATE_RULES}
@@ -54,6 +63,20 @@ class ScoreSettings:
         if not 0 < self.threshold_px < np.inf:
             raise SettingError(
                 "threshold_px", wanted="a distance above 0 px", found=repr(self.threshold_px), do="The paper uses 2."
+            )
+        if not abs(self.camera_lag_s) <= MOST_LAG_S:
+            raise SettingError(
+                "camera_lag_s",
+                wanted=f"seconds from {-MOST_LAG_S:g} to {MOST_LAG_S:g}",
+                found=repr(self.camera_lag_s),
+                do="0.05 is 50 ms; correct other clocks in the force log.",
+            )
+        if self.correct_lag and self.camera_lag_s:
+            raise SettingError(
+                "correct_lag, camera_lag_s",
+                wanted="one of the two",
+                found=f"both, and a lag of {self.camera_lag_s:g} s",
+                do="Give the lag, or have it found.",
             )
 
 
@@ -73,6 +96,9 @@ class Score:
     rate : contact area spread rate; None without a force log.
     regions : T outlines (K, 2) of the region that growth was measured in, px.
     notes : what a reader of these numbers should know.
+    force_zero : what the force sensor reads at rest; None where that is not determined or there is no force log.
+    camera_lag : how late the frames are against the force; None without times in the force log.
+    doubts : reasons to look at this press before its numbers count; empty where there are none.
     """
 
     name: str
@@ -90,6 +116,9 @@ class Score:
     rate: SpreadRate | None
     regions: tuple[NDArray[np.float64], ...]
     notes: tuple[str, ...]
+    force_zero: ForceZero | None = None
+    camera_lag: CameraLag | None = None
+    doubts: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready, with what it takes to get the same numbers again. NaN of a lost pin becomes None."""

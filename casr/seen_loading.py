@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +10,67 @@ from casr.frames import FrameSequence, LoadingPhase
 from casr.pins import PinSettings, PinTracker
 
 TOUCHED_PINS = 3  # one pin may be a reflection, two on a line span no contact
+OVER = 0.5  # of the farthest motion: below it the press is over
+CHATTER_FRAMES = 3  # a touch of so few frames is none
+
+
+class SeenLoading:
+    """Finds the loading frame by frame: from the first touch to where the pins are farthest from rest.
+
+    The first touch is the first frame in which three pins have moved more than ``threshold_px`` from where they are in
+    frame 0. Loading ends at the frame in which the pins are farthest from rest on average; the press is over when
+    they are back to half of that.
+
+    Parameters
+    ----------
+    threshold_px : of a touch.
+    from_start : loading begins with frame 0, whatever touches.
+
+    Attributes
+    ----------
+    first : frame where loading begins, None before. last : frame of the farthest pins since. over : the press is.
+    """
+
+    def __init__(self, threshold_px: float, *, from_start: bool = False) -> None:
+        self._threshold_px, self._from_start = threshold_px, from_start
+        self.first: int | None = 0 if from_start else None
+        self.last, self.over = 0, False
+        self._touched = False
+        self._farthest_px = self._farthest_pin_px = 0.0
+
+    def take(self, index: int, moved_px: NDArray[np.float64]) -> None:
+        """The next frame after 0, and how far each pin seen in it is from its place in frame 0, (n,) px."""
+        if moved_px.size == 0:
+            return
+        self._farthest_pin_px = max(self._farthest_pin_px, float(moved_px.max()))
+        self._touched = self._touched or touched(moved_px, self._threshold_px)
+        if self.first is None:
+            if not self._touched:
+                return
+            self.first = index
+        away_px = float(moved_px.mean())
+        if away_px > self._farthest_px:
+            self._farthest_px, self.last = away_px, index
+        elif self._touched and away_px < OVER * self._farthest_px:
+            if self.last - self.first >= CHATTER_FRAMES or self._from_start:
+                self.over = True
+            else:
+                self.first, self._farthest_px, self._touched = None, 0.0, False
+
+    def phase(self, n_frames: int) -> LoadingPhase:
+        """The loading of a recording of so many frames. FramesError where it has fewer than two."""
+        if self.first is None:
+            raise nothing_touched(self._threshold_px, self._farthest_pin_px)
+        if self.last <= self.first:
+            raise FramesError(
+                "loading phase",
+                wanted="at least two frames in contact while the pins move away from rest",
+                found=f"one, frame {self.first} of {n_frames}",
+                do="Record on into the press.",
+            )
+        note = f"no force log: loading is taken from frame {self.first} to {self.last}, the pins' farthest from rest"
+        frames = np.arange(self.first, self.last + 1)
+        return LoadingPhase(0, frames, (f"{note} on average; there is no spread rate",))
 
 
 def first_touch(sequence: FrameSequence, threshold_px: float, pins: PinSettings | None = None) -> int:
@@ -21,43 +80,27 @@ def first_touch(sequence: FrameSequence, threshold_px: float, pins: PinSettings 
     ------
     NoContactError : there is none. PinsError : too few pins in frame 0.
     """
+    tracker = PinTracker(pins)
+    rest_px = tracker.start(sequence[0]).centroids_px
     farthest_px = 0.0
-    for index, moved_px in _moved(sequence, pins):
-        if np.sum(moved_px > threshold_px) >= TOUCHED_PINS:
+    for index in range(1, len(sequence)):
+        moved_px = np.hypot(*(tracker.step(sequence[index]) - rest_px).T)
+        moved_px = moved_px[np.isfinite(moved_px)]
+        if touched(moved_px, threshold_px):
             return index
         farthest_px = max(farthest_px, float(moved_px.max(initial=0.0)))
-    raise NoContactError(
+    raise nothing_touched(threshold_px, farthest_px)
+
+
+def touched(moved_px: NDArray[np.float64], threshold_px: float) -> bool:
+    """Whether enough pins have moved far enough, of (n,) distances, px."""
+    return int(np.sum(moved_px > threshold_px)) >= TOUCHED_PINS
+
+
+def nothing_touched(threshold_px: float, farthest_px: float) -> NoContactError:
+    return NoContactError(
         "pins",
         wanted=f"{TOUCHED_PINS} pins that move more than {threshold_px:g} px from frame 0",
         found=f"at most {farthest_px:.2f} px",
         do="Begin with a frame at rest, lower threshold_px (--threshold-px), or give the region.",
     )
-
-
-def seen_loading(sequence: FrameSequence, first: int, pins: PinSettings | None = None) -> LoadingPhase:
-    """From frame ``first`` to the one in which the pins are farthest from frame 0, the rest frame, on average.
-
-    Raises
-    ------
-    FramesError : fewer than two frames. PinsError : too few pins in frame 0.
-    """
-    away_px = {index: float(moved_px.mean()) for index, moved_px in _moved(sequence, pins) if moved_px.size}
-    last = max((index for index in away_px if index >= first), key=away_px.__getitem__, default=first)
-    if last == first:
-        raise FramesError(
-            "loading phase",
-            wanted="at least two frames in contact while the pins move away from rest",
-            found=f"one, frame {first} of {len(sequence)}",
-            do="Record on into the press.",
-        )
-    note = f"no force log: loading is taken from frame {first} to {last}, the pins' farthest from rest on average"
-    return LoadingPhase(0, np.arange(first, last + 1), (f"{note}; there is no spread rate",))
-
-
-def _moved(sequence: FrameSequence, pins: PinSettings | None) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Every later frame, and how far each pin seen in it is from its place in frame 0, px."""
-    tracker = PinTracker(pins)
-    rest_px = tracker.start(sequence[0]).centroids_px
-    for index in range(1, len(sequence)):
-        moved_px = np.hypot(*(tracker.step(sequence[index]) - rest_px).T)
-        yield index, moved_px[np.isfinite(moved_px)]

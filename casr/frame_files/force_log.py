@@ -14,6 +14,8 @@ from casr.errors import FramesError
 from casr.frame_files.trouble import unreadable
 
 _TIMES = ("time_s", "frame_time_s")
+NEWTONS = {"mn": 1e-3, "cn": 1e-2, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
+"Of each unit that may end the name of a force column, in place of n."
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,9 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
 
     Parameters
     ----------
-    column : the force column, for logs that hold more than one, such as ``force_filtered_n``.
+    column : the force column, for logs that hold more than one, such as ``force_filtered_n``. A name that ends in
+        another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there, the
+        one column of that kind is taken, with a note.
 
     Raises
     ------
@@ -55,7 +59,8 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
         index running backwards; the message names the line.
     """
     table = _read_table(Path(path))
-    force_n, frame_index = table.numbers(column.lower()), table.numbers("frame_index")
+    force_n, unit_notes = _newtons(table, column.lower())
+    frame_index = table.numbers("frame_index")
     time_s, frame_time_s = (table.numbers(name) if name in table.header else None for name in _TIMES)
     _check_frame_index(table, frame_index)
     _check_order(table, "frame_index", frame_index)
@@ -67,7 +72,7 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
         raise FramesError(
             path, wanted="rows with a force and a frame index", found="none", do="Give the force log of the press."
         )
-    notes = _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
+    notes = unit_notes + _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
     if frame_time_s is not None:
         notes += _notes_on_times(time_s, frame_time_s, frame_index)
     return ForceLog(
@@ -77,6 +82,20 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
         notes,
         None if frame_time_s is None else frame_time_s[placed],
     )
+
+
+def _newtons(table: _Table, column: str) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """(rows,) force, N, of the column or of the one that holds the same in another unit."""
+    stem, _, unit = column.rpartition("_")
+    if unit == "n" and column not in table.header:
+        others = [name for name in table.header if name.rpartition("_")[0] == stem and name.rpartition("_")[2] in NEWTONS]
+        if len(others) == 1:
+            column = others[0]
+            unit = column.rpartition("_")[2]
+    factor = NEWTONS.get(unit) if stem else None
+    if factor is None:
+        return table.numbers(column), ()
+    return factor * table.numbers(column), (f"force from column {column}, 1 {unit} being {factor:.6g} N",)
 
 
 def _check_frame_index(table: _Table, frame_index: NDArray[np.float64]) -> None:

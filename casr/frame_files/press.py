@@ -10,8 +10,17 @@ from numpy.typing import NDArray
 from casr.errors import FramesError
 from casr.frame_files.camera_file import read_camera
 from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, FileFrames, folder_contents, open_file, open_folder
-from casr.frame_files.force_log import read_force_log
-from casr.frames import FrameSequence, force_per_frame
+from casr.frame_files.force_log import ForceLog, read_force_log
+from casr.frames import (
+    ForceReadings,
+    FrameSequence,
+    check_newtons,
+    force_per_frame,
+    frame_times_by_rows,
+    note_on_spikes,
+    spikes,
+)
+from casr.frames.force import first_of_frame
 
 
 def open_frames(
@@ -38,7 +47,7 @@ def open_frames(
     Raises
     ------
     FramesError : no frames or fewer than two, not readable, floats from 0 to 1 or 12 bits kept in 16; a force log
-        that makes no sense or belongs to other frames.
+        that makes no sense, is not in newtons or belongs to other frames.
     CameraError : a camera file that makes no sense or belongs to frames of another size.
     """
     path = Path(path)
@@ -48,11 +57,12 @@ def open_frames(
     notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
     if in_folder:
         force, camera = force or _beside(path, FORCE_FILE), camera or _camera_of(path)
-    forces = None
+    forces = readings = None
     if force is not None:
-        forces, force_notes = _forces(Path(force), len(frames), column, force_rule)
+        forces, force_notes, readings = _forces(Path(force), len(frames), column, force_rule)
         notes += force_notes
-    return FrameSequence(frames, read_camera(camera) if camera is not None else None, forces, tuple(notes))
+    seen_by = read_camera(camera) if camera is not None else None
+    return FrameSequence(frames, seen_by, forces, tuple(notes), readings)
 
 
 def _check_frames(path: Path, frames: FileFrames) -> None:
@@ -92,11 +102,29 @@ def _camera_of(press: Path) -> Path | None:
     return _beside(press, CAMERA_FILE) or _beside(press.absolute().parent, CAMERA_FILE)
 
 
-def _forces(path: Path, n_frames: int, column: str, rule: str) -> tuple[NDArray[np.float64], list[str]]:
+def _forces(
+    path: Path, n_frames: int, column: str, rule: str
+) -> tuple[NDArray[np.float64], list[str], ForceReadings | None]:
+    """(n_frames,) force of each frame, N; notes; and the readings behind it where frames can be shifted by them."""
     log = read_force_log(path, column=column)
+    wild = spikes(log.force_n)
+    force_n = np.where(wild, np.nan, log.force_n)
+    check_newtons(force_n, path)
     forces = force_per_frame(
-        log.force_n, log.frame_index, n_frames,
+        force_n, log.frame_index, n_frames,
         time_s=log.time_s, frame_time_s=log.frame_time_s, rule=rule, where=path,
     )  # fmt: skip
     without = int(np.isnan(forces).sum())
-    return forces, [*log.notes, *([f"{without} of {n_frames} frames have no force"] if without else [])]
+    notes = [*log.notes, *note_on_spikes(wild, log.force_n, f"of {wild.size} rows of the force log")]
+    notes += [f"{without} of {n_frames} frames have no force"] if without else []
+    return forces, notes, _readings(log, force_n, n_frames) if rule == "exposure" else None
+
+
+def _readings(log: ForceLog, force_n: NDArray[np.float64], n_frames: int) -> ForceReadings | None:
+    if log.time_s is None:
+        return None
+    known = np.isfinite(log.time_s + force_n)
+    frame_s = frame_times_by_rows(log.time_s[known], log.frame_index[known], n_frames)
+    if log.frame_time_s is not None and np.isfinite(log.frame_time_s).any():
+        frame_s = first_of_frame(log.frame_index, n_frames, log.frame_time_s)
+    return ForceReadings(log.time_s[known], force_n[known], frame_s) if known.any() else None

@@ -29,7 +29,7 @@ def _times_of_frames(
     ------
     FramesError : two frames of one time, or rows that carry a frame long before or after it was taken.
     """
-    frame_s, row_s = (_first(index, n_frames, values) for values in (frame_time_s, time_s))
+    frame_s, row_s = (first_of_frame(index, n_frames, values) for values in (frame_time_s, time_s))
     times = frame_s[np.isfinite(frame_s)]
     if (np.diff(times) <= 0).any():
         at = int(np.argmax(np.diff(times) <= 0))
@@ -51,7 +51,7 @@ def _times_of_frames(
     return frame_s
 
 
-def _first(index: NDArray[np.int64], n_frames: int, values: _Array) -> _Array:
+def first_of_frame(index: NDArray[np.int64], n_frames: int, values: _Array) -> _Array:
     """(n_frames,) first known value of the rows of each frame."""
     rows = np.flatnonzero((index >= 0) & np.isfinite(values))
     frames, place = np.unique(index[rows], return_index=True)

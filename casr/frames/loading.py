@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import FramesError, NoContactError, SettingError
+from casr.frames.tare import REST_BAND
 
-# forces within this part of start_n are one resting level
-REST_BAND = 0.1
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from casr.camera import Camera
 from casr.errors import CameraError, FramesError
+from casr.frames.readings import ForceReadings
 from casr.images import Grey
 
 
@@ -40,6 +41,7 @@ class FrameSequence:
     camera : needed for mm; None leaves everything in px.
     force_n : (T,) force of each frame, N, NaN where it is not known; None without a force log.
     notes : what a reader of results ought to know about these frames.
+    readings : the log that ``force_n`` comes from, where it has times; frames and force can be shifted by it.
 
     Raises
     ------
@@ -51,6 +53,7 @@ class FrameSequence:
     camera: Camera | None = None
     force_n: NDArray[np.float64] | None = None
     notes: tuple[str, ...] = ()
+    readings: ForceReadings | None = None
 
     def __post_init__(self) -> None:
         height_px, width_px = self.shape

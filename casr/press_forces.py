@@ -1,0 +1,131 @@
+"""The forces of a press as they are scored: spikes left out, frames shifted to the force, the resting level off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.errors import FramesError
+from casr.frames import (
+    CameraLag,
+    ForceZero,
+    FrameSequence,
+    LoadingPhase,
+    camera_lag,
+    check_newtons,
+    force_zero,
+    loading_phase,
+    note_on_spikes,
+    notes_on_zero,
+    spikes,
+)
+from casr.scored import ScoreSettings
+from casr.skin_motion import SkinMotion
+
+LEAD_FRAMES = 4  # before the rest frame: where frames are early, it is touched
+MOST_BEFORE = 40  # between the rest frame and contact; a rise that takes longer tells no lag
+AFTER_FRAMES = 20
+
+
+@dataclass(frozen=True, eq=False)
+class PressForces:
+    """Forces of the frames of a press.
+
+    force_n : (T,) N, NaN where not known. zero : of the sensor; None where not determined. lag_s : taken off the times
+    of the frames. notes : what was done.
+    """
+
+    force_n: NDArray[np.float64]
+    zero: ForceZero | None
+    lag_s: float
+    notes: tuple[str, ...]
+
+
+def press_forces(sequence: FrameSequence, settings: ScoreSettings) -> PressForces:
+    """Forces of a sequence that has some.
+
+    Raises
+    ------
+    FramesError : not newtons; a lag is to be corrected, and the log has no times, or it is not determined.
+    """
+    forces = _shifted(sequence, settings, settings.camera_lag_s)
+    if not settings.correct_lag:
+        return forces
+    lag = _lag_looked_for(sequence, forces, settings)
+    if lag is None or lag.lag_s is None:
+        raise FramesError(
+            "camera lag",
+            wanted="a lag that the pins tell (correct_lag, --correct-lag)",
+            found="a force log without times" if lag is None else f"none: {lag.why}",
+            do="Give it (camera_lag_s, --camera-lag), or score without.",
+        )
+    return _shifted(sequence, settings, lag.lag_s)
+
+
+def frames_before(phase: LoadingPhase, sequence: FrameSequence) -> list[int]:
+    """The rest frame; where the log has times also those around it up to contact, which tell the camera's lag."""
+    rest, first = phase.rest, int(phase.frames[0])
+    if sequence.readings is None:
+        return [rest]
+    return [*range(max(rest - LEAD_FRAMES, 0), rest + 1), *range(max(rest + 1, first - MOST_BEFORE), first)]
+
+
+def lag_of(sequence: FrameSequence, forces: PressForces, motion: SkinMotion, start_n: float) -> CameraLag | None:
+    """Lag of the camera by the motion of the pins since before contact; None without times in the log."""
+    if sequence.readings is None:
+        return None
+    frames, pins_px = np.array(motion.frames[: len(motion.kept_px)]), np.array(motion.kept_px)
+    zero_n = forces.zero.level_n if forces.zero else 0.0
+    lag = camera_lag(frames, pins_px, sequence.readings, zero_n=zero_n, start_n=start_n)
+    return replace(lag, corrected_s=forces.lag_s)
+
+
+def notes_on_lag(lag: CameraLag | None) -> tuple[str, ...]:
+    """What a reader should know of a lag that is still there."""
+    if lag is None or not lag.doubtful or lag.remaining_s is None or lag.sd_s is None:
+        return ()
+    left_ms, sd_ms = 1e3 * lag.remaining_s, 1e3 * lag.sd_s
+    when = "after" if left_ms > 0 else "before"
+    return (
+        f"the pins begin to move {abs(left_ms):.0f} ms {when} the force (standard error {sd_ms:.0f} ms): more than half "
+        "a frame; is the camera's time that of the force? --correct-lag takes it off",
+    )
+
+
+def _shifted(sequence: FrameSequence, settings: ScoreSettings, lag_s: float) -> PressForces:
+    assert sequence.force_n is not None
+    force_n = sequence.force_n
+    if lag_s:
+        if sequence.readings is None:
+            raise FramesError(
+                "camera lag",
+                wanted="a force log with time_s, and forces at exposure (--force-rule exposure)",
+                found="forces without times",
+                do="Add the column, or score without --camera-lag.",
+            )
+        force_n = sequence.readings.at_frames(lag_s)
+    wild = spikes(force_n)
+    notes = note_on_spikes(wild, force_n, f"of {wild.size} frames have a force that")
+    force_n = np.where(wild, np.nan, force_n)
+    check_newtons(force_n, "force")
+    start_n = settings.force_start_n
+    zero = force_zero(force_n, start_n)
+    if zero is not None:
+        zero = replace(zero, taken_off=settings.tare)
+    if settings.tare:
+        notes += notes_on_zero(zero, start_n)
+        force_n = force_n - (zero.level_n if zero else 0.0)
+    return PressForces(force_n, zero, lag_s, notes)
+
+
+def _lag_looked_for(sequence: FrameSequence, forces: PressForces, settings: ScoreSettings) -> CameraLag | None:
+    """The lag before anything is scored, from the frames around first contact."""
+    if sequence.readings is None:
+        return None
+    phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
+    motion = SkinMotion(settings.flow.pins)
+    for index in (*frames_before(phase, sequence), *phase.frames[:AFTER_FRAMES].tolist()):
+        motion.take(index, sequence[index])
+    return lag_of(sequence, forces, motion, settings.force_start_n)
