@@ -84,11 +84,8 @@ class PinEngine:
         self._tracker = PinTracker(settings.pins)
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
-        followed = pins_px is not None
         start_px = pins_px if pins_px is not None else self._tracker.start(image).centroids_px
         self._ids, self._start_notes = _pins_of(region, start_px, self._settings.core_fraction)
-        if not followed:
-            self._tracker.restrict(self._ids)
         self._pitch_px = pin_pitch_px(start_px)
         self._region, self._last_px = region, start_px[self._ids]
         self._skin = _BulgingRegion(region, self._last_px)

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+NEIGHBOURS = 6  # of a hexagonal lattice; of a square one, those at one pitch and two of the corners
+BORDER_GAP_DEG = 150.0
+
 
 def nearest_pins(points_px: NDArray[np.float64], k: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """Distance (N, k) px and row number (N, k) of the ``k`` nearest other pins, nearest first, of two or
@@ -16,6 +19,17 @@ def nearest_pins(points_px: NDArray[np.float64], k: int) -> tuple[NDArray[np.flo
     near_squared = np.take_along_axis(squared, near, axis=1)
     order = np.argsort(near_squared, axis=1, kind="stable")
     return np.sqrt(np.take_along_axis(near_squared, order, axis=1)), np.take_along_axis(near, order, axis=1)
+
+
+def at_border(points_px: NDArray[np.float64], beside: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """(N,) pins with none beside them over ``BORDER_GAP_DEG``, from the rows (N, k) of each pin's neighbours.
+
+    In any lattice the neighbours of a pin inside stand all around it, also where one of them is missing.
+    """
+    towards = points_px[beside] - points_px[:, None]
+    angle = np.sort(np.arctan2(towards[..., 1], towards[..., 0]), axis=1)
+    gap = np.diff(angle, axis=1, append=angle[:, :1] + 2 * np.pi)
+    return np.asarray(gap.max(axis=1) > np.deg2rad(BORDER_GAP_DEG))
 
 
 def _squared_distance(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> NDArray[np.float64]:

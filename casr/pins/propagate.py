@@ -13,38 +13,66 @@ SEED_REACH, GROWTH_REACH = 0.2, 0.35  # of the spacing: how close a pin must be 
 ENOUGH_NEIGHBOURS = 3
 MOST_ISLANDS = 8
 BINS_PER_PITCH = 8
+FARTHEST_KNOCK = 4  # pitches that all pins may jump alike between two frames
+MOST_SHIFTS = 8
 
 Points = NDArray[np.float64]
 
 
 def follow_neighbours(
-    before_px: Points, guesses_px: Sequence[Points], after_px: Points, links: Points, spacing_px: NDArray[np.float64]
+    before_px: Points,
+    guesses_px: Sequence[Points],
+    after_px: Points,
+    links: Points,
+    spacing_px: NDArray[np.float64],
+    shape: tuple[int, ...],
 ) -> NDArray[np.intp]:
     """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
 
     Pins close to where they are expected are matched first; then the motion is handed on to those beside them, ring by
     ring, so that a motion that changes slowly over the skin may end up far above half a pitch. A lattice also fits
     itself one pitch further, all but its edge: of all ways to begin, each guess from every island of pins that fit, the
-    one that finds most pins is kept, the first on a tie.
+    one is kept, the first on a tie, that leaves fewest pins unexplained: pins that should be in view and are not found,
+    and pins of the next frame that nobody claims.
 
     Parameters
     ----------
     before_px : (N, 2) where pins were. guesses_px : each (N, 2), where they may be now.
     after_px : (M, 2) pins of the next frame.
     links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest pin.
+    shape : (height, width) of the frame.
     """
     best = np.full(len(before_px), -1, np.intp)
+    fewest = len(before_px) + len(after_px)
     for guess in guesses_px:
         pins, hits = match_pins(guess, after_px, max_distance_px=SEED_REACH * spacing_px)
         for island in _islands(pins, links):
             rows = np.full(len(before_px), -1, np.intp)
             rows[pins[island]] = hits[island]
             _grow(rows, before_px, after_px, links, spacing_px)
-            if (rows >= 0).sum() > (best >= 0).sum():
-                best = rows
+            unexplained = _unexplained(rows, before_px, after_px, links, spacing_px, shape)
+            if unexplained < fewest:
+                best, fewest = rows, unexplained
             if (best >= 0).all():
                 return best
     return best
+
+
+def _unexplained(
+    rows: NDArray[np.intp],
+    before_px: Points,
+    after_px: Points,
+    links: Points,
+    spacing_px: NDArray[np.float64],
+    shape: tuple[int, ...],
+) -> int:
+    """Pins that ought to be in view but have no row, and rows that no pin has."""
+    found = rows >= 0
+    move = np.where(found[:, None], after_px[rows] - before_px, 0.0)
+    expected = before_px + neighbour_mean(move, found, links)
+    margin = spacing_px[:, None] / 2
+    in_view = ((expected > margin) & (expected < np.array(shape[1::-1]) - 1 - margin)).all(axis=1)
+    return int((~found & in_view).sum()) + len(after_px) - int(found.sum())
 
 
 def _grow(
@@ -97,15 +125,24 @@ def neighbour_mean(move_px: Points, known: NDArray[np.bool_], links: NDArray[np.
     return mean
 
 
-def common_shift_px(before_px: Points, after_px: Points, pitch_px: float) -> NDArray[np.float64]:
-    """The shift (2,) within one pitch that most pairs of pins agree on: a vote over all pairs."""
+def common_shifts_px(before_px: Points, after_px: Points, pitch_px: float) -> NDArray[np.float64]:
+    """Shifts (k, 2) of up to four pitches that most pairs of pins agree on, most first: a vote over all pairs.
+
+    A lattice agrees with itself again one pitch further, so there are several.
+    """
     shift = (after_px[None, :] - before_px[:, None]).reshape(-1, 2)
-    n = 2 * BINS_PER_PITCH + 1
-    cell = np.rint(shift / pitch_px * BINS_PER_PITCH).astype(np.intp) + BINS_PER_PITCH
+    reach = FARTHEST_KNOCK * BINS_PER_PITCH
+    n = 2 * reach + 1
+    cell = np.rint(shift / pitch_px * BINS_PER_PITCH).astype(np.intp) + reach
     inside = ((cell >= 0) & (cell < n)).all(axis=1)
-    votes = np.bincount(cell[inside] @ (n, 1), minlength=n * n).reshape(n, n)
+    shift, cell = shift[inside], cell[inside]
+    votes = np.bincount(cell @ (n, 1), minlength=n * n).reshape(n, n)
     padded = np.pad(votes, 1)
     around = np.stack([padded[i : i + n, j : j + n] for i in range(3) for j in range(3)]).sum(axis=0)
-    best = np.array(np.unravel_index(around.argmax(), (n, n)))
-    near = inside & (np.abs(cell - best) <= 1).all(axis=1)
-    return np.asarray(np.median(shift[near], axis=0)) if near.any() else np.zeros(2)
+    found: list[NDArray[np.float64]] = []
+    while around.any() and len(found) < MOST_SHIFTS:
+        best = np.array(np.unravel_index(around.argmax(), (n, n)))
+        found.append(np.median(shift[(np.abs(cell - best) <= 1).all(axis=1)], axis=0))
+        (y0, x0), (y1, x1) = np.maximum(best - BINS_PER_PITCH // 2, 0), best + BINS_PER_PITCH // 2 + 1
+        around[y0:y1, x0:x1] = 0
+    return np.array(found).reshape(-1, 2)

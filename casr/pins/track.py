@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,80 +10,90 @@ from numpy.typing import NDArray
 
 from casr.errors import PinsError
 from casr.images import Grey
-from casr.pins.detect import Pins, find_pins, pins_bright, reach_px
-from casr.pins.lattice import nearest_pins
-from casr.pins.propagate import common_shift_px, follow_neighbours, links_of, neighbour_mean
+from casr.pins.detect import Pins, find_pins, fit_view, reach_px
+from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
+from casr.pins.propagate import common_shifts_px, follow_neighbours, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
 from casr.pins.spots import Spots, measure_spots
+from casr.pins.view import line_noise
 
-NEIGHBOURS = 6  # in a hexagonal lattice
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
-IN_PLACE = 0.8  # share of the pins seen where they are expected, from which on the others are lost and not displaced
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
+ONE_SIDE = 0.5  # of the root of the number of pins: so many vanish at once where a lattice slips by a pitch
+BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: at all; at first sight
+APART_PITCHES, APART_SHARE = 0.06, 0.1  # a tear parts pins from those around them by more; so many of them are too many
+NOISY_GREY, NOISY_TIMES, NOISY_LINES = 5.0, 3.0, 0.1  # noise over this many times that at first, on a share of the lines
+KNOCK_PITCHES, KNOCK_SCATTER = 0.5, 0.2  # by how much the border jumps at a knock; how far its pins may differ, pitches
 
 Points = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Where each pin is or, while it is lost, should be; its motion in the last step; its area; whether it is lost."""
+
+    at_px: Points
+    move_px: Points
+    area_px: NDArray[np.float64]
+    lost: Mask
+
+
 class PinTracker:
     """Pins followed through a sequence; ids are the row numbers of the pins that ``start`` returns.
 
-    A step looks for each pin around the place its last motion leads to and reads only those pixels. Where a pin
-    vanishes, parts from its neighbours, or all jump by more than a quarter of the pitch, the whole frame is searched
-    and the motion handed on from pin to pin (``follow_neighbours``).
+    A step looks for each pin around the place its last motion leads to and reads only those pixels. Where so many
+    vanish as stand on one side of the array, or all jump by more than a quarter of the pitch, the whole frame is
+    searched and the motion handed on from pin to pin (``follow_neighbours``).
+
+    A frame that shows fewer than half of the pins seen before, or noise in their place, is not believed: no pin has a
+    place in it, and the next frame is looked at as if it had not been. The same befalls one in which over a quarter of
+    the pins vanish, or in which many part from those around them as where a frame is torn, unless it is the first, or
+    the one before was not believed either: what stays so is no accident.
 
     Attributes
     ----------
     pitch_px : pin spacing in the first frame; NaN before ``start``.
+    knock_px : (2,) how far knocks have moved the image since the first frame. A knock is a jump of the pins at the
+        border of the array, all alike, by more than half a pitch between two frames: the border is what a contact moves
+        last. The places of the pins are those in the image; without the knocks they are places - knock_px.
     """
 
     def __init__(self, settings: PinSettings | None = None) -> None:
         self.pitch_px = float("nan")
+        self.knock_px = np.zeros(2)
         self._settings = settings or PinSettings()
-        self._n = 0
+        self._started = False
 
     def start(self, image: NDArray[Any]) -> Pins:
         """Detect the pins of the first frame. Raises PinsError, ImageError as ``detect_pins``."""
-        self._frame = pins_bright(image, self._settings).copy()
-        pins = find_pins(self._frame, self._settings)
-        self._n = len(pins)
-        self._ids = self._wanted = np.arange(self._n)
-        self._place_px = pins.centroids_px.copy()  # where each pin is or, while it is lost, should be
-        self._move_px = np.zeros_like(self._place_px)
-        self._area_px = pins.area_px.copy()
-        self._lost = np.zeros(self._n, bool)
-        self._link()
-        self.pitch_px = float(np.median(self._spacing_px))
-        return pins
-
-    def restrict(self, ids: Sequence[int] | NDArray[np.integer[Any]]) -> None:
-        """From now on follow these pins (and those next to them, to know where each ends); all others stay NaN.
-
-        Raises PinsError for ids that are not followed, or before ``start``.
-        """
-        self._need_start()
-        wanted = np.unique(np.asarray(ids, np.intp))
-        if wanted.size < 2 or not np.isin(wanted, self._ids).all():
-            raise PinsError(
-                "PinTracker.restrict",
-                wanted="ids of two or more pins that are being followed",
-                found=f"{wanted.tolist()}",
-                do=f"Use row numbers below {self._n} of the pins that start() returned.",
-            )
-        rows = np.flatnonzero(np.isin(self._ids, wanted))
-        rows = np.union1d(rows, self._beside[rows])
-        self._ids, self._wanted = self._ids[rows], wanted
-        self._place_px, self._move_px = self._place_px[rows], self._move_px[rows]
-        self._area_px, self._lost = self._area_px[rows], self._lost[rows]
-        self._link()
+        self._view, pins = fit_view(image, self._settings)
+        self._frame = self._view.grey(image).copy()
+        n = len(pins)
+        at_px = pins.centroids_px.copy()
+        self._places = _Places(at_px, np.zeros_like(at_px), pins.area_px.copy(), np.zeros(n, bool))
+        self._beside = nearest_pins(at_px, NEIGHBOURS)[1]
+        self._border = at_border(at_px, self._beside)
+        self._links = links_of(self._beside)
+        self._spacing_px = _gaps_px(at_px, self._beside).min(axis=1)
+        self._shine = self._shine_of(measure_spots(self._frame, at_px, reach_px(self._spacing_px)))
+        self._pitch_px = float(np.median(self._spacing_px))
+        self._most_noise = max(NOISY_GREY, NOISY_TIMES * float(np.median(line_noise(self._frame))))
+        self._gap = True  # before the first step anything may have happened
+        self.pitch_px = self._pitch_px * self._view.reduction
+        self.knock_px = np.zeros(2)
+        self._started = True
+        scale = self._view.reduction
+        return replace(pins, centroids_px=self._view.in_frame(pins.centroids_px), area_px=pins.area_px * scale**2)
 
     def step(self, image: NDArray[Any]) -> Points:
-        """Positions (N, 2) px of all pins in the next frame, row by id; NaN where a pin is lost or not followed.
+        """Places (N, 2) px of all pins in the next frame, row by id; NaN where one is lost, all NaN for a bad frame.
 
         Raises PinsError before ``start`` or for a frame of another size, ImageError as ``as_grey``.
         """
-        self._need_start()
-        grey = pins_bright(image, self._settings)
+        if not self._started:
+            raise PinsError("PinTracker", wanted="start(image) first", found="no first frame", do="Call start once.")
+        grey = self._view.grey(image)
         if grey.shape != self._frame.shape or grey.dtype != self._frame.dtype:
             raise PinsError(
                 "frame",
@@ -92,83 +102,99 @@ class PinTracker:
                 do="Start a new tracker when the camera's format changes.",
             )
         if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
+            places = self._advanced(grey)
+            if not self._believed(grey, places):
+                self._gap = True
+                return np.full_like(places.at_px, np.nan)
+            self._gap = False
             self._frame = grey.copy()
-            self._advance(grey)
-        positions = np.full((self._n, 2), np.nan)
-        positions[self._ids[~self._lost]] = self._place_px[~self._lost]
-        wanted = np.full_like(positions, np.nan)
-        wanted[self._wanted] = positions[self._wanted]
-        return wanted
+            self._places = self._without_knock(places)
+            self._spacing_px = _gaps_px(places.at_px, self._beside).min(axis=1)
+        return np.where(self._places.lost[:, None], np.nan, self._view.in_frame(self._places.at_px))
 
-    def _link(self) -> None:
-        """Who is beside whom, how far, and how bright against them."""
-        self._beside = nearest_pins(self._place_px, NEIGHBOURS)[1]
-        self._links = links_of(self._beside)
-        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
-        self._shine = self._shine_of(measure_spots(self._frame, self._place_px, reach_px(self._spacing_px)))
+    def _believed(self, grey: Grey, places: _Places) -> bool:
+        """Whether a frame is one of this press, and whole."""
+        seen, n_before = ~places.lost, int((~self._places.lost).sum())
+        if seen.sum() < BELIEVED_SHARE * n_before or np.mean(line_noise(grey) > self._most_noise) > NOISY_LINES:
+            return False
+        if self._gap:
+            return True
+        apart = places.move_px - neighbour_mean(places.move_px, seen, self._links)
+        inside = seen & ~self._border
+        torn = np.hypot(*apart[inside].T) > APART_PITCHES * self._pitch_px
+        return bool(seen.sum() >= LIKELY_SHARE * n_before and torn.sum() <= APART_SHARE * inside.sum())
 
-    def _advance(self, grey: Grey) -> None:
-        """Find all pins in the next frame and keep places, motions and areas for the one after."""
-        before, expected = self._place_px, self._place_px + self._move_px
-        place, area, seen = self._look(grey, expected)
-        if (~seen & ~self._lost).any() or _median_length(place - expected) > LONGEST_LOOK * self.pitch_px:
-            # part of a lattice, without its edge, fits itself one pitch further: if most are in place, none has jumped
-            in_place = len(seen) < self._n and seen.mean() > IN_PLACE
-            place, area, seen = self._search(grey, expected, in_place)
-        self._place_px = np.where(seen[:, None], place, before + neighbour_mean(place - before, seen, self._links))
-        self._move_px = self._place_px - before
-        self._area_px = np.where(seen, area, self._area_px)
-        self._lost = ~seen
-        self._spacing_px = _gaps_px(self._place_px, self._beside).min(axis=1)
+    def _advanced(self, grey: Grey) -> _Places:
+        """All pins in the next frame."""
+        before, last = self._places.at_px, self._places
+        expected = before + last.move_px
+        at_px, area, seen = self._look(grey, expected)
+        if (~seen & ~last.lost).any():
+            beside_px = before + neighbour_mean(at_px - before, seen, self._links)
+            at_px, area, seen = self._look(grey, np.where(seen[:, None], at_px, beside_px))
+        vanished = int((~seen & ~last.lost).sum())
+        if vanished > ONE_SIDE * np.sqrt(len(seen)) or _median_length(at_px - expected) > LONGEST_LOOK * self._pitch_px:
+            at_px, area, seen = self._search(grey, expected)
+        at_px = np.where(seen[:, None], at_px, before + neighbour_mean(at_px - before, seen, self._links))
+        return _Places(at_px, at_px - before, np.where(seen, area, last.area_px), ~seen)
+
+    def _without_knock(self, places: _Places) -> _Places:
+        """The same places, but a knock is no motion that goes on."""
+        border = places.move_px[self._border & ~places.lost]
+        if len(border) < NEIGHBOURS:
+            return places
+        shift = np.median(border, axis=0)
+        scatter = _median_length(border - shift)
+        if np.hypot(*shift) <= KNOCK_PITCHES * self._pitch_px or scatter > KNOCK_SCATTER * self._pitch_px:
+            return places
+        self.knock_px = self.knock_px + shift * self._view.reduction
+        return replace(places, move_px=places.move_px - shift)
 
     def _look(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
         """Place, area and whether seen, of each pin, from the pixels around where it is expected."""
         spots = measure_spots(grey, expected, reach_px(self._spacing_px))
-        area = spots.area_px
-        seen = (spots.contrast >= self._settings.contrast) & ~self._in_glare(spots)
-        seen &= (area < AREA_CHANGE * self._area_px) & (area * AREA_CHANGE > self._area_px)
-        place = np.where(seen[:, None], spots.centroids_px, expected)
-        move = place - self._place_px
+        area, last = spots.area_px, self._places
+        seen = (spots.contrast >= self._view.contrast) & ~self._in_glare(spots)
+        seen &= (area < AREA_CHANGE * last.area_px) & (area * AREA_CHANGE > last.area_px)
+        at_px = np.where(seen[:, None], spots.centroids_px, expected)
+        move = at_px - last.at_px
         apart = move - neighbour_mean(move, seen, self._links)
         seen &= np.hypot(apart[:, 0], apart[:, 1]) <= LONGEST_LOOK * self._spacing_px
-        return place, area, seen & ~self._taken_twice(place, expected)
+        return at_px, area, seen & ~self._taken_twice(at_px, expected)
 
-    def _taken_twice(self, place: Points, expected: Points) -> Mask:
+    def _taken_twice(self, at_px: Points, expected: Points) -> Mask:
         """Pins that sit on a neighbour with the better claim: not lost before, then nearer to where it was expected."""
-        same = _gaps_px(place, self._beside) < np.sqrt(self._area_px / np.pi)[:, None]
+        same = _gaps_px(at_px, self._beside) < np.sqrt(self._places.area_px / np.pi)[:, None]
         if not same.any():
-            return np.zeros(len(place), bool)
-        rank = np.lexsort((np.hypot(*(place - expected).T), self._lost)).argsort()
+            return np.zeros(len(at_px), bool)
+        rank = np.lexsort((np.hypot(*(at_px - expected).T), self._places.lost)).argsort()
         return np.asarray((same & (rank[:, None] > rank[self._beside])).any(axis=1))
 
-    def _search(self, grey: Grey, expected: Points, in_place: bool) -> tuple[Points, NDArray[np.float64], Mask]:
+    def _search(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
         """Place, area and whether seen, of each pin, from all pins of the frame."""
+        last = self._places
         try:
-            pins = find_pins(grey, self._settings)
+            pins = find_pins(grey, self._view)
         except PinsError:
-            return expected, self._area_px, np.zeros(len(expected), bool)
-        guesses = [expected]
-        if not in_place:
-            pitch_px = float(np.median(self._spacing_px))
-            guesses += [self._place_px, self._place_px + common_shift_px(self._place_px, pins.centroids_px, pitch_px)]
-        rows = follow_neighbours(self._place_px, guesses, pins.centroids_px, self._links, self._spacing_px)
+            return expected, last.area_px, np.zeros(len(expected), bool)
+        shifts = common_shifts_px(last.at_px, pins.centroids_px, self._pitch_px)
+        guesses = [expected, last.at_px, *(last.at_px + shift for shift in shifts)]
+        rows = follow_neighbours(
+            last.at_px, guesses, pins.centroids_px, self._links, self._spacing_px, self._frame.shape
+        )
         seen = rows >= 0
-        place = np.where(seen[:, None], pins.centroids_px[rows], expected)
-        seen &= ~self._in_glare(measure_spots(grey, place, reach_px(self._spacing_px)))
-        return place, np.where(seen, pins.area_px[rows], self._area_px), seen
+        at_px = np.where(seen[:, None], pins.centroids_px[rows], expected)
+        seen &= ~self._in_glare(measure_spots(grey, at_px, reach_px(self._spacing_px)))
+        return at_px, np.where(seen, pins.area_px[rows], last.area_px), seen
 
     def _in_glare(self, spots: Spots) -> Mask:
         """Pins that outshine those beside them far more than at first: a reflection draws their centroids to itself."""
-        return np.asarray(self._shine_of(spots) > self._settings.max_brightness_ratio * self._shine)
+        return np.asarray(self._shine_of(spots) > self._view.settings.max_brightness_ratio * self._shine)
 
     def _shine_of(self, spots: Spots) -> NDArray[np.float64]:
         """Contrast of each pin over that of the pins beside it."""
         beside = np.sort(spots.contrast[self._beside], axis=1)[:, self._beside.shape[1] // 2]
-        return np.asarray(spots.contrast / np.maximum(beside, self._settings.contrast))
-
-    def _need_start(self) -> None:
-        if not self._n:
-            raise PinsError("PinTracker", wanted="start(image) first", found="no first frame", do="Call start once.")
+        return np.asarray(spots.contrast / np.maximum(beside, self._view.contrast))
 
 
 def _gaps_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
