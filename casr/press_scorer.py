@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 
 from casr.camera import Camera
 from casr.contact_area import InitialArea, initial_area
+from casr.contact_area.front import ContactFront, contact_front
+from casr.dome.library import worlds
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.region import Region
 from casr.flow.step import notes_by_frame
 from casr.frames import LoadingPhase
+from casr.front_spread import FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker
-from casr.scored import Score, ScoreSettings
+from casr.scored import Score, ScoreSettings, SkinSpread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
@@ -74,28 +77,25 @@ class PressScorer:
         return step
 
     def areas(self, force_n: Array | None) -> Array:
-        """(T,) contact area in ``area_unit`` of the first T frames: all so far, or as many as there are forces."""
+        """(T,) area of the first contact's skin, in ``area_unit``, in all frames so far or as many as there are forces."""
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
         law = self._settings.area_law
         growth = [step.log_growth if law == "ode" else step.divergence for step in steps]
         return contact_areas(self._first_area, growth, force_n, law=law)
 
     def area_now(self, force_n: float) -> float:
-        """Contact area in ``area_unit`` of the last frame, whose force this is."""
+        """Area of the first contact's skin, in ``area_unit``, in the last frame, whose force this is."""
         law = self._settings.area_law
         growth = self.log_growth if law == "ode" else self._divergence
         return float(contact_areas(self._first_area, [growth], [0.0, force_n], law=law)[-1])
 
     def rate(self, force_n: Array) -> SpreadRate:
-        """Spread rate over the first T frames, whose forces these are."""
-        settings = self._settings
-        return spread_rate(
-            self.areas(force_n),
-            force_n,
-            rule=settings.rate_rule,
-            area_unit=self.area_unit,
-            window_n=settings.rate_window_n,
-        )
+        """Rate at which the skin of the first contact grows, over the first T frames, whose forces these are."""
+        return self._rate_of(self.areas(force_n), force_n)
+
+    def _rate_of(self, area: Array, force_n: Array) -> SpreadRate:
+        s = self._settings
+        return spread_rate(area, force_n, rule=s.rate_rule, area_unit=self.area_unit, window_n=s.rate_window_n)
 
     @property
     def _first_area(self) -> float:
@@ -106,10 +106,21 @@ class PressScorer:
         """``mm2``, or ``px2`` without a camera."""
         return "px2" if self._camera is None else "mm2"
 
-    def result(self, name: str, phase: LoadingPhase, force_n: Array | None) -> Score:
-        """The score of the frames of ``phase``, whose forces are ``force_n`` (T,), or None without a force log."""
+    def result(
+        self, name: str, phase: LoadingPhase, force_n: Array | None, force_zero_sd_n: float | None = None
+    ) -> Score:
+        """The score of the frames of ``phase``, whose forces are ``force_n`` (T,), or None without a force log.
+
+        force_zero_sd_n : standard error of the resting level; None where none was taken off.
+        """
         steps = self._steps[: len(phase.frames) - 1]
-        rate = None if force_n is None else self.rate(force_n)
+        skin = self._skin(force_n)
+        front = self._front(len(phase.frames))
+        doubt = front_doubt(front)
+        spread = None
+        if not doubt:
+            growth = np.array([step.log_growth for step in steps])
+            spread = front_spread(front, growth, force_n, self._rate_of, force_zero_sd_n)
         of_steps = notes_by_frame(phase.frames[1:].tolist(), steps)
         return Score(
             name=name,
@@ -122,12 +133,25 @@ class PressScorer:
             initial=self._initial,
             rest=self._rest,
             contact_px=self._contact_px,
-            area=self.areas(force_n),
             area_unit=self.area_unit,
-            rate=rate,
+            skin=skin,
+            front=front,
+            front_doubt=doubt,
+            front_spread=spread,
             regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
-            notes=_once(*phase.notes, *self._notes, *of_steps, *(rate.notes if rate else ())),
+            notes=_once(*phase.notes, *self._notes, *of_steps, *front.notes, *_notes_of(skin, spread)),
         )
+
+    def _skin(self, force_n: Array | None) -> SkinSpread:
+        area = self.areas(force_n)
+        if force_n is None:
+            return SkinSpread(area, None, None)
+        rate = self.rate(force_n)
+        return SkinSpread(area, rate, skin_interval(rate, self._initial.relative_sd))
+
+    def _front(self, n_frames: int) -> ContactFront:
+        pins_px = np.array(self.pins_px[:n_frames])
+        return contact_front(self._rest.centroids_px, pins_px, self._camera, worlds(self._settings.domes))
 
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
         """A_c0, the region that growth is measured in, and notes.
@@ -162,6 +186,11 @@ class PressScorer:
     def _flat(self, region: Region) -> Region:
         """The region as a camera without distortion would see it."""
         return region if self._camera is None else Region(self._camera.undistorted_px(region.polygon_px))
+
+
+def _notes_of(skin: SkinSpread, front: FrontSpread | None) -> tuple[str, ...]:
+    rates = [of.rate for of in (front, skin) if of is not None and of.rate is not None]
+    return tuple(note for rate in rates for note in rate.notes)
 
 
 def _once(*notes: str) -> tuple[str, ...]:

@@ -64,7 +64,8 @@ def _by_force(sequence: FrameSequence, forces: PressForces, settings: ScoreSetti
             scorer.touch(rest, image)
     with said_of(sequence.name):
         force_n = forces.force_n[phase.frames]
-        scored = scorer.result(sequence.name, phase, force_n)
+        zero_sd_n = forces.zero.sd_n if forces.zero and forces.zero.taken_off else None
+        scored = scorer.result(sequence.name, phase, force_n, zero_sd_n)
     moved_px, same = (np.array(of_frame)[-phase.frames.size :] for of_frame in (motion.moved_px, motion.same))
     lag = lag_of(sequence, forces, motion, settings.force_start_n)
     notes = (*forces.notes, *notes_on_lag(lag), *scored.notes, *note_on_repeats(phase.frames[1:], same[1:] > 0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from dataclasses import dataclass, field, fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -12,15 +13,45 @@ from numpy.typing import NDArray
 
 from casr import __version__
 from casr.contact_area import RULES, InitialArea
+from casr.contact_area.front import ContactFront
 from casr.errors import SettingError
 from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
+from casr.front_spread import FrontSpread
 from casr.frames import CameraLag, ForceZero
 from casr.pins import Pins
-from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate
+from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate, TotalInterval, total_interval
+from casr.spread.correlated_errors import normal_quantile
+from casr.spread.rate import CONFIDENCE
 
 
 MOST_LAG_S = 10.0
+
+
+QUANTITIES = ("front", "skin")
+SKIN_AREA_SD = 0.25
+"""Relative standard error of A_c0 by an edge rule or hexagons on sensors that nobody fitted it to: -23 to +52 % (finite
+elements), +16 to +44 % (another simulator)."""
+SKIN_LEFT_OUT = ("that a contact grows by taking in new skin, which this quantity does not see",)
+
+
+@dataclass(frozen=True, eq=False)
+class SkinSpread:
+    """The skin of the first contact. area : (T,). rate : None without a force log. interval : total, of the rate."""
+
+    area: NDArray[np.float64]
+    rate: SpreadRate | None
+    interval: TotalInterval | None
+
+
+def skin_interval(rate: SpreadRate, area_sd: float | None) -> TotalInterval | None:
+    """Total interval of a rate of skin whose initial area has a relative standard error ``area_sd`` by its own fit."""
+    if rate.low is None or rate.high is None or not rate.value > 0:
+        return None
+    scatter = (rate.high - rate.low) / 2 / normal_quantile(CONFIDENCE) / rate.value
+    return total_interval(
+        rate.value, {"scatter": scatter, "initial area": float(np.hypot(area_sd or 0.0, SKIN_AREA_SD))}, SKIN_LEFT_OUT
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +60,10 @@ class ScoreSettings:
 
     Parameters
     ----------
-    flow : how growth is measured.
+    quantity : which area is the result: ``front``, the contact whose edge is followed in every frame, or ``skin``, the
+        first contact's skin as the flow stretches it (the paper's). Both are always there.
+    domes : folder of a lab's own tables of domes, beside those that come with casr.
+    flow : how growth of skin is measured.
     area_rule : one of ``casr.contact_area.RULES``, for the initial area.
     area_law, rate_rule : of ``casr.spread``: eq. (1) and eq. (2). rate_window_n : forces between which rule ``power``
         takes the mean rate, N, wherever scoring starts and stops.
@@ -41,6 +75,8 @@ class ScoreSettings:
     camera_lag_s : the frames were taken so long before their times, s. correct_lag : as long as the pins tell.
     """
 
+    quantity: str = "front"
+    domes: Path | None = None
     flow: FlowSettings = field(default_factory=FlowSettings)
     area_rule: str = "edge"
     area_law: str = "ode"
@@ -55,7 +91,7 @@ class ScoreSettings:
     correct_lag: bool = False
 
     def __post_init__(self) -> None:
-        choices = {"area_rule": RULES, "area_law": AREA_LAWS, "rate_rule": RATE_RULES}
+        choices = {"quantity": QUANTITIES, "area_rule": RULES, "area_law": AREA_LAWS, "rate_rule": RATE_RULES}
         for key, known in choices.items():
             value = getattr(self, key)
             if value not in known:
@@ -92,8 +128,10 @@ class Score:
     divergence, log_growth : (T-1,) of the step that leads to each frame but the first, 1/frame.
     initial : A_c0 and the pins it comes from. rest : pins of the rest frame. contact_px : (N, 2) the same pins in the
         first scored frame, NaN where lost.
-    area : (T,) contact area in ``area_unit``, ``mm2`` or without a camera ``px2``.
-    rate : contact area spread rate; None without a force log.
+    area_unit : ``mm2``, or without a camera ``px2``.
+    skin : what the first contact's skin says: A_c0 and its growth by the flow (the paper's).
+    front : what the edge says that is followed in every frame. front_doubt : why no area can be told from it; empty
+        where it can. front_spread : its rate; None where there is doubt.
     regions : T outlines (K, 2) of the region that growth was measured in, px.
     notes : what a reader of these numbers should know.
     force_zero : what the force sensor reads at rest; None where that is not determined or there is no force log.
@@ -111,18 +149,48 @@ class Score:
     initial: InitialArea
     rest: Pins
     contact_px: NDArray[np.float64]
-    area: NDArray[np.float64]
     area_unit: str
-    rate: SpreadRate | None
+    skin: SkinSpread
+    front: ContactFront
+    front_doubt: str
+    front_spread: FrontSpread | None
     regions: tuple[NDArray[np.float64], ...]
     notes: tuple[str, ...]
     force_zero: ForceZero | None = None
     camera_lag: CameraLag | None = None
     doubts: tuple[str, ...] = ()
 
+    @property
+    def area(self) -> NDArray[np.float64]:
+        """(T,) contact area by the quantity of the settings, in ``area_unit``; NaN where a front is not determined."""
+        if self.settings.quantity == "skin":
+            return self.skin.area
+        return np.where(self.front.determined & (self.front_doubt == ""), self.front.area, np.nan)
+
+    @property
+    def rate(self) -> SpreadRate | None:
+        """Spread rate by the quantity of the settings; None without a force log, or where a front is not determined."""
+        if self.settings.quantity == "skin":
+            return self.skin.rate
+        return self.front_spread.rate if self.front_spread else None
+
+    @property
+    def interval(self) -> TotalInterval | None:
+        """Total 95 % interval of ``rate``."""
+        if self.settings.quantity == "skin":
+            return self.skin.interval
+        return self.front_spread.interval if self.front_spread else None
+
+    @property
+    def first(self) -> int | None:
+        """Among the scored frames the first whose ``area`` is known; None where there is none."""
+        known = np.flatnonzero(np.isfinite(self.area))
+        return int(known[0]) if known.size else None
+
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready, with what it takes to get the same numbers again. NaN of a lost pin becomes None."""
-        plain = {each.name: _plain(getattr(self, each.name)) for each in fields(self)}
+        chosen = ("area", "rate", "interval")
+        plain = {name: _plain(getattr(self, name)) for name in (*(each.name for each in fields(self)), *chosen)}
         provenance = {
             "casr": __version__,
             "numpy": np.__version__,
@@ -138,6 +206,10 @@ def _plain(value: Any) -> Any:
         return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist())
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, Path):
+        return str(value)
     if isinstance(value, tuple | list):
         return [_plain(each) for each in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value
