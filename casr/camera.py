@@ -125,7 +125,7 @@ class Camera:
         return undistorted[:, 0, :].astype(np.float64)
 
     def distorted_px(self, points_px: ArrayLike) -> NDArray[np.float64]:
-        """(N, 2) where the camera sees points (N, 2) of the undistorted image, px: the inverse of ``undistorted_px``."""
+        """(N, 2) where the camera sees points (N, 2) of the undistorted image, px; undoes ``undistorted_px``."""
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
         if not self.distortion or points.size == 0:
             return points
@@ -141,6 +141,20 @@ KEYS = tuple(field.name for field in fields(Camera) if field.name != "sensor")
 
 def _table(name: str, values: dict[str, Any]) -> str:
     return f"[{name}]\n" + "".join(f"{key} = {value!r}\n" for key, value in values.items())
+
+
+def undistorted(points_px: NDArray[np.float64], camera: Camera | None) -> NDArray[np.float64]:
+    """Points (..., 2) as a camera without distortion would see them; the same without a camera."""
+    if camera is None or not camera.distortion:
+        return points_px
+    return camera.undistorted_px(points_px.reshape(-1, 2)).reshape(points_px.shape)
+
+
+def distorted(points_px: NDArray[np.float64], camera: Camera | None) -> NDArray[np.float64]:
+    """The inverse of ``undistorted``."""
+    if camera is None or not camera.distortion:
+        return points_px
+    return camera.distorted_px(points_px.reshape(-1, 2)).reshape(points_px.shape)
 
 
 def _number(name: str, value: object, above_zero: bool, count: bool = False) -> int | float:

@@ -1,4 +1,4 @@
-"""Spread of the contact front over force: its rate, with a total interval, and how it compares to the stretch of skin."""
+"""Spread of the contact front over force: its rate with a total interval, and the stretch of skin beside it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.contact_area.front import DOME_SD, ContactFront
+from casr.contact_area.front import ContactFront
 from casr.errors import FramesError
 from casr.spread import SpreadRate, TotalInterval, total_interval
 from casr.spread.correlated_errors import normal_quantile
@@ -45,8 +45,8 @@ def front_doubt(front: ContactFront) -> str:
     """Why no area can be told from this front; empty where it can."""
     if front.misfit > MOST_MISFIT:
         return (
-            f"the pins do not move as on a dome that is pressed: {front.misfit:.0%} of their motion is left over by every "
-            "contact of the library"
+            f"the pins do not move as on a dome that is pressed: {front.misfit:.0%} of their motion is left over by "
+            "every contact that is known"
         )
     if int(front.determined.sum()) < FEWEST_FRAMES:
         return (
@@ -85,7 +85,7 @@ def front_spread(
     heavy = np.flatnonzero(front.spread_weight > _LEAST_WEIGHT)
     rates = np.array([rate_of(front.candidates[row][used], force).value for row in heavy])
     weight = front.spread_weight[heavy] / front.spread_weight[heavy].sum()
-    parts["dome"] = float(np.hypot(np.sqrt(weight @ (rates / rate.value - 1) ** 2), DOME_SD))
+    parts["dome"] = float(np.hypot(np.sqrt(weight @ (rates / rate.value - 1) ** 2), front.model_sd))
     parts["misfit"] = float(front.parts["misfit"].max())
     for name in ("pin length", "depth"):
         moved = front.area[used] * np.exp(front.parts[name][used])
@@ -106,7 +106,7 @@ def _skin_over_front(front: ContactFront, skin_log_growth: Array, first: int) ->
     lengths = front.parts["pin length"]
     error = np.sqrt(
         spread**2
-        + 2 * DOME_SD**2
+        + 2 * front.model_sd**2
         + float((front.parts["pins"][[first, -1]] ** 2).sum())
         + float(lengths[-1] - lengths[first]) ** 2
         + float(front.parts["misfit"][-1]) ** 2

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from casr.camera import Camera
 from casr.contact_area import InitialArea, initial_area
-from casr.contact_area.front import ContactFront, contact_front
+from casr.contact_area.follow import contact_front
+from casr.contact_area.front import ContactFront
 from casr.dome.library import worlds
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.region import Region
@@ -77,7 +78,7 @@ class PressScorer:
         return step
 
     def areas(self, force_n: Array | None) -> Array:
-        """(T,) area of the first contact's skin, in ``area_unit``, in all frames so far or as many as there are forces."""
+        """(T,) area of the first contact's skin, ``area_unit``, in all frames so far, or as many as there are forces."""
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
         law = self._settings.area_law
         growth = [step.log_growth if law == "ode" else step.divergence for step in steps]

@@ -17,13 +17,12 @@ from casr.contact_area.front import ContactFront
 from casr.errors import SettingError
 from casr.flow.estimate import FlowSettings
 from casr.flow.region import Region
-from casr.front_spread import FrontSpread
 from casr.frames import CameraLag, ForceZero
+from casr.front_spread import FrontSpread
 from casr.pins import Pins
 from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate, TotalInterval, total_interval
 from casr.spread.correlated_errors import normal_quantile
 from casr.spread.rate import CONFIDENCE
-
 
 MOST_LAG_S = 10.0
 

@@ -29,6 +29,7 @@ class ContactEdge:
     shift_px : (2,) by which all pins moved alike, those at the rim too; the displacement of the centre.
     area_error : relative standard error of the area.
     explained : share of the squared displacement, without the shift, that the model explains.
+    parameters : of the fit, to begin another one with.
     """
 
     centre_px: Array
@@ -39,9 +40,10 @@ class ContactEdge:
     shift_px: Array
     area_error: float
     explained: float
+    parameters: Array
 
 
-def fit_edge(rest_px: Array, displacement_px: Array, pitch_px: float) -> ContactEdge:
+def fit_edge(rest_px: Array, displacement_px: Array, pitch_px: float, near: ContactEdge | None = None) -> ContactEdge:
     """Least-squares edge of the contact.
 
     The displacement is a common shift, a bending and a stretching of the skin around an ellipse (see
@@ -54,6 +56,7 @@ def fit_edge(rest_px: Array, displacement_px: Array, pitch_px: float) -> Contact
     ----------
     rest_px, displacement_px : (N, 2) of all pins, moved or not.
     pitch_px : pin pitch.
+    near : edge of a frame close by, to begin with instead of several sizes.
     """
     rest, displacement = (points[:, 0] + 1j * points[:, 1] for points in (rest_px, displacement_px))
     middle = rest.mean()
@@ -61,7 +64,10 @@ def fit_edge(rest_px: Array, displacement_px: Array, pitch_px: float) -> Contact
     moved = np.abs(displacement) ** 3
     centre = moved @ rest / moved.sum()
     field = DisplacementField(rest, displacement, middle, np.ones(rest.size))
-    starts = [np.array([centre.real, centre.imag, np.log(n * pitch_px), 0.0, 0.0, rim]) for n in START_PITCHES]
+    if near is None:
+        starts = [np.array([centre.real, centre.imag, np.log(n * pitch_px), 0.0, 0.0, rim]) for n in START_PITCHES]
+    else:
+        starts = [near.parameters]
     best = field.lowest(starts, ENOUGH_TO_CHOOSE)
     for sizes in (NEXT_SIZES, (0.0,)):
         field = field.trusting(best)
@@ -81,4 +87,5 @@ def _edge(field: DisplacementField, p: Array) -> ContactEdge:
         shift_px=np.array([shift.real, shift.imag]),
         area_error=2 * float(field.standard_errors(p)[2]),
         explained=field.explained(p),
+        parameters=p,
     )

@@ -70,9 +70,7 @@ def fit_front(
     order = np.argsort(misfit, kind="stable")
     freedom = 2 * max(int(seen.sum()), 1)
     scatter = np.sqrt(2 * misfit[:, None] / freedom / bend) / radius
-    return FrontFit(
-        view, worlds[order], axis, radius[order], scatter[order], misfit[order], float((moved_px**2).sum())
-    )
+    return FrontFit(view, worlds[order], axis, radius[order], scatter[order], misfit[order], float((moved_px**2).sum()))
 
 
 def _moved(rest_px: Array, pins_px: Array) -> tuple[Array, Mask]:

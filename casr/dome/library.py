@@ -121,7 +121,7 @@ def _smooth_radius(table: ContactTable) -> Array:
 
 
 def _continued(x: Array, y: Array, at: Array, near_end: NDArray[np.bool_]) -> Array:
-    """y(x) at ``at``: between rows along lines, below the first along the line to it, beyond the last along the trend."""
+    """y(x) at ``at``: along lines between rows and below the first, beyond the last along the parabola of the last."""
     row = np.clip(np.searchsorted(x, at) - 1, 0, x.size - 2)
     wide = (slice(None),) + (None,) * (y.ndim - 1)
     part = ((at - x[row]) / (x[row + 1] - x[row]))[wide]

@@ -1,7 +1,7 @@
 """Finite-element solutions of a dome pressed on a specimen: the documented file of one solution.
 
-A file is named ``<dome>_k<stiffness, N/mm, or rigid>_<friction>.npz``. Row 0 is the untouched state; arrays of T steps and
-P nodes along the inside of the skin, from the pole outwards, in a frame that moves with the flange:
+A file is named ``<dome>_k<stiffness, N/mm, or rigid>_<friction>.npz``. Row 0 is the untouched state; arrays of T steps
+and P nodes along the inside of the skin, from the pole outwards, in a frame that moves with the flange:
 
 | key | shape | unit | meaning |
 |---|---|---|---|
@@ -79,7 +79,7 @@ def read_table(path: Path) -> ContactTable:
 
 def _check(path: Path, arrays: dict[str, Array]) -> None:
     steps, nodes = arrays["force_n"].shape, arrays["s_mm"].shape
-    shapes = {key: steps for key in OF_STEPS} | {key: steps + nodes for key in OF_NODES} | {"s_mm": nodes}
+    shapes = dict.fromkeys(OF_STEPS, steps) | dict.fromkeys(OF_NODES, steps + nodes) | {"s_mm": nodes}
     for key, shape in shapes.items():
         array = arrays[key]
         if array.shape != shape or not np.isfinite(array).all() or min(array.shape) < 5:

@@ -1,17 +1,20 @@
-"""A dome with pins seen by its camera: from a pin's pixel at rest to its place on the dome, and to its pixel in contact."""
+"""A dome with pins seen by its camera: from a pin's pixel at rest to its place on the dome, to its pixel in contact."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
-Motion = NDArray[np.float32] | NDArray[np.float64]
+Real = TypeVar("Real", np.float32, np.float64)
 
-INNER_RADIUS_MM = 19.0
-"""Of the skin of the finite-element domes: 20 mm outside, 1 mm thick; pins stand on it."""
+OUTER_RADIUS_MM, SKIN_MM = 20.0, 1.0
+"Of the finite-element domes."
+INNER_RADIUS_MM = OUTER_RADIUS_MM - SKIN_MM
+"Of the skin on which pins stand."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +75,8 @@ class DomeView:
         cosine = np.clip(directions @ axis, -1.0, 1.0)
         outward = directions - cosine[:, None] * axis
         sine = np.linalg.norm(outward, axis=1)
-        return PinsAroundAxis(self, directions, axis, outward / np.maximum(sine, 1e-12)[:, None], np.arctan2(sine, cosine))
+        outward /= np.maximum(sine, 1e-12)[:, None]
+        return PinsAroundAxis(self, directions, axis, outward, np.arctan2(sine, cosine))
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +97,7 @@ class PinsAroundAxis:
         """(N,) arc along the inside of the skin from the middle of the contact to the root of each pin."""
         return self.view.inner_radius_mm * self.angle
 
-    def moved_px(self, u_r_mm: Motion, u_z_mm: Motion, tilt_rad: Motion) -> Motion:
+    def moved_px(self, u_r_mm: NDArray[Real], u_z_mm: NDArray[Real], tilt_rad: NDArray[Real]) -> NDArray[Real]:
         """(..., N, 2) px from rest, of displacements (..., N) of the skin under the pins across and along the axis.
 
         A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an

@@ -88,7 +88,9 @@ def _newtons(table: _Table, column: str) -> tuple[NDArray[np.float64], tuple[str
     """(rows,) force, N, of the column or of the one that holds the same in another unit."""
     stem, _, unit = column.rpartition("_")
     if unit == "n" and column not in table.header:
-        others = [name for name in table.header if name.rpartition("_")[0] == stem and name.rpartition("_")[2] in NEWTONS]
+        others = [
+            name for name in table.header if name.rpartition("_")[0] == stem and name.rpartition("_")[2] in NEWTONS
+        ]
         if len(others) == 1:
             column = others[0]
             unit = column.rpartition("_")[2]

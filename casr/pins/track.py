@@ -22,7 +22,11 @@ AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the
 ONE_SIDE = 0.5  # of the root of the number of pins: so many vanish at once where a lattice slips by a pitch
 BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: at all; at first sight
 APART_PITCHES, APART_SHARE = 0.06, 0.1  # a tear parts pins from those around them by more; so many of them are too many
-NOISY_GREY, NOISY_TIMES, NOISY_LINES = 5.0, 3.0, 0.1  # noise over this many times that at first, on a share of the lines
+NOISY_GREY, NOISY_TIMES, NOISY_LINES = (
+    5.0,
+    3.0,
+    0.1,
+)  # noise over this many times that at first, on a share of the lines
 KNOCK_PITCHES, KNOCK_SCATTER = 0.5, 0.2  # by how much the border jumps at a knock; how far its pins may differ, pitches
 
 Points = NDArray[np.float64]

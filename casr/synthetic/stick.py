@@ -22,7 +22,7 @@ RIM_GAP_PX = 2.0
 
 
 class StickSkin:
-    """Up to ``stick_force_n`` the front advances over resting skin and pins only tilt; then the contact is a piece of skin.
+    """Up to ``stick_force_n`` the front advances over resting skin and pins tilt; then the contact is a piece of skin.
 
     Areas are those seen in the image plane, so that a tilt of the sensor takes its cosine.
     """

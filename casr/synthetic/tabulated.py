@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import DEFAULT_WORLD, Library, shipped
-from casr.dome.view import INNER_RADIUS_MM, DomeView
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import SettingError
 from casr.synthetic.region import ContactEllipse, Points
 from casr.synthetic.world import ContactState
@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_OUTER_RADIUS_MM = 20.0
 _OUTLINE = 360
+_SOFTER = 0.8
+"Of the softest table: the scatter of specimens."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,9 +74,10 @@ class TabulatedWorld:
         rows = rows[np.argsort(-library.stiffness_n_per_mm[rows])]
         softness = library.stiffness_n_per_mm[rows] ** -0.5
         at = stiffness_n_per_mm**-0.5
-        if not at <= softness[-1] * 1.01:
+        softest = _SOFTER * float(library.stiffness_n_per_mm[rows[-1]])
+        if not stiffness_n_per_mm >= softest:
             raise SettingError(
-                "stiffness_n_per_mm", wanted=f"{library.stiffness_n_per_mm[rows[-1]]:g} N/mm or more, the softest table",
+                "stiffness_n_per_mm", wanted=f"{softest:.3g} N/mm or more, as the tables reach",
                 found=f"{stiffness_n_per_mm:g}", do="Take a stiffer specimen, or another world.",
             )  # fmt: skip
         high = int(np.clip(np.searchsorted(softness, at), 1, rows.size - 1))
@@ -84,7 +86,7 @@ class TabulatedWorld:
         log_force = (1 - share) * np.log(library.force_n[stiff]) + share * np.log(library.force_n[soft])
         edge = (1 - share) * library.edge_arc_mm[stiff] + share * library.edge_arc_mm[soft]
         motion = (1 - share) * library.motion[stiff] + share * library.motion[soft]
-        return np.exp(log_force), edge * INNER_RADIUS_MM / _OUTER_RADIUS_MM, motion.astype(np.float64)
+        return np.exp(log_force), edge * INNER_RADIUS_MM / OUTER_RADIUS_MM, motion.astype(np.float64)
 
     def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float) -> Array:
         """Contact radius at forces."""
@@ -108,10 +110,10 @@ class TabulatedSkin:
     def __init__(self, world: TabulatedWorld, settings: PressSettings, centre_mm: tuple[float, float]) -> None:
         camera = settings.camera
         pin_length_mm = camera.sensor.pin_length_mm
-        if pin_length_mm is None or camera.sensor.dome_radius_mm not in (None, _OUTER_RADIUS_MM):
+        if pin_length_mm is None or camera.sensor.dome_radius_mm not in (None, OUTER_RADIUS_MM):
             raise SettingError(
-                "camera.sensor", wanted=f"pin_length_mm, on a dome of {_OUTER_RADIUS_MM:g} mm", found=repr(camera.sensor),
-                do="Give the sensor that is simulated.",
+                "camera.sensor", wanted=f"pin_length_mm, on a dome of {OUTER_RADIUS_MM:g} mm",
+                found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
         self._library = shipped(world.tables)
         self._force_n, self._edge_mm, self._motion = world.solution(settings.stiffness_n_per_mm)
@@ -119,15 +121,13 @@ class TabulatedSkin:
             focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
             pin_length_mm=pin_length_mm,
         )  # fmt: skip
-        x = math.radians(settings.angle_deg) + centre_mm[0] / _OUTER_RADIUS_MM
-        y = centre_mm[1] / _OUTER_RADIUS_MM
+        x = math.radians(settings.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
+        y = centre_mm[1] / OUTER_RADIUS_MM
         self._axis = np.array([math.sin(x) * math.cos(y), math.sin(y), math.cos(x) * math.cos(y)])
         self._first = self.state(settings.timeline.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        return ContactState(
-            radius_mm=float(_radius(self._force_n, self._library, np.array(force_n))), normal_n=force_n
-        )
+        return ContactState(radius_mm=float(_radius(self._force_n, self._library, np.array(force_n))), normal_n=force_n)
 
     def area_mm2(self, state: ContactState) -> float:
         return math.pi * state.radius_mm**2
@@ -152,7 +152,7 @@ class TabulatedSkin:
 
     def _edge_at(self, state: ContactState) -> float:
         radius = self._library.radius_mm
-        return float(np.interp(state.radius_mm, radius, self._edge_mm)) * min(state.radius_mm / radius[0], 1.0)
+        return float(float(np.interp(state.radius_mm, radius, self._edge_mm)) * min(state.radius_mm / radius[0], 1.0))
 
     def _ring_px(self, arc_mm: float, state: ContactState) -> Points:
         turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)

@@ -1,0 +1,68 @@
+"""The edge of a fitted contact against the pins: what lies inside, and where the camera sees it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.contact_area.front import LEAST_PINS
+from casr.contact_area.front_fit import FrontFit
+from casr.dome.library import Library
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM
+
+Array = NDArray[np.float64]
+
+_OUTLINE = 90
+
+
+class FrontEdge:
+    """The edge by the best world, against the pins."""
+
+    def __init__(self, fit: FrontFit, library: Library, rest_px: Array) -> None:
+        self._fit, self._library = fit, library
+        view, world = fit.view, int(fit.worlds[0])
+        self._radius_mm = fit.radius_mm[0]
+        outer_arc_mm = np.interp(self._radius_mm, library.radius_mm, library.edge_arc_mm[world])
+        self._arc_mm = outer_arc_mm * INNER_RADIUS_MM / OUTER_RADIUS_MM
+        directions = view.directions(rest_px)
+        arc_mm = view.around(directions, fit.axis).arc_mm
+        self.inside = arc_mm <= self._arc_mm[:, None]
+        self.pins_inside = self.inside.sum(axis=1)
+        near = directions[np.argsort(arc_mm)[: 2 * LEAST_PINS]]
+        angles = np.arccos(np.clip(near @ near.T, -1, 1)) + 9 * np.eye(len(near))
+        self.pitches = self._arc_mm / (INNER_RADIUS_MM * float(np.median(angles.min(axis=1))))
+
+    def outline_px(self) -> Array:
+        """(T, M, 2) where tips of pins on the edge would be seen."""
+        fit, library = self._fit, self._library
+        turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)
+        across = np.linalg.svd(fit.axis[None])[2][1:]
+        around = np.cos(turn)[:, None] * across[0] + np.sin(turn)[:, None] * across[1]
+        outlines = []
+        for radius, arc in zip(self._radius_mm, self._arc_mm, strict=True):
+            angle = arc / INNER_RADIUS_MM
+            directions = np.cos(angle) * fit.axis + np.sin(angle) * around
+            row = float(np.interp(radius, library.radius_mm, np.arange(library.radius_mm.size)))
+            low = min(int(row), library.radius_mm.size - 2)
+            u = library.motion_at(np.full(1, arc), fit.worlds[:1], slice(low, low + 2))[:, 0, :, 0].astype(np.float64)
+            u_r, u_z, tilt = (np.full(_OUTLINE, (1 - row + low) * each[0] + (row - low) * each[1]) for each in u)
+            pins = fit.view.around(directions, fit.axis)
+            outlines.append(fit.view.rest_px(directions) + pins.moved_px(u_r, u_z, tilt))
+        return np.array(outlines)
+
+
+def as_a_whole(rest_px: Array, pins_px: Array, inside: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Shear and torsion of a contact: (T, 2) mean motion, px, and (T,) turn, degrees, of the pins inside (T, N).
+
+    Pins (T, N, 2) that were at (N, 2) at rest; NaN where none is seen inside, and for the turn fewer than three.
+    """
+    shear, torsion = np.full((len(pins_px), 2), np.nan), np.full(len(pins_px), np.nan)
+    for t, (now, within) in enumerate(zip(pins_px, inside, strict=True)):
+        rows = np.flatnonzero(within & np.isfinite(now[:, 0]))
+        if rows.size:
+            shear[t] = (now[rows] - rest_px[rows]).mean(axis=0)
+        if rows.size >= 3:
+            before, after = (points[rows] - points[rows].mean(axis=0) for points in (rest_px, now))
+            cross = (before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]).sum()
+            torsion[t] = np.rad2deg(np.arctan2(cross, (before * after).sum()))
+    return shear, torsion

@@ -1,0 +1,197 @@
+"""The front of a press by the library of finite-element domes, and what its error is made of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.camera import Camera, distorted, undistorted
+from casr.contact_area.front import ContactFront
+from casr.contact_area.front_edge import FrontEdge, as_a_whole
+from casr.contact_area.front_fit import FrontFit, fit_front
+from casr.dome.library import Library
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
+
+Array = NDArray[np.float64]
+
+SHARPNESS, SPREAD_SHARPNESS = 30.0, 10.0
+"Powers of the misfit that weigh worlds: for the estimate, and for how far they differ."
+DOME_SD = 0.025
+"Relative standard error of an area although all worlds agree: domes left out of the library are 2 % off (median)."
+FREE_MISFIT = 0.03
+"Share of the motion that a dome of the library leaves over; more, and the sensor is none of them."
+SD_PER_MISFIT = 4.0
+"Relative standard error of an area per misfit above that: 0.05 more came with areas 20 % off on a wrong dome."
+PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.2, 0.01
+BEYOND_COMPUTED = 1.25
+"Times the largest radius of a table: presses to 7 N reach 1.15 of it."
+USUAL_PIN_LENGTHS_MM = (1.5, 2.5, 3.5, 4.5)
+UNKNOWN_REACH_DEG = (40.0, 55.0, 70.0)
+"Of the outermost pins from the pole, where no camera says how large the dome is."
+_UNKNOWN_DEPTH_MM = 50.0
+_KEPT = 24
+
+
+def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library: Library) -> ContactFront:
+    """The contact in T frames.
+
+    Parameters
+    ----------
+    rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
+    camera : None leaves areas in px^2, and the size of the dome unknown.
+    """
+    flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
+    views, said = _views(flat_rest, camera)
+    fits = [fit_front(view, library, flat_rest, flat_pins) for view in views]
+    best = min(fits, key=lambda fit: fit.misfit_px2[0])
+    every = ((misfit, fit, row) for fit in fits for row, misfit in enumerate(fit.misfit_px2.tolist()))
+    ranked = sorted(every, key=lambda each: each[0])[:_KEPT]
+    unit = np.array([_area_unit(fit.view, camera) for _, fit, _ in ranked])
+    candidates = np.pi * np.array([fit.radius_mm[row] for _, fit, row in ranked]) ** 2 * unit[:, None]
+    log_misfit = np.log([misfit for misfit, _, _ in ranked])
+    weight, spread_weight = (_softmax(-power * log_misfit) for power in (SHARPNESS, SPREAD_SHARPNESS))
+    log_area = np.log(candidates)
+    area = np.exp(weight @ log_area)
+    misfit = _misfit(best, flat_pins)
+    length = len(area)
+    parts = {
+        "pins": 2 * best.scatter[0],
+        # radii differ by s, areas by 2 s: the logarithms of areas are compared here, twice their spread as for radii
+        "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), DOME_SD),
+        "misfit": np.full(length, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
+        "pin length": _sensitivity(best, library, flat_rest, flat_pins, camera, pin_length=PIN_LENGTH_SD_MM),
+        "depth": _sensitivity(best, library, flat_rest, flat_pins, camera, depth_share=DEPTH_SHARE_SD),
+    }
+    edge = FrontEdge(best, library, flat_rest)
+    shear, torsion = as_a_whole(flat_rest, flat_pins, edge.inside)
+    front = ContactFront(
+        area=area,
+        candidates=candidates,
+        weight=weight,
+        spread_weight=spread_weight,
+        parts=parts,
+        centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
+        edge_px=distorted(edge.outline_px(), camera),
+        pins_inside=edge.pins_inside,
+        pitches=edge.pitches,
+        misfit=misfit,
+        model="finite elements",
+        model_sd=DOME_SD,
+        dome=str(library.dome[best.worlds[0]]),
+        stiffness_n_per_mm=float(library.stiffness_n_per_mm[best.worlds[0]]),
+        log_misfit=_by_dome(ranked, library),
+        shear_px=shear,
+        torsion_deg=torsion,
+        notes=said,
+    )
+    return replace(front, notes=(*said, *_notes(front, best, library)))
+
+
+def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple[str, ...]]:
+    """What the sensor may be, and what is not known of it. Millimetres are those of a dome of 20 mm outer radius."""
+    pole = rest_px.mean(axis=0)
+    pole_px = (float(pole[0]), float(pole[1]))
+    sensor = camera.sensor if camera is not None else None
+    scale = _scale(camera)
+    known_mm = None if sensor is None else sensor.pin_length_mm
+    lengths = USUAL_PIN_LENGTHS_MM if known_mm is None else (known_mm / scale,)
+    said: tuple[str, ...] = ()
+    if known_mm is None:
+        tried = ", ".join(f"{each:g}" for each in lengths)
+        said = (
+            f"Pin length is not known: {tried} mm were tried. Half a millimetre is worth 20 % of "
+            "the area at 0.5 N; give pin_length_mm under [sensor] in camera.toml.",
+        )
+    if camera is not None:
+        focal = (camera.fx_px, camera.fy_px)
+        views = [
+            DomeView(focal_px=focal, pole_px=pole_px, depth_mm=camera.depth_mm / scale, pin_length_mm=length)
+            for length in lengths
+        ]
+        return views, said
+    said += (
+        "No camera.toml: how large the dome is in the image is not known, so the absolute area depends on what is "
+        "assumed of it.",
+    )
+    reach_px = float(np.hypot(*(rest_px - pole).T).max())
+    views = [_unscaled(pole_px, reach_px, length, angle) for length in lengths[1::2] for angle in UNKNOWN_REACH_DEG]
+    return views, said
+
+
+def _unscaled(pole_px: tuple[float, float], reach_px: float, pin_length_mm: float, reach_deg: float) -> DomeView:
+    """The view in which the outermost pins stand at an angle from the pole."""
+    tip_mm, angle = INNER_RADIUS_MM - pin_length_mm, np.deg2rad(reach_deg)
+    away_mm = _UNKNOWN_DEPTH_MM - tip_mm + tip_mm * np.cos(angle)
+    focal = float(reach_px * away_mm / (tip_mm * np.sin(angle)))
+    return DomeView(focal_px=(focal, focal), pole_px=pole_px, depth_mm=_UNKNOWN_DEPTH_MM, pin_length_mm=pin_length_mm)
+
+
+def _scale(camera: Camera | None) -> float:
+    """Millimetres of this sensor in one of the dome of 20 mm."""
+    radius = None if camera is None else camera.sensor.dome_radius_mm
+    return 1.0 if radius is None else radius / OUTER_RADIUS_MM
+
+
+def _area_unit(view: DomeView, camera: Camera | None) -> float:
+    """What one mm^2 of the dome of 20 mm is in the unit of areas."""
+    if camera is not None:
+        return _scale(camera) ** 2
+    return view.focal_px[0] * view.focal_px[1] / view.depth_mm**2
+
+
+def _misfit(fit: FrontFit, pins_px: Array) -> float:
+    """Share of the motion left over beyond the scatter of pins from frame to frame."""
+    left = float(fit.misfit_px2[0])
+    if len(pins_px) >= 5:
+        bend = pins_px[:-2] - 2 * pins_px[1:-1] + pins_px[2:]
+        scatter_px2 = float(np.nanmedian(bend**2)) / 0.4549 / 6  # median of chi squared with one degree of freedom
+        left -= scatter_px2 * 2 * int(np.isfinite(pins_px[..., 0]).sum())
+    return float(np.sqrt(max(left, 0.0) / max(fit.moved_px2, 1e-12)))
+
+
+def _sensitivity(
+    fit: FrontFit,
+    library: Library,
+    rest_px: Array,
+    pins_px: Array,
+    camera: Camera | None,
+    *,
+    pin_length: float = 0.0,
+    depth_share: float = 0.0,
+) -> Array:
+    """(T,) change of ln area when pins are longer by ``pin_length`` mm, or depth is larger by a share."""
+    if camera is None:
+        return np.zeros(len(pins_px))
+    view = fit.view
+    other = replace(
+        view, pin_length_mm=view.pin_length_mm + pin_length / _scale(camera), depth_mm=view.depth_mm * (1 + depth_share)
+    )
+    one = replace(fit, worlds=fit.worlds[:1])
+    return np.asarray(2 * np.log(fit_front(other, library, rest_px, pins_px, like=one).radius_mm[0] / fit.radius_mm[0]))
+
+
+def _notes(front: ContactFront, fit: FrontFit, library: Library) -> tuple[str, ...]:
+    notes: list[str] = []
+    if front.misfit > FREE_MISFIT:
+        notes.append(
+            f"Check this press: the pins do not move as on any dome of the library ({front.misfit:.0%} of the motion "
+            f"is left over; {FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed."
+        )
+    beyond = int((fit.radius_mm[0] > BEYOND_COMPUTED * library.computed_mm[fit.worlds[0]]).sum())
+    if beyond:
+        notes.append(f"In {beyond} of {len(front.area)} frames the contact is far larger than any that was computed.")
+    return tuple(notes)
+
+
+def _by_dome(ranked: list[tuple[float, FrontFit, int]], library: Library) -> dict[str, float]:
+    least: dict[str, float] = {}
+    for misfit, fit, row in ranked:
+        least.setdefault(str(library.dome[fit.worlds[row]]), float(np.log(misfit)))
+    return least
+
+
+def _softmax(power: Array) -> Array:
+    weight = np.exp(power - power.max())
+    return np.asarray(weight / weight.sum())
