@@ -15,7 +15,7 @@ from casr.flow.region import Region
 from casr.flow.step import notes_by_frame
 from casr.frames import LoadingPhase
 from casr.pins import PinTracker
-from casr.scored import Score, ScoreSettings
+from casr.scored import NO_SCALE, Score, ScoreSettings
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
@@ -121,7 +121,13 @@ class PressScorer:
             area_unit=self.area_unit,
             rate=rate,
             regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
-            notes=_once(*phase.notes, *self._notes, *of_steps, *(rate.notes if rate else ())),
+            notes=_once(
+                *([] if self._camera else [NO_SCALE]),
+                *phase.notes,
+                *self._notes,
+                *of_steps,
+                *(rate.notes if rate else ()),
+            ),
         )
 
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:

@@ -18,6 +18,12 @@ from casr.flow.region import Region
 from casr.pins import Pins
 from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate
 
+NO_SCALE = (
+    "areas are in px², not mm²: no camera.toml in the folder of the press or the folder above it, and none given "
+    "(casr calibrate makes one)"
+)
+"Note on a press without a camera."
+
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreSettings:
