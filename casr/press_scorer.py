@@ -19,7 +19,7 @@ from casr.flow.step import notes_by_frame
 from casr.frames import LoadingPhase
 from casr.front_spread import FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker
-from casr.scored import Score, ScoreSettings, SkinSpread, skin_interval
+from casr.scored import NO_SCALE, Score, ScoreSettings, SkinSpread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
@@ -140,7 +140,14 @@ class PressScorer:
             front_doubt=doubt,
             front_spread=spread,
             regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
-            notes=_once(*phase.notes, *self._notes, *of_steps, *front.notes, *_notes_of(skin, spread)),
+            notes=_once(
+                *([] if self._camera else [NO_SCALE]),
+                *phase.notes,
+                *self._notes,
+                *of_steps,
+                *front.notes,
+                *_notes_of(skin, spread),
+            ),
         )
 
     def _skin(self, force_n: Array | None) -> SkinSpread:

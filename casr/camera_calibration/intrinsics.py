@@ -23,6 +23,8 @@ LEAST_COVERED = 0.4
 MOST_RELATIVE_SE = 0.01
 "Of fx and fy: 1 % is 2 % of every area."
 MOST_RMS_PX = 1.0
+STANDS_OUT = 3.0
+"Times the median of all pictures."
 OPENCV_FLAGS = {
     0: cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3,
     4: cv2.CALIB_FIX_K3,
@@ -75,6 +77,17 @@ class Calibration:
     rms_px: float
     covered: float
     views: tuple[Fitted, ...]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Pictures that fit far worse than most."""
+        usual_px = float(np.median([view.rms_px for view in self.views]))
+        return tuple(
+            f"{view.name} fits worse than the others: {view.rms_px:.2f} px rms, {usual_px:.2f} px usually; leave it out "
+            "if it is blurred or its board bent"
+            for view in self.views
+            if view.rms_px > STANDS_OUT * usual_px
+        )
 
 
 def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion: int = 5) -> Calibration:

@@ -40,13 +40,14 @@ def run(arguments: argparse.Namespace) -> int:
     from casr.contact_area import initial_area
     from casr.errors import NoContactError
     from casr.pins import PinTracker
+    from casr.scored import NO_SCALE
 
     sequence = open_sequence(arguments)
     rest_frame, contact_frame, notes = _frames(sequence, arguments)
     tracker = PinTracker()
     rest = tracker.start(sequence[rest_frame])
     contact_px = tracker.step(sequence[contact_frame])
-    say_notes((*notes, *rest.notes))
+    say_notes((*([] if sequence.camera else [NO_SCALE]), *notes, *rest.notes))
     found: dict[str, InitialArea | None] = {}
     for rule in AREA_RULES:
         try:

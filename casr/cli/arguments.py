@@ -33,7 +33,10 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
         help="force of a frame: at its exposure, or the mean of the rows that carry its index, as the paper has it "
         "(default %(default)s)",
     )  # fmt: skip
-    parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.toml; without one areas are in px²")
+    parser.add_argument(
+        "--camera", type=Path, metavar="FILE",
+        help="camera.toml (default: in the press folder, else in the folder above it); without one areas are in px²",
+    )  # fmt: skip
 
 
 def add_engine(parser: Group) -> None:

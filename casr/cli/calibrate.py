@@ -80,6 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     views, left_out, (height_px, width_px) = _views(board, files)
     say_notes(f"{name} is left out: {reason}" for name, reason in left_out.items())
     found = calibrate(views, width_px, height_px, n_distortion=arguments.distortion)
+    say_notes(found.notes)
     camera = Camera(
         width_px, height_px, found.fx_px, found.fy_px, found.cx_px, found.cy_px,
         arguments.depth_mm or _distance_mm(found, arguments.depth_from), found.distortion, arguments.frame_rate_hz,

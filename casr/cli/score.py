@@ -186,7 +186,7 @@ def _block(score: Score) -> str:
     pins = f"{len(score.initial.selected)} of {len(score.rest.centroids_px)} pins, rule {score.initial.rule}"
     saturated = ", saturated" if score.initial.saturated else ""
     lines = [
-        score.name,
+        score.name + (", areas in px², not mm²" if score.area_unit == "px2" else ""),
         f"  frames      {len(frames)} ({span}), rest frame {score.rest_frame}",
         f"  A_c0        {score.area[0]:.4g} {score.area_unit} ({pins}{saturated})",
         f"  growth      {score.log_growth.sum():+.4f} in log, {score.area[-1] / score.area[0]:.3f} times the area",

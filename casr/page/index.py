@@ -32,8 +32,10 @@ def index_page(title: str, scores: Mapping[str, Score], failures: Mapping[str, s
 def _summary(scores: Mapping[str, Score], failures: Mapping[str, str]) -> str:
     kinds = [verdict(score)[0] for score in scores.values()]
     kind = "bad" if failures or "bad" in kinds else "usable" if "usable" in kinds else "good"
+    pixels = sum(score.area_unit == "px2" for score in scores.values())
     counts = f"{kinds.count('good')} good, {kinds.count('usable')} with notes, {kinds.count('bad')} to check"
-    said = html.statement(kind, f"{len(scores)} presses scored.", f"{counts}, {len(failures)} not scored.")
+    in_px2 = f" No camera file for {pixels}: their areas are in px², not mm²." if pixels else ""
+    said = html.statement(kind, f"{len(scores)} presses scored.", f"{counts}, {len(failures)} not scored.{in_px2}")
     return said + html.bullets(f"Not scored: {name}: {reason}" for name, reason in failures.items())
 
 

@@ -27,11 +27,15 @@ def verdict(score: Score) -> tuple[str, str, str]:
     unit = readable(score.area_unit)
     grew = f"from {number(float(score.area[0]))} to {number(float(score.area[-1]))} {unit} ({growth:.2f} times)"
     if score.rate is None:
-        return "usable", "No spread rate.", f"The contact area went {grew}. Without a force log there is no CASR."
+        return (
+            "usable",
+            "No spread rate.",
+            f"The contact area went {grew}. Without a force log there is no CASR.{_in_pixels(score)}",
+        )
     if growth <= 1 or score.rate.value <= 0:
         why = "Is this a loading phase? Were the pins followed? Look at the pictures."
         return "bad", "Check this press.", f"The contact area did not grow with the force: it went {grew}. {why}"
-    more = f"The contact area grew {grew}{_force_span(score)}: {_per_newton(score)}"
+    more = f"The contact area grew {grew}{_force_span(score)}: {_per_newton(score)}{_in_pixels(score)}"
     if score.initial.saturated:
         why = (
             "Nearly every pin had moved at first contact, so the initial area is that of the skin, not of the contact."
@@ -56,6 +60,14 @@ def headline(score: Score) -> list[tuple[str, str, str]]:
         ("Frames", f"{len(score.frames)}", f"{score.frames[0]} to {score.frames[-1]}, rest {score.rest_frame}"),
     ]
     return facts
+
+
+def _in_pixels(score: Score) -> str:
+    return (
+        ""
+        if score.area_unit == "mm2"
+        else " No camera file: areas are in px², not mm², and compare with no other camera."
+    )
 
 
 def _force_span(score: Score) -> str:

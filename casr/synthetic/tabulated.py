@@ -152,7 +152,7 @@ class TabulatedSkin:
 
     def _edge_at(self, state: ContactState) -> float:
         radius = self._library.radius_mm
-        return float(float(np.interp(state.radius_mm, radius, self._edge_mm)) * min(state.radius_mm / radius[0], 1.0))
+        return float(np.interp(state.radius_mm, radius, self._edge_mm) * min(state.radius_mm / radius[0], 1.0))
 
     def _ring_px(self, arc_mm: float, state: ContactState) -> Points:
         turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)

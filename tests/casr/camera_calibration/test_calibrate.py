@@ -116,6 +116,15 @@ def test_corners_that_no_camera_sees_so(charuco_views):
         calibrate(moved, 320, 240)
 
 
+def test_a_picture_that_stands_out_is_named(charuco_views):
+    assert calibrate(charuco_views, 320, 240).notes == ()
+    bent = charuco_views[3]
+    bow_px = 0.006 * (bent.image_px - bent.image_px.mean(axis=0)) ** 2
+    views = [*charuco_views[:3], View("bent", bent.board_mm, bent.image_px + bow_px / 4), *charuco_views[4:]]
+    (note,) = calibrate(views, 320, 240).notes
+    assert note.startswith("bent fits worse than the others: ")
+
+
 @pytest.mark.parametrize("n_distortion", [0, 4, 5, 8])
 def test_as_many_coefficients_as_asked_for(studio, n_distortion):
     straight = type(studio.camera)(width_px=320, height_px=240, fx_px=262, fy_px=266, cx_px=164, cy_px=116)

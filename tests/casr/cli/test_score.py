@@ -82,6 +82,42 @@ def test_without_force_there_is_area_but_no_rate(presses: Path, tmp_path: Path, 
     assert found["area_unit"] == "px2"
 
 
+def without_camera(presses: Path, run: Path) -> Path:
+    """Two presses below ``run``; neither has a camera file."""
+    for name in ("S5_00deg_01", "S5_00deg_02"):
+        shutil.copytree(presses / name, run / name, ignore=shutil.ignore_patterns("camera.toml"))
+    return run
+
+
+def test_a_camera_file_serves_all_presses_below_its_folder(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    run = without_camera(presses, tmp_path / "run")
+    shutil.copy(presses / "S5_00deg_01" / "camera.toml", run / "camera.toml")
+    assert main(["score", str(run)]) == 0
+    both = capsys.readouterr()
+    assert both.out.count("mm2/N") == 2
+    assert "px²" not in both.out + both.err
+    assert main(["area", str(run / "S5_00deg_01")]) == 0
+    assert "px²" not in capsys.readouterr().err
+
+
+def test_without_a_camera_the_headline_says_px2(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    run, page = without_camera(presses, tmp_path / "run"), tmp_path / "pages.html"
+    assert main(["score", str(run), "--page", str(page)]) == 0
+    both = capsys.readouterr()
+    assert both.out.count("px2/N") == 2
+    note = "areas are in px², not mm²: no camera.toml in the folder of the press or the folder above it, and none given"
+    assert both.err.count(note) == 2
+    assert "No camera file for 2: their areas are in px², not mm²." in page.read_text(encoding="utf-8")
+    assert "No camera file: areas are in px²" in (tmp_path / "pages" / "S5_00deg_01.html").read_text(encoding="utf-8")
+    assert main(["score", str(run / "S5_00deg_01")]) == 0
+    assert capsys.readouterr().out.startswith("S5_00deg_01, areas in px², not mm²\n")
+    assert main(["area", str(run / "S5_00deg_01")]) == 0
+    assert note in capsys.readouterr().err
+    assert main(["score", str(run), "--camera", str(presses / "S1_00deg_01" / "camera.toml"), "--json"]) == 0
+    given = json.loads(capsys.readouterr().out)["presses"]
+    assert {press["area_unit"] for press in given.values()} == {"mm2"}
+
+
 def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
     words = ["--page", str(tmp_path / "a" / "one.html"), "--figures", str(tmp_path / "pictures")]
     assert main(["score", str(presses / "S5_00deg_02"), *words]) == 0
