@@ -34,16 +34,19 @@ class RestFrame:
         self._recent: deque[Kept] = deque(maxlen=RECENT_FRAMES)
         self._earlier: Kept | None = None
 
-    def take(self, image: NDArray[Any], force_n: float) -> None:
-        """Take a frame out of contact and its force, N."""
+    def take(self, image: NDArray[Any], force_n: float, zero_n: float = 0.0) -> None:
+        """Take a frame out of contact and its force, N. zero_n : what counts as 0 N, by the forces so far."""
         # a camera may write its next frame into the same memory
         self._recent.append((len(self._force_n), as_grey(image).copy()))
         self._force_n.append(force_n)
         if len(self._force_n) % (RECENT_FRAMES // 2) == 0:
-            self._earlier = self._choice()
+            self._earlier = self._choice(zero_n)
 
-    def image(self) -> Grey:
-        """The static frame if contact comes now. Raises FramesError when no frame came before contact."""
+    def image(self, zero_n: float = 0.0) -> Grey:
+        """The static frame if contact comes now. Raises FramesError when no frame came before contact.
+
+        zero_n : what the sensor reads at rest, N.
+        """
         if not self._recent:
             raise FramesError(
                 "stream",
@@ -51,11 +54,11 @@ class RestFrame:
                 found="a first frame in contact",
                 do="Start before the touch, or raise force_start_n.",
             )
-        return self._choice()[1]
+        return self._choice(zero_n)[1]
 
-    def _choice(self) -> Kept:
+    def _choice(self, zero_n: float) -> Kept:
         contact_n = (self._start_n, 2 * self._start_n)
-        chosen = loading_phase(np.append(self._force_n, contact_n), start_n=self._start_n).rest
+        chosen = loading_phase(np.append(np.array(self._force_n) - zero_n, contact_n), start_n=self._start_n).rest
         kept = [self._earlier] if self._earlier else []
         # the frame itself, or the last one kept from before it
         return max((each for each in (*kept, *self._recent) if each[0] <= chosen), default=self._recent[0], key=_number)

@@ -52,9 +52,9 @@ class SeenLoading:
         if away_px > self._farthest_px:
             self._farthest_px, self.last = away_px, index
         elif self._touched and away_px < OVER * self._farthest_px:
-            if self.last - self.first >= CHATTER_FRAMES or self._from_start:
+            if self.last - self.first >= CHATTER_FRAMES:
                 self.over = True
-            else:
+            elif not self._from_start:
                 self.first, self._farthest_px, self._touched = None, 0.0, False
 
     def phase(self, n_frames: int) -> LoadingPhase:

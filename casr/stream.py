@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
+from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
 from casr.errors import FramesError, NoContactError, PinsError
-from casr.frames import LoadingPhase, loading_phase
+from casr.frames import LoadingPhase, RestingForce, check_newtons, loading_phase, notes_on_zero, spikes
 from casr.press_scorer import PressScorer
 from casr.rest_frame import RestFrame
 from casr.scored import Score, ScoreSettings
+from casr.skin_motion import SkinMotion
 from casr.spread import SpreadRate
 
 PHASES = ("rest", "loading", "done")
@@ -44,7 +46,8 @@ class StreamScorer:
     """Scores a press while it happens.
 
     Contact starts when the force reaches ``force_start_n`` and ends when it falls below it again, which happens in the
-    chatter of a touch too: scoring then starts anew with the next contact. Which contact was the press is known only
+    chatter of a touch too: scoring then starts anew with the next contact. Forces count from the level at rest before the
+    first contact (``RestingForce``), unless the settings say otherwise. Which contact was the press is known only
     at the end (``loading_phase``); until then those that can still be it keep their numbers. With ``force_stop_n`` the
     first contact that reaches it is the press, and frames after that are ignored.
 
@@ -57,6 +60,7 @@ class StreamScorer:
     def __init__(self, camera: Camera | None = None, settings: ScoreSettings | None = None) -> None:
         self._camera, self._settings = camera, settings or ScoreSettings()
         self._rest = RestFrame(self._settings.force_start_n)
+        self._resting = RestingForce(self._settings.force_start_n)
         self._force_n = array("d")
         self._contacts: list[_Contact] = []
         self._phase = "rest"
@@ -73,14 +77,16 @@ class StreamScorer:
         self._force_n.append(force_n)
         if self._phase == "done" or np.isnan(force_n):
             return self._state(())
-        if force_n < self._settings.force_start_n:
+        touches = self._resting.touches(force_n)
+        if not (touches if self._settings.tare else force_n >= self._settings.force_start_n):
             self._part()
-            self._rest.take(image, force_n)
+            self._rest.take(image, force_n, self._zero_n)
             return self._state(())
+        force_n -= self._zero_n
         if self._phase == "rest":
             self._contacts.append(_Contact(self._camera, self._settings, len(self._force_n) - 1))
             self._phase = "loading"
-        notes = self._contacts[-1].take(self._rest, image, force_n)
+        notes = self._contacts[-1].take(self._rest, image, force_n, self._zero_n)
         stop_n = self._settings.force_stop_n
         if stop_n is not None and force_n >= stop_n:
             self._phase = "done"
@@ -94,10 +100,36 @@ class StreamScorer:
 
     def finish(self) -> Score:
         """Score of the press among the frames so far; more may be pushed after. Raises what ``score`` would."""
-        settings = self._settings
-        phase = loading_phase(self._force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
-        press = next(contact for contact in self._contacts if contact.first == phase.frames[0])
-        return press.result(phase, np.array(self._force_n)[phase.frames])
+        settings, zero = self._settings, self._resting.zero
+        force_n = np.array(self._force_n) - self._zero_n
+        check_newtons(force_n, "force")
+        phase = loading_phase(force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
+        press = next((contact for contact in self._contacts if contact.first == phase.frames[0]), None)
+        if press is None:
+            raise FramesError(
+                "stream",
+                wanted=f"a first contact that is at {settings.force_start_n:g} N by the force at rest then and later",
+                found=f"contact from frame {phase.frames[0]}, by the rest after it",
+                do="Let the sensor rest longer before the touch.",
+            )
+        scored = press.result(phase, force_n[phase.frames])
+        notes = notes_on_zero(zero, settings.force_start_n) if settings.tare else ()
+        zero = None if zero is None else replace(zero, taken_off=settings.tare)
+        doubts = (*scored.doubts, *self._lone_peak(phase, force_n), *doubts_on_score(scored))
+        return replace(scored, notes=(*notes, *scored.notes), force_zero=zero, doubts=doubts)
+
+    @property
+    def _zero_n(self) -> float:
+        """What counts as 0 N: of the rest so far, from first contact on for good."""
+        return self._resting.level_n if self._settings.tare else 0.0
+
+    @staticmethod
+    def _lone_peak(phase: LoadingPhase, force_n: NDArray[np.float64]) -> tuple[str, ...]:
+        """A force that goes up for one frame cannot be told from a peak while the press goes on, but later."""
+        wild = [int(frame) for frame in phase.frames if spikes(force_n)[frame]]
+        if not wild:
+            return ()
+        return (f"the force of frame {wild[0]} is a spike, {force_n[wild[0]]:.3g} N: score the recording",)
 
     def _part(self) -> None:
         """Contact is over: of the contacts so far keep those that ``loading_phase`` may still choose."""
@@ -126,29 +158,32 @@ class _Contact:
     """One stretch of frames in contact: what may turn out to be the press."""
 
     def __init__(self, camera: Camera | None, settings: ScoreSettings, first: int) -> None:
-        self._scorer = PressScorer(camera, settings)
+        self._scorer, self._motion = PressScorer(camera, settings), SkinMotion(settings.flow.pins)
         self._force_n = array("d")
         self._trouble: NoContactError | PinsError | None = None
         self._n_scored = 0
         self.first, self.peak_n = first, 0.0
 
-    def take(self, rest: RestFrame, image: NDArray[Any], force_n: float) -> tuple[str, ...]:
-        """The next frame in contact; notes on it."""
+    def take(self, rest: RestFrame, image: NDArray[Any], force_n: float, zero_n: float) -> tuple[str, ...]:
+        """The next frame in contact and its force above ``zero_n``, N; notes on it."""
         self._force_n.append(force_n)
         self.peak_n = max(self.peak_n, force_n)
         if self._trouble is None:
             try:
-                return self._scored(rest, image)
+                return self._scored(rest, image, zero_n)
             except (NoContactError, PinsError) as trouble:
                 self._trouble = trouble
         return (str(self._trouble),)
 
-    def _scored(self, rest: RestFrame, image: NDArray[Any]) -> tuple[str, ...]:
+    def _scored(self, rest: RestFrame, image: NDArray[Any], zero_n: float) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
         if self._n_scored == 0:
-            self._scorer.touch(rest.image(), image)
+            still = rest.image(zero_n)
+            self._motion.take(0, still)
+            self._scorer.touch(still, image)
         else:
             notes = self._scorer.load(image).notes
+        self._motion.take(self.first + self._n_scored, image)
         self._n_scored += 1
         return notes
 
@@ -166,4 +201,7 @@ class _Contact:
     def result(self, phase: LoadingPhase, force_n: NDArray[np.float64]) -> Score:
         if self._trouble is not None and self._n_scored < len(phase.frames):
             raise self._trouble
-        return self._scorer.result("stream", phase, force_n)
+        scored, n = self._scorer.result("stream", phase, force_n), len(phase.frames)
+        moved_px, same = (np.array(of_frame)[1 : n + 1] for of_frame in (self._motion.moved_px, self._motion.same))
+        notes = (*scored.notes, *note_on_repeats(phase.frames[1:], same[1:] > 0))
+        return replace(scored, notes=notes, doubts=doubts_on_motion(phase.frames, force_n, moved_px))

@@ -6,7 +6,16 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.cli.arguments import AREA_RULES, add_frames, add_threshold, frame_pair, open_sequence, positive, say_notes
+from casr.cli.arguments import (
+    AREA_RULES,
+    add_frames,
+    add_tare,
+    add_threshold,
+    frame_pair,
+    open_sequence,
+    positive,
+    say_notes,
+)
 from casr.command_line import Commands, add_command, add_json, print_json
 
 if TYPE_CHECKING:
@@ -31,6 +40,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
     )
+    add_tare(parser)
     add_threshold(parser)
     add_json(parser)
     parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
@@ -82,6 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _frames(sequence: FrameSequence, arguments: argparse.Namespace) -> tuple[int, int, tuple[str, ...]]:
     from casr.errors import said_of
     from casr.frames import loading_phase
+    from casr.press_forces import press_forces
+    from casr.scored import ScoreSettings
     from casr.seen_loading import first_touch
 
     if arguments.frames:
@@ -90,8 +102,10 @@ def _frames(sequence: FrameSequence, arguments: argparse.Namespace) -> tuple[int
         if sequence.force_n is None:
             contact = first_touch(sequence, arguments.threshold_px)
             return 0, contact, (f"no force log: the pins are touched from frame {contact} on; others with --frames",)
-        phase = loading_phase(sequence.force_n, start_n=arguments.start_n)
-    return phase.rest, int(phase.frames[0]), phase.notes
+        settings = ScoreSettings(force_start_n=arguments.start_n, tare=not arguments.no_tare)
+        forces = press_forces(sequence, settings)
+        phase = loading_phase(forces.force_n, start_n=arguments.start_n)
+    return phase.rest, int(phase.frames[0]), (*sequence.notes, *forces.notes, *phase.notes)
 
 
 def _facts(area: InitialArea | None) -> dict[str, Any] | None:

@@ -23,7 +23,7 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
     """The frames, and the files that go with them."""
     kinds = "a folder of images, a TIFF, AVI, MP4 or .npy file, or a press folder (frames, force.csv, camera.toml)"
     parser.add_argument("path", type=Path, metavar=metavar, help=help or kinds)
-    columns = "force log, CSV: force_n, frame_index; time_s, frame_time_s if known"
+    columns = "force log, CSV: force_n (or force_mn, force_kgf, ...), frame_index; time_s, frame_time_s if known"
     parser.add_argument("--force", type=Path, metavar="FILE", help=columns)
     parser.add_argument(
         "--force-column", default="force_n", metavar="NAME", help="column of the log to take (default %(default)s)"
@@ -37,6 +37,13 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
         "--camera", type=Path, metavar="FILE",
         help="camera.toml (default: in the press folder, else in the folder above it); without one areas are in px²",
     )  # fmt: skip
+
+
+def add_tare(parser: Group) -> None:
+    """Whether forces count from where the sensor rests."""
+    parser.add_argument(
+        "--no-tare", action="store_true", help="take forces as logged; else their level at rest before contact is taken off"
+    )
 
 
 def add_engine(parser: Group) -> None:
@@ -105,6 +112,11 @@ def positive(text: str) -> float:
     if value <= 0:
         raise argparse.ArgumentTypeError(f"wanted a number above 0; found {text!r}")
     return value
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    return numbers(text, 1)[0]
 
 
 def not_negative(text: str) -> float:

@@ -11,8 +11,10 @@ from casr.cli.arguments import (
     AREA_RULES,
     add_engine,
     add_frames,
+    add_tare,
     add_threshold,
     html_file,
+    number,
     open_sequence,
     positive,
     say_notes,
@@ -66,6 +68,16 @@ def add_to(commands: Commands) -> None:
         "--stop-n", type=positive, metavar="N",
         help=f"force to stop at, N (default: the highest; the mean rate goes to {PAPER_STOP_N:g})",
     )  # fmt: skip
+    add_tare(method)
+    lag = method.add_mutually_exclusive_group()
+    lag.add_argument(
+        "--camera-lag", type=number, default=0.0, metavar="SECONDS",
+        help="the frames were taken so long before their times in the force log",
+    )  # fmt: skip
+    lag.add_argument(
+        "--correct-lag", action="store_true",
+        help="find that lag, from when the pins begin to move and the force to rise, and take it off",
+    )  # fmt: skip
     output = parser.add_argument_group("output")
     add_json(output)
     output.add_argument(
@@ -114,6 +126,9 @@ def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
         force_start_n=arguments.start_n,
         force_stop_n=arguments.stop_n,
         region=Region.parse(arguments.region) if arguments.region else None,
+        tare=not arguments.no_tare,
+        camera_lag_s=arguments.camera_lag,
+        correct_lag=arguments.correct_lag,
     )
 
 
@@ -146,7 +161,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
         if not arguments.json:
             print(_row(name, scores[name], width), flush=True)
     for name, scored in scores.items():
-        say_notes(scored.notes, name)
+        say_notes((*(f"check this press: {doubt}" for doubt in scored.doubts), *scored.notes), name)
     if arguments.page:
         from casr.cli.pages import write_index
 
@@ -178,6 +193,8 @@ def _score(
 
 def _block(score: Score) -> str:
     """One press, a fact per line."""
+    from casr.page.wording import camera_lag, force_zero
+
     settings, frames = score.settings, score.frames
     force = score.force_n
     span = f"{frames[0]} to {frames[-1]}"
@@ -187,10 +204,12 @@ def _block(score: Score) -> str:
     saturated = ", saturated" if score.initial.saturated else ""
     lines = [
         score.name + (", areas in px², not mm²" if score.area_unit == "px2" else ""),
+        *(f"  Check this press: {doubt}" for doubt in score.doubts),
         f"  frames      {len(frames)} ({span}), rest frame {score.rest_frame}",
         f"  A_c0        {score.area[0]:.4g} {score.area_unit} ({pins}{saturated})",
         f"  growth      {score.log_growth.sum():+.4f} in log, {score.area[-1] / score.area[0]:.3f} times the area",
         f"  CASR        {_rate(score)}",
+        *([] if force is None else [f"  force zero  {force_zero(score)}", f"  camera lag  {camera_lag(score)}"]),
         f"  method      {settings.flow.engine}, area rule {settings.area_rule}, law {settings.area_law}, "
         f"rate {settings.rate_rule}",
     ]
@@ -210,7 +229,7 @@ def _row(name: str, score: Score, width: int) -> str:
     return (
         f"{name:<{width}} {len(score.frames):>6} {len(score.initial.selected):>5} {score.area[0]:>10.4g} "
         f"{score.log_growth.sum():>7.3f} {f'{rate.value:.4g}' if rate else '-':>9} {interval:>19} "
-        f"{len(score.notes):>5}  {rate.unit if rate else score.area_unit}"
+        f"{len(score.notes):>5}  {rate.unit if rate else score.area_unit}{'  check this press' if score.doubts else ''}"
     )
 
 

@@ -103,6 +103,14 @@ def _paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -
     first, second = np.trunc(motion.rest_px), np.trunc(motion.contact_px)
     apart = np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1)) > threshold_px
     count, chosen = int(apart.sum()), np.flatnonzero(apart.any(axis=1))
+    if count == 0:
+        farthest_px = float(np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1)).max())
+        raise NoContactError(
+            "first contact",
+            wanted=f"pairs of pins of the two frames that are more than {threshold_px:g} px apart",
+            found=f"at most {farthest_px:.0f} px",
+            do="Lower threshold_px (--threshold-px).",
+        )
     own = int(np.diagonal(apart).sum())
     notes = (
         f"As printed, {count} pairs of {motion.ids.size} pins are more than {threshold_px:g} px apart and each adds a "

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import casr
 from casr import html
-from casr.page.wording import headline, number, verdict
+from casr.page.wording import camera_lag, force_zero, headline, number, verdict
 from casr.spread import readable
 
 if TYPE_CHECKING:
@@ -102,7 +102,10 @@ def _origin(score: Score, camera: Camera | None, n_frames: int, shape: tuple[int
     else:
         facts.append(("pixel size at the pins", " x ".join(f"{size:.5g}" for size in camera.mm_per_px) + " mm"))
         facts += _settings(camera, "camera ")
-    facts.append(("force", "mean of the force rows of each frame" if score.force_n is not None else "none"))
+    if score.force_n is None:
+        facts.append(("force", "none"))
+    else:
+        facts += [("force at rest", force_zero(score)), ("camera lag", camera_lag(score))]
     facts.append(
         ("method", "Initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2) of the paper, as the settings say")
     )

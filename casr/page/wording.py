@@ -26,6 +26,8 @@ def verdict(score: Score) -> tuple[str, str, str]:
     growth = float(score.area[-1] / score.area[0])
     unit = readable(score.area_unit)
     grew = f"from {number(float(score.area[0]))} to {number(float(score.area[-1]))} {unit} ({growth:.2f} times)"
+    if score.doubts:
+        return "bad", "Check this press:", f"{'; '.join(score.doubts)}. The contact area went {grew}."
     if score.rate is None:
         return (
             "usable",
@@ -68,6 +70,29 @@ def _in_pixels(score: Score) -> str:
         if score.area_unit == "mm2"
         else " No camera file: areas are in px², not mm², and compare with no other camera."
     )
+
+
+def force_zero(score: Score) -> str:
+    """What the force sensor reads at rest, and whether it is in the forces."""
+    zero = score.force_zero
+    if zero is None:
+        return "not determined, nothing taken off"
+    done = "taken off" if zero.taken_off else "not taken off"
+    return f"{zero.level_n:+.4f} N, standard error {zero.sd_n:.4f} N, from {zero.n} frames at rest; {done}"
+
+
+def camera_lag(score: Score) -> str:
+    """How late the frames are against the force, and what was done about it."""
+    lag = score.camera_lag
+    if lag is None:
+        said = "not determined: the force log has no times"
+    elif lag.lag_s is None or lag.sd_s is None:
+        said = f"not determined: {lag.why}"
+    else:
+        said = f"{1e3 * lag.lag_s:+.0f} ms, standard error {1e3 * lag.sd_s:.0f} ms"
+    if lag is None or not lag.corrected_s:
+        return said
+    return f"{said}; {1e3 * lag.corrected_s:+.0f} ms taken off"
 
 
 def _force_span(score: Score) -> str:

@@ -10,6 +10,7 @@ from casr.camera import Camera
 from casr.contact_area import initial_area
 from casr.errors import CasrError
 from casr.frames import FrameSequence
+from casr.press_forces import press_forces
 from casr.score import score
 from casr.scored import Score, ScoreSettings
 from casr.spread import contact_areas, spread_rate
@@ -76,6 +77,8 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     casr = {name: scored.rate.value * area / scored.area[0] for name, area in a_c0.items()}
     casr["paper"] = _to_the_letter(scored, a_c0["paper"])
     assert scored.rate.law is not None
+    # the rig's log is of the same sensor
+    zero_n = scored.force_zero.level_n if scored.force_zero and settings.tare else 0.0
     growth = scored.rate.law.area(settings.force_start_n) / scored.area[0]
     start_area = {name: area * growth for name, area in a_c0.items()} | {"paper": a_c0["paper"]}
     return ScoredPress(
@@ -83,7 +86,7 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
         start_area=start_area,
         casr=casr,
         area_unit=scored.area_unit,
-        indent_n_per_mm=indentation_slope(press.force_n, press.depth_mm, settings.force_start_n),
+        indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_start_n),
         curve=PressCurve(scored.force_n, scored.area),
         scored=scored,
         notes=scored.notes,
@@ -98,7 +101,7 @@ def _within_reach(settings: ScoreSettings, frames: FrameSequence) -> ScoreSettin
     stop_n = settings.force_stop_n
     if frames.force_n is None or stop_n is None:
         return settings
-    peak_n = float(np.nanmax(frames.force_n, initial=0.0))
+    peak_n = float(np.nanmax(press_forces(frames, settings).force_n, initial=0.0))
     if peak_n < _REACH * stop_n:
         raise CasrError(
             frames.name,

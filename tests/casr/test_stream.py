@@ -146,7 +146,11 @@ def test_no_contact(press: Frames) -> None:
     with pytest.raises(NoContactError):
         stream.finish()
     with pytest.raises(FramesError, match="static frame"):
-        StreamScorer().push(images[0], 1.0)
+        StreamScorer(None, ScoreSettings(tare=False)).push(images[0], 1.0)
+    stream = StreamScorer()
+    assert stream.push(images[0], 1.0).phase == "rest", "a sensor that was never zeroed may read anything"
+    with pytest.raises(FramesError, match="static frame"):
+        stream.push(images[0], 2.0)
 
 
 @pytest.mark.slow

@@ -98,7 +98,7 @@ def test_the_area_where_loading_begins_lies_on_the_power_law(run, sequence):
 
 
 def test_the_area_where_loading_begins_hangs_on_no_first_frame(run, sequence):
-    later = replace(sequence, force_n=np.where(sequence.force_n < 1.2, 0.1, sequence.force_n))
+    later = replace(sequence, force_n=np.where(sequence.force_n < 1.2, 0.0, sequence.force_n))
     found = scored(press(later))
     assert found.a_c0["edge"][0] > 1.2 * run.a_c0["edge"][0]
     assert found.start_area["edge"][0] == pytest.approx(run.start_area["edge"][0], rel=0.05)
