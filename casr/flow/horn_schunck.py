@@ -108,7 +108,7 @@ class HornSchunck:
     def _on_the_whole_frame(
         self, first: Grey, second: Grey, in_box: tuple[Floats, Box, Floats]
     ) -> tuple[Floats, Box, Floats]:
-        """A box is too small for a pyramid deep enough, or what moved lies outside it; what it found, if nothing helps."""
+        """A box may be too small for a pyramid deep enough; what it found, if the whole frame is no better."""
         found = self._pyramid.left, self._pyramid.levels
         whole = self._box(second.shape, None)
         smooth = self._smoothed(second, whole)

@@ -86,9 +86,9 @@ MOST_SHAPES = 16
 class Pyramid:
     """Finds the flow between two frames; keeps work arrays for the frame shapes it has met.
 
-    Without a number of levels the pyramid grows until the flow explains the frames, or the frames end; of all tried, the
-    flow that leaves least unexplained is kept. More levels than the motion needs are no gain: on coarse levels pins melt
-    into a lattice that fits itself one pitch further.
+    Without a number of levels the pyramid grows until the flow explains the frames, or the frames end; the flow that
+    leaves least unexplained is kept. More levels than the motion needs do harm: on coarse levels pins melt into a
+    lattice that fits itself one pitch further.
 
     Attributes
     ----------
