@@ -117,7 +117,8 @@ class DenseEngine:
     def start(self, image: Grey, region: Region) -> None:
         self._detail = detail_of(image, region)  # a region outside the image is an error of the first frame
         self._method.start(image)
-        self._region, self._start_notes = region, (self._doubt,)
+        self._region = region
+        self._start_notes: tuple[str, ...] = (self._doubt,)
 
     def step(self, image: Grey) -> FlowStep:
         core = self._region.scaled(self._core_fraction)
