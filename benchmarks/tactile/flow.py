@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.tactile.flow_growth import growth_table
 from benchmarks.tactile.flow_pairs import FlowPair, contact_pair
 from benchmarks.tactile.method import Method
 from benchmarks.tactile.metrics import endpoint_error_px, pareto_front, percent_error, root_mean_square, sample_sd
@@ -51,11 +52,11 @@ class FlowResult:
 
 
 def run_flow(out: Path | None, n_seeds: int) -> list[Table]:
-    """The table and the front of unbeaten methods; with ``out`` their files and the plot too."""
+    """Errors and times, the front of unbeaten methods, growth by radius; with ``out`` their files and the plot too."""
     methods = [*ours(), *peers()]
     results = compare([method for method in methods if method.installed], n_seeds=n_seeds)
     absent = [method.name for method in methods if not method.installed]
-    tables = [flow_table(results, absent, n_seeds), front_table(results)]
+    tables = [flow_table(results, absent, n_seeds), front_table(results), growth_table(n_seeds)]
     if out:
         points = [Point(r.method.name, 1e3 * r.time_s, r.rms_percent, r.method.ours) for r in results]
         write_plot(points, out / "flow", "rms error of the divergence at 0.25, 1 and 3 px, %")

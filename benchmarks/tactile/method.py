@@ -28,7 +28,7 @@ class Method:
         first to the second frame: a flow (H, W, 2) in px, or an ``Affine``.
     ours : drawn and named as this package's.
     slow : scored on fewer seeds.
-    needs : module to import, for peers that need not be there.
+    needs : module to import, or ``module.part`` of one, for peers that need not be there.
     """
 
     name: str
@@ -40,4 +40,7 @@ class Method:
     @property
     def installed(self) -> bool:
         """Whether it can be run here."""
-        return importlib.util.find_spec(self.needs) is not None
+        module, _, part = self.needs.partition(".")
+        if importlib.util.find_spec(module) is None:
+            return False
+        return not part or hasattr(importlib.import_module(module), part)

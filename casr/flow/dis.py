@@ -61,6 +61,8 @@ class Dis:
     preset : as for ``dis_flow``.
     """
 
+    notes: tuple[str, ...] = ()
+
     def __init__(self, preset: str = "medium") -> None:
         self._preset = preset
 

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from casr.errors import ImageError
 from casr.flow.compiled import Floats
-from casr.flow.pyramid import Pyramid
+from casr.flow.pyramid import Pyramid, longest_px, most_levels
 from casr.flow.step import HornSchunckSettings
+from casr.flow.unexplained import rms_gradient
 from casr.images import Grey, as_grey
 
 __all__ = ["HornSchunck", "HornSchunckSettings", "horn_schunck"]
@@ -27,6 +28,8 @@ __all__ = ["HornSchunck", "HornSchunckSettings", "horn_schunck"]
 Box = tuple[int, int, int, int]
 # edges of solved boxes lie on multiples of this, so that work arrays serve again as a region grows
 BOX_STEP_PX = 8
+# least and largest alpha over the rms gradient of the smoothed frames, grey levels/px: growth within 3 to 5 % on pins
+ALPHA_OF_GRADIENT = (0.2, 10.0)
 
 
 def horn_schunck(
@@ -39,7 +42,12 @@ def horn_schunck(
 
 
 class HornSchunck:
-    """Flow of every frame of a sequence against the one before; each frame is smoothed once."""
+    """Flow of every frame of a sequence against the one before; each frame is smoothed once.
+
+    Attributes
+    ----------
+    notes : what to know of the flow that the last ``step`` gave.
+    """
 
     def __init__(self, settings: HornSchunckSettings | None = None) -> None:
         self.settings = settings or HornSchunckSettings()
@@ -49,6 +57,8 @@ class HornSchunck:
         self._margin = max(2, math.ceil(2 * self.settings.presmoothing_px))
         self._image: Grey | None = None
         self._smooth: tuple[Box, Floats] | None = None
+        self._fresh = True
+        self.notes: tuple[str, ...] = ()
 
     def start(self, image: NDArray[Any]) -> None:
         """Take the first frame (H, W); it is copied.
@@ -58,6 +68,7 @@ class HornSchunck:
         ImageError : not an image.
         """
         self._image, self._smooth = as_grey(image, where="first frame").copy(), None
+        self._fresh, self.notes = True, ()
 
     def step(self, image: NDArray[Any], roi: Box | None = None) -> Floats:
         """Flow from the frame before to this one, which takes its place.
@@ -82,9 +93,55 @@ class HornSchunck:
         if self._smooth is None or self._smooth[0] != box:
             self._smooth = box, self._smoothed(first, box)
         smooth = self._smoothed(second, box)
+        alpha_notes = self._about_alpha(self._smooth[1]) if self._fresh else ()
         flow = self._pyramid.flow(self._smooth[1], smooth, self._margin)
-        self._image, self._smooth = second, (box, smooth)
+        if self._wrong and flow.shape[:2] != second.shape:
+            flow, box, smooth = self._on_the_whole_frame(first, second, (flow, box, smooth))
+        self.notes = (*alpha_notes, *self._about_motion(flow))
+        self._fresh, self._image, self._smooth = False, second, (box, smooth)
         return _placed(flow, box, second.shape)
+
+    @property
+    def _wrong(self) -> bool:
+        return self._pyramid.left is not None and self._pyramid.left.wrong
+
+    def _on_the_whole_frame(
+        self, first: Grey, second: Grey, in_box: tuple[Floats, Box, Floats]
+    ) -> tuple[Floats, Box, Floats]:
+        """A box may be too small for a pyramid deep enough; what it found, if the whole frame is no better."""
+        found = self._pyramid.left, self._pyramid.levels
+        whole = self._box(second.shape, None)
+        smooth = self._smoothed(second, whole)
+        flow = self._pyramid.flow(self._smoothed(first, whole), smooth, self._margin)
+        if not self._wrong:
+            return flow, whole, smooth
+        self._pyramid.left, self._pyramid.levels = found
+        return in_box
+
+    def _about_alpha(self, smooth: Floats) -> tuple[str, ...]:
+        alpha, gradient = self.settings.alpha, rms_gradient(smooth)
+        low, high = (share * gradient for share in ALPHA_OF_GRADIENT)
+        if low <= alpha <= high:
+            return ()
+        what = "small: noise decides the flow" if alpha < low else "large: the flow is smoothed away, growth with it"
+        return (
+            f"alpha {alpha:g} is too {what}; for the gradient of these frames, {gradient:.2g} grey levels/px, "
+            f"give {low:.2g} to {high:.2g}",
+        )
+
+    def _about_motion(self, flow: Floats) -> tuple[str, ...]:
+        left = self._pyramid.left
+        if left is None:  # short, or it would have been looked at
+            return ()
+        notes, fixed = [], self.settings.pyramid_levels
+        if longest_px(flow) > max(flow.shape[:2]):
+            notes.append("the flow is longer than the frame, so it is not to be used: give a larger alpha")
+        if left.wrong:
+            cause = "are the frames one press, in order, in small steps?"
+            if fixed is not None and fixed < most_levels(flow.shape[:2]):
+                cause = f"pyramid_levels {fixed} is too few for the motion, leave it at None"
+            notes.append(f"the flow does not lead from one frame to the other, so it is not to be used: {cause}")
+        return tuple(notes)
 
     def _before(self, second: Grey) -> Grey:
         if self._image is None or self._image.shape != second.shape:

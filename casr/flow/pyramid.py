@@ -13,6 +13,7 @@ from casr.flow.coloured_grid import flow_of_cells, level, level_table, subtract_
 from casr.flow.compiled import Floats
 from casr.flow.multigrid import solve
 from casr.flow.step import HornSchunckSettings
+from casr.flow.unexplained import Unexplained, unexplained
 from casr.flow.warp import doubled, halved, warp
 
 FOUR_NEIGHBOURS = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]], dtype=np.float64)
@@ -78,25 +79,51 @@ class _Grid:
 
 # frames narrower than this are not halved again
 SMALLEST_PX = 32
+FEWEST_LEVELS = 2
 MOST_SHAPES = 16
 
 
 class Pyramid:
-    """Finds the flow between two frames; keeps work arrays for the frame shapes it has met."""
+    """Finds the flow between two frames; keeps work arrays for the frame shapes it has met.
+
+    Without a number of levels the pyramid grows until the flow explains the frames, or the frames end; the flow that
+    leaves least unexplained is kept. More levels than the motion needs do harm: on coarse levels pins melt into a
+    lattice that fits itself one pitch further.
+
+    Attributes
+    ----------
+    left : what the last flow does not explain; None where it was short enough for one linearisation.
+    levels : of the pyramid that the last flow was found on.
+    """
 
     def __init__(self, settings: HornSchunckSettings, dtype: np.dtype[Any]) -> None:
         self._settings, self._dtype = settings, dtype
         self._solver = _Solver(settings.cell_px, settings.alpha**2 / 3, settings.sweeps, settings.cycles)
         self._grids: dict[tuple[int, ...], _Grid] = {}
+        self.left: Unexplained | None = None
+        self.levels = 1
 
     def flow(self, first: Floats, second: Floats, margin: int) -> Floats:
         """Flow (H, W, 2) between smoothed frames (H, W) whose outermost margin px carry no data."""
         limit = self._settings.warp_above_px
         if limit > 0:
             flow = self._grid(first.shape).flow(first, second, margin)
-            if np.abs(flow).max() <= limit:
+            if longest_px(flow) <= limit:
+                self.left, self.levels = None, 1
                 return flow
-        return self._coarse_to_fine(first, second, margin, self._settings.pyramid_levels)
+        fixed, most = self._settings.pyramid_levels, most_levels(first.shape)
+        flow, self.left, self.levels = self._try(first, second, margin, fixed or min(FEWEST_LEVELS, most))
+        for levels in range(self.levels + 1, 0 if fixed else most + 1):
+            if not self.left.worth_another_level:
+                break
+            deeper = self._try(first, second, margin, levels)
+            if deeper[1].clearly_less_than(self.left):
+                flow, self.left, self.levels = deeper
+        return flow
+
+    def _try(self, first: Floats, second: Floats, margin: int, levels: int) -> tuple[Floats, Unexplained, int]:
+        flow = self._coarse_to_fine(first, second, margin, levels)
+        return flow, unexplained(first, second, flow, margin), levels
 
     def _grid(self, shape: tuple[int, ...]) -> _Grid:
         if shape not in self._grids:
@@ -126,3 +153,16 @@ class Pyramid:
         # OpenCV's median of floats is in single precision
         planes = [cv2.medianBlur(np.ascontiguousarray(flow[..., p], dtype=np.float32), width) for p in range(2)]
         return np.stack(planes, axis=-1).astype(flow.dtype)
+
+
+def most_levels(shape: tuple[int, ...]) -> int:
+    """Levels of the deepest pyramid for frames of this shape."""
+    side, levels = min(shape), 1
+    while side >= SMALLEST_PX:
+        side, levels = (side + 1) // 2, levels + 1
+    return levels
+
+
+def longest_px(flow: Floats) -> float:
+    """Largest component of a flow, px."""
+    return cv2.norm(flow.reshape(len(flow), -1), cv2.NORM_INF)

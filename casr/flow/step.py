@@ -20,12 +20,15 @@ class HornSchunckSettings:
 
     Parameters
     ----------
-    alpha : weight of smoothness, grey levels, as in Horn & Schunck's iteration on images of 0 to 255.
+    alpha : weight of smoothness, grey levels, as in Horn & Schunck's iteration on images of 0 to 255. A note says where
+        it is not 0.2 to 10 times the frames' rms gradient per pixel: below, noise decides the flow between the pins;
+        above, growth is lost (3 % at 10, 13 % at 24, 57 % at 80).
     presmoothing_px : standard deviation of the Gaussian both frames are smoothed with; 0 for none.
     cell_px : 1, 2 or 4: flow is solved for squares of this width from derivatives at every pixel, bilinear between.
     sweeps, cycles : Gauss-Seidel sweeps per half cycle, V-cycles per multigrid level.
     warp_above_px : largest component of flow, px, taken from one linearisation; 0 to warp always.
-    pyramid_levels : images, each half as large as the one before, that a longer flow is found on, coarse to fine.
+    pyramid_levels : images, each half as large as the one before, that a longer flow is found on, coarse to fine. None:
+        two, and more where the flow found does not take the second frame back to the first.
     warps : linearisations per pyramid level.
     median_px : width of the median filter over the flow after each of them, 3 or 5; 0 for none.
     support_px : border around a region of interest that is solved with it.
@@ -43,7 +46,7 @@ class HornSchunckSettings:
     sweeps: int = 1
     cycles: int = 1
     warp_above_px: float = 3.5
-    pyramid_levels: int = 2
+    pyramid_levels: int | None = None
     warps: int = 2
     median_px: int = 0
     support_px: int = 24
@@ -56,7 +59,7 @@ class HornSchunckSettings:
         self._check("sweeps", 1 <= self.sweeps <= 1000, "1 to 1000")
         self._check("cycles", 1 <= self.cycles <= 1000, "1 to 1000")
         self._check("warp_above_px", self.warp_above_px >= 0, "0 or more")
-        self._check("pyramid_levels", 1 <= self.pyramid_levels <= 16, "1 to 16")
+        self._check("pyramid_levels", self.pyramid_levels is None or 1 <= self.pyramid_levels <= 16, "None or 1 to 16")
         self._check("warps", 1 <= self.warps <= 1000, "1 to 1000")
         self._check("median_px", self.median_px in (0, 3, 5), "0, 3 or 5")
         self._check("support_px", 0 <= self.support_px <= 10_000, "0 to 10000")

@@ -164,6 +164,90 @@ def test_flow_of_a_third_of_the_pitch_is_found_by_the_pyramid():
     np.testing.assert_allclose(np.median(flow, axis=(0, 1)), (7, 0), atol=0.05)
 
 
+def _shifted_texture(shift_px, seed=0, *, blur_px=3.0, side=300):
+    """Two views of one random texture; the second shows it shift_px further right."""
+    fine = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, (side, side + 80)), (0, 0), blur_px)
+    grey = np.clip(np.rint(128 + 40 * fine / fine.std()), 0, 255).astype(np.uint8)
+    return grey[:, 40 : 40 + side], grey[:, 40 - shift_px : 40 - shift_px + side]
+
+
+def _step(first, second, settings=None, roi=None):
+    engine = HornSchunck(settings)
+    engine.start(first)
+    return engine.step(second, roi), engine.notes
+
+
+@pytest.mark.parametrize("shift_px", [6, 15, 25])
+@pytest.mark.parametrize("blur_px", [1.0, 3.0])
+def test_the_pyramid_grows_with_the_motion(shift_px, blur_px):
+    first, second = _shifted_texture(shift_px, blur_px=blur_px)
+    flow, notes = _step(first, second)
+    error_px = np.hypot(flow[..., 0] - shift_px, flow[..., 1])[30:-30, 30:-30]
+    assert error_px.mean() < 0.2
+    assert not notes
+
+
+def test_a_region_too_small_for_the_motion_is_found_on_the_whole_frame():
+    flow, notes = _step(*_shifted_texture(15), roi=(120, 120, 180, 180))
+    np.testing.assert_allclose(np.median(flow[120:180, 120:180], axis=(0, 1)), (15, 0), atol=0.05)
+    assert not notes
+
+
+def test_a_pyramid_fixed_too_low_is_said():
+    flow, notes = _step(*_shifted_texture(15), HornSchunckSettings(pyramid_levels=2))
+    assert abs(np.median(flow[30:-30, 30:-30, 0]) - 15) > 5
+    assert any("pyramid_levels 2 is too few" in note for note in notes)
+
+
+def test_frames_that_no_pyramid_brings_together_are_said():
+    first, second = _shifted_texture(0, 1)[0], _shifted_texture(0, 2)[0]
+    assert any("are the frames one press" in note for note in _step(first, second)[1])
+
+
+def test_something_fast_before_a_slow_background():
+    rng = np.random.default_rng(3)
+    behind, front = (
+        cv2.normalize(sum(width * cv2.GaussianBlur(noise, (0, 0), width) for width in (1.5, 4, 12)), None, 0, 255, 32)
+        for noise in rng.normal(0, 1, (2, 300, 380))
+    )
+    x, y = np.meshgrid(np.arange(320), np.arange(240))
+
+    def frame(slow_px, fast_px):
+        shown = (np.abs(x - fast_px - 140) < 60) & (np.abs(y - 120) < 70)
+        views = (texture[30:270, 30 - px : 350 - px] for texture, px in ((front, fast_px), (behind, slow_px)))
+        return np.where(shown, *views).astype(np.uint8), shown
+
+    (first, fast), (second, _) = frame(0, 0), frame(1, 15)
+    flow, notes = _step(first, second)
+    error_px = np.hypot(flow[..., 0] - np.where(fast, 15, 1), flow[..., 1])[20:-20, 20:-20]
+    two_levels, _ = _step(first, second, HornSchunckSettings(pyramid_levels=2))
+    assert error_px.mean() < 1.2
+    assert np.abs(two_levels[..., 0] - np.where(fast, 15, 1))[20:-20, 20:-20].mean() > 2.5
+    assert not notes
+
+
+@pytest.mark.parametrize(
+    ("alpha", "said"), [(1e-4, "small"), (1.0, "small"), (10.0, ""), (30.0, ""), (300.0, "large"), (1e6, "large")]
+)
+def test_a_useless_alpha_is_said_once(alpha, said):
+    pair = contact_pair(1.0)
+    engine = HornSchunck(HornSchunckSettings(alpha=alpha, precision="double"))
+    engine.start(pair.first)
+    engine.step(pair.second)
+    about = [note for note in engine.notes if note.startswith("alpha")]
+    assert bool(about) == bool(said)
+    assert all(f"too {said}" in note for note in about)
+    engine.step(pair.first)
+    assert not [note for note in engine.notes if note.startswith("alpha")]
+
+
+def test_a_flow_longer_than_the_frame_is_said():
+    pair = contact_pair(1.0)
+    flow, notes = _step(pair.first, pair.second, HornSchunckSettings(alpha=1e-4))
+    assert np.abs(flow).max() > 300
+    assert any("longer than the frame" in note for note in notes)
+
+
 @pytest.mark.parametrize(
     ("first", "second"),
     [
@@ -201,6 +285,7 @@ def test_a_region_outside_is_refused():
         {"cycles": 0},
         {"warp_above_px": -1.0},
         {"pyramid_levels": 0},
+        {"pyramid_levels": 17},
         {"warps": 0},
         {"median_px": 4},
         {"support_px": -1},

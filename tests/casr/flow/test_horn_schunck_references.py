@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -37,6 +38,18 @@ def test_middlebury(shared_data, name, limit_px):
     known = (np.abs(truth) < 1e9).all(axis=-1)
     flow = horn_schunck(first, second, settings=NATURAL)
     assert np.hypot(*(flow - truth)[known].T).mean() < limit_px
+
+
+@pytest.mark.parametrize("name", ["Urban2", "Urban3"])
+def test_middlebury_motions_of_20_px_are_found_better_than_by_dis(shared_data, name):
+    folder = shared_data(f"flow/middlebury/{name}")
+    first, second = _grey(folder / "frame10.png"), _grey(folder / "frame11.png")
+    truth = np.fromfile(folder / "flow10.flo", np.float32, offset=12).reshape(*first.shape, 2)
+    known = (np.abs(truth) < 1e9).all(axis=-1)
+    flow = horn_schunck(first, second, settings=replace(NATURAL, pyramid_levels=None))
+    peer = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST).calc(first, second, None)
+    ours_px, peer_px = (np.hypot(*(found - truth)[known].T).mean() for found in (flow, peer))
+    assert ours_px < peer_px
 
 
 def test_yosemite_beats_the_modified_horn_schunck_of_barron(shared_data):

@@ -1,0 +1,84 @@
+"""Growth of a contact followed through a press, by its radius: what dense flow loses at the edge of a small one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.tactile.metrics import percent_error
+from benchmarks.tactile.table import Cell, Table
+from casr.camera import Camera
+from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
+from casr.flow.region import Region
+from casr.synthetic.appearance import Appearance, draw_surface
+from casr.synthetic.render import render
+from casr.synthetic.skin import TACTIP_127
+
+RADII_PITCHES = (1.25, 1.6, 2.0, 3.0, 4.0)
+LOG_GROWTH, N_STEPS = 0.3, 10
+CENTRE_PX = 10.0
+"The contact's centre is drawn within this of the middle: pins lie in it in every way."
+LOOKS = {"clean": Appearance(), "dirty": Appearance(noise_grey=4.0, dirt_grey=5.0, n_missing=8)}
+
+
+@dataclass(frozen=True, eq=False)
+class GrowingContact:
+    """Frames (N_STEPS + 1) of (H, W) uint8 and the region in the first; its area grows by ``LOG_GROWTH`` in log."""
+
+    frames: list[NDArray[np.uint8]]
+    region: Region
+
+
+def growing_contact(radius_px: float, seed: int, *, power: int, look: Appearance) -> GrowingContact:
+    """A disc of skin stretched evenly; beyond its edge the motion falls as r^-power.
+
+    ``seed`` draws brightness, dirt, noise, missing pins and the centre.
+    """
+    camera = Camera()
+    place, sensor, press, *noise = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(N_STEPS + 4))
+    middle = (camera.cx_px, camera.cy_px)
+    centre = np.asarray(middle) + place.uniform(-CENTRE_PX, CENTRE_PX, 2)
+    surface = draw_surface(look, TACTIP_127, camera, sensor, press)
+    from_centre = TACTIP_127.pins_px(middle) - centre
+    inverse = radius_px / np.maximum(np.hypot(*from_centre.T), radius_px)
+    frames = []
+    for step in range(N_STEPS + 1):
+        stretch = np.expm1(LOG_GROWTH / 2 * step / N_STEPS) * inverse ** (power + 1)
+        pins = centre + from_centre * (1 + stretch[:, None])
+        frames.append(render(pins, surface, TACTIP_127, noise_grey=look.noise_grey, rng=noise[step]))
+    return GrowingContact(frames, Region.circle(*centre.tolist(), radius_px))
+
+
+def growth_error_percent(engine: str, contact: GrowingContact) -> float:
+    """Of the summed log growth, the region of the first frame given."""
+    tracker = FlowTracker(FlowSettings(engine=engine))
+    tracker.start(contact.frames[0], contact.region)
+    found = sum(tracker.step(frame).log_growth for frame in contact.frames[1:])
+    return float(percent_error(found, LOG_GROWTH))
+
+
+def growth_table(n_seeds: int) -> Table:
+    """One line per engine and look: mean and worst error at each radius, over seeds and both laws of motion outside."""
+    columns = [("engine", ""), ("skin", "")]
+    for radius in RADII_PITCHES:
+        columns += [(f"{radius:g} pitches %", "+.1f"), ("worst", "+.1f")]
+    rows: list[list[Cell]] = [[engine, look] for look in LOOKS for engine in ENGINES]
+    for radius in RADII_PITCHES:
+        errors: dict[tuple[str, str], list[float]] = {}
+        for name, look in LOOKS.items():
+            for power in (1, 2):
+                for seed in range(n_seeds):
+                    contact = growing_contact(radius * TACTIP_127.pitch_px, seed, power=power, look=look)
+                    for engine in ENGINES:
+                        errors.setdefault((engine, name), []).append(growth_error_percent(engine, contact))
+        for row in rows:
+            found = errors[str(row[0]), str(row[1])]
+            row += [float(np.mean(found)), max(found, key=abs)]
+    title = f"Error of the growth of a contact followed over {N_STEPS} steps, by its first radius"
+    notes = (
+        f"{n_seeds} seeds, motion outside as 1/r and as 1/r^2; growth {LOG_GROWTH:g} in log, 127 pins, 300 x 300 px.",
+        "clean: noise 2 grey levels. dirty: noise 4, dirt of 5 grey levels that stays where it is, 8 pins missing.",
+    )
+    return Table("flow_growth", title, tuple(columns), rows, notes)
