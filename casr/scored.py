@@ -52,6 +52,7 @@ def skin_interval(rate: SpreadRate, area_sd: float | None) -> TotalInterval | No
         rate.value, {"scatter": scatter, "initial area": float(np.hypot(area_sd or 0.0, SKIN_AREA_SD))}, SKIN_LEFT_OUT
     )
 
+
 NO_SCALE = (
     "areas are in px², not mm²: no camera.toml in the folder of the press or the folder above it, and none given "
     "(casr calibrate makes one)"

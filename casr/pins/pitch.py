@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from casr.images import Grey
 
+LEAST_SIDE = 32  # px
 LARGEST_SIDE = 480  # px; larger frames are reduced for the guess
 BROAD_LIGHT = 1 / 7  # of the longer side: light that changes over such lengths is taken off
 CLIP_PERCENTILE = 97.0  # lamps and a bright rim count no more than a pin
@@ -20,6 +21,8 @@ NEARLY_BEST = 0.65  # of the best shift: among those the shortest is one pitch, 
 
 def guess_pitch_px(grey: Grey) -> float | None:
     """Pin pitch, px, to about 5 %, by autocorrelation; None where nothing repeats."""
+    if min(grey.shape) < LEAST_SIDE:
+        return None
     reduction = max(1, -(-max(grey.shape) // LARGEST_SIDE))
     alike = _autocorrelation(reduced(grey, reduction))
     shift = _shortest_good_shift(alike)

@@ -21,7 +21,12 @@ LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expec
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
 ONE_SIDE = 0.5  # of the root of the number of pins: so many vanish at once where a lattice slips by a pitch
 BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: at all; at first sight
-APART_PITCHES, APART_SHARE = 0.06, 0.1  # a tear parts pins from those around them by more; so many of them are too many
+JUMPED_SHARE = 0.98  # the same where all jump by half a pitch: of a torn lattice parts fit one pitch further
+APART_SHARE, APART_PITCHES = 0.1, 0.06  # so many pins farther from where those around them went are torn off,
+FAR_APART_PITCHES = (
+    0.2  # if all along one line; the quickest unloading has 0.1, in all directions; and by so much always
+)
+ONE_WAY = 0.3  # mean square across a direction over that along it: a tear shifts along one, a contact spreads to all
 NOISY_GREY, NOISY_TIMES, NOISY_LINES = (
     5.0,
     3.0,
@@ -52,8 +57,8 @@ class PinTracker:
 
     A frame that shows fewer than half of the pins seen before, or noise in their place, is not believed: no pin has a
     place in it, and the next frame is looked at as if it had not been. The same befalls one in which over a quarter of
-    the pins vanish, or in which many part from those around them as where a frame is torn, unless it is the first, or
-    the one before was not believed either: what stays so is no accident.
+    the pins vanish, or a few while all jump, or in which many part from those around them as where a frame is torn, unless it is
+    the first, or the one before was not believed either: what stays so is no accident.
 
     Attributes
     ----------
@@ -123,10 +128,17 @@ class PinTracker:
             return False
         if self._gap:
             return True
-        apart = places.move_px - neighbour_mean(places.move_px, seen, self._links)
-        inside = seen & ~self._border
-        torn = np.hypot(*apart[inside].T) > APART_PITCHES * self._pitch_px
-        return bool(seen.sum() >= LIKELY_SHARE * n_before and torn.sum() <= APART_SHARE * inside.sum())
+        jumped = _median_length(places.move_px) > KNOCK_PITCHES * self._pitch_px
+        likely = JUMPED_SHARE if jumped else LIKELY_SHARE
+        return bool(seen.sum() >= likely * n_before) and not self._torn(places.move_px, seen)
+
+    def _torn(self, move_px: Points, seen: Mask) -> bool:
+        """Whether many pins part from those around them, along one line or very far."""
+        apart = (move_px - neighbour_mean(move_px, seen, self._links))[seen & ~self._border] / self._pitch_px
+        most = APART_SHARE * len(apart)
+        length = np.hypot(apart[:, 0], apart[:, 1])
+        far = length > APART_PITCHES
+        return bool((length > FAR_APART_PITCHES).sum() > most or (far.sum() > most and _one_way(apart[far])))
 
     def _advanced(self, grey: Grey) -> _Places:
         """All pins in the next frame."""
@@ -207,6 +219,11 @@ def _gaps_px(place: Points, beside: NDArray[np.intp]) -> NDArray[np.float64]:
     dx, dy = x[:, None] - x[beside], y[:, None] - y[beside]
     gaps: NDArray[np.float64] = np.sqrt(dx * dx + dy * dy)
     return gaps
+
+
+def _one_way(vectors: Points) -> bool:
+    across, along = np.linalg.eigvalsh(vectors.T @ vectors)
+    return bool(across < ONE_WAY * along)
 
 
 def _median_length(vectors: Points) -> float:
