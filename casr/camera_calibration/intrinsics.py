@@ -62,7 +62,7 @@ class Calibration:
     fx_se_px, fy_se_px, cx_se_px, cy_se_px : standard errors; the corners of one picture may err together.
     rms_px : reprojection error over all corners.
     covered : part of the image that boards covered, 0 to 1.
-    views : in the order given.
+    views : in the order given. notes : on those that fit far worse than most.
     """
 
     fx_px: float
@@ -77,17 +77,7 @@ class Calibration:
     rms_px: float
     covered: float
     views: tuple[Fitted, ...]
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Pictures that fit far worse than most."""
-        usual_px = float(np.median([view.rms_px for view in self.views]))
-        return tuple(
-            f"{view.name} fits worse than the others: {view.rms_px:.2f} px rms, {usual_px:.2f} px usually; leave it out "
-            "if it is blurred or its board bent"
-            for view in self.views
-            if view.rms_px > STANDS_OUT * usual_px
-        )
+    notes: tuple[str, ...]
 
 
 def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion: int = 5) -> Calibration:
@@ -129,22 +119,24 @@ def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion:
     residuals, jacobians = _linearized(views, poses, matrix, distortion)
     fx_se, fy_se, cx_se, cy_se = standard_errors(residuals, jacobians)[:4].tolist()
     fx, fy = float(matrix[0, 0]), float(matrix[1, 1])
+    fitted = tuple(_fitted(view, pose, r) for view, pose, r in zip(views, poses, residuals, strict=True))
+    notes = _standing_out(fitted)
     if rms_px > MOST_RMS_PX:
         raise CameraError(
             "reprojection error", wanted=f"{MOST_RMS_PX:g} px rms or less", found=f"{rms_px:.2f} px",
-            do="Check the numbers of the board and that it is flat; leave out blurred pictures; a wide lens needs "
-            "--distortion 8.",
+            do=_first(notes, "Check the numbers of the board, and that it is flat; a wide lens needs --distortion 8."),
         )  # fmt: skip
     relative = [fx_se / fx, fy_se / fy]
     if not (fx > 0 and fy > 0 and all(each <= MOST_RELATIVE_SE for each in relative)):
-        raise _undetermined(" and ".join(f"{100 * each:.3g} %" for each in relative))
+        raise _undetermined(" and ".join(f"{100 * each:.3g} %" for each in relative), notes)
     return Calibration(
         fx_px=fx, fy_px=fy, cx_px=float(matrix[0, 2]), cy_px=float(matrix[1, 2]),
         distortion=tuple(distortion.tolist()),
         fx_se_px=fx_se, fy_se_px=fy_se, cx_se_px=cx_se, cy_se_px=cy_se,
         rms_px=float(rms_px),
         covered=part,
-        views=tuple(_fitted(view, pose, r) for view, pose, r in zip(views, poses, residuals, strict=True)),
+        views=fitted,
+        notes=notes,
     )  # fmt: skip
 
 
@@ -198,8 +190,26 @@ def _fitted(view: View, pose: tuple[Array, Array], residual: Array) -> Fitted:
     )
 
 
-def _undetermined(found: str) -> CameraError:
+def _standing_out(fitted: tuple[Fitted, ...]) -> tuple[str, ...]:
+    usual_px = float(np.median([view.rms_px for view in fitted]))
+    return tuple(
+        f"{view.name} fits worse than the others, {view.rms_px:.2f} px rms, {usual_px:.2f} px usually: leave it out "
+        "if it is blurred or its board bent"
+        for view in fitted
+        if view.rms_px > STANDS_OUT * usual_px
+    )
+
+
+def _undetermined(found: str, notes: tuple[str, ...] = ()) -> CameraError:
+    tilt = "Views that are all parallel do not tell it: tilt the board by 20 to 40 degrees to different sides."
     return CameraError(
-        "focal length", wanted=f"standard errors of fx and fy of {MOST_RELATIVE_SE:.0%} or less", found=found,
-        do="Views that are all parallel do not tell it: tilt the board by 20 to 40 degrees to different sides.",
-    )  # fmt: skip
+        "focal length",
+        wanted=f"standard errors of fx and fy of {MOST_RELATIVE_SE:.0%} or less",
+        found=found,
+        do=_first(notes, tilt),
+    )
+
+
+def _first(notes: tuple[str, ...], advice: str) -> str:
+    """Pictures that stand out are looked at before anything else."""
+    return f"{'; '.join(notes)}. {advice}" if notes else advice

@@ -118,11 +118,19 @@ def test_corners_that_no_camera_sees_so(charuco_views):
 
 def test_a_picture_that_stands_out_is_named(charuco_views):
     assert calibrate(charuco_views, 320, 240).notes == ()
-    bent = charuco_views[3]
-    bow_px = 0.006 * (bent.image_px - bent.image_px.mean(axis=0)) ** 2
-    views = [*charuco_views[:3], View("bent", bent.board_mm, bent.image_px + bow_px / 4), *charuco_views[4:]]
-    (note,) = calibrate(views, 320, 240).notes
-    assert note.startswith("bent fits worse than the others: ")
+    (note,) = calibrate(with_one_bent(charuco_views, 0.5), 320, 240).notes
+    assert note.startswith("bent fits worse than the others, 0.")
+    with pytest.raises(CameraError, match=r"focal length: .*; found 1\.\d.* bent fits worse than the others, "):
+        calibrate(with_one_bent(charuco_views, 5.0), 320, 240)
+    with pytest.raises(CameraError, match=r"reprojection error: .*; found 1\.0\d px\. bent fits worse"):
+        calibrate(with_one_bent(charuco_views, 8.0), 320, 240)
+
+
+def with_one_bent(views, bow_px):
+    """A board whose rim lies up to ``bow_px`` beside where a flat one has it."""
+    across = views[3].image_px - views[3].image_px.mean(axis=0)
+    bow = (across / np.abs(across).max(axis=0)) ** 2 * np.float32(bow_px)
+    return [*views[:3], View("bent", views[3].board_mm, views[3].image_px + bow), *views[4:]]
 
 
 @pytest.mark.parametrize("n_distortion", [0, 4, 5, 8])
