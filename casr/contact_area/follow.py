@@ -17,14 +17,14 @@ from casr.errors import PinsError
 Array = NDArray[np.float64]
 
 FEWEST_PINS, FEWEST_FRAMES = 7, 2
-ELSEWHERE = 0.15
-"Misfit of the library from which on the analytic field is tried, too."
+ELSEWHERE = 0.06
+"Misfit of the library from which on the analytic field is fitted, too."
 FAR_BETTER = 0.5
-"It is taken where its misfit is less than this share of the library's."
+"Alone it is taken where its misfit is less than this share of the library's; else both count."
 
 
 def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library: Library) -> ContactFront:
-    """The contact in T frames, by the library of finite-element domes or, where that explains nothing, analytically.
+    """The contact in T frames: by the library of finite-element domes, analytically where that explains far more, or both.
 
     Parameters
     ----------
@@ -49,7 +49,27 @@ def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
         other = analytic_front(rest_px, pins_px, camera)
         if other.misfit < FAR_BETTER * front.misfit:
             front = replace(other, notes=(_said(other, front),))
+        else:
+            front = _both(front, other)
     return front.with_note_on_size()
+
+
+def _both(library: ContactFront, analytic: ContactFront) -> ContactFront:
+    """The mean of the logarithms by the two models, weighted by their misfits; half their distance is in the error."""
+    votes = 1 / np.array([library.misfit, analytic.misfit]) ** 2
+    of_library, of_analytic = votes / votes.sum()
+    logs = np.log(library.area), np.log(analytic.area)
+    parts = dict(library.parts)
+    parts["dome"] = np.hypot(parts["dome"], np.abs(logs[0] - logs[1]) / 2)
+    return replace(
+        library,
+        area=np.exp(of_library * logs[0] + of_analytic * logs[1]),
+        candidates=np.concatenate([library.candidates, analytic.candidates]),
+        weight=np.append(of_library * library.weight, of_analytic),
+        spread_weight=np.append(of_library * library.spread_weight, of_analytic),
+        parts=parts,
+        model="both",
+    )
 
 
 def _said(analytic: ContactFront, library: ContactFront) -> str:

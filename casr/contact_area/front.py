@@ -27,7 +27,7 @@ class ContactFront:
     pins_inside : (T,) pins whose roots are inside the edge. pitches : (T,) radius of the contact over the pins' pitch.
     misfit : share of the motion that the best world leaves over beyond the scatter of the pins.
     model_sd : relative standard error of an area although the model explains the motion; within "dome".
-    model : ``finite elements`` or ``analytic``. dome, stiffness_n_per_mm : of the best world.
+    model : ``finite elements``, ``analytic`` or ``both``. dome, stiffness_n_per_mm : of the best world.
     log_misfit : name of each dome to the logarithm of its least misfit.
     shear_px, torsion_deg : (T, 2) and (T,) motion of the pins inside as a whole, and their turn about the centre.
     notes : what a reader should know.
