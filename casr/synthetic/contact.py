@@ -65,9 +65,9 @@ class ContactWorld:
         """What is not known to be so."""
         return ("from stick_force_n on the contact is a piece of skin that stretches as the contact grows",)
 
-    def press(self, settings: PressSettings, centre_mm: tuple[float, float]) -> StickSkin:
+    def press(self, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float = 1.0) -> StickSkin:
         """The skin of one press."""
-        return StickSkin(self, settings, centre_mm)
+        return StickSkin(self, settings, centre_mm, area_factor)
 
     def modulus_mpa(self, stiffness_n_per_mm: float) -> float:
         """Reduced modulus of dome and specimen in series, MPa."""

@@ -19,7 +19,7 @@ class Scene:
 
     Parameters
     ----------
-    settings : the press.
+    settings : the press, as it was meant; ``drawn`` is in what it differs.
 
     Raises
     ------
@@ -28,11 +28,14 @@ class Scene:
 
     def __init__(self, settings: PressSettings) -> None:
         self.settings = settings
-        self.draws = Draws(settings.seed, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition)
+        self.draws = Draws(
+            settings.seed, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, settings.mounting
+        )
+        self.drawn = settings.scatter.drawn(self.draws)
         camera = settings.camera
         self.rim = Rim((camera.cx_px, camera.cy_px), settings.skin.mask_radius_px)
         self.rest_px = settings.skin.pins_px(self.rim.centre_px)
-        self.skin = settings.world.press(settings, self._landing_mm())
+        self.skin = settings.world.press(self.drawn.actual(settings), self._landing_mm(), self.drawn.area)
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property

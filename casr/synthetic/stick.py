@@ -27,8 +27,10 @@ class StickSkin:
     Areas are those seen in the image plane, so that a tilt of the sensor takes its cosine.
     """
 
-    def __init__(self, world: ContactWorld, settings: PressSettings, centre_mm: tuple[float, float]) -> None:
-        self._world, self._settings = world, settings
+    def __init__(
+        self, world: ContactWorld, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float
+    ) -> None:
+        self._world, self._settings, self._radius_factor = world, settings, math.sqrt(area_factor)
         camera = settings.camera
         self._rim = Rim((camera.cx_px, camera.cy_px), settings.skin.mask_radius_px)
         self._cos = math.cos(math.radians(settings.angle_deg))
@@ -45,7 +47,7 @@ class StickSkin:
         return ContactState(radius_mm=min(self._radius_mm(force_n), self._largest_mm), normal_n=force_n)
 
     def _radius_mm(self, force_n: float) -> float:
-        return float(self._world.radius_mm(force_n, self._settings.stiffness_n_per_mm))
+        return self._radius_factor * float(self._world.radius_mm(force_n, self._settings.stiffness_n_per_mm))
 
     def _inside_rim(self, peak_n: float) -> float:
         """The largest radius, mm: it leaves ``RIM_GAP_PX`` along every ray."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.dome.library import DEFAULT_WORLD, Library, shipped
+from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import SettingError
 from casr.synthetic.region import ContactEllipse, Points
@@ -25,6 +27,12 @@ _SOFTER = 0.8
 "Of the softest table: the scatter of specimens."
 
 
+@cache
+def tabulated(tables: str) -> Library:
+    """A shipped library by its name, or the tables of a folder. SettingError where there are none."""
+    return shipped(tables) if tables in (SHIPPED, DEFAULT_WORLD) else read_library(Path(tables))
+
+
 @dataclass(frozen=True, kw_only=True)
 class TabulatedWorld:
     """A dome of 20 mm (skin 0.8 MPa over gel 0.03 MPa) on cylinders of 35 mm radius and 25 mm height.
@@ -37,7 +45,7 @@ class TabulatedWorld:
     Parameters
     ----------
     friction : ``stick`` or ``frictionless``.
-    dome : of ``tables``. tables : name of a shipped library.
+    dome : of ``tables``. tables : name of a shipped library, or a folder of a lab's own tables (casr.dome.tables).
     """
 
     friction: str = "stick"
@@ -45,7 +53,7 @@ class TabulatedWorld:
     tables: str = DEFAULT_WORLD
 
     def __post_init__(self) -> None:
-        library = shipped(self.tables)
+        library = tabulated(self.tables)
         known = sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True)))
         if (self.dome, self.friction) not in known:
             raise SettingError(
@@ -64,12 +72,12 @@ class TabulatedWorld:
             "above 5 N and between the tables' stiffnesses the field is continued and interpolated",
         )
 
-    def press(self, settings: PressSettings, centre_mm: tuple[float, float]) -> TabulatedSkin:
-        return TabulatedSkin(self, settings, centre_mm)
+    def press(self, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float = 1.0) -> TabulatedSkin:
+        return TabulatedSkin(self, settings, centre_mm, area_factor)
 
     def solution(self, stiffness_n_per_mm: float) -> tuple[Array, Array, Array]:
         """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables."""
-        library = shipped(self.tables)
+        library = tabulated(self.tables)
         rows = np.flatnonzero((library.dome == self.dome) & (library.friction == self.friction))
         rows = rows[np.argsort(-library.stiffness_n_per_mm[rows])]
         softness = library.stiffness_n_per_mm[rows] ** -0.5
@@ -91,7 +99,7 @@ class TabulatedWorld:
     def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float) -> Array:
         """Contact radius at forces."""
         force, _, _ = self.solution(stiffness_n_per_mm)
-        return _radius(force, shipped(self.tables), np.asarray(force_n, dtype=np.float64))
+        return _radius(force, tabulated(self.tables), np.asarray(force_n, dtype=np.float64))
 
 
 def _radius(table_force_n: Array, library: Library, force_n: Array) -> Array:
@@ -107,7 +115,9 @@ def _radius(table_force_n: Array, library: Library, force_n: Array) -> Array:
 class TabulatedSkin:
     """The skin of one press in the tabulated world."""
 
-    def __init__(self, world: TabulatedWorld, settings: PressSettings, centre_mm: tuple[float, float]) -> None:
+    def __init__(
+        self, world: TabulatedWorld, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float
+    ) -> None:
         camera = settings.camera
         pin_length_mm = camera.sensor.pin_length_mm
         if pin_length_mm is None or camera.sensor.dome_radius_mm not in (None, OUTER_RADIUS_MM):
@@ -115,7 +125,7 @@ class TabulatedSkin:
                 "camera.sensor", wanted=f"pin_length_mm, on a dome of {OUTER_RADIUS_MM:g} mm",
                 found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
-        self._library = shipped(world.tables)
+        self._library, self._radius_factor = tabulated(world.tables), math.sqrt(area_factor)
         self._force_n, self._edge_mm, self._motion = world.solution(settings.stiffness_n_per_mm)
         self._view = DomeView(
             focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
@@ -127,7 +137,8 @@ class TabulatedSkin:
         self._first = self.state(settings.timeline.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        return ContactState(radius_mm=float(_radius(self._force_n, self._library, np.array(force_n))), normal_n=force_n)
+        radius_mm = self._radius_factor * float(_radius(self._force_n, self._library, np.array(force_n)))
+        return ContactState(radius_mm=radius_mm, normal_n=force_n)
 
     def area_mm2(self, state: ContactState) -> float:
         return math.pi * state.radius_mm**2

@@ -61,5 +61,8 @@ class World(Protocol):
     def assumptions(self) -> tuple[str, ...]:
         """What is not known to be so."""
 
-    def press(self, settings: PressSettings, centre_mm: tuple[float, float]) -> PressedSkin:
-        """The skin of one press; ``centre_mm`` is how far the contact lands from where it was meant to."""
+    def press(self, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float = 1.0) -> PressedSkin:
+        """The skin of one press.
+
+        centre_mm : how far the contact lands from where it was meant to. area_factor : of its area at a force.
+        """
