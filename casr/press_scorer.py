@@ -78,7 +78,7 @@ class PressScorer:
         return step
 
     def areas(self, force_n: Array | None) -> Array:
-        """(T,) area of the first contact's skin, ``area_unit``, in all frames so far, or as many as there are forces."""
+        """(T,) area of the first contact's skin in ``area_unit``: all frames so far, or as many as there are forces."""
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
         law = self._settings.area_law
         growth = [step.log_growth if law == "ode" else step.divergence for step in steps]

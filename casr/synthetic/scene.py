@@ -12,6 +12,7 @@ from casr.synthetic.draws import Draws
 from casr.synthetic.region import ContactEllipse, Points, Rim
 from casr.synthetic.render import render
 from casr.synthetic.settings import PressSettings
+from casr.synthetic.world import Pressing
 
 
 class Scene:
@@ -32,7 +33,16 @@ class Scene:
         camera = settings.camera
         self.rim = Rim((camera.cx_px, camera.cy_px), settings.skin.mask_radius_px)
         self.rest_px = settings.skin.pins_px(self.rim.centre_px)
-        self.skin = settings.world.press(settings, self._landing_mm())
+        pressing = Pressing(
+            stiffness_n_per_mm=settings.stiffness_n_per_mm,
+            angle_deg=settings.angle_deg,
+            centre_mm=self._landing_mm(),
+            camera=camera,
+            mask_radius_px=settings.skin.mask_radius_px,
+            start_n=settings.timeline.start_n,
+            peak_n=settings.timeline.peak_n,
+        )
+        self.skin = settings.world.press(pressing)
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +12,7 @@ from casr.dome.library import DEFAULT_WORLD, Library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import SettingError
 from casr.synthetic.region import ContactEllipse, Points
-from casr.synthetic.world import ContactState
-
-if TYPE_CHECKING:
-    from casr.synthetic.settings import PressSettings
+from casr.synthetic.world import ContactState, Pressing
 
 Array = NDArray[np.float64]
 
@@ -64,8 +60,9 @@ class TabulatedWorld:
             "above 5 N and between the tables' stiffnesses the field is continued and interpolated",
         )
 
-    def press(self, settings: PressSettings, centre_mm: tuple[float, float]) -> TabulatedSkin:
-        return TabulatedSkin(self, settings, centre_mm)
+    def press(self, pressing: Pressing) -> TabulatedSkin:
+        """The skin of one press."""
+        return TabulatedSkin(self, pressing)
 
     def solution(self, stiffness_n_per_mm: float) -> tuple[Array, Array, Array]:
         """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables."""
@@ -107,8 +104,8 @@ def _radius(table_force_n: Array, library: Library, force_n: Array) -> Array:
 class TabulatedSkin:
     """The skin of one press in the tabulated world."""
 
-    def __init__(self, world: TabulatedWorld, settings: PressSettings, centre_mm: tuple[float, float]) -> None:
-        camera = settings.camera
+    def __init__(self, world: TabulatedWorld, pressing: Pressing) -> None:
+        camera, centre_mm = pressing.camera, pressing.centre_mm
         pin_length_mm = camera.sensor.pin_length_mm
         if pin_length_mm is None or camera.sensor.dome_radius_mm not in (None, OUTER_RADIUS_MM):
             raise SettingError(
@@ -116,15 +113,15 @@ class TabulatedSkin:
                 found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
         self._library = shipped(world.tables)
-        self._force_n, self._edge_mm, self._motion = world.solution(settings.stiffness_n_per_mm)
+        self._force_n, self._edge_mm, self._motion = world.solution(pressing.stiffness_n_per_mm)
         self._view = DomeView(
             focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
             pin_length_mm=pin_length_mm,
         )  # fmt: skip
-        x = math.radians(settings.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
+        x = math.radians(pressing.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
         y = centre_mm[1] / OUTER_RADIUS_MM
         self._axis = np.array([math.sin(x) * math.cos(y), math.sin(y), math.cos(x) * math.cos(y)])
-        self._first = self.state(settings.timeline.start_n)
+        self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
         return ContactState(radius_mm=float(_radius(self._force_n, self._library, np.array(force_n))), normal_n=force_n)

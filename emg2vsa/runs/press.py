@@ -56,8 +56,8 @@ class ScoredPress:
 def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     """Score a press whose frames are there. CasrError where it cannot be scored.
 
-    Growth of skin is measured once: with the consistent area law the areas of all algorithms but ``front`` differ by the
-    factor of their A_c0 alone.
+    Growth of skin is measured once: with the consistent area law the areas of all algorithms but ``front`` differ by
+    the factor of their A_c0 alone.
     """
     assert press.frames is not None
     scored = score(press.frames, _within_reach(settings, press.frames))
@@ -137,7 +137,7 @@ def picture_of(press: Press, scored: ScoredPress, algorithm: str) -> ContactPict
 
 
 def _by_front(scored: Score, start_n: float) -> tuple[float, float, float]:
-    """Area in the first frame and where loading begins, on the power law of the front, and its rate; NaN without one."""
+    """Area in the first frame and where loading begins, on the front's power law, and its rate; NaN without one."""
     rate = scored.front_spread.rate if scored.front_spread else None
     if rate is None or rate.law is None or scored.force_n is None:
         return np.nan, np.nan, np.nan
