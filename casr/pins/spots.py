@@ -47,11 +47,11 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
     """
     widest = max(float(reach_px.max(initial=0.0)), SMALLEST_REACH_PX)
     margin = int(widest)
-    disc, distance = _disc(int(widest**2))
+    disc = _disc(int(widest**2))
     padded = cast(Grey, cv2.copyMakeBorder(image, margin, margin, margin, margin, cv2.BORDER_REPLICATE))
     limit = np.array([image.shape[1], image.shape[0]]) - 1.0
     centres = np.clip(np.rint(near_px), 0, limit)
-    found = _weigh(padded, centres, reach_px, disc, distance)
+    found = _weigh(padded, centres, reach_px, disc)
     for _ in range(MOST_ROUNDS):
         # a disc off its pin is good enough while the whole pin is still in it
         slack = np.maximum(reach_px - SOFT_EDGE_PX - np.sqrt(found[:, 2] / np.pi), 0.5)
@@ -59,49 +59,39 @@ def measure_spots(image: Grey, near_px: NDArray[np.float64], reach_px: NDArray[n
         if not off.size:
             break
         centres[off] = np.clip(np.rint(found[off, :2]), 0, limit)
-        found[off] = _weigh(padded, centres[off], reach_px[off], disc, distance)
+        found[off] = _weigh(padded, centres[off], reach_px[off], disc)
     return Spots(found[:, :2], found[:, 2], found[:, 3])
 
 
 @lru_cache(maxsize=64)
-def _disc(radius_squared: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """(K, 3) offsets x, y and ones, and (K,) distance of the pixels of a disc."""
+def _disc(radius_squared: int) -> NDArray[np.float32]:
+    """(K, 3) offsets x, y and distance of the pixels of a disc."""
     k = math.isqrt(radius_squared)
     y, x = np.mgrid[-k : k + 1, -k : k + 1]
     inside = x * x + y * y <= radius_squared
-    disc: NDArray[np.float32] = np.stack([x, y, np.ones_like(x)], axis=-1)[inside].astype(np.float32)
-    distance: NDArray[np.float32] = np.hypot(x, y)[inside].astype(np.float32)
-    disc.flags.writeable = distance.flags.writeable = False
-    return disc, distance
+    disc: NDArray[np.float32] = np.stack([x, y, np.hypot(x, y)], axis=-1)[inside].astype(np.float32)
+    disc.flags.writeable = False
+    return disc
 
 
 def _weigh(
-    padded: Grey,
-    centres: NDArray[np.float64],
-    reach_px: NDArray[np.float64],
-    disc: NDArray[np.float32],
-    distance: NDArray[np.float32],
+    padded: Grey, centres: NDArray[np.float64], reach_px: NDArray[np.float64], disc: NDArray[np.float32]
 ) -> NDArray[np.float64]:
     """(N, 4): centroid, area, contrast; the padding of the image is the radius of the disc."""
     width = padded.shape[1]
     start = (centres @ (1, width)).astype(np.intp) - int(disc[:, :2].min()) * (width + 1)
     step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
     grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
-    beyond = (distance > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
+    beyond = (disc[:, 2] > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
     background = np.partition(grey[:, ::EVERY] + beyond[:, ::EVERY], RANK, axis=1)[:, RANK]
     grey -= beyond
-    contrast = grey.max(axis=1) - background
-    bright = grey > (background + np.float32(0.5) * contrast)[:, None]
-    # in place, and sums as products with ones: memory is what this costs
-    height = np.subtract(grey, (background + np.float32(LEVEL_FRACTION) * contrast)[:, None], out=grey)
-    np.maximum(height, 0.0, out=height)
+    top = grey.max(axis=1)
+    found = np.empty((len(centres), 4))
     with np.errstate(divide="ignore", invalid="ignore"):  # nothing above the background, or no pixel to tell it from
-        weight = height + np.float32(SOFT_FRACTION) * contrast[:, None]
-        np.divide(height, weight, out=weight)
-        weight *= height
-        sums = (weight @ disc).astype(np.float64)
-        found = np.empty((len(centres), 4))
-        found[:, :2] = centres + sums[:, :2] / sums[:, 2:]
-    found[:, 2] = bright.view(np.uint8).astype(np.float32) @ disc[:, 2]
+        contrast = top - background
+        weight = np.maximum(grey - (background + np.float32(LEVEL_FRACTION) * contrast)[:, None], 0.0)
+        weight *= weight / (weight + np.float32(SOFT_FRACTION) * contrast[:, None])
+        found[:, :2] = centres + (weight @ disc[:, :2]).astype(np.float64) / weight.sum(axis=1)[:, None]
+        found[:, 2] = (grey > (background + 0.5 * contrast)[:, None]).sum(axis=1)
     found[:, 3] = contrast
     return found
