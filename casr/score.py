@@ -17,18 +17,23 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
     The loading phase is that of ``loading_phase``. Without a force log there is no spread rate, and loading is what the
     pins show: from ``first_touch``, or from frame 0 when the region is given, to the end of ``seen_loading``.
 
+    Bad frames are skipped as ``PressScorer`` says, with a note.
+
     Raises
     ------
     NoContactError : nothing touches. FramesError : no loading phase, too few frames or a force that does not rise.
-    PinsError : too few pins to start from or to go on with. SettingError : the region lies outside the image.
+    PinsError : too few pins to start from, or in three frames in a row. SettingError : the region lies outside the image
+        or holds fewer than three pins.
     """
     settings = settings or ScoreSettings()
     phase = _loading(sequence, settings)
     scorer = PressScorer(sequence.camera, settings)
-    rest, contact = sequence[phase.rest], sequence[int(phase.frames[0])]
+    rest, frames = sequence[phase.rest], phase.frames.tolist()
+    n_tried = 1
     with said_of(sequence.name):
-        scorer.touch(rest, contact)
-    for index in phase.frames[1:].tolist():
+        while not scorer.touch(rest, sequence[frames[n_tried - 1]]) and n_tried < len(frames):
+            n_tried += 1
+    for index in frames[n_tried:]:
         image = sequence[index]
         with said_of(f"{sequence.name}, frame {index}"):
             scorer.load(image)

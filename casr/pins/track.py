@@ -23,9 +23,19 @@ ONE_SIDE = 0.5  # of the root of the number of pins: so many vanish at once wher
 BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: at all; at first sight
 JUMPED_SHARE = 0.98  # the same where all jump by half a pitch: of a torn lattice parts fit one pitch further
 APART_SHARE, APART_PITCHES = 0.1, 0.06  # so many pins farther from where those around them went are torn off,
-FAR_APART_PITCHES = 0.2  # if all along one line; the quickest unloading has 0.1, in all directions; and by so much always
+FAR_APART_PITCHES = (
+    0.2  # if all along one line; the quickest unloading has 0.1, in all directions; and by so much always
+)
 ONE_WAY = 0.3  # mean square across a direction over that along it: a tear shifts along one, a contact spreads to all
-NOISY_GREY, NOISY_TIMES, NOISY_LINES = 5.0, 3.0, 0.1  # noise over this many times that at first, on a share of the lines
+NOISY_GREY, NOISY_TIMES, NOISY_LINES = (
+    5.0,
+    3.0,
+    0.1,
+)  # noise over this many times that at first, on a share of the lines
+KNOCK_NOTE = (
+    "all pins jump alike by over half their pitch, those at the border too: a knock of the camera, which is taken out; "
+    "if there are many, are these frames one press, in order?"
+)
 KNOCK_PITCHES, KNOCK_SCATTER = 0.5, 0.2  # by how much the border jumps at a knock; how far its pins may differ, pitches
 
 Points = NDArray[np.float64]
@@ -51,8 +61,8 @@ class PinTracker:
 
     A frame that shows fewer than half of the pins seen before, or noise in their place, is not believed: no pin has a
     place in it, and the next frame is looked at as if it had not been. The same befalls one in which over a quarter of
-    the pins vanish, or a few while all jump, or in which many part from those around them as where a frame is torn, unless it is
-    the first, or the one before was not believed either: what stays so is no accident.
+    the pins vanish, or a few while all jump, or in which many part from those around them as where a frame is torn,
+    unless it is the first, or the one before was not believed either: what stays so is no accident.
 
     Attributes
     ----------
@@ -60,11 +70,13 @@ class PinTracker:
     knock_px : (2,) how far knocks have moved the image since the first frame. A knock is a jump of the pins at the
         border of the array, all alike, by more than half a pitch between two frames: the border is what a contact moves
         last. The places of the pins are those in the image; without the knocks they are places - knock_px.
+    notes : what a reader should know of the last step.
     """
 
     def __init__(self, settings: PinSettings | None = None) -> None:
         self.pitch_px = float("nan")
         self.knock_px = np.zeros(2)
+        self.notes: tuple[str, ...] = ()
         self._settings = settings or PinSettings()
         self._started = False
 
@@ -84,7 +96,7 @@ class PinTracker:
         self._most_noise = max(NOISY_GREY, NOISY_TIMES * float(np.median(line_noise(self._frame))))
         self._gap = True  # before the first step anything may have happened
         self.pitch_px = self._pitch_px * self._view.reduction
-        self.knock_px = np.zeros(2)
+        self.knock_px, self.notes = np.zeros(2), ()
         self._started = True
         scale = self._view.reduction
         return replace(pins, centroids_px=self._view.in_frame(pins.centroids_px), area_px=pins.area_px * scale**2)
@@ -104,6 +116,7 @@ class PinTracker:
                 found=f"{grey.shape} {grey.dtype}",
                 do="Start a new tracker when the camera's format changes.",
             )
+        self.notes = ()
         if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
             places = self._advanced(grey)
             if not self._believed(grey, places):
@@ -158,6 +171,7 @@ class PinTracker:
         if np.hypot(*shift) <= KNOCK_PITCHES * self._pitch_px or scatter > KNOCK_SCATTER * self._pitch_px:
             return places
         self.knock_px = self.knock_px + shift * self._view.reduction
+        self.notes = (KNOCK_NOTE,)
         return replace(places, move_px=places.move_px - shift)
 
     def _look(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:
