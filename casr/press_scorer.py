@@ -14,24 +14,20 @@ from casr.errors import FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
-from casr.flow.step import notes_by_frame
+from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
-from casr.pins import PinTracker
+from casr.pins import PinTracker, pins_in_doubt
 from casr.scored import Score, ScoreSettings
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
 
 
-MOST_BAD_FRAMES = 2
-"So many bad frames in a row are skipped; one more ends the press."
-
-
 class PressScorer:
     """Scores one press from its rest frame, its first contact and the frames after; holds one image.
 
-    A bad frame (black, torn, or one in which the pins cannot be told) is left out of the score, and growth is measured on
-    from the last good one. Forces are given for all frames that were taken; those of bad frames are left out here.
+    A bad frame (black, torn, or one in which the pins cannot be told) is left out of the score, and growth is measured
+    on from the last good one. Forces are given for all frames that were taken; those of bad frames are left out here.
 
     Attributes
     ----------
@@ -72,10 +68,12 @@ class PressScorer:
         """
         self._tracker = PinTracker(self._settings.flow.pins)
         self._rest = self._tracker.start(rest_image)
+        doubts = pins_in_doubt(self._rest.centroids_px, self._settings.flow.pins.expect_pins)
         self._contact_px = self._tracker.step(contact_image)
         if not self._is_good(self._contact_px):
             return False
-        self._initial, self._region, self._notes = self._contact()
+        self._initial, self._region, notes = self._contact()
+        self._notes = (*doubts, *self._tracker.notes, *notes)
         self._flow.start(contact_image, self._region, self._contact_px)
         self._took(self._contact_px)
         return True

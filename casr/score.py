@@ -22,8 +22,8 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
     Raises
     ------
     NoContactError : nothing touches. FramesError : no loading phase, too few frames or a force that does not rise.
-    PinsError : too few pins to start from, or in three frames in a row. SettingError : the region lies outside the image
-        or holds fewer than three pins.
+    PinsError : too few pins to start from, or in three frames in a row. SettingError : the region lies outside the
+        image or holds fewer than three pins.
     """
     settings = settings or ScoreSettings()
     phase = _loading(sequence, settings)

@@ -6,7 +6,17 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.cli.arguments import AREA_RULES, add_frames, add_threshold, frame_pair, open_sequence, positive, say_notes
+from casr.cli.arguments import (
+    AREA_RULES,
+    add_frames,
+    add_pins,
+    add_threshold,
+    frame_pair,
+    open_sequence,
+    pin_settings,
+    positive,
+    say_notes,
+)
 from casr.command_line import Commands, add_command, add_json, print_json
 
 if TYPE_CHECKING:
@@ -32,6 +42,7 @@ def add_to(commands: Commands) -> None:
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
     )
     add_threshold(parser)
+    add_pins(parser.add_argument_group("pins"))
     add_json(parser)
     parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
 
@@ -39,14 +50,15 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from casr.contact_area import initial_area
     from casr.errors import NoContactError
-    from casr.pins import PinTracker
+    from casr.pins import PinTracker, pins_in_doubt
 
     sequence = open_sequence(arguments)
     rest_frame, contact_frame, notes = _frames(sequence, arguments)
-    tracker = PinTracker()
+    tracker = PinTracker(pin_settings(arguments))
     rest = tracker.start(sequence[rest_frame])
     contact_px = tracker.step(sequence[contact_frame])
-    say_notes((*notes, *rest.notes))
+    doubts = pins_in_doubt(rest.centroids_px, arguments.expect_pins)
+    say_notes((*notes, *rest.notes, *doubts, *tracker.notes))
     found: dict[str, InitialArea | None] = {}
     for rule in AREA_RULES:
         try:
@@ -87,7 +99,7 @@ def _frames(sequence: FrameSequence, arguments: argparse.Namespace) -> tuple[int
         return (*arguments.frames, ())
     with said_of(sequence.name):
         if sequence.force_n is None:
-            contact = first_touch(sequence, arguments.threshold_px)
+            contact = first_touch(sequence, arguments.threshold_px, pin_settings(arguments))
             return 0, contact, (f"no force log: the pins are touched from frame {contact} on; others with --frames",)
         phase = loading_phase(sequence.force_n, start_n=arguments.start_n)
     return phase.rest, int(phase.frames[0]), phase.notes

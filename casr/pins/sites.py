@@ -41,11 +41,6 @@ def lattice_kind(points_px: Points) -> Kind:
     return "square" if told.any() and four[told].mean() > six[told].mean() else "hexagonal"
 
 
-def cell_px2(pitch_px: float, kind: Kind) -> float:
-    """Area that each pin of the lattice has to itself, px^2."""
-    return pitch_px**2 * float(np.sin(np.deg2rad(TURN_DEG[kind])))
-
-
 @dataclass(frozen=True)
 class Sites:
     """What the lattice says of the pins: sites inside it that show none, and pins that stand on no site."""
@@ -103,25 +98,26 @@ class _Walk:
         bases = np.repeat(self._basis[rows], len(steps), axis=0)
         unique, which, support = np.unique(sites, axis=0, return_inverse=True, return_counts=True)
         which = which.reshape(-1)
-        free = np.array([site not in self.row_at for site in map(tuple, unique.tolist())], bool)
+        free = np.array([_site(site) not in self.row_at for site in unique], bool)
         place, basis = np.zeros((len(unique), 2)), np.zeros((len(unique), 2, 2))
         np.add.at(place, which, places)
         np.add.at(basis, which, bases)
         place, basis = place / support[:, None], basis / support[:, None, None]
-        candidates = np.flatnonzero(free & (support >= min(2, support[free].max(initial=1))))
+        within_px = WITHIN_PITCHES * np.hypot(*basis[:, 0].T)
         unnamed = np.flatnonzero(~self._known)
-        within_px = WITHIN_PITCHES * np.hypot(*basis[candidates, 0].T)
-        found, hits = match_pins(place[candidates], self._points_px[unnamed], max_distance_px=within_px)
-        if not len(found) and (support[free] > 1).any():
-            candidates = np.flatnonzero(free)
-            within_px = WITHIN_PITCHES * np.hypot(*basis[candidates, 0].T)
-            found, hits = match_pins(place[candidates], self._points_px[unnamed], max_distance_px=within_px)
-        for candidate, row in zip(candidates[found].tolist(), unnamed[hits].tolist(), strict=True):
-            self.row_at[tuple(unique[candidate].tolist())] = row
-            self._known[row], self._site[row], self._basis[row] = True, unique[candidate], basis[candidate]
-        for row in unnamed[hits].tolist():
+        for sites_told in (free & (support > 1), free):
+            candidates = np.flatnonzero(sites_told)
+            found, hits = match_pins(place[candidates], self._points_px[unnamed], max_distance_px=within_px[candidates])
+            if found.size:
+                self._name(unnamed[hits], unique[candidates[found]], basis[candidates[found]])
+                return True
+        return False
+
+    def _name(self, rows: NDArray[np.intp], sites: NDArray[np.intp], bases: Points) -> None:
+        self._known[rows], self._site[rows], self._basis[rows] = True, sites, bases
+        self.row_at.update(zip(map(_site, sites), rows.tolist(), strict=True))
+        for row in rows.tolist():
             self._learn(row)
-        return bool(len(found))
 
     def _learn(self, row: int) -> None:
         """The lattice around a pin from those that have a site already."""
@@ -131,6 +127,10 @@ class _Walk:
         self._basis[row] = inverse @ (steps.T @ ways + TRUST_BEFORE * self._basis[row])
 
 
+def _site(steps: NDArray[np.intp]) -> tuple[int, int]:
+    return int(steps[0]), int(steps[1])
+
+
 def _basis(points_px: Points, row: int, near: NDArray[np.intp], turn_deg: float) -> Points:
     """(2, 2) ways to the nearest pin and to the one that best stands a turn further round."""
     ways = points_px[near] - points_px[row]
@@ -138,6 +138,12 @@ def _basis(points_px: Points, row: int, near: NDArray[np.intp], turn_deg: float)
     turned = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     second = ways[0] @ turned
     return np.array([ways[0], ways[np.hypot(*(ways - second).T).argmin()]])
+
+
+def on_lattice(points_px: Points) -> bool:
+    """Whether most of the pins (N, 2) stand on a lattice; fewer than seven cannot tell and do not."""
+    n = len(points_px)
+    return n >= FEWEST_FOR_LATTICE and n - lattice_sites(points_px).n_beside >= ON_LATTICE * n
 
 
 def pins_in_doubt(points_px: Points, expect_pins: int | None = None) -> tuple[str, ...]:

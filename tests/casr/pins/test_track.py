@@ -122,27 +122,14 @@ def test_a_black_frame_loses_all_pins_and_the_next_finds_them(draw, hexagon_px):
     assert worst_px(tracker.step(draw(hexagon_px))[ids], hexagon_px) < 0.1
 
 
-def test_only_wanted_pins_are_followed_and_to_the_same_places(draw, hexagon_px):
-    frames = [draw(CENTRE + (1 + 0.01 * k) * (hexagon_px - CENTRE)) for k in range(5)]
-    every, _ = started(frames[0], hexagon_px)
-    some, _ = started(frames[0], hexagon_px)
-    wanted = np.arange(40, 80)
-    some.restrict(wanted)
-    for frame in frames[1:]:
-        all_px, some_px = every.step(frame), some.step(frame)
-        assert some_px[wanted] == pytest.approx(all_px[wanted], abs=0.01)
-        assert np.isnan(np.delete(some_px, wanted, axis=0)).all()
-
-
 def with_reflection(frame, at_px, radius_px=8):
     y, x = np.ogrid[:300, :300]
     return np.where(np.hypot(x - at_px[0], y - at_px[1]) <= radius_px, np.uint8(220), frame)
 
 
-def test_a_reflection_on_one_of_few_pins_does_not_move_the_others_by_a_pitch(draw, hexagon_px):
+def test_a_reflection_on_one_pin_does_not_move_the_others_by_a_pitch(draw, hexagon_px):
     tracker, ids = started(draw(hexagon_px), hexagon_px)
     few = np.flatnonzero(np.hypot(*(hexagon_px - hexagon_px[63]).T) < 30)
-    tracker.restrict(ids[few])
     leftmost = few[hexagon_px[few, 0].argmin()]
     beside = np.hypot(*(hexagon_px - hexagon_px[leftmost]).T).argsort()[1:]
     outside = next(row for row in beside if hexagon_px[row, 0] < hexagon_px[leftmost, 0] - 15)
@@ -167,8 +154,6 @@ def test_what_cannot_be_tracked_is_said(draw, hexagon_px):
     with pytest.raises(PinsError, match="start"):
         tracker.step(draw(hexagon_px))
     tracker.start(draw(hexagon_px))
-    with pytest.raises(PinsError, match="ids"):
-        tracker.restrict([3, 400])
     with pytest.raises(PinsError, match="first frame"):
         tracker.step(np.zeros((200, 300), np.uint8))
 
