@@ -50,7 +50,7 @@ class Sites:
 
 
 def lattice_sites(points_px: Points) -> Sites:
-    """Walk from the middle pin to its neighbours and on, with a pitch that may change slowly.
+    """Walk from a pin in the middle to its neighbours and on, with a pitch that may change slowly.
 
     Empty are the sites within the convex hull of those that have a pin: a corner of the array that is missing is not.
 
@@ -71,7 +71,7 @@ def lattice_sites(points_px: Points) -> Sites:
 
 
 class _Walk:
-    """Sites of pins, in steps along two neighbours of the middle pin.
+    """Sites of pins, in steps along two neighbours of the first.
 
     row_at : row of the pin at each site that has one.
     """
@@ -81,7 +81,7 @@ class _Walk:
         steps = np.array(STEPS[kind])
         self._steps = np.concatenate([steps, -steps])
         self._near = nearest_pins(points_px, LEARN_FROM)[1]
-        start = int(np.hypot(*(points_px - points_px.mean(axis=0)).T).argmin())
+        start = _best_surrounded(points_px, self._near, TURN_DEG[kind])
         self.row_at = {(0, 0): start}
         self._known = np.zeros(n, bool)
         self._site = np.zeros((n, 2), np.intp)
@@ -125,6 +125,15 @@ class _Walk:
         steps, ways = self._site[near] - self._site[row], self._points_px[near] - self._points_px[row]
         inverse = np.linalg.inv(steps.T @ steps + TRUST_BEFORE * np.eye(2))
         self._basis[row] = inverse @ (steps.T @ ways + TRUST_BEFORE * self._basis[row])
+
+
+def _best_surrounded(points_px: Points, near: NDArray[np.intp], turn_deg: float) -> int:
+    """Row of the pin with most others all around it where a lattice has them; of several, the one nearest the middle."""
+    ways = (points_px[near] - points_px[:, None]) @ (1, 1j)
+    turns = np.exp(1j * np.deg2rad(np.arange(0, 360, turn_deg)))
+    off = np.abs(ways[:, None, :] - (ways[:, :1] * turns)[..., None]).min(axis=2)
+    around = (off < WITHIN_PITCHES * np.abs(ways[:, :1])).sum(axis=1)
+    return int(np.lexsort((np.hypot(*(points_px - points_px.mean(axis=0)).T), -around))[0])
 
 
 def _site(steps: NDArray[np.intp]) -> tuple[int, int]:
