@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import cycle
 
-
 from benchmarks.tactile.method import Image, Method
 from benchmarks.tactile.timing import Run
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings

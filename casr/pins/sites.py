@@ -128,7 +128,7 @@ class _Walk:
 
 
 def _best_surrounded(points_px: Points, near: NDArray[np.intp], turn_deg: float) -> int:
-    """Row of the pin with most others all around it where a lattice has them; of several, the one nearest the middle."""
+    """Row of the pin that has most of the pins around it that a lattice has; of several, the one nearest the middle."""
     ways = (points_px[near] - points_px[:, None]) @ (1, 1j)
     turns = np.exp(1j * np.deg2rad(np.arange(0, 360, turn_deg)))
     off = np.abs(ways[:, None, :] - (ways[:, :1] * turns)[..., None]).min(axis=2)

@@ -157,7 +157,9 @@ def test_one_lost_pin_of_three_does_not_end_a_press() -> None:
     lost = whole.initial.selected[0]
     dirty = images.copy()
     for index in range(start + 5, start + 12):
-        dirty[index] = without_pin(images[index], pins[lost] + (pins[lost] - pins.mean(axis=0)) * 0.02 * (index - start))
+        dirty[index] = without_pin(
+            images[index], pins[lost] + (pins[lost] - pins.mean(axis=0)) * 0.02 * (index - start)
+        )
     found = scored(dirty, force, settings)
     assert any("fewer than 3 of the region's pins are seen: those just outside it help" in note for note in found.notes)
     assert len(found.frames) == len(whole.frames)
@@ -242,7 +244,7 @@ def test_pins_of_a_square_grid_count_a_square_each() -> None:
     assert found.area_px2 == pytest.approx(9 * 20.0**2)
     assert Region(found.polygon_px).area_px2 == pytest.approx(60.0**2)
     assert found.area_mm2 == pytest.approx(found.area_px2 * Camera().mm2_per_px2)
-    knocked = initial_area(pins, contact + (7.0, 0.0), rule="hexagon")
+    knocked = initial_area(pins, contact + np.array([7.0, 0.0]), rule="hexagon")
     assert knocked.selected.tolist() == inner.tolist()
     assert "common shift of all pins by (7.00, 0.00) px" in " ".join(knocked.notes)
 

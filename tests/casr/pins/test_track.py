@@ -191,7 +191,7 @@ def test_a_torn_frame_shows_no_pin_and_leaves_no_trace(draw, hexagon_px, by_px):
 
 
 def test_what_stays_torn_is_believed_in_the_end(draw, hexagon_px):
-    tracker, ids = started(draw(hexagon_px), hexagon_px)
+    tracker, _ = started(draw(hexagon_px), hexagon_px)
     tracker.step(draw(hexagon_px))
     seen = [np.isfinite(tracker.step(torn(draw(hexagon_px), 6))[:, 0]).mean() for _ in range(4)]
     assert seen[:2] == [0, 0]
