@@ -12,6 +12,7 @@ from casr.images import Grey
 from casr.pins import PinSettings
 
 SINGLE_FROM_ALPHA = 1.0
+MOST_BAD_FRAMES = 2  # so many in a row are left out; one more ends the press
 
 
 @dataclass(frozen=True, kw_only=True)
