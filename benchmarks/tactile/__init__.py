@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -13,7 +14,13 @@ KINDS = ("flow", "presses", "numerics")
 
 
 def run(
-    what: str, out: Path | None = None, *, n_seeds: int = 6, n_repetitions: int = 10, n_jobs: int = 1
+    what: str,
+    out: Path | None = None,
+    *,
+    n_seeds: int = 6,
+    n_repetitions: int = 10,
+    n_jobs: int = 1,
+    worlds: Sequence[str] = (),
 ) -> list[Table]:
     """Measure, print the tables, and with ``out`` write them there as text and CSV, with the plot.
 
@@ -24,32 +31,39 @@ def run(
     n_seeds : pairs of frames at each motion (``flow``, ``numerics``).
     n_repetitions : presses of each specimen and angle (``presses``); 10 in the paper.
     n_jobs : processes (``presses``).
+    worlds : judge areas, CASR and kappa by world instead of chains (``presses``); names and groups of ``worlds.GROUPS``.
 
     Raises
     ------
-    SettingError : an unknown comparison, or a number below 1.
+    SettingError : an unknown comparison or world, or a number below 1.
     """
     if what not in KINDS:
         raise SettingError("bench", wanted=" or ".join(KINDS), found=repr(what), do="Choose one of these.")
     for name, number in (("seeds", n_seeds), ("repetitions", n_repetitions), ("jobs", n_jobs)):
         if number < 1:
             raise SettingError(name, wanted="1 or more", found=repr(number), do="Ask for more.")
-    tables = _measured(what, out, n_seeds, n_repetitions, n_jobs)
+    if worlds and what != "presses":
+        raise SettingError("--world", wanted="it with presses", found=f"it with {what}", do="Leave --world out.")
+    tables = _measured(what, out, n_seeds, n_repetitions, n_jobs, worlds)
     text = "\n\n".join(table.text() for table in tables)
     print(text)
     if out:
-        write_text_atomic(out / f"{what}.txt", text + "\n")
+        write_text_atomic(out / f"{'worlds' if worlds else what}.txt", text + "\n")
         for table in tables:
             table.write(out)
     return tables
 
 
-def _measured(what: str, out: Path | None, n_seeds: int, n_repetitions: int, n_jobs: int) -> list[Table]:
+def _measured(
+    what: str, out: Path | None, n_seeds: int, n_repetitions: int, n_jobs: int, worlds: Sequence[str]
+) -> list[Table]:
     # each loads other libraries, some of them slowly
-    module = import_module(f"benchmarks.tactile.{what}")
+    module = import_module(f"benchmarks.tactile.{'world_tables' if worlds else what}")
     tables: list[Table]
     if what == "flow":
         tables = module.run_flow(out, n_seeds)
+    elif worlds:
+        tables = module.run_worlds(worlds, n_repetitions, n_jobs)
     elif what == "presses":
         tables = module.run_presses(n_repetitions, n_jobs)
     else:

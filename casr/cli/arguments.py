@@ -130,6 +130,11 @@ def html_file(text: str) -> Path:
     return Path(text)
 
 
+def names(text: str) -> tuple[str, ...]:
+    """Names with commas between them, each once."""
+    return tuple(dict.fromkeys(part.strip() for part in text.split(",")))
+
+
 def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     """Finite numbers between commas."""
     try:

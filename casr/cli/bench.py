@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import casr
+from casr.cli.arguments import names
 from casr.command_line import Commands, add_command, whole_number
 from casr.errors import SettingError
 
@@ -33,6 +34,11 @@ def add_to(commands: Commands) -> None:
         help="presses: of each specimen and angle (default 10)",
     )  # fmt: skip
     parser.add_argument("--jobs", type=whole_number, default=1, metavar="N", help="presses: processes (default 1)")
+    parser.add_argument(
+        "--world", type=names, default=(), metavar="NAMES",
+        help="presses: areas, CASR, intervals and kappa in these worlds: all, tabulated, full, domes, stick, or one of "
+        "them, as stick-0.43",
+    )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="DIR", help="write the tables and plots there too")
 
 
@@ -50,5 +56,6 @@ def run(arguments: argparse.Namespace) -> int:
         n_seeds=arguments.seeds,
         n_repetitions=arguments.repetitions,
         n_jobs=arguments.jobs,
+        worlds=arguments.world,
     )
     return 0

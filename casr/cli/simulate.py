@@ -8,11 +8,18 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.cli.arguments import not_negative, numbers, positive
+from casr.cli.arguments import names, not_negative, numbers, positive
 from casr.command_line import Commands, add_command, add_json, print_json, whole_number
 
 if TYPE_CHECKING:
-    from casr.synthetic import PressSettings
+    from casr.synthetic import PressSettings, World
+
+
+WORLDS = ("tabulated", "tabulated-frictionless", "stick", "front")
+_WORLD_HELP = (
+    "tabulated: finite elements, the skin sticks (default); tabulated-frictionless: it slides; stick: the contact grows "
+    "over the skin up to --stick-force-n, then stretches it; front: it never stretches it"
+)
 
 
 def add_to(commands: Commands) -> None:
@@ -27,7 +34,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("out", type=Path, metavar="OUT", help="folder to write to")
     presses = parser.add_argument_group("presses")
     presses.add_argument(
-        "--specimens", type=_names, default=("S1", "S3", "S5", "S2"), metavar="NAMES",
+        "--specimens", type=names, default=("S1", "S3", "S5", "S2"), metavar="NAMES",
         help="specimens of the paper, S1 to S5 (default S1,S3,S5,S2)",
     )  # fmt: skip
     presses.add_argument("--angles", type=numbers, default=(0.0, 30.0, 45.0), metavar="DEGREES", help="default 0,30,45")
@@ -35,6 +42,19 @@ def add_to(commands: Commands) -> None:
         "--repetitions", type=whole_number, default=10, metavar="N", help="of each specimen and angle (default 10)"
     )
     presses.add_argument("--force-max-n", type=positive, default=7.0, metavar="N", help="peak force, N (default 7)")
+    presses.add_argument("--world", choices=WORLDS, default=WORLDS[0], help=_WORLD_HELP)
+    presses.add_argument(
+        "--stick-force-n", type=positive, metavar="N",
+        help="with --world stick: force from which on the contact is a piece of skin (default 0.43)",
+    )  # fmt: skip
+    presses.add_argument(
+        "--scatter", choices=("realistic", "none"), default="realistic",
+        help="how presses of one kind differ: depth, stiffness and angle of a mounting; area, resting force and delay of "
+        "a press (default %(default)s)",
+    )  # fmt: skip
+    presses.add_argument(
+        "--mounting", type=_count, default=0, metavar="N", help="another mounting of sensor and specimens (default 0)"
+    )
     presses.add_argument("--seed", type=int, default=0, metavar="N", help="another sensor and other draws (default 0)")
     look = parser.add_argument_group("look of the frames")
     for name, default, words in (
@@ -78,9 +98,11 @@ def run(arguments: argparse.Namespace) -> int:
 def _planned(arguments: argparse.Namespace) -> dict[str, PressSettings]:
     """Name to settings of every press."""
     from casr.specimens import SPECIMENS
-    from casr.synthetic import Appearance, PressSettings, TimelineSettings
+    from casr.synthetic import REALISTIC, Appearance, PressSettings, Scatter, TimelineSettings
 
     _check(arguments, SPECIMENS, start_n=TimelineSettings.start_n)
+    world = _world(arguments)
+    scatter = REALISTIC if arguments.scatter == "realistic" else Scatter()
     appearance = Appearance(
         noise_grey=arguments.noise_grey, texture_grey=arguments.texture_grey, dirt_grey=arguments.dirt_grey,
         n_glare=arguments.glare, n_missing=arguments.missing_pins,
@@ -90,10 +112,28 @@ def _planned(arguments: argparse.Namespace) -> dict[str, PressSettings]:
     return {
         f"{specimen}_{angle:02g}deg_{repetition + 1:02d}": PressSettings(
             stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle, repetition=repetition, seed=arguments.seed,
-            appearance=appearance, timeline=timeline,
+            mounting=arguments.mounting, world=world, scatter=scatter, appearance=appearance, timeline=timeline,
         )
         for specimen, angle, repetition in every
     }  # fmt: skip
+
+
+def _world(arguments: argparse.Namespace) -> World:
+    from casr.errors import SettingError
+    from casr.synthetic import ContactWorld, TabulatedWorld
+
+    if arguments.stick_force_n is not None and arguments.world != "stick":
+        raise SettingError(
+            "--stick-force-n", wanted="it with --world stick", found=f"--world {arguments.world}",
+            do="Leave it out, or simulate that world.",
+        )  # fmt: skip
+    if arguments.world == "front":
+        return ContactWorld(stick_force_n=arguments.force_max_n)
+    if arguments.world == "stick":
+        return (
+            ContactWorld() if arguments.stick_force_n is None else ContactWorld(stick_force_n=arguments.stick_force_n)
+        )
+    return TabulatedWorld(friction="frictionless" if arguments.world == "tabulated-frictionless" else "stick")
 
 
 def _check(arguments: argparse.Namespace, known: dict[str, float], start_n: float) -> None:
@@ -140,10 +180,6 @@ def _print(made: list[dict[str, Any]], out: Path) -> None:
 def _say_progress(done: int, total: int) -> None:
     if sys.stderr.isatty():
         print(f"\rsimulate: {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(part.strip() for part in text.split(",")))
 
 
 def _count(text: str) -> int:

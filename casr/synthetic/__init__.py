@@ -4,6 +4,7 @@ from casr.synthetic.appearance import Appearance
 from casr.synthetic.contact import ContactWorld
 from casr.synthetic.press import SimulatedFrames, SimulatedPress, simulate_press
 from casr.synthetic.region import ContactEllipse
+from casr.synthetic.scatter import REALISTIC, Scatter
 from casr.synthetic.scene import Scene
 from casr.synthetic.settings import PressSettings, TimelineSettings
 from casr.synthetic.skin import TACTIP_127, Skin
@@ -13,6 +14,7 @@ from casr.synthetic.world import ContactState, World
 from casr.synthetic.write import write_press
 
 __all__ = [
+    "REALISTIC",
     "TACTIP_127",
     "Appearance",
     "ContactEllipse",
@@ -20,6 +22,7 @@ __all__ = [
     "ContactWorld",
     "PressSettings",
     "PressTruth",
+    "Scatter",
     "Scene",
     "SimulatedFrames",
     "SimulatedPress",

@@ -95,6 +95,7 @@ class StickSkin:
 
     def __init__(self, world: ContactWorld, pressing: Pressing) -> None:
         self._world, self._pressing = world, pressing
+        self._radius_factor = math.sqrt(pressing.area_factor)
         camera, centre_mm = pressing.camera, pressing.centre_mm
         self._rim = Rim((camera.cx_px, camera.cy_px), pressing.mask_radius_px)
         self._cos = math.cos(math.radians(pressing.angle_deg))
@@ -111,7 +112,7 @@ class StickSkin:
         return ContactState(radius_mm=min(self._radius_mm(force_n), self._largest_mm), normal_n=force_n)
 
     def _radius_mm(self, force_n: float) -> float:
-        return float(self._world.radius_mm(force_n, self._pressing.stiffness_n_per_mm))
+        return self._radius_factor * float(self._world.radius_mm(force_n, self._pressing.stiffness_n_per_mm))
 
     def _inside_rim(self, peak_n: float) -> float:
         """The largest radius, mm: it leaves ``RIM_GAP_PX`` along every ray."""

@@ -68,6 +68,8 @@ def simulate_press(settings: PressSettings | None = None) -> SimulatedPress:
     """
     settings = settings or PressSettings()
     scene = Scene(settings)
-    timeline = make_timeline(settings.timeline, settings.camera.frame_rate_hz, scene.draws)
+    timeline = make_timeline(
+        settings.timeline, settings.camera.frame_rate_hz, scene.draws, scene.drawn, settings.scatter.jitter_sd_s
+    )
     frames = SimulatedFrames(scene, timeline.frame_force_n)
     return SimulatedPress(settings, scene, timeline, press_truth(scene, timeline), frames)

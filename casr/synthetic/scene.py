@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +21,7 @@ class Scene:
 
     Parameters
     ----------
-    settings : the press.
+    settings : the press, as it was meant; ``drawn`` is in what it differs.
 
     Raises
     ------
@@ -29,18 +30,22 @@ class Scene:
 
     def __init__(self, settings: PressSettings) -> None:
         self.settings = settings
-        self.draws = Draws(settings.seed, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition)
+        self.draws = Draws(
+            settings.seed, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, settings.mounting
+        )
+        self.drawn = drawn = settings.scatter.drawn(self.draws)
         camera = settings.camera
         self.rim = Rim((camera.cx_px, camera.cy_px), settings.skin.mask_radius_px)
         self.rest_px = settings.skin.pins_px(self.rim.centre_px)
         pressing = Pressing(
-            stiffness_n_per_mm=settings.stiffness_n_per_mm,
-            angle_deg=settings.angle_deg,
+            stiffness_n_per_mm=settings.stiffness_n_per_mm * drawn.stiffness,
+            angle_deg=abs(settings.angle_deg + drawn.angle_deg),
             centre_mm=self._landing_mm(),
-            camera=camera,
+            camera=replace(camera, depth_mm=camera.depth_mm * drawn.depth),
             mask_radius_px=settings.skin.mask_radius_px,
             start_n=settings.timeline.start_n,
             peak_n=settings.timeline.peak_n,
+            area_factor=drawn.area,
         )
         self.skin = settings.world.press(pressing)
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px

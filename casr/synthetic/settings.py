@@ -9,6 +9,7 @@ from casr.camera import Camera, Sensor
 from casr.errors import SettingError
 from casr.specimens import SPECIMENS
 from casr.synthetic.appearance import Appearance
+from casr.synthetic.scatter import Scatter
 from casr.synthetic.skin import TACTIP_127, Skin
 from casr.synthetic.tabulated import TabulatedWorld
 from casr.synthetic.world import World
@@ -78,6 +79,8 @@ class PressSettings:
     stiffness_n_per_mm : of the specimen by plate indentation; see ``SPECIMENS``.
     angle_deg : between the sensor's axis and the normal of the specimen's surface; the contact moves along +x.
     repetition, seed : which of the presses of the sensor ``seed``.
+    mounting : which of the times that sensor and specimens were mounted.
+    scatter : in what presses differ from what was meant.
     centre_sd_mm : standard deviation of where the contact lands, along x and y; never more than twice that far.
     """
 
@@ -85,6 +88,8 @@ class PressSettings:
     angle_deg: float = 0.0
     repetition: int = 0
     seed: int = 0
+    mounting: int = 0
+    scatter: Scatter = field(default_factory=Scatter)
     centre_sd_mm: float = 0.5
     world: World = field(default_factory=TabulatedWorld)
     skin: Skin = TACTIP_127

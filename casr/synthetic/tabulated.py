@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.dome.library import DEFAULT_WORLD, Library, shipped
+from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import SettingError
 from casr.synthetic.region import ContactEllipse, Points
@@ -19,6 +21,12 @@ Array = NDArray[np.float64]
 _OUTLINE = 360
 _SOFTER = 0.8
 "Of the softest table: the scatter of specimens."
+
+
+@cache
+def tabulated(tables: str) -> Library:
+    """A shipped library by its name, or the tables of a folder. SettingError where there are none."""
+    return shipped(tables) if tables in (SHIPPED, DEFAULT_WORLD) else read_library(Path(tables))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +41,7 @@ class TabulatedWorld:
     Parameters
     ----------
     friction : ``stick`` or ``frictionless``.
-    dome : of ``tables``. tables : name of a shipped library.
+    dome : of ``tables``. tables : name of a shipped library, or a folder of a lab's own tables (casr.dome.tables).
     """
 
     friction: str = "stick"
@@ -41,7 +49,7 @@ class TabulatedWorld:
     tables: str = DEFAULT_WORLD
 
     def __post_init__(self) -> None:
-        library = shipped(self.tables)
+        library = tabulated(self.tables)
         known = sorted(set(zip(library.dome.tolist(), library.friction.tolist(), strict=True)))
         if (self.dome, self.friction) not in known:
             raise SettingError(
@@ -66,7 +74,7 @@ class TabulatedWorld:
 
     def solution(self, stiffness_n_per_mm: float) -> tuple[Array, Array, Array]:
         """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables."""
-        library = shipped(self.tables)
+        library = tabulated(self.tables)
         rows = np.flatnonzero((library.dome == self.dome) & (library.friction == self.friction))
         rows = rows[np.argsort(-library.stiffness_n_per_mm[rows])]
         softness = library.stiffness_n_per_mm[rows] ** -0.5
@@ -88,7 +96,7 @@ class TabulatedWorld:
     def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float) -> Array:
         """Contact radius at forces."""
         force, _, _ = self.solution(stiffness_n_per_mm)
-        return _radius(force, shipped(self.tables), np.asarray(force_n, dtype=np.float64))
+        return _radius(force, tabulated(self.tables), np.asarray(force_n, dtype=np.float64))
 
 
 def _radius(table_force_n: Array, library: Library, force_n: Array) -> Array:
@@ -112,7 +120,7 @@ class TabulatedSkin:
                 "camera.sensor", wanted=f"pin_length_mm, on a dome of {OUTER_RADIUS_MM:g} mm",
                 found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
-        self._library = shipped(world.tables)
+        self._library, self._radius_factor = tabulated(world.tables), math.sqrt(pressing.area_factor)
         self._force_n, self._edge_mm, self._motion = world.solution(pressing.stiffness_n_per_mm)
         self._view = DomeView(
             focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
@@ -124,7 +132,8 @@ class TabulatedSkin:
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        return ContactState(radius_mm=float(_radius(self._force_n, self._library, np.array(force_n))), normal_n=force_n)
+        radius_mm = self._radius_factor * float(_radius(self._force_n, self._library, np.array(force_n)))
+        return ContactState(radius_mm=radius_mm, normal_n=force_n)
 
     def area_mm2(self, state: ContactState) -> float:
         return math.pi * state.radius_mm**2

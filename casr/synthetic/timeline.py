@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.synthetic.draws import Draws
+from casr.synthetic.scatter import Drawn
 from casr.synthetic.settings import TimelineSettings
 
 FIRST_FRAME_ROW = 4.5
@@ -35,8 +36,10 @@ class Timeline:
     log_frame_index: NDArray[np.int64]
 
 
-def make_timeline(settings: TimelineSettings, frame_rate_hz: float, draws: Draws) -> Timeline:
-    """Timeline of the press of ``draws``: its speed, its start against the frame clock and its noise."""
+def make_timeline(
+    settings: TimelineSettings, frame_rate_hz: float, draws: Draws, drawn: Drawn, jitter_sd_s: float
+) -> Timeline:
+    """Timeline of the press of ``draws``: its speed, its start against the frame clock, its noise and its delays."""
     rng = draws.of("timing")
     rate = (
         (settings.peak_n - settings.start_n)
@@ -50,13 +53,15 @@ def make_timeline(settings: TimelineSettings, frame_rate_hz: float, draws: Draws
     frame_s = first_frame_s + np.arange(n_frames) / frame_rate_hz
     log_s = np.arange(math.ceil((frame_s[-1] + 1 / frame_rate_hz) * settings.log_rate_hz)) / settings.log_rate_hz
     noise_n = settings.force_noise_n * draws.of("force").standard_normal(log_s.size)
+    jitter_s = jitter_sd_s * draws.of("jitter").standard_normal(n_frames)
+    counted_s = np.maximum.accumulate(frame_s + drawn.latency_s + jitter_s)
     return Timeline(
         frame_time_s=frame_s,
         frame_force_n=_force(frame_s, touch_s, peak_s, rate, settings),
         peak_time_s=peak_s,
         log_time_s=log_s,
-        log_force_n=_force(log_s, touch_s, peak_s, rate, settings) + noise_n,
-        log_frame_index=np.searchsorted(frame_s, log_s).astype(np.int64) - 1,
+        log_force_n=_force(log_s, touch_s, peak_s, rate, settings) + drawn.force_zero_n + noise_n,
+        log_frame_index=np.searchsorted(counted_s, log_s).astype(np.int64) - 1,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ class PressTruth:
     Parameters
     ----------
     time_s, force_n : (T,) exposure, and force there without noise.
-    world : name. assumptions : of it.
+    world : name. assumptions : of it. drawn : what this press differs in from what was meant (``scatter.Drawn``).
     area_mm2 : (T,) contact area. area_px2 : (T,) the contact's ellipse in the image.
     centre_px : (x, y) of the contact, the same in all frames.
     semi_axes_px : (T, 2) of the contact's ellipse along x and y.
@@ -38,6 +38,7 @@ class PressTruth:
 
     world: str
     assumptions: tuple[str, ...]
+    drawn: dict[str, float]
     time_s: FloatArray
     force_n: FloatArray
     area_mm2: FloatArray
@@ -71,6 +72,7 @@ def press_truth(scene: Scene, timeline: Timeline) -> PressTruth:
     return PressTruth(
         world=scene.settings.world.name,
         assumptions=scene.settings.world.assumptions,
+        drawn=asdict(scene.drawn),
         time_s=timeline.frame_time_s,
         force_n=force,
         area_mm2=area_mm2,

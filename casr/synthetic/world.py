@@ -28,8 +28,9 @@ class Pressing:
     """Where and on what a sensor presses.
 
     stiffness_n_per_mm : of the specimen. angle_deg : of the sensor's axis from the normal, towards +x. centre_mm : how
-    far along x and y the contact lands from where it was meant to. camera, mask_radius_px : what sees it. start_n, peak_n :
-    forces between which the press counts as loading.
+    far along x and y the contact lands from where it was meant to. camera, mask_radius_px : what sees it. start_n,
+    peak_n : forces between which the press counts as loading. area_factor : of the contact in this press against that
+    of the world.
     """
 
     stiffness_n_per_mm: float
@@ -39,6 +40,7 @@ class Pressing:
     mask_radius_px: float
     start_n: float
     peak_n: float
+    area_factor: float
 
 
 class PressedSkin(Protocol):

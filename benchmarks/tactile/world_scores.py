@@ -1,0 +1,108 @@
+"""One simulated press of a world, rendered, scored and held against its truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from math import nan
+from unittest.mock import patch
+
+import cv2
+import numpy as np
+
+from benchmarks.tactile.metrics import percent_error
+from benchmarks.tactile.press_scores import rendered
+from benchmarks.tactile.worlds import world_named
+from casr.dome.view import INNER_RADIUS_MM
+from casr.errors import CasrError
+from casr.front_spread import FrontSpread
+from casr.score import Score, score
+from casr.scored import SkinSpread
+from casr.synthetic.press import SimulatedPress, simulate_press
+from casr.synthetic.settings import PressSettings
+
+FORCES_N = (0.5, 1.0, 2.0, 4.0)
+LEAST_PITCHES = 2.0
+"Of the true radius, from which on an error of the area counts."
+
+
+@dataclass(frozen=True)
+class Found:
+    """A number and its total 95 % interval; NaN where there is none."""
+
+    value: float = nan
+    low: float = nan
+    high: float = nan
+
+    def holds(self, truth: float) -> bool:
+        return self.low <= truth <= self.high
+
+
+@dataclass(frozen=True)
+class WorldScore:
+    """What was found on one press.
+
+    world : name. stiffness_n_mm, angle_deg, repetition : which press. refused : why there is no front; empty else.
+    area_error_percent : by force, N, where the true radius is ``LEAST_PITCHES`` pitches or more.
+    true_casr : mm^2/N. front, skin : found. skin_over_front : ratio of growths with its 95 % interval.
+    model, misfit : of the front.
+    """
+
+    world: str
+    stiffness_n_mm: float
+    angle_deg: float
+    repetition: int
+    true_casr: float
+    refused: str = ""
+    area_error_percent: dict[float, float] = field(default_factory=dict)
+    front: Found = Found()
+    skin: Found = Found()
+    skin_over_front: Found = Found()
+    model: str = ""
+    misfit: float = nan
+
+
+def world_scored(name: str, settings: PressSettings) -> WorldScore:
+    """Render this press in the world of that name, and score its frames as ``casr score`` does."""
+    cv2.setNumThreads(1)
+    bench = world_named(name)
+    assert bench.world is not None
+    press = simulate_press(replace(settings, world=bench.world))
+    result = WorldScore(
+        name, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, press.truth.casr_power_mm2_per_n
+    )
+    try:
+        with patch("casr.press_scorer.worlds", return_value=bench.library):  # a dome may be left out
+            found = score(rendered(press))
+    except CasrError as error:
+        return replace(result, refused=str(error))
+    spread = found.front_spread
+    return replace(
+        result,
+        refused=found.front_doubt or ("" if spread and spread.rate else "no rate"),
+        area_error_percent=_area_errors(found, press) if not found.front_doubt else {},
+        front=_found(spread) if spread else Found(),
+        skin=_found(found.skin),
+        skin_over_front=Found(*spread.skin_over_front) if spread else Found(),
+        model=found.front.model,
+        misfit=found.front.misfit,
+    )
+
+
+def _found(spread: FrontSpread | SkinSpread) -> Found:
+    if spread.rate is None:
+        return Found()
+    interval = spread.interval
+    return Found(spread.rate.value, interval.low, interval.high) if interval else Found(spread.rate.value)
+
+
+def _area_errors(found: Score, press: SimulatedPress) -> dict[float, float]:
+    truth, s = press.truth, press.settings
+    tip_mm = INNER_RADIUS_MM - (s.camera.sensor.pin_length_mm or 0.0)
+    pitch_mm = s.skin.pitch_px * s.camera.mm_per_px[0] * INNER_RADIUS_MM / tip_mm
+    errors = {}
+    for force_n in FORCES_N:
+        row = int(np.argmin(np.abs(truth.force_n[found.frames] - force_n)))
+        true_mm2 = float(truth.area_mm2[found.frames[row]])
+        if np.sqrt(true_mm2 / np.pi) >= LEAST_PITCHES * pitch_mm:
+            errors[force_n] = float(percent_error(found.front.area[row], true_mm2))
+    return errors
