@@ -31,7 +31,7 @@ def run(
     n_seeds : pairs of frames at each motion (``flow``, ``numerics``).
     n_repetitions : presses of each specimen and angle (``presses``); 10 in the paper.
     n_jobs : processes (``presses``).
-    worlds : judge areas, CASR and kappa by world instead of chains (``presses``); names and groups of ``worlds.GROUPS``.
+    worlds : areas, CASR and kappa by world instead of by chain (``presses``); names of ``worlds.GROUPS``.
 
     Raises
     ------

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 WORLDS = ("tabulated", "tabulated-frictionless", "stick", "front")
 _WORLD_HELP = (
-    "tabulated: finite elements, the skin sticks (default); tabulated-frictionless: it slides; stick: the contact grows "
-    "over the skin up to --stick-force-n, then stretches it; front: it never stretches it"
+    "tabulated: finite elements, the skin sticks (default); tabulated-frictionless: it slides; stick: the contact "
+    "grows over the skin up to --stick-force-n, then stretches it; front: it never stretches it"
 )
 
 
@@ -49,8 +49,8 @@ def add_to(commands: Commands) -> None:
     )  # fmt: skip
     presses.add_argument(
         "--scatter", choices=("realistic", "none"), default="realistic",
-        help="how presses of one kind differ: depth, stiffness and angle of a mounting; area, resting force and delay of "
-        "a press (default %(default)s)",
+        help="how presses of one kind differ: depth, stiffness and angle of a mounting; area, resting force and delay "
+        "of a press (default %(default)s)",
     )  # fmt: skip
     presses.add_argument(
         "--mounting", type=_count, default=0, metavar="N", help="another mounting of sensor and specimens (default 0)"

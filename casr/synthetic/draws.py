@@ -56,6 +56,6 @@ class Draws:
         )
 
     def of(self, stream: str, *number: int) -> np.random.Generator:
-        """For one of ``centre``, ``brightness``, ``timing``, ``force``, ``scatter``, ``jitter`` or ``frame`` (with number)."""
+        """For one of ``_STREAMS`` of this press; ``frame`` takes its number."""
         entropy = (self.seed, round(self.stiffness_n_per_mm * 1000), round(self.angle_deg * 1000), self.repetition)
         return np.random.default_rng(np.random.SeedSequence(entropy, spawn_key=(_STREAMS.index(stream), *number)))

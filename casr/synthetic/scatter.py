@@ -18,7 +18,7 @@ class Scatter:
     depth_sd : relative, of the camera's true depth about that in camera.toml; all presses of a mounting share it.
     stiffness_sd : relative, of a specimen; all its presses of a mounting share it.
     angle_sd_deg : of a specimen at an angle; all its presses of a mounting share it.
-    area_sd : relative, of the contact's area at a force, press by press: the skin is uneven, the contact lands elsewhere.
+    area_sd : relative, of the contact's area at a force, press by press: the skin is uneven.
     force_zero_sd_n : of what the force sensor reads at rest, press by press.
     latency_sd_s, jitter_sd_s : of the time from exposure to the log's count of the frame, press by press and frame by
         frame, about a mean that is known.
@@ -65,7 +65,7 @@ REALISTIC = Scatter(
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """One press against what was meant. depth, stiffness, area : factors. angle_deg, force_zero_n, latency_s : added."""
+    """A press against what was meant. depth, stiffness, area : factors. angle_deg, force_zero_n, latency_s : added."""
 
     depth: float
     stiffness: float
