@@ -13,12 +13,14 @@ from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.follow import contact_front
 from casr.contact_area.front import ContactFront
 from casr.dome.library import worlds
+from casr.errors import FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
+from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
-from casr.flow.step import notes_by_frame
+from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
 from casr.front_spread import FrontSpread, front_doubt, front_spread
-from casr.pins import PinTracker
+from casr.pins import PinTracker, pins_in_doubt
 from casr.scored import NO_SCALE, Score, ScoreSettings, SkinSpread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
@@ -28,10 +30,15 @@ Array = NDArray[np.float64]
 class PressScorer:
     """Scores one press from its rest frame, its first contact and the frames after; holds one image.
 
+    A bad frame (black, torn, or one in which the pins cannot be told) is left out of the score, and growth is measured
+    on from the last good one. Forces are given for all frames that were taken; those of bad frames are left out here.
+
     Attributes
     ----------
     log_growth : of the region since first contact.
-    pins_px : of every frame since first contact, (N, 2): the place of each pin of the rest frame, NaN where it is lost.
+    pins_px : of every good frame since first contact, (N, 2): the place of each pin of the rest frame, NaN where it is
+        lost.
+    good : (T,) which of the frames since first contact these are, counted from 0.
 
     Parameters
     ----------
@@ -47,42 +54,98 @@ class PressScorer:
         self._steps: list[FlowStep] = []
         self.log_growth = self._divergence = 0.0
         self.pins_px: list[Array] = []
+        self.good: list[int] = []
+        self._n_taken = self._n_bad = 0
 
-    def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> None:
+    def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> bool:
         """Initial area and contact region from the static frame and the frame of first contact.
+
+        Returns
+        -------
+        False if this frame is bad: touch again, with the next one.
 
         Raises
         ------
         NoContactError : no pin moved, and no region is given.
-        PinsError : too few pins. ImageError : not an image.
+        PinsError : too few pins in the rest frame, or too many bad frames in a row. ImageError : not an image.
+        SettingError : a region is given that holds fewer than three pins.
         """
         self._tracker = PinTracker(self._settings.flow.pins)
         self._rest = self._tracker.start(rest_image)
+        doubts = pins_in_doubt(self._rest.centroids_px, self._settings.flow.pins.expect_pins)
         self._contact_px = self._tracker.step(contact_image)
-        self._initial, self._region, self._notes = self._contact()
+        if not self._is_good(self._contact_px):
+            return False
+        self._initial, self._region, notes = self._contact()
+        self._notes = (*doubts, *self._tracker.notes, *notes)
         self._flow.start(contact_image, self._region, self._contact_px)
-        self.pins_px.append(self._contact_px)
+        self._took(self._contact_px)
+        return True
 
-    def load(self, image: NDArray[Any]) -> FlowStep:
-        """Growth up to the next frame. Raises PinsError when too few of the region's pins are left."""
+    def load(self, image: NDArray[Any]) -> FlowStep | None:
+        """Growth from the last good frame to the next one; None for a bad frame.
+
+        Raises PinsError at the third bad frame in a row. ImageError : not an image, or of another size.
+        """
         before = self._steps[-1].region if self._steps else self._region
         pins_px = self._tracker.step(image)
-        step = self._flow.step(image, pins_px)
+        if not self._is_good(pins_px):
+            return None
+        try:
+            step = self._flow.step(image, pins_px)
+        except PinsError as trouble:
+            self._bad(trouble)
+            return None
+        step = replace(step, notes=(*step.notes, *self._tracker.notes))
         if self._camera is not None and self._camera.distortion:
             growth = self._flat(step.region).area_px2 / self._flat(before).area_px2
             step = replace(step, log_growth=float(np.log(growth)))
         self._steps.append(step)
-        self.pins_px.append(pins_px)
+        self._took(pins_px)
         self.log_growth += step.log_growth
         self._divergence += step.divergence
         return step
 
+    def _is_good(self, pins_px: Array) -> bool:
+        if np.isfinite(pins_px).any():
+            return True
+        found = "none, or places that no press takes them to, as in a black, torn or foreign frame"
+        self._bad(
+            PinsError(
+                "pins",
+                wanted="most of the pins of the frame before",
+                found=found,
+                do="See why pins are lost: are the frames one press, in order?",
+            )
+        )
+        return False
+
+    def _bad(self, trouble: PinsError) -> None:
+        """A frame is skipped; raises what is wrong with it when there were too many in a row."""
+        self._n_taken += 1
+        self._n_bad += 1
+        if self._n_bad > MOST_BAD_FRAMES:
+            found = f"{trouble.found}, in {self._n_bad} frames in a row"
+            raise PinsError(trouble.where, wanted=trouble.wanted, found=found, do=trouble.do)
+
+    def _took(self, pins_px: Array) -> None:
+        self.pins_px.append(pins_px)
+        self.good.append(self._n_taken)
+        self._n_taken += 1
+        self._n_bad = 0
+
     def areas(self, force_n: Array | None) -> Array:
-        """(T,) area of the first contact's skin, ``area_unit``, in all frames so far, or as many as there are forces."""
+        """(T,) area of the first contact's skin in ``area_unit`` in the good frames, as far as there are forces."""
+        force_n = None if force_n is None else self._of_good(force_n)
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
         law = self._settings.area_law
         growth = [step.log_growth if law == "ode" else step.divergence for step in steps]
         return contact_areas(self._first_area, growth, force_n, law=law)
+
+    def _of_good(self, of_frames: NDArray[Any]) -> NDArray[Any]:
+        """Those of the good frames among values of the first frames since first contact."""
+        good = np.array(self.good, np.intp)
+        return of_frames[good[good < len(of_frames)]]
 
     def area_now(self, force_n: float) -> float:
         """Area of the first contact's skin, in ``area_unit``, in the last frame, whose force this is."""
@@ -91,8 +154,8 @@ class PressScorer:
         return float(contact_areas(self._first_area, [growth], [0.0, force_n], law=law)[-1])
 
     def rate(self, force_n: Array) -> SpreadRate:
-        """Rate at which the skin of the first contact grows, over the first T frames, whose forces these are."""
-        return self._rate_of(self.areas(force_n), force_n)
+        """Rate at which the skin of the first contact grows, over the first frames, whose forces these are."""
+        return self._rate_of(self.areas(force_n), self._of_good(force_n))
 
     def _rate_of(self, area: Array, force_n: Array) -> SpreadRate:
         s = self._settings
@@ -110,25 +173,42 @@ class PressScorer:
     def result(
         self, name: str, phase: LoadingPhase, force_n: Array | None, force_zero_sd_n: float | None = None
     ) -> Score:
-        """The score of the frames of ``phase``, whose forces are ``force_n`` (T,), or None without a force log.
+        """The score of the good frames of ``phase``.
 
+        Parameters
+        ----------
+        force_n : forces of all frames of ``phase``; None without a force log.
         force_zero_sd_n : standard error of the resting level; None where none was taken off.
+
+        Raises
+        ------
+        FramesError : fewer than two frames are good.
         """
-        steps = self._steps[: len(phase.frames) - 1]
+        frames = self._of_good(phase.frames)
+        skipped = sorted(set(phase.frames.tolist()) - set(frames.tolist()))
+        if len(frames) < 2:
+            raise FramesError(
+                "loading phase",
+                wanted="at least two frames in which the pins are seen",
+                found=f"{len(frames)} of {len(phase.frames)}",
+                do="See why pins are lost: are the frames one press, in order?",
+            )
+        steps = self._steps[: len(frames) - 1]
         skin = self._skin(force_n)
-        front = self._front(len(phase.frames))
+        front = self._front(len(frames))
         doubt = front_doubt(front)
         spread = None
         if not doubt:
             growth = np.array([step.log_growth for step in steps])
-            spread = front_spread(front, growth, force_n, self._rate_of, force_zero_sd_n)
-        of_steps = notes_by_frame(phase.frames[1:].tolist(), steps)
+            of_good = None if force_n is None else self._of_good(force_n)
+            spread = front_spread(front, growth, of_good, self._rate_of, force_zero_sd_n)
+        of_steps = notes_by_frame(frames[1:].tolist(), steps)
         return Score(
             name=name,
             settings=self._settings,
             rest_frame=phase.rest,
-            frames=phase.frames,
-            force_n=force_n,
+            frames=frames,
+            force_n=None if force_n is None else self._of_good(force_n),
             divergence=np.array([step.divergence for step in steps]),
             log_growth=np.array([step.log_growth for step in steps]),
             initial=self._initial,
@@ -143,6 +223,7 @@ class PressScorer:
             notes=_once(
                 *([] if self._camera else [NO_SCALE]),
                 *phase.notes,
+                *_skipped(skipped),
                 *self._notes,
                 *of_steps,
                 *front.notes,
@@ -169,6 +250,7 @@ class PressScorer:
         """
         settings = self._settings
         if settings.region is not None:
+            need_pins_inside(settings.region, self._contact_px)
             return self._given(settings.region), settings.region, ()
         asked = self._area_by(settings.area_rule)
         outline = asked if settings.area_rule == "edge" else self._area_by("edge")
@@ -199,6 +281,13 @@ class PressScorer:
 def _notes_of(skin: SkinSpread, front: FrontSpread | None) -> tuple[str, ...]:
     rates = [of.rate for of in (front, skin) if of is not None and of.rate is not None]
     return tuple(note for rate in rates for note in rate.notes)
+
+
+def _skipped(frames: list[int]) -> tuple[str, ...]:
+    if not frames:
+        return ()
+    which = f"frame {frames[0]} is" if len(frames) == 1 else f"frames {', '.join(map(str, frames))} are"
+    return (f"{which} skipped: the pins cannot be told there; growth is measured across the gap",)
 
 
 def _once(*notes: str) -> tuple[str, ...]:

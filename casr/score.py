@@ -26,11 +26,14 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
     log has times, those between are decoded. Without one there is no spread rate, and loading is what the pins show
     (``SeenLoading``), from frame 0 when the region is given.
 
+    Bad frames are skipped as ``PressScorer`` says, with a note.
+
     Raises
     ------
     NoContactError : nothing touches. FramesError : no loading phase, too few frames, forces that are not newtons or do
         not rise, or a lag that cannot be corrected.
-    PinsError : too few pins to start from or to go on with. SettingError : the region lies outside the image.
+    PinsError : too few pins to start from, or in three frames in a row. SettingError : the region lies outside the
+        image or holds fewer than three pins.
     """
     settings = settings or ScoreSettings()
     if sequence.force_n is None:
@@ -47,21 +50,20 @@ def _by_force(sequence: FrameSequence, forces: PressForces, settings: ScoreSetti
     with said_of(sequence.name):
         phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
     scorer, motion = PressScorer(sequence.camera, settings), SkinMotion(settings.flow.pins)
-    rest = first_image = None
+    rest, begun = None, False
     for index in (*frames_before(phase, sequence), *phase.frames.tolist()):
         image = sequence[index]
-        with said_of(sequence.name if first_image is None else f"{sequence.name}, frame {index}"):
+        with said_of(f"{sequence.name}, frame {index}" if begun else sequence.name):
             if index == phase.rest:
                 rest = image
             motion.take(index, image)
             if index < phase.frames[0]:
                 continue
-            if first_image is not None:
+            if begun:
                 scorer.load(image)
                 continue
             assert rest is not None
-            first_image = image
-            scorer.touch(rest, image)
+            begun = scorer.touch(rest, image)
     with said_of(sequence.name):
         force_n = forces.force_n[phase.frames]
         zero_sd_n = forces.zero.sd_n if forces.zero and forces.zero.taken_off else None
@@ -98,7 +100,7 @@ def _by_pins(sequence: FrameSequence, settings: ScoreSettings) -> Score:
         else:
             scoring.load(index, image)
     with said_of(sequence.name):
-        phase = loading.phase(len(sequence))
+        phase = loading.phase(len(sequence), motion.rest_px)
     return scoring.result(phase)
 
 
@@ -111,16 +113,17 @@ class _Scoring:
     def touch(self, index: int, image: NDArray[np.generic]) -> None:
         self._scorer = PressScorer(self._sequence.camera, self._settings)
         self._trouble: tuple[int, CasrError] | None = None
-        try:
-            self._scorer.touch(self._rest, image)
-        except (NoContactError, PinsError) as error:
-            self._trouble = index, error
+        self._begun = False
+        self.load(index, image)
 
     def load(self, index: int, image: NDArray[np.generic]) -> None:
         if self._trouble is None:
             try:
-                self._scorer.load(image)
-            except PinsError as error:
+                if self._begun:
+                    self._scorer.load(image)
+                else:
+                    self._begun = self._scorer.touch(self._rest, image)
+            except (NoContactError, PinsError) as error:
                 self._trouble = index, error
 
     def result(self, phase: LoadingPhase) -> Score:

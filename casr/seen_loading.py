@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from casr.errors import FramesError, NoContactError
 from casr.frames import FrameSequence, LoadingPhase
 from casr.pins import PinSettings, PinTracker
+from casr.pins.sites import on_lattice
 
 TOUCHED_PINS = 3  # one pin may be a reflection, two on a line span no contact
 OVER = 0.5  # of the farthest motion: below it the press is over
@@ -37,12 +38,14 @@ class SeenLoading:
         self.last, self.over = 0, False
         self._touched = False
         self._farthest_px = self._farthest_pin_px = 0.0
+        self._most = 0
 
     def take(self, index: int, moved_px: NDArray[np.float64]) -> None:
         """The next frame after 0, and how far each pin seen in it is from its place in frame 0, (n,) px."""
         if moved_px.size == 0:
             return
         self._farthest_pin_px = max(self._farthest_pin_px, float(moved_px.max()))
+        self._most = max(self._most, int(np.sum(moved_px > self._threshold_px)))
         self._touched = self._touched or touched(moved_px, self._threshold_px)
         if self.first is None:
             if not self._touched:
@@ -57,10 +60,13 @@ class SeenLoading:
             elif not self._from_start:
                 self.first, self._farthest_px, self._touched = None, 0.0, False
 
-    def phase(self, n_frames: int) -> LoadingPhase:
-        """The loading of a recording of so many frames. FramesError where it has fewer than two."""
+    def phase(self, n_frames: int, rest_px: NDArray[np.float64]) -> LoadingPhase:
+        """The loading of a recording of so many frames, with pins at (N, 2) in frame 0.
+
+        NoContactError where nothing touches, FramesError where loading has fewer than two frames.
+        """
         if self.first is None:
-            raise nothing_touched(self._threshold_px, self._farthest_pin_px)
+            raise nothing_touched(self._threshold_px, self._farthest_pin_px, self._most, rest_px)
         if self.last <= self.first:
             raise FramesError(
                 "loading phase",
@@ -82,14 +88,15 @@ def first_touch(sequence: FrameSequence, threshold_px: float, pins: PinSettings 
     """
     tracker = PinTracker(pins)
     rest_px = tracker.start(sequence[0]).centroids_px
-    farthest_px = 0.0
+    most, farthest_px = 0, 0.0
     for index in range(1, len(sequence)):
-        moved_px = np.hypot(*(tracker.step(sequence[index]) - rest_px).T)
+        moved_px = np.hypot(*(tracker.step(sequence[index]) - tracker.knock_px - rest_px).T)
         moved_px = moved_px[np.isfinite(moved_px)]
         if touched(moved_px, threshold_px):
             return index
+        most = max(most, int(np.sum(moved_px > threshold_px)))
         farthest_px = max(farthest_px, float(moved_px.max(initial=0.0)))
-    raise nothing_touched(threshold_px, farthest_px)
+    raise nothing_touched(threshold_px, farthest_px, most, rest_px)
 
 
 def touched(moved_px: NDArray[np.float64], threshold_px: float) -> bool:
@@ -97,10 +104,17 @@ def touched(moved_px: NDArray[np.float64], threshold_px: float) -> bool:
     return int(np.sum(moved_px > threshold_px)) >= TOUCHED_PINS
 
 
-def nothing_touched(threshold_px: float, farthest_px: float) -> NoContactError:
+def nothing_touched(threshold_px: float, farthest_px: float, most: int, rest_px: NDArray[np.float64]) -> NoContactError:
+    """What to say of frames in which at most so many pins moved, the farthest so far, of those at (N, 2) in frame 0."""
+    do = "Begin with a frame at rest, lower threshold_px (--threshold-px), or give the region."
+    if not on_lattice(rest_px):
+        do = (
+            "Frame 0 shows no lattice of pins: only sensors with pins can be scored. If it has some, help to find them "
+            "(--pitch, --contrast, --min-area, --dark-pins)."
+        )
     return NoContactError(
         "pins",
-        wanted=f"{TOUCHED_PINS} pins that move more than {threshold_px:g} px from frame 0",
-        found=f"at most {farthest_px:.2f} px",
-        do="Begin with a frame at rest, lower threshold_px (--threshold-px), or give the region.",
+        wanted=f"{TOUCHED_PINS} pins that move more than {threshold_px:g} px from frame 0 in one frame",
+        found=f"at most {most} of {len(rest_px)}; the farthest that any moves is {farthest_px:.2f} px",
+        do=do,
     )

@@ -27,7 +27,8 @@ class SkinMotion:
     frames : indices taken, the first at rest. moved_px : of each, the mean distance of the pins seen from where they
         are in the first; NaN where none is. same : of each, whether the image is that of the frame before it.
     kept_px : (N, 2) pins of each of the first 64 frames, NaN where lost.
-    away_px : (n,) how far each pin seen in the last frame is from where it is in the first.
+    rest_px : (N, 2) pins of the first frame. away_px : (n,) how far each pin seen in the last frame is from there,
+        knocks of the camera taken off.
     """
 
     def __init__(self, settings: PinSettings | None = None) -> None:
@@ -39,10 +40,10 @@ class SkinMotion:
     def take(self, index: int, image: NDArray[Any]) -> None:
         """The next frame. Raises PinsError when the first shows too few pins; later such frames have no motion."""
         if self._last is None:
-            self._rest_px = now_px = self._tracker.start(image).centroids_px
+            self.rest_px = now_px = self._tracker.start(image).centroids_px
         else:
             now_px = self._step(image)
-        away_px = np.hypot(*(now_px - self._rest_px).T)
+        away_px = np.hypot(*(now_px - self._tracker.knock_px - self.rest_px).T)
         self.away_px = away_px[np.isfinite(away_px)]
         self.frames.append(index)
         self.moved_px.append(float(self.away_px.mean()) if self.away_px.size else float("nan"))
@@ -55,4 +56,4 @@ class SkinMotion:
         try:
             return self._tracker.step(image)
         except PinsError:
-            return np.full_like(self._rest_px, np.nan)
+            return np.full_like(self.rest_px, np.nan)

@@ -20,6 +20,7 @@ from casr.skin_motion import SkinMotion
 from casr.spread import SpreadRate
 
 PHASES = ("rest", "loading", "done")
+SKIPPED = "the pins cannot be told: this frame is skipped"
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,9 @@ class StreamState:
     Parameters
     ----------
     frame : index of the frame, from 0. phase : one of ``PHASES``.
-    area : contact area in ``area_unit`` (``mm2`` or ``px2``), by the law of the settings; None out of contact.
-    log_growth : since first contact; None out of contact.
+    area : contact area in ``area_unit`` (``mm2`` or ``px2``), by the law of the settings; None out of contact and in a
+        frame that is skipped because its pins cannot be told.
+    log_growth : since first contact; None where the area is.
     notes : of this frame; also why the contact can no longer be followed, if so.
     """
 
@@ -68,7 +70,8 @@ class StreamScorer:
     def push(self, image: NDArray[Any], force_n: float) -> StreamState:
         """Take the next frame and its force, N; NaN where there is none: such a frame is skipped.
 
-        Pins that do not move or get lost are no error here: the note says so, and ``finish`` raises it if it matters.
+        A bad frame is skipped as ``PressScorer`` says. Pins that do not move, or bad frames in a row, are no error
+        here: the note says so, and ``finish`` raises it if it matters.
 
         Raises
         ------
@@ -161,7 +164,8 @@ class _Contact:
         self._scorer, self._motion = PressScorer(camera, settings), SkinMotion(settings.flow.pins)
         self._force_n = array("d")
         self._trouble: NoContactError | PinsError | None = None
-        self._n_scored = 0
+        self._n_taken = 0
+        self._bad = False
         self.first, self.peak_n = first, 0.0
 
     def take(self, rest: RestFrame, image: NDArray[Any], force_n: float, zero_n: float) -> tuple[str, ...]:
@@ -177,18 +181,21 @@ class _Contact:
 
     def _scored(self, rest: RestFrame, image: NDArray[Any], zero_n: float) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
-        if self._n_scored == 0:
+        if not self._scorer.good:
             still = rest.image(zero_n)
-            self._motion.take(0, still)
-            self._scorer.touch(still, image)
+            if self._n_taken == 0:
+                self._motion.take(0, still)
+            self._bad = not self._scorer.touch(still, image)
         else:
-            notes = self._scorer.load(image).notes
-        self._motion.take(self.first + self._n_scored, image)
-        self._n_scored += 1
-        return notes
+            step = self._scorer.load(image)
+            self._bad = step is None
+            notes = () if step is None else step.notes
+        self._motion.take(self.first + self._n_taken, image)
+        self._n_taken += 1
+        return (SKIPPED,) if self._bad else notes
 
     def state(self, frame: int, phase: str, notes: tuple[str, ...]) -> StreamState:
-        if self._trouble is not None:
+        if self._trouble is not None or self._bad:
             return StreamState(frame, phase, notes=notes)
         area = self._scorer.area_now(self._force_n[-1])
         return StreamState(frame, phase, area, self._scorer.area_unit, self._scorer.log_growth, notes)
@@ -196,10 +203,12 @@ class _Contact:
     def rate(self) -> SpreadRate:
         if self._trouble is not None:
             raise self._trouble
+        if not self._scorer.good:
+            raise FramesError("stream", wanted="a frame in contact with pins", found="none yet", do="Ask again later.")
         return self._scorer.rate(np.array(self._force_n))
 
     def result(self, phase: LoadingPhase, force_n: NDArray[np.float64]) -> Score:
-        if self._trouble is not None and self._n_scored < len(phase.frames):
+        if self._trouble is not None and self._n_taken < len(phase.frames):
             raise self._trouble
         scored, n = self._scorer.result("stream", phase, force_n), len(phase.frames)
         moved_px, same = (np.array(of_frame)[1 : n + 1] for of_frame in (self._motion.moved_px, self._motion.same))

@@ -272,8 +272,9 @@ class SimulationSettings:
 class RunSettings:
     """How the presses of the rig are scored (paper III.A, IV.A)."""
 
-    algorithm: Literal["edge", "hexagon", "circle", "paper"] = "edge"
-    "Initial area: edge of the contact; hexagons (the paper's new one); circle (previous work); paper: to the letter."
+    algorithm: Literal["front", "edge", "hexagon", "circle", "paper"] = "front"
+    """Contact area: its front in every frame; or the growth of the first contact's skin with the initial area by its
+    edge, hexagons (the paper's new one) or a circle (previous work); paper: to the letter."""
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
     "Loading phase that is scored, in newtons: CASR is the mean rate between the two (paper: over the frames between)."
     threshold_px: Positive = 2.0
@@ -286,7 +287,7 @@ class DiscriminationSettings:
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
     "Significance level."
-    old_algorithm: Literal["edge", "hexagon", "circle", "paper"] = "circle"
+    old_algorithm: Literal["front", "edge", "hexagon", "circle", "paper"] = "circle"
     "Vision algorithm that the one of the runs is compared with."
     equivalence_margin: Positive = 0.05
     "Areas, or rates, that differ by less than this share of their mean count as equal."

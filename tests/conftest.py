@@ -52,21 +52,39 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
     wide = _TILTED[angle_deg] * (1 + 0.05 * rng.standard_normal(presses))
     step = 6.0  # a hexagon
     curves = tuple(
-        PressCurve(force, area_mm2(specimen, angle_deg, force) * n + rng.normal(0, 0.3, force.size)) for n in noise
+        PressCurve(force, area_mm2(specimen, angle_deg, force) * n + rng.normal(0, 0.3, force.size), 0.5) for n in noise
     )
     return RunScores(
         specimen=specimen,
         angle_deg=angle_deg,
         condition=condition,
         simulated=True,
-        algorithm="edge",
+        algorithm="front",
         repetitions=np.arange(1, presses + 1),
         verdicts=("ok",) * presses,
         reasons=("",) * presses,
         area_unit="mm2",
-        a_c0={"edge": area, "hexagon": step * np.round(area / step), "circle": area * wide, "paper": area * 1.1},
-        start_area={"edge": 0.9 * area, "hexagon": 0.9 * area, "circle": area * wide, "paper": area * 1.1},
-        casr={"edge": rate * noise, "hexagon": rate * noise, "circle": rate * noise * wide, "paper": 3 * rate * noise},
+        a_c0={
+            "front": area,
+            "edge": 0.8 * area,
+            "hexagon": step * np.round(area / step),
+            "circle": area * wide,
+            "paper": area * 1.1,
+        },
+        start_area={
+            "front": 0.9 * area,
+            "edge": 0.7 * area,
+            "hexagon": 0.9 * area,
+            "circle": area * wide,
+            "paper": area * 1.1,
+        },
+        casr={
+            "front": rate * noise,
+            "edge": 0.9 * rate * noise,
+            "hexagon": rate * noise,
+            "circle": rate * noise * wide,
+            "paper": 3 * rate * noise,
+        },
         true_a_c0=np.full(presses, float(area_mm2(specimen, angle_deg, 0.5))),
         indent_n_per_mm=4
         * (2.5 + 10 / KAPPA_N_PER_MM[specimen]) ** (-2 / 3)

@@ -124,9 +124,11 @@ def flow_table(results: Sequence[FlowResult], absent: Sequence[str], n_seeds: in
             row += [float(errors.mean()), sample_sd(errors)]
         rows.append([*row, float(r.epe_px[RIM_MOTIONS_PX.index(TIMED_MOTION_PX)].mean())])
     rows += [[name, "not installed", *[None] * 8] for name in absent]
-    slow = f"{n_seeds} seeds; scikit-image and pyoptflow {min(SLOW_SEEDS, n_seeds)}. time: in units of {REFERENCE!r}."
+    slow = "; ".join(r.method.name for r in results if r.method.slow)
+    seeds = f"{n_seeds} seeds; {min(SLOW_SEEDS, n_seeds)} for these: {slow}" if slow else f"{n_seeds} seeds."
+    units = f"time: in units of {REFERENCE!r}. PyrLK is given the pins of the first frame."
     title = "Flow between two frames of 127 pins, 300 x 300 px, noise 2 grey levels"
-    return Table("flow", title, (*columns, ("EPE px", ".3f")), rows, (*NOTES, slow))
+    return Table("flow", title, (*columns, ("EPE px", ".3f")), rows, (*NOTES, units, seeds))
 
 
 def front_table(results: Sequence[FlowResult]) -> Table:

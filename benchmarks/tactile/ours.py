@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from itertools import cycle
 
-import numpy as np
-
 from benchmarks.tactile.method import Image, Method
 from benchmarks.tactile.timing import Run
 from casr.flow.horn_schunck import HornSchunck, HornSchunckSettings
@@ -28,8 +26,7 @@ def ours() -> list[Method]:
         horn_schunck_method("Horn-Schunck, whole frame", HornSchunckSettings()),
         Method("Horn-Schunck, contact only", _contact_only, ours=True),
         Method("pin-affine, pins found in both frames", _detected, ours=True),
-        Method("pin-affine, all pins followed", _all_followed, ours=True),
-        Method("pin-affine, contact's pins followed", _contact_followed, ours=True),
+        Method("pin-affine, pins followed", _followed, ours=True),
     ]
 
 
@@ -53,21 +50,11 @@ def _contact_only(first: Image, second: Image, core: Region) -> Run:
     return lambda: solver.step(next(frames), roi)
 
 
-def _all_followed(first: Image, second: Image, core: Region) -> Run:
-    return _followed(first, second, core, contact_only=False)
-
-
-def _contact_followed(first: Image, second: Image, core: Region) -> Run:
+def _followed(first: Image, second: Image, core: Region) -> Run:
     """As ``casr score`` does it."""
-    return _followed(first, second, core, contact_only=True)
-
-
-def _followed(first: Image, second: Image, core: Region, *, contact_only: bool) -> Run:
     tracker = PinTracker()
     start_px = tracker.start(first).centroids_px
     inside = core.contains(start_px)
-    if contact_only:
-        tracker.restrict(np.flatnonzero(inside))
     frames, before = cycle((second, first)), [start_px]
 
     def step() -> Affine:

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 from casr.cli.arguments import (
     AREA_RULES,
     add_frames,
+    add_pins,
     add_tare,
     add_threshold,
     frame_pair,
     open_sequence,
+    pin_settings,
     positive,
     say_notes,
 )
@@ -42,6 +44,7 @@ def add_to(commands: Commands) -> None:
     )
     add_tare(parser)
     add_threshold(parser)
+    add_pins(parser.add_argument_group("pins"))
     add_json(parser)
     parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
 
@@ -49,15 +52,16 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from casr.contact_area import initial_area
     from casr.errors import NoContactError
-    from casr.pins import PinTracker
+    from casr.pins import PinTracker, pins_in_doubt
     from casr.scored import NO_SCALE
 
     sequence = open_sequence(arguments)
     rest_frame, contact_frame, notes = _frames(sequence, arguments)
-    tracker = PinTracker()
+    tracker = PinTracker(pin_settings(arguments))
     rest = tracker.start(sequence[rest_frame])
     contact_px = tracker.step(sequence[contact_frame])
-    say_notes((*([] if sequence.camera else [NO_SCALE]), *notes, *rest.notes))
+    doubts = pins_in_doubt(rest.centroids_px, arguments.expect_pins)
+    say_notes((*([] if sequence.camera else [NO_SCALE]), *notes, *rest.notes, *doubts, *tracker.notes))
     found: dict[str, InitialArea | None] = {}
     for rule in AREA_RULES:
         try:
@@ -100,7 +104,7 @@ def _frames(sequence: FrameSequence, arguments: argparse.Namespace) -> tuple[int
         return (*arguments.frames, ())
     with said_of(sequence.name):
         if sequence.force_n is None:
-            contact = first_touch(sequence, arguments.threshold_px)
+            contact = first_touch(sequence, arguments.threshold_px, pin_settings(arguments))
             return 0, contact, (f"no force log: the pins are touched from frame {contact} on; others with --frames",)
         settings = ScoreSettings(force_start_n=arguments.start_n, tare=not arguments.no_tare)
         forces = press_forces(sequence, settings)

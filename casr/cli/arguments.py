@@ -8,10 +8,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from casr.command_line import Group
+from casr.command_line import Group, whole_number
 
 if TYPE_CHECKING:
     from casr.frames import FrameSequence
+    from casr.pins import PinSettings
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
 AREA_RULES = ("edge", "hexagon", "circle", "paper")
@@ -60,6 +61,39 @@ def add_threshold(parser: Group) -> None:
         help="a pin that moved farther from rest is in contact: for the rules hexagon and paper, and to find first "
         "contact without a force log (default %(default)s)",
     )  # fmt: skip
+
+
+def add_pins(parser: Group) -> None:
+    """How pins are found; what is not given follows from the frames."""
+    parser.add_argument("--dark-pins", action="store_true", help="pins are darker than the skin (default: brighter)")
+    parser.add_argument(
+        "--contrast", type=positive, metavar="GREY",
+        help="grey levels, of 255, that a pin stands out from its surroundings at least (default: 12, more in noise)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--min-area", type=positive, metavar="PX2", help="smallest area of a pin, px² (default: by the pitch)"
+    )
+    parser.add_argument(
+        "--pitch", type=positive, metavar="PX",
+        help="distance from pin to pin, px (default: found; give it where pins are missed)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--expect-pins", type=whole_number, metavar="N",
+        help="how many pins the sensor has: another count is a note, one more than a quarter off an error",
+    )  # fmt: skip
+
+
+def pin_settings(arguments: argparse.Namespace) -> PinSettings:
+    """What the options say of the pins."""
+    from casr.pins import PinSettings
+
+    return PinSettings(
+        dark_pins=arguments.dark_pins,
+        contrast=arguments.contrast,
+        min_area_px=arguments.min_area,
+        pitch_px=arguments.pitch,
+        expect_pins=arguments.expect_pins,
+    )
 
 
 def open_sequence(arguments: argparse.Namespace, path: Path | None = None) -> FrameSequence:

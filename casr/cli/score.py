@@ -11,11 +11,13 @@ from casr.cli.arguments import (
     AREA_RULES,
     add_engine,
     add_frames,
+    add_pins,
     add_tare,
     add_threshold,
     html_file,
     number,
     open_sequence,
+    pin_settings,
     positive,
     say_notes,
 )
@@ -58,6 +60,7 @@ def add_to(commands: Commands) -> None:
         "force; or paper, eq. (2) as printed (default %(default)s)",
     )  # fmt: skip
     add_threshold(method)
+    add_pins(parser.add_argument_group("pins"))
     method.add_argument(
         "--region", metavar="X,Y,R", help="contact circle, px (default: found from the pins that moved)"
     )
@@ -117,7 +120,7 @@ def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
     from casr.score import ScoreSettings
 
     return ScoreSettings(
-        flow=FlowSettings(engine=arguments.engine),
+        flow=FlowSettings(engine=arguments.engine, pins=pin_settings(arguments)),
         area_rule=arguments.area,
         area_law=arguments.law,
         rate_rule=arguments.rate,
@@ -143,6 +146,8 @@ def _one(arguments: argparse.Namespace, path: Path) -> int:
 
 
 def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
+    from casr.cli.pages import pages_folder
+
     settings = settings_of(arguments)
     called = [_name(path, arguments.path) for path in found]
     width = max(map(len, called))
@@ -151,7 +156,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
     if not arguments.json:
         print(_head(width))
     for name, path in zip(called, found, strict=True):
-        page = arguments.page and arguments.page.with_suffix("") / f"{name}.html"
+        page = arguments.page and pages_folder(arguments.page) / f"{name}.html"
         try:
             scores[name] = _score(arguments, path, settings, page, arguments.figures and arguments.figures / name)
         except CasrError as error:

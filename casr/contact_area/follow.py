@@ -24,7 +24,8 @@ FAR_BETTER = 0.5
 
 
 def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library: Library) -> ContactFront:
-    """The contact in T frames: by the library of finite-element domes, analytically where that explains far more, or both.
+    """The contact in T frames: by the library of finite-element domes, analytically where that explains far more, or by
+    both.
 
     Parameters
     ----------

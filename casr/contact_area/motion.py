@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from casr.errors import PinsError
 from casr.flow.region import Region
 from casr.pins import pin_pitch_px
+from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 
 Array = NDArray[np.float64]
 
-NEIGHBOUR_PITCHES = 1.5  # between the first ring of a hexagonal grid at 1 and the second at 1.73
 GROUP_PITCHES = 2.5  # across the pin in the middle of the contact, which stays
-BORDER_NEIGHBOURS = 4  # at most; a pin inside the array keeps five where one neighbour is missing
 SHIFT_PX = 0.5
 _NONE = np.zeros(0, dtype=bool)
 
@@ -74,8 +73,7 @@ def pin_motion(rest_px: ArrayLike, contact_px: ArrayLike) -> PinMotion:
     pitch = pin_pitch_px(rest)
     apart = np.hypot(*(rest[:, None] - rest[None]).transpose(2, 0, 1))
     displacement = contact - rest
-    neighbours = (apart < NEIGHBOUR_PITCHES * pitch).sum(axis=1) - 1
-    border = neighbours <= BORDER_NEIGHBOURS
+    border = at_border(rest, nearest_pins(rest, NEIGHBOURS)[1])
     shift = np.median(displacement[border], axis=0) if border.any() else np.zeros(2)
     if np.hypot(*shift) > SHIFT_PX:
         displacement = displacement - shift

@@ -1,4 +1,4 @@
-"""Initial area by the rule asked for: a count of pins, one hexagon each (eqs 3 to 5), or the area within an outline."""
+"""Initial area by the rule asked for: a count of pins, one cell each (eqs 3 to 5), or the area within an outline."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from casr.contact_area.motion import PinMotion, contact_cluster, pin_motion
 from casr.errors import NoContactError, SettingError
 from casr.flow.region import Region
 from casr.pins import Pins, pin_pitch_px
+from casr.pins.sites import Kind, lattice_kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,26 +44,24 @@ class InitialArea:
     saturated: bool = False
 
 
-def hexagon_radius_px(pitch_px: float) -> float:
-    """Radius r_h of the hexagons that tile a grid of this pitch without gaps: the apothem is half the pitch."""
-    return float(pitch_px / np.sqrt(3))
+def lattice_cell(pitch_px: float, kind: Kind, turn: float = 0.0) -> NDArray[np.float64]:
+    """(6 or 4, 2) corners of the cell that each pin of a lattice has to itself: they tile it without gaps.
+
+    A hexagon's apothem is half the pitch, so that its radius r_h is pitch / sqrt(3), as in eq. (3).
+
+    Parameters
+    ----------
+    turn : of the lattice's rows against x, radians.
+    """
+    n = 4 if kind == "square" else 6
+    angle = turn + 2 * np.pi / n * (np.arange(n) + 0.5)
+    radius_px = pitch_px / (2 * np.cos(np.pi / n))
+    return np.asarray(radius_px * np.column_stack([np.cos(angle), np.sin(angle)]))
 
 
-def _hexagon_area(radius_px: float, camera: Camera | None) -> tuple[float, float | None]:
-    """Area of one hexagon, px^2 and mm^2 (None without camera): a and l of eq. (3), in mm by (5), A = 6 l a / 2."""
-    apothem_px, side_px = radius_px * np.cos(np.pi / 6), 2 * radius_px * np.sin(np.pi / 6)
-    area_px2 = float(3 * side_px * apothem_px)
-    if camera is None:
-        return area_px2, None
-    x_mm, y_mm = camera.mm_per_px
-    return area_px2, float(3 * (side_px * x_mm) * (apothem_px * y_mm))
-
-
-def _hexagons_outline(centres_px: NDArray[np.float64], radius_px: float) -> NDArray[np.float64]:
-    """(K, 2) convex hull of upright hexagons around (n, 2) centres, px."""
-    angle = np.deg2rad(np.arange(30, 390, 60))
-    corners = radius_px * np.column_stack([np.cos(angle), np.sin(angle)])
-    return Region.from_points((centres_px[:, None] + corners).reshape(-1, 2)).polygon_px
+def _cells_outline(centres_px: NDArray[np.float64], cell_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(K, 2) convex hull of the cells around (n, 2) centres, px."""
+    return Region.from_points((centres_px[:, None] + cell_px).reshape(-1, 2)).polygon_px
 
 
 SATURATED_SHARE = 0.9
@@ -129,13 +128,14 @@ def _hexagons(
     saturated: bool,
 ) -> InitialArea:
     rest = motion.rest_px if camera is None else camera.undistorted_px(motion.rest_px)
-    one_px2, one_mm2 = _hexagon_area(hexagon_radius_px(pin_pitch_px(rest)), camera)
+    kind = lattice_kind(motion.rest_px)
+    one_px2 = Region(lattice_cell(pin_pitch_px(rest), kind)).area_px2
     return InitialArea(
-        area_mm2=None if one_mm2 is None else count * one_mm2,
+        area_mm2=None if camera is None else count * one_px2 * camera.mm2_per_px2,
         area_px2=count * one_px2,
         rule=rule,
         selected=motion.ids[chosen],
-        polygon_px=_hexagons_outline(motion.contact_px[chosen], hexagon_radius_px(motion.pitch_px)),
+        polygon_px=_cells_outline(motion.contact_px[chosen], lattice_cell(motion.pitch_px, kind)),
         notes=motion.notes + notes,
         saturated=saturated,
     )
@@ -220,8 +220,9 @@ def initial_area(
     contact_px : (N, 2) where the same pins are in the first-contact frame; NaN where one is lost.
     camera : for mm and distortion; without it areas are in px^2 only.
     rule : ``edge``: ellipse at the fold of the displacement field (``fit_edge``), as it lies in the first-contact
-        frame; ``hexagon`` with a note where the fit is not sound. ``hexagon``: one hexagon for each pin that moved more
-        than ``threshold_px`` and each pin those enclose; pitch of the rest frame (Algorithm 1, pairs one to one).
+        frame; ``hexagon`` with a note where the fit is not sound. ``hexagon``: one hexagon, of a square lattice one
+        square, for each pin that moved more than ``threshold_px`` and each pin those enclose; pitch of the rest frame
+        (Algorithm 1, pairs one to one).
         ``circle``: through the pin farthest from the central one, of all pins (previous work; the same whatever is
         touched). ``paper``: Algorithm 1 to the letter, whole-pixel centroids and all pairs of pins.
     threshold_px : of ``hexagon`` and ``paper``.

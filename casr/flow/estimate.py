@@ -86,6 +86,5 @@ def doubt_of(engine: str) -> str:
     small, large = LOST_PERCENT[engine]
     return (
         f"dense flow ({engine}) may lose {small} % of the growth of a contact below 2 pin pitches of radius, "
-        f"{large} % above; "
-        "pin-affine is within 5 % where pins are seen"
+        f"{large} % above; pin-affine is within 5 % where pins are seen"
     )

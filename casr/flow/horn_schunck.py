@@ -57,7 +57,7 @@ class HornSchunck:
         self._margin = max(2, math.ceil(2 * self.settings.presmoothing_px))
         self._image: Grey | None = None
         self._smooth: tuple[Box, Floats] | None = None
-        self._fresh = True
+        self._fresh, self._gradient = True, 0.0
         self.notes: tuple[str, ...] = ()
 
     def start(self, image: NDArray[Any]) -> None:
@@ -93,8 +93,10 @@ class HornSchunck:
         if self._smooth is None or self._smooth[0] != box:
             self._smooth = box, self._smoothed(first, box)
         smooth = self._smoothed(second, box)
-        alpha_notes = self._about_alpha(self._smooth[1]) if self._fresh else ()
-        flow = self._pyramid.flow(self._smooth[1], smooth, self._margin)
+        if self._fresh:
+            self._gradient = rms_gradient(self._smooth[1])
+        alpha_notes = self._about_alpha() if self._fresh else ()
+        flow = self._pyramid.flow(self._smooth[1], smooth, self._margin, self._gradient)
         if self._wrong and flow.shape[:2] != second.shape:
             flow, box, smooth = self._on_the_whole_frame(first, second, (flow, box, smooth))
         self.notes = (*alpha_notes, *self._about_motion(flow))
@@ -112,14 +114,14 @@ class HornSchunck:
         found = self._pyramid.left, self._pyramid.levels
         whole = self._box(second.shape, None)
         smooth = self._smoothed(second, whole)
-        flow = self._pyramid.flow(self._smoothed(first, whole), smooth, self._margin)
+        flow = self._pyramid.flow(self._smoothed(first, whole), smooth, self._margin, self._gradient)
         if not self._wrong:
             return flow, whole, smooth
         self._pyramid.left, self._pyramid.levels = found
         return in_box
 
-    def _about_alpha(self, smooth: Floats) -> tuple[str, ...]:
-        alpha, gradient = self.settings.alpha, rms_gradient(smooth)
+    def _about_alpha(self) -> tuple[str, ...]:
+        alpha, gradient = self.settings.alpha, self._gradient
         low, high = (share * gradient for share in ALPHA_OF_GRADIENT)
         if low <= alpha <= high:
             return ()
@@ -131,7 +133,7 @@ class HornSchunck:
 
     def _about_motion(self, flow: Floats) -> tuple[str, ...]:
         left = self._pyramid.left
-        if left is None:  # short, or it would have been looked at
+        if left is None:  # short and good, or never to be looked at
             return ()
         notes, fixed = [], self.settings.pyramid_levels
         if longest_px(flow) > max(flow.shape[:2]):

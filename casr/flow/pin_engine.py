@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.errors import PinsError
+from casr.errors import PinsError, SettingError
 from casr.flow.pin_affine import FEWEST_PINS, Affine, fit_affine
 from casr.flow.region import Points, Region
 from casr.flow.step import FlowSettings, FlowStep
 from casr.images import Grey
 from casr.pins import PinTracker, pin_pitch_px
+from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 
 PIN_SCATTER_PX = 0.4
 EDGE_SD_PX = 1.0
@@ -67,7 +68,7 @@ def _bulge(region: Region, points_px: Points) -> Points:
     return np.asarray(region.depth(points_px)[:, None] ** 2 * (points_px - region.centre_px))
 
 
-SPARE_PINS = 7  # with three, the loss of one ends the press
+SPARE_PINS = 7  # with three, the loss of one would leave too few at once
 ROUND_ENOUGH = 0.1  # spread of the pins across a line over the spread along it
 
 
@@ -76,7 +77,10 @@ class PinEngine:
 
     The region is a piece of skin, so its pins stay the same. The map is fitted from the first frame to the present one
     and steps are differences: errors of single centroids do not add up over frames, and a pin that is lost for a while
-    leaves no trace.
+    leaves no trace. While too few of them are seen, the pins just outside help: the region then moves as they all do
+    from the frame before to this one.
+
+    A frame that cannot be measured is an error and changes nothing: the next one is measured from the last good one.
     """
 
     def __init__(self, settings: FlowSettings) -> None:
@@ -85,42 +89,93 @@ class PinEngine:
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
         start_px = pins_px if pins_px is not None else self._tracker.start(image).centroids_px
-        self._ids, self._start_notes = _pins_of(region, start_px, self._settings.core_fraction)
+        self._outwards = _outwards(region, start_px)
+        self._ids, self._start_notes = _pins_of(region, start_px, self._outwards, self._settings.core_fraction)
         self._pitch_px = pin_pitch_px(start_px)
-        self._region, self._last_px = region, start_px[self._ids]
-        self._skin = _BulgingRegion(region, self._last_px)
+        beside = nearest_pins(start_px[self._outwards], NEIGHBOURS)[1]
+        self._border = self._outwards[at_border(start_px[self._outwards], beside)]
+        self._region, self._last_px = region, start_px
+        self._skin = _BulgingRegion(region, start_px[self._ids])
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
-        now_px = (self._tracker.step(image) if pins_px is None else pins_px)[self._ids]
-        region, affine = self._skin.at(now_px)
+        now_px = self._tracker.step(image) if pins_px is None else pins_px
+        seen = np.isfinite(now_px[:, 0])
+        if _span_a_plane(now_px[self._ids[seen[self._ids]]]):
+            region, affine = self._skin.at(now_px[self._ids])
+            helped: tuple[str, ...] = ()
+        else:
+            affine = self._helped_out(now_px, seen & np.isfinite(self._last_px[:, 0]))
+            region = self._region.advanced(affine)
+            helped = (f"fewer than {FEWEST_PINS} of the region's pins are seen: those just outside it help",)
         divergence, log_growth = self._region.growth_to(region)
-        notes = (*self._start_notes, *affine.notes, *self._lost(now_px), *self._jump(now_px))
+        own_px = now_px[self._ids]
+        jump = self._jump(now_px - self._last_px)
+        knock = self._tracker.notes if pins_px is None else ()
+        notes = (*self._start_notes, *affine.notes, *self._lost(own_px), *helped, *jump, *knock)
         self._start_notes, self._region, self._last_px = (), region, now_px
         return FlowStep(divergence, log_growth, region, affine.n, notes)
+
+    def _helped_out(self, now_px: Points, usable: NDArray[np.bool_]) -> Affine:
+        """The map from the frame before by the innermost pins that fix one, no more than there are in and beside it."""
+        near = self._outwards[: len(self._ids) + SPARE_PINS]
+        helpers = near[usable[near]]
+        for n in range(FEWEST_PINS, len(helpers) + 1):
+            if _span_a_plane(now_px[helpers[:n]]):
+                return fit_affine(self._last_px[helpers[:n]], now_px[helpers[:n]])
+        own = int(np.isfinite(now_px[self._ids, 0]).sum())
+        raise PinsError(
+            "region",
+            wanted=f"{FEWEST_PINS} or more pins in or beside it that are not on one line",
+            found=f"{len(helpers)}, of the {len(self._ids)} inside at first {own}",
+            do="Widen the region, or see why pins are lost: are the frames one press, in order?",
+        )
 
     def _lost(self, now_px: Points) -> tuple[str, ...]:
         lost = int(np.isnan(now_px[:, 0]).sum())
         share = "most" if 2 * lost > len(now_px) else "some"
         return (f"{share} of the region's {len(now_px)} pins are not seen",) if lost else ()
 
-    def _jump(self, now_px: Points) -> tuple[str, ...]:
-        """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike."""
-        moved_px = np.hypot(*(now_px - self._last_px).T)
+    def _jump(self, move_px: Points) -> tuple[str, ...]:
+        """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike.
+
+        Not so if the border of the array jumps with them: it fits in one place only.
+        """
+        border = move_px[self._border][np.isfinite(move_px[self._border, 0])]
+        moved_px = np.hypot(*(move_px[self._ids] - (np.median(border, axis=0) if len(border) else 0.0)).T)
         typical_px = float(np.nanmedian(moved_px)) if np.isfinite(moved_px).any() else 0.0
         if typical_px <= self._pitch_px / 2:
             return ()
         return ("pins jump beyond half their pitch: are these frames one press, in order?",)
 
 
-def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Rows of the pins in the core; where those are few, of the region; where they fix no map, the next ones too."""
+def need_pins_inside(region: Region, pins_px: Points) -> None:
+    """Raise SettingError for a region that somebody gives and that holds too few pins to measure its growth by."""
+    inside = int(region.contains(pins_px[np.isfinite(pins_px[:, 0])]).sum())
+    if inside < FEWEST_PINS:
+        raise SettingError(
+            "region",
+            wanted=f"{FEWEST_PINS} or more pins inside it",
+            found=f"{inside} around ({region.centre_px[0]:.0f}, {region.centre_px[1]:.0f})",
+            do=f"Give a larger region; the pins are {pin_pitch_px(pins_px):.3g} px apart.",
+        )
+
+
+def _outwards(region: Region, pins_px: Points) -> NDArray[np.intp]:
+    """Rows of the pins that are seen, from the middle of the region outwards."""
     depth = region.depth(pins_px)
-    outwards = np.argsort(depth, kind="stable")[: int(np.isfinite(depth).sum())]  # NaN of lost pins sorts last
+    return np.argsort(depth, kind="stable")[: int(np.isfinite(depth).sum())]  # NaN of lost pins sorts last
+
+
+def _pins_of(
+    region: Region, pins_px: Points, outwards: NDArray[np.intp], core_fraction: float
+) -> tuple[NDArray[np.intp], tuple[str, ...]]:
+    """Rows of the pins in the core; where those are few, of the region; where they fix no map, the next ones too."""
+    depth = region.depth(pins_px[outwards])
     n_core, n_inside = int(np.sum(depth <= core_fraction)), int(np.sum(depth <= 1))
     n = max(n_core, min(n_inside, SPARE_PINS), FEWEST_PINS)
     while n < len(outwards) and not _span_a_plane(pins_px[outwards[:n]]):
         n += 1
-    n_outside = int(np.sum(depth[outwards[:n]] > 1))
+    n_outside = int(np.sum(depth[:n] > 1))
     if n - n_outside < 1:
         raise PinsError("region", wanted="pins inside it", found="none", do="Check the region, or use a dense engine.")
     note = f"{n_outside} of {n} pins lie outside the region, which holds too few: its growth is underestimated"
@@ -128,5 +183,7 @@ def _pins_of(region: Region, pins_px: Points, core_fraction: float) -> tuple[np.
 
 
 def _span_a_plane(points_px: Points) -> bool:
+    if len(points_px) < FEWEST_PINS:
+        return False
     spread = np.linalg.svd(points_px - points_px.mean(axis=0), compute_uv=False)
     return bool(spread[1] > ROUND_ENOUGH * spread[0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,11 +10,11 @@ import cv2
 import numpy as np
 
 from casr.flow.brightness import data_term
-from casr.flow.coloured_grid import flow_of_cells, level, level_table, subtract_from_right
+from casr.flow.coloured_grid import B1, B2, U, V, flow_of_cells, level, level_table, subtract_from_right
 from casr.flow.compiled import Floats
 from casr.flow.multigrid import solve
 from casr.flow.step import HornSchunckSettings
-from casr.flow.unexplained import Unexplained, unexplained
+from casr.flow.unexplained import ENOUGH_PX, Unexplained, unexplained
 from casr.flow.warp import doubled, halved, warp
 
 FOUR_NEIGHBOURS = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]], dtype=np.float64)
@@ -57,6 +58,18 @@ class _Grid:
         flow_of_cells(self._finest, self._cells)
         flow = self._at_pixels()
         return flow if start is None else flow + start
+
+    def left_grey(self, first: Floats, second: Floats, margin: int) -> float:
+        """rms of what the last flow, found without a start, leaves of the data and costs in smoothness, grey levels.
+
+        At the minimum that sum is the data at no flow plus the product of right-hand sides and flow.
+        """
+        inner = slice(margin, -margin), slice(margin, -margin)
+        p, q, f = first[inner], second[inner], self._finest
+        if p.size == 0:
+            return 0.0
+        won = sum(float(np.vdot(f[b], f[u])) for b, u in ((B1, U), (B2, V)))
+        return math.sqrt(max(cv2.norm(p, q, cv2.NORM_L2SQR) + won, 0.0) / p.size)
 
     def _roughness(self, flow: Floats) -> Floats:
         """Five-point Laplacian of a flow averaged over cells."""
@@ -103,12 +116,17 @@ class Pyramid:
         self.left: Unexplained | None = None
         self.levels = 1
 
-    def flow(self, first: Floats, second: Floats, margin: int) -> Floats:
-        """Flow (H, W, 2) between smoothed frames (H, W) whose outermost margin px carry no data."""
+    def flow(self, first: Floats, second: Floats, margin: int, gradient: float) -> Floats:
+        """Flow (H, W, 2) between smoothed frames (H, W) whose outermost margin px carry no data.
+
+        gradient : rms of the frames', grey levels/px: what one linearisation leaves unexplained is measured by it.
+        """
         limit = self._settings.warp_above_px
         if limit > 0:
-            flow = self._grid(first.shape).flow(first, second, margin)
-            if longest_px(flow) <= limit:
+            grid = self._grid(first.shape)
+            flow = grid.flow(first, second, margin)
+            short = longest_px(flow) <= limit and grid.left_grey(first, second, margin) <= ENOUGH_PX * gradient
+            if short or limit == math.inf:
                 self.left, self.levels = None, 1
                 return flow
         fixed, most = self._settings.pyramid_levels, most_levels(first.shape)

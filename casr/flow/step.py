@@ -12,6 +12,7 @@ from casr.images import Grey
 from casr.pins import PinSettings
 
 SINGLE_FROM_ALPHA = 1.0
+MOST_BAD_FRAMES = 2  # so many in a row are left out; one more ends the press
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +27,8 @@ class HornSchunckSettings:
     presmoothing_px : standard deviation of the Gaussian both frames are smoothed with; 0 for none.
     cell_px : 1, 2 or 4: flow is solved for squares of this width from derivatives at every pixel, bilinear between.
     sweeps, cycles : Gauss-Seidel sweeps per half cycle, V-cycles per multigrid level.
-    warp_above_px : largest component of flow, px, taken from one linearisation; 0 to warp always.
+    warp_above_px : largest component of flow, px, taken from one linearisation, if that explains the frames. 0: always
+        warp; infinity: never.
     pyramid_levels : images, each half as large as the one before, that a longer flow is found on, coarse to fine. None:
         two, and more where the flow found does not take the second frame back to the first.
     warps : linearisations per pyramid level.

@@ -11,6 +11,7 @@ from casr.flow.compiled import Floats
 from casr.flow.warp import warp
 
 BLOCK_PX = 32
+ENOUGH_PX = 0.4
 ENOUGH_DATA = 0.25  # of the pixels; a flow that carries the others out of the frame explains nothing
 
 
@@ -31,7 +32,7 @@ class Unexplained:
     @property
     def worth_another_level(self) -> bool:
         """Whether a deeper pyramid may explain more."""
-        return self.whole_px > 0.4 or self.block_px > 0.8
+        return self.whole_px > ENOUGH_PX or self.block_px > 0.8
 
     @property
     def wrong(self) -> bool:

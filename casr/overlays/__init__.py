@@ -8,7 +8,7 @@ from casr.overlays.area import area_picture, pins_picture
 from casr.overlays.canvas import Picture
 from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.motion import flow_picture, region_picture, spreading_picture
-from casr.pins import PinTracker
+from casr.pins import PinSettings, PinTracker
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,7 +29,7 @@ def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]
     first, last = int(score.frames[0]), int(score.frames[-1])
     rest_px = score.rest.centroids_px
     initial = score.initial
-    ways = pin_ways(sequence, score.frames.tolist())
+    ways = pin_ways(sequence, score.frames.tolist(), score.settings.flow.pins)
     curves = [growth_curve(score.frames, score.log_growth)]
     if score.force_n is not None:
         curves.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
@@ -42,9 +42,11 @@ def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]
     return (*curves, *photos)
 
 
-def pin_ways(sequence: FrameSequence, frames: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def pin_ways(
+    sequence: FrameSequence, frames: Sequence[int], pins: PinSettings | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(N, 2) the pins of the first of ``frames``, there and in the last, px, followed frame by frame; NaN: lost."""
-    tracker = PinTracker()
+    tracker = PinTracker(pins)
     first_px = last_px = tracker.start(sequence[frames[0]]).centroids_px
     for index in frames[1:]:
         last_px = tracker.step(sequence[index])

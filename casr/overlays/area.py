@@ -9,10 +9,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from casr.contact_area.rules import hexagon_radius_px
+from casr.contact_area.rules import lattice_cell
 from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, legend_below, photo, styled, view_of
 from casr.pins import pin_pitch_px
 from casr.pins.lattice import nearest_pins
+from casr.pins.sites import lattice_kind
 
 if TYPE_CHECKING:
     from casr.contact_area import InitialArea
@@ -109,11 +110,12 @@ def _about(rule: str) -> str:
 def hexagons(at_px: NDArray[np.float64], pins_px: NDArray[np.float64]) -> NDArray[np.float64]:
     """(M, 6, 2) corners of regular hexagons around ``at_px`` (M, 2) that tile the lattice of ``pins_px`` (N >= 2, 2).
 
-    Their flat sides are half a pitch from their centres and face the nearest neighbours; drawing only.
+    Their flat sides are half a pitch from their centres and face the nearest neighbours; of a square lattice they are
+    squares, (M, 4, 2). Drawing only.
     """
+    kind = lattice_kind(pins_px)
+    fold = 4 if kind == "square" else 6
     steps = pins_px[nearest_pins(pins_px, 1)[1][:, 0]] - pins_px
-    # the direction of the lattice's rows, folded into one sixth of a turn
-    direction = np.angle(np.exp(6j * np.arctan2(steps[:, 1], steps[:, 0])).mean()) / 6
-    angle = direction + np.deg2rad(30 + 60 * np.arange(6))
-    corners = hexagon_radius_px(pin_pitch_px(pins_px)) * np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.asarray(at_px[:, None, :] + corners)
+    # the direction of the lattice's rows, folded into the turn from one neighbour to the next
+    direction = float(np.angle(np.exp(fold * 1j * np.arctan2(steps[:, 1], steps[:, 0])).mean())) / fold
+    return np.asarray(at_px[:, None, :] + lattice_cell(pin_pitch_px(pins_px), kind, direction))

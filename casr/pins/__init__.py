@@ -3,6 +3,7 @@
 from casr.pins.detect import Pins, detect_pins
 from casr.pins.lattice import match_pins, pin_pitch_px
 from casr.pins.settings import PinSettings
+from casr.pins.sites import pins_in_doubt
 from casr.pins.track import PinTracker
 
-__all__ = ["PinSettings", "PinTracker", "Pins", "detect_pins", "match_pins", "pin_pitch_px"]
+__all__ = ["PinSettings", "PinTracker", "Pins", "detect_pins", "match_pins", "pin_pitch_px", "pins_in_doubt"]

@@ -15,7 +15,7 @@ from casr.pins.lattice import NEIGHBOURS, nearest_pins
 from casr.pins.pitch import guess_pitch_px
 from casr.pins.settings import FEWEST_PINS, PinSettings
 from casr.pins.spots import measure_spots
-from casr.pins.view import USUAL_PITCH_PX, PinView
+from casr.pins.view import USUAL_CONTRAST, USUAL_PITCH_PX, PinView
 
 MOST_BLOBS = 3000
 REACH_OF_SPACING = 0.43
@@ -114,7 +114,7 @@ def _check_count(grey: Grey, n: int, view: PinView) -> None:
     if FEWEST_PINS <= n <= MOST_BLOBS:
         return
     low, high = float(grey.min()), float(grey.max())
-    if high - low <= view.contrast:
+    if high - low <= min(view.contrast, USUAL_CONTRAST):
         do = "The frame is nearly uniform: check light, lens cap, exposure, and that grey levels run to 255, not to 1."
     elif n > MOST_BLOBS:
         do = "The frame is too noisy: raise the contrast (--contrast) or the least area of a pin (--min-area)."

@@ -20,7 +20,8 @@ from casr.pins.view import line_noise
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
 ONE_SIDE = 0.5  # of the root of the number of pins: so many vanish at once where a lattice slips by a pitch
-BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: at all; at first sight
+BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: always; at first sight
+MOST_DOUBTED = 2  # frames in a row; what stays so is no accident
 JUMPED_SHARE = 0.98  # the same where all jump by half a pitch: of a torn lattice parts fit one pitch further
 APART_SHARE, APART_PITCHES = 0.1, 0.06  # so many pins farther from where those around them went are torn off,
 FAR_APART_PITCHES = (
@@ -32,6 +33,10 @@ NOISY_GREY, NOISY_TIMES, NOISY_LINES = (
     3.0,
     0.1,
 )  # noise over this many times that at first, on a share of the lines
+KNOCK_NOTE = (
+    "all pins jump alike by over half their pitch, those at the border too: a knock of the camera, which is taken out; "
+    "if there are many, are these frames one press, in order?"
+)
 KNOCK_PITCHES, KNOCK_SCATTER = 0.5, 0.2  # by how much the border jumps at a knock; how far its pins may differ, pitches
 
 Points = NDArray[np.float64]
@@ -57,8 +62,8 @@ class PinTracker:
 
     A frame that shows fewer than half of the pins seen before, or noise in their place, is not believed: no pin has a
     place in it, and the next frame is looked at as if it had not been. The same befalls one in which over a quarter of
-    the pins vanish, or a few while all jump, or in which many part from those around them as where a frame is torn, unless it is
-    the first, or the one before was not believed either: what stays so is no accident.
+    the pins vanish, or a few while all jump, or in which many part from those around them as where a frame is torn,
+    unless it is the first, or the two before were not believed either: what stays so is no accident.
 
     Attributes
     ----------
@@ -66,11 +71,13 @@ class PinTracker:
     knock_px : (2,) how far knocks have moved the image since the first frame. A knock is a jump of the pins at the
         border of the array, all alike, by more than half a pitch between two frames: the border is what a contact moves
         last. The places of the pins are those in the image; without the knocks they are places - knock_px.
+    notes : what a reader should know of the last step.
     """
 
     def __init__(self, settings: PinSettings | None = None) -> None:
         self.pitch_px = float("nan")
         self.knock_px = np.zeros(2)
+        self.notes: tuple[str, ...] = ()
         self._settings = settings or PinSettings()
         self._started = False
 
@@ -88,9 +95,9 @@ class PinTracker:
         self._shine = self._shine_of(measure_spots(self._frame, at_px, reach_px(self._spacing_px)))
         self._pitch_px = float(np.median(self._spacing_px))
         self._most_noise = max(NOISY_GREY, NOISY_TIMES * float(np.median(line_noise(self._frame))))
-        self._gap = True  # before the first step anything may have happened
+        self._doubted = MOST_DOUBTED  # before the first step anything may have happened
         self.pitch_px = self._pitch_px * self._view.reduction
-        self.knock_px = np.zeros(2)
+        self.knock_px, self.notes = np.zeros(2), ()
         self._started = True
         scale = self._view.reduction
         return replace(pins, centroids_px=self._view.in_frame(pins.centroids_px), area_px=pins.area_px * scale**2)
@@ -110,12 +117,13 @@ class PinTracker:
                 found=f"{grey.shape} {grey.dtype}",
                 do="Start a new tracker when the camera's format changes.",
             )
+        self.notes = ()
         if not np.array_equal(grey, self._frame):  # a repeated frame moves nothing, to the last bit
             places = self._advanced(grey)
             if not self._believed(grey, places):
-                self._gap = True
+                self._doubted += 1
                 return np.full_like(places.at_px, np.nan)
-            self._gap = False
+            self._doubted = 0
             self._frame = grey.copy()
             self._places = self._without_knock(places)
             self._spacing_px = _gaps_px(places.at_px, self._beside).min(axis=1)
@@ -126,7 +134,7 @@ class PinTracker:
         seen, n_before = ~places.lost, int((~self._places.lost).sum())
         if seen.sum() < BELIEVED_SHARE * n_before or np.mean(line_noise(grey) > self._most_noise) > NOISY_LINES:
             return False
-        if self._gap:
+        if self._doubted >= MOST_DOUBTED:
             return True
         jumped = _median_length(places.move_px) > KNOCK_PITCHES * self._pitch_px
         likely = JUMPED_SHARE if jumped else LIKELY_SHARE
@@ -164,6 +172,7 @@ class PinTracker:
         if np.hypot(*shift) <= KNOCK_PITCHES * self._pitch_px or scatter > KNOCK_SCATTER * self._pitch_px:
             return places
         self.knock_px = self.knock_px + shift * self._view.reduction
+        self.notes = (KNOCK_NOTE,)
         return replace(places, move_px=places.move_px - shift)
 
     def _look(self, grey: Grey, expected: Points) -> tuple[Points, NDArray[np.float64], Mask]:

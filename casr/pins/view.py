@@ -19,7 +19,7 @@ SEEN_PITCH_PX = (
     22.0  # reduced frames keep at least this pitch: more pixels a pin add no accuracy that noise would leave
 )
 BLOCK_PITCHES, AREA_PITCHES2 = 1.5, 0.02
-USUAL_CONTRAST, NOISES_OF_CONTRAST = 12.0, 5.0
+USUAL_CONTRAST, NOISES_OF_CONTRAST, MOST_CONTRAST = 12.0, 5.0, 40.0
 NOISE_LINES = 7  # noise is estimated on every so many lines
 QUIET_GREY, LEFT_GREY = 3.0, 1.5  # noise that needs no smoothing; what smoothing aims at
 MOST_SMOOTHING = 0.08  # standard deviation over the pitch: pins, 0.45 pitches wide, stay apart
@@ -60,7 +60,7 @@ class PinView:
             reduction,
             smoothing_px,
             block_px=_odd(BLOCK_PITCHES * pitch_px if block is None else block / reduction),
-            contrast=settings.contrast or max(USUAL_CONTRAST, NOISES_OF_CONTRAST * noise),
+            contrast=settings.contrast or min(max(USUAL_CONTRAST, NOISES_OF_CONTRAST * noise), MOST_CONTRAST),
             min_area_px=AREA_PITCHES2 * pitch_px**2 if area is None else area / reduction**2,
         )
 

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields
 
 from casr.errors import SettingError
 from casr.synthetic.draws import Draws
-
-if TYPE_CHECKING:
-    from casr.synthetic.settings import PressSettings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,12 +73,3 @@ class Drawn:
     area: float
     force_zero_n: float
     latency_s: float
-
-    def actual(self, settings: PressSettings) -> PressSettings:
-        """What is really on the bench; the camera with its true depth."""
-        return replace(
-            settings,
-            stiffness_n_per_mm=settings.stiffness_n_per_mm * self.stiffness,
-            angle_deg=abs(settings.angle_deg + self.angle_deg),
-            camera=replace(settings.camera, depth_mm=settings.camera.depth_mm * self.depth),
-        )

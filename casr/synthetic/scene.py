@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +13,7 @@ from casr.synthetic.draws import Draws
 from casr.synthetic.region import ContactEllipse, Points, Rim
 from casr.synthetic.render import render
 from casr.synthetic.settings import PressSettings
+from casr.synthetic.world import Pressing
 
 
 class Scene:
@@ -31,11 +33,21 @@ class Scene:
         self.draws = Draws(
             settings.seed, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, settings.mounting
         )
-        self.drawn = settings.scatter.drawn(self.draws)
+        self.drawn = drawn = settings.scatter.drawn(self.draws)
         camera = settings.camera
         self.rim = Rim((camera.cx_px, camera.cy_px), settings.skin.mask_radius_px)
         self.rest_px = settings.skin.pins_px(self.rim.centre_px)
-        self.skin = settings.world.press(self.drawn.actual(settings), self._landing_mm(), self.drawn.area)
+        pressing = Pressing(
+            stiffness_n_per_mm=settings.stiffness_n_per_mm * drawn.stiffness,
+            angle_deg=abs(settings.angle_deg + drawn.angle_deg),
+            centre_mm=self._landing_mm(),
+            camera=replace(camera, depth_mm=camera.depth_mm * drawn.depth),
+            mask_radius_px=settings.skin.mask_radius_px,
+            start_n=settings.timeline.start_n,
+            peak_n=settings.timeline.peak_n,
+            area_factor=drawn.area,
+        )
+        self.skin = settings.world.press(pressing)
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property

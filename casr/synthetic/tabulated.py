@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +14,7 @@ from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shi
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import SettingError
 from casr.synthetic.region import ContactEllipse, Points
-from casr.synthetic.world import ContactState
-
-if TYPE_CHECKING:
-    from casr.synthetic.settings import PressSettings
+from casr.synthetic.world import ContactState, Pressing
 
 Array = NDArray[np.float64]
 
@@ -72,8 +68,9 @@ class TabulatedWorld:
             "above 5 N and between the tables' stiffnesses the field is continued and interpolated",
         )
 
-    def press(self, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float = 1.0) -> TabulatedSkin:
-        return TabulatedSkin(self, settings, centre_mm, area_factor)
+    def press(self, pressing: Pressing) -> TabulatedSkin:
+        """The skin of one press."""
+        return TabulatedSkin(self, pressing)
 
     def solution(self, stiffness_n_per_mm: float) -> tuple[Array, Array, Array]:
         """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables."""
@@ -115,26 +112,24 @@ def _radius(table_force_n: Array, library: Library, force_n: Array) -> Array:
 class TabulatedSkin:
     """The skin of one press in the tabulated world."""
 
-    def __init__(
-        self, world: TabulatedWorld, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float
-    ) -> None:
-        camera = settings.camera
+    def __init__(self, world: TabulatedWorld, pressing: Pressing) -> None:
+        camera, centre_mm = pressing.camera, pressing.centre_mm
         pin_length_mm = camera.sensor.pin_length_mm
         if pin_length_mm is None or camera.sensor.dome_radius_mm not in (None, OUTER_RADIUS_MM):
             raise SettingError(
                 "camera.sensor", wanted=f"pin_length_mm, on a dome of {OUTER_RADIUS_MM:g} mm",
                 found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
-        self._library, self._radius_factor = tabulated(world.tables), math.sqrt(area_factor)
-        self._force_n, self._edge_mm, self._motion = world.solution(settings.stiffness_n_per_mm)
+        self._library, self._radius_factor = tabulated(world.tables), math.sqrt(pressing.area_factor)
+        self._force_n, self._edge_mm, self._motion = world.solution(pressing.stiffness_n_per_mm)
         self._view = DomeView(
             focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
             pin_length_mm=pin_length_mm,
         )  # fmt: skip
-        x = math.radians(settings.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
+        x = math.radians(pressing.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
         y = centre_mm[1] / OUTER_RADIUS_MM
         self._axis = np.array([math.sin(x) * math.cos(y), math.sin(y), math.cos(x) * math.cos(y)])
-        self._first = self.state(settings.timeline.start_n)
+        self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
         radius_mm = self._radius_factor * float(_radius(self._force_n, self._library, np.array(force_n)))

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
+from casr.camera import Camera
 from casr.synthetic.region import ContactEllipse, Points
-
-if TYPE_CHECKING:
-    from casr.synthetic.settings import PressSettings
 
 
 @dataclass(frozen=True)
@@ -23,6 +21,26 @@ class ContactState:
     normal_n: float
     tangential_n: float = 0.0
     tangential_mm: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pressing:
+    """Where and on what a sensor presses.
+
+    stiffness_n_per_mm : of the specimen. angle_deg : of the sensor's axis from the normal, towards +x. centre_mm : how
+    far along x and y the contact lands from where it was meant to. camera, mask_radius_px : what sees it. start_n,
+    peak_n : forces between which the press counts as loading. area_factor : of the contact in this press against that
+    of the world.
+    """
+
+    stiffness_n_per_mm: float
+    angle_deg: float
+    centre_mm: tuple[float, float]
+    camera: Camera
+    mask_radius_px: float
+    start_n: float
+    peak_n: float
+    area_factor: float
 
 
 class PressedSkin(Protocol):
@@ -61,8 +79,5 @@ class World(Protocol):
     def assumptions(self) -> tuple[str, ...]:
         """What is not known to be so."""
 
-    def press(self, settings: PressSettings, centre_mm: tuple[float, float], area_factor: float = 1.0) -> PressedSkin:
-        """The skin of one press.
-
-        centre_mm : how far the contact lands from where it was meant to. area_factor : of its area at a force.
-        """
+    def press(self, pressing: Pressing) -> PressedSkin:
+        """The skin of one press."""

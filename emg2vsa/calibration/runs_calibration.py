@@ -11,9 +11,9 @@ import numpy as np
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import (
-    CASR_POWER,
     INDENTATION_POWER,
     casr_exponent,
+    casr_share,
     growth_power,
     indentation_exponent,
     mount_share,
@@ -105,8 +105,8 @@ class _OneCondition:
     def _algorithm(self, name: str, depth: Calibration | None) -> AlgorithmResult:
         casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
         kept, new_kept = self._kept(casr), self._kept(new_casr[None])[0]
-        chosen = self._calibrated(kept, self.settings)
-        paper = self._calibrated(casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
+        chosen = self._calibrated(name, kept, self.settings)
+        paper = self._calibrated(name, casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
         laws = compare_laws(self.kappa, kept, self.settings, casr_unit=self._casr_unit)
         return AlgorithmResult(
             casr=casr,
@@ -129,7 +129,7 @@ class _OneCondition:
         limit = f"{self.settings.outlier_mads:g} median absolute deviations"
         return (f"presses left out, more than {limit} from their specimen's median: {said}",) if said else ()
 
-    def _calibrated(self, scores: Floats, settings: CalibrationSettings) -> Calibration:
+    def _calibrated(self, algorithm: str, scores: Floats, settings: CalibrationSettings) -> Calibration:
         return calibrate(
             self.kappa,
             scores,
@@ -137,7 +137,7 @@ class _OneCondition:
             casr_unit=self._casr_unit,
             specimens=self._names,
             kappa_se=self.kappa_se,
-            mount_share=mount_share(CASR_POWER, self.new.angle_deg, settings.angle_sd_deg),
+            mount_share=casr_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
             other_exponent=casr_exponent(self._growth),
         )
 

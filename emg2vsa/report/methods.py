@@ -247,6 +247,7 @@ def _export(study: Study) -> Iterable[str]:
 
 
 _AREA = {
+    "front": "the front of the contact in every frame: the finite-element contact whose pins move as those seen",
     "edge": "the ellipse at the fold of the pins' displacement field",
     "hexagon": "one hexagon for each pin that moved more than {threshold:g} px (Algorithm 1, pins matched one to one)",
     "circle": "the circle through the outermost pin (previous work)",

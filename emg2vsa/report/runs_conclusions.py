@@ -16,7 +16,7 @@ from emg2vsa.stats.kruskal import smallest_worst_p
 
 def first_frames(runs: Sequence[RunScores], found: Discrimination) -> str:
     """Which areas are compared, and why not A_c0 as it is."""
-    first_n = [curve.force_n[0] for run in runs for curve in run.curves if curve.force_n.size]
+    first_n = [curve.first_n for run in runs for curve in run.curves if curve.force_n.size]
     if found.table.algorithm == "paper" or not first_n:
         return "Compared is A_c0, the area of the first frame in contact, at whatever force that frame came."
     return (

@@ -17,6 +17,7 @@ from casr.spread import contact_areas, spread_rate
 from emg2vsa.arrays import Floats
 from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve
 
+OF_SKIN = tuple(name for name in ALGORITHMS if name != "front")
 _REACH = 0.8
 """At 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."""
 _LEAST_ROWS = 5
@@ -55,39 +56,49 @@ class ScoredPress:
 def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     """Score a press whose frames are there. CasrError where it cannot be scored.
 
-    Growth is measured once: with the consistent area law an algorithm's areas differ by the factor of its A_c0 alone.
+    Growth of skin is measured once: with the consistent area law the areas of all algorithms but ``front`` differ by
+    the factor of their A_c0 alone.
     """
     assert press.frames is not None
     scored = score(press.frames, _within_reach(settings, press.frames))
-    if scored.initial.rule != settings.area_rule:
+    if settings.quantity == "skin" and scored.initial.rule != settings.area_rule:
         raise CasrError(
             press.frames.name,
             wanted=f"an initial area by rule {settings.area_rule!r}",
             found=" ".join(scored.initial.notes),
             do="Look at the first frames (casr score --page); if they are as they should be, set another algorithm.",
         )
-    if scored.rate is None or scored.force_n is None:
+    if scored.skin.rate is None or scored.force_n is None:
         raise CasrError(
             press.frames.name,
             wanted="a force for every frame",
             found="no force log",
             do="Put the force log beside the frames as force.csv: a spread rate is an area per newton.",
         )
-    a_c0 = {name: _first_area(scored, press.frames.camera, name, settings) for name in ALGORITHMS}
-    casr = {name: scored.rate.value * area / scored.area[0] for name, area in a_c0.items()}
+    if scored.rate is None:
+        raise CasrError(
+            press.frames.name,
+            wanted="a contact front that can be followed",
+            found=scored.front_doubt,
+            do="Look at the frames (casr score --page), or set another algorithm under [runs].",
+        )
+    a_c0 = {name: _first_area(scored, press.frames.camera, name, settings) for name in OF_SKIN}
+    casr = {name: scored.skin.rate.value * area / scored.skin.area[0] for name, area in a_c0.items()}
     casr["paper"] = _to_the_letter(scored, a_c0["paper"])
-    assert scored.rate.law is not None
+    assert scored.skin.rate.law is not None
     # the rig's log is of the same sensor
     zero_n = scored.force_zero.level_n if scored.force_zero and settings.tare else 0.0
-    growth = scored.rate.law.area(settings.force_start_n) / scored.area[0]
+    growth = scored.skin.rate.law.area(settings.force_start_n) / scored.skin.area[0]
     start_area = {name: area * growth for name, area in a_c0.items()} | {"paper": a_c0["paper"]}
+    a_c0["front"], start_area["front"], casr["front"] = _by_front(scored, settings.force_start_n)
+    known = np.isfinite(scored.area)
     return ScoredPress(
         a_c0=a_c0,
         start_area=start_area,
         casr=casr,
         area_unit=scored.area_unit,
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_start_n),
-        curve=PressCurve(scored.force_n, scored.area),
+        curve=PressCurve(scored.force_n[known], scored.area[known], float(scored.force_n[0])),
         scored=scored,
         notes=scored.notes,
     )
@@ -112,21 +123,30 @@ def _within_reach(settings: ScoreSettings, frames: FrameSequence) -> ScoreSettin
     return settings if peak_n >= stop_n else replace(settings, force_stop_n=None)
 
 
-def picture_of(press: Press, scored: ScoredPress) -> ContactPicture:
+def picture_of(press: Press, scored: ScoredPress, algorithm: str) -> ContactPicture:
     """First contact of a scored press."""
+    area_mm2 = scored.a_c0[algorithm]
     assert press.frames is not None
     found = scored.scored
     return ContactPicture(
         image=np.asarray(press.frames[int(found.frames[0])]).astype(np.uint8),
         pins_px=found.rest.centroids_px,
         contact_px=found.contact_px[found.initial.selected],
-        area_mm2=float(found.area[0]),
+        area_mm2=area_mm2,
     )
 
 
+def _by_front(scored: Score, start_n: float) -> tuple[float, float, float]:
+    """Area in the first frame and where loading begins, on the front's power law, and its rate; NaN without one."""
+    rate = scored.front_spread.rate if scored.front_spread else None
+    if rate is None or rate.law is None or scored.force_n is None:
+        return np.nan, np.nan, np.nan
+    return rate.law.area(float(scored.force_n[0])), rate.law.area(start_n), rate.value
+
+
 def _first_area(scored: Score, camera: Camera | None, rule: str, settings: ScoreSettings) -> float:
-    if rule == settings.area_rule:
-        return float(scored.area[0])
+    if rule == scored.initial.rule:
+        return float(scored.skin.area[0])
     try:
         found = initial_area(
             scored.rest, scored.contact_px, camera=camera, rule=rule, threshold_px=settings.threshold_px

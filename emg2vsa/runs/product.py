@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
 
-ALGORITHMS = ("edge", "hexagon", "circle", "paper")
-"""Vision algorithms: initial area by the edge of contact (default), by hexagons (paper, new), by a circle (previous
-work), each with the consistent area law and the slope rate; and the paper's equations to the letter on hexagons."""
+ALGORITHMS = ("front", "edge", "hexagon", "circle", "paper")
+"""Vision algorithms: the contact's front followed in every frame (default); the growth of the skin that is in contact
+first, with its initial area by the edge of contact, by hexagons (paper, new) or by a circle (previous work), each with
+the consistent area law and the rate of a power law; and the paper's equations to the letter on hexagons."""
 
 
 _NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -22,11 +23,13 @@ _NUMBER = re.compile(r"\d+(\.\d+)?")
 class PressCurve:
     """The loading phase of one press.
 
-    force_n, area_mm2 : (T,) per frame, by the run's algorithm (paper: hexagon); area in px2 without a camera file.
+    force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm (paper: hexagon); area in px2
+    without a camera file. first_n : force of the first frame of the loading phase, determined or not.
     """
 
     force_n: Floats
     area_mm2: Floats
+    first_n: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +52,8 @@ class RunScores:
     algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). verdicts : "ok"
     or "rejected". reasons : empty where ok.
     a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N. a_c0 is the area of
-    the first frame of the loading phase, whose force differs from press to press; start_area is the area at the force
+    the first frame of the loading phase, whose force differs from press to press (front: on the power law of the frames
+    in which it is determined); start_area is the area at the force
     where the phase begins, on the power law of the press (paper: a_c0). true_a_c0 : (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
     simulated : the run was emulated. notes : once each.

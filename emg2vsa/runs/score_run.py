@@ -13,13 +13,16 @@ from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
 from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
-_NOTHING = PressCurve(*(np.empty(0) for _ in range(2)))
+_AREA_RULES = {"paper": "hexagon", "front": "edge"}
+"Of the skin, where it is not called like the algorithm."
+_NOTHING = PressCurve(np.empty(0), np.empty(0))
 
 
 def score_settings(settings: RunSettings) -> ScoreSettings:
     """The same in casr's terms."""
     return ScoreSettings(
-        area_rule="hexagon" if settings.algorithm == "paper" else settings.algorithm,
+        quantity="front" if settings.algorithm == "front" else "skin",
+        area_rule=_AREA_RULES.get(settings.algorithm, settings.algorithm),
         threshold_px=settings.threshold_px,
         force_start_n=settings.force_n[0],
         force_stop_n=settings.force_n[1],
@@ -47,7 +50,7 @@ def score_run(
     for press in presses:
         found, reason = _tried(press, how)
         if found and picture is None:
-            picture = picture_of(press, found)
+            picture = picture_of(press, found, settings.algorithm)
         if not found:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)

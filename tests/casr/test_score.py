@@ -192,10 +192,10 @@ def test_frames_in_no_order_are_reported() -> None:
 
 
 def test_the_frame_in_which_the_pins_are_lost_is_named() -> None:
-    images = np.stack([drawn(simulated("S5"), 20)] * 4)
+    images = np.stack([drawn(simulated("S5"), 20)] * 5)
     images[2:] = 0
-    frames = FrameSequence(ArrayFrames(images), None, np.array([0.0, 1.0, 2.0, 3.0]))
-    with pytest.raises(PinsError, match="frame 2"):
+    frames = FrameSequence(ArrayFrames(images), None, np.array([0.0, 1.0, 2.0, 3.0, 4.0]))
+    with pytest.raises(PinsError, match=r"frame 4.* in 3 frames in a row"):
         score(frames, ScoreSettings(region=Region.circle(150, 150, 50)))
 
 

@@ -58,7 +58,7 @@ def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffnes
 
 def test_old_and_new_algorithm_beside_the_truth(runs, stiffness_n_per_mm):
     compared = discriminate(runs, stiffness_n_per_mm, "S_new", FEW).algorithms
-    assert compared.names[:2] == ("edge", "circle")
+    assert compared.names[:2] == ("front", "circle")
     by_angle = compared.area_error[1, :3]
     assert by_angle == pytest.approx([0.0, 0.15, 0.41], abs=0.03)
     assert compared.area_error[0] == pytest.approx(np.zeros(9), abs=0.01)

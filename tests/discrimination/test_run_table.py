@@ -56,7 +56,7 @@ def test_a_condition_nobody_knows_comes_last(run_of, stiffness_n_per_mm):
         (lambda runs: [], "none"),
         (lambda runs: [*runs, runs[0]], "S1_0_high-stiffness more than once"),
         (lambda runs: [replace(runs[0], area_unit="px2"), *runs[1:]], "mm2 and px2"),
-        (lambda runs: [replace(runs[0], algorithm="circle"), *runs[1:]], "circle and edge"),
+        (lambda runs: [replace(runs[0], algorithm="circle"), *runs[1:]], "circle and front"),
         (lambda runs: [replace(runs[0], specimen="S9"), *runs[1:]], "S9"),
     ],
 )

@@ -66,7 +66,7 @@ def test_equality_is_tested_on_shares_of_the_mean(found, scores):
 def test_equal_areas_are_shown_equal(run_of, stiffness_n_per_mm):
     rng = np.random.default_rng(3)
     runs = [
-        replace(run_of(name, 0.0, "modular"), start_area={"edge": 40 * (1 + 0.01 * rng.standard_normal(10))})
+        replace(run_of(name, 0.0, "modular"), start_area={"front": 40 * (1 + 0.01 * rng.standard_normal(10))})
         for name in KNOWN
     ]
     found = discriminate(runs, stiffness_n_per_mm, "S_new")

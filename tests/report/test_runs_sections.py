@@ -86,7 +86,7 @@ def test_the_papers_numbers_lie_beside_ours(numbers, tested):
 def test_means_and_spreads_are_those_of_the_presses(numbers, some_runs):
     run = next(r for r in some_runs if r.name == "S3_45_modular")
     key = "runs.modular.45.S3.casr_mm2_per_n"
-    assert numbers[f"{key}.mean"] == pytest.approx(run.casr["edge"].mean(), rel=1e-12)
+    assert numbers[f"{key}.mean"] == pytest.approx(run.casr["front"].mean(), rel=1e-12)
     assert numbers[f"{key}.sd"] == pytest.approx(run.casr["edge"].std(ddof=1), rel=1e-12)
 
 
@@ -95,7 +95,7 @@ def test_table_one_has_the_errors_of_the_right_algorithm_and_actuator(written, w
         rows = {row["angle_deg"]: row for row in csv.DictReader(file)}
     of = {c: whole.calibration.find(45.0, c).algorithms for c in ("high-stiffness", "modular")}
     assert float(rows["45.0"]["old_vision"]) == of["high-stiffness"]["circle"].chosen.error
-    assert float(rows["45.0"]["new_vision"]) == of["high-stiffness"]["edge"].chosen.error
+    assert float(rows["45.0"]["new_vision"]) == of["high-stiffness"]["front"].chosen.error
     assert float(rows["45.0"]["human_like"]) == of["modular"]["edge"].chosen.error
     assert rows["30.0"]["human_like_paper"] == "0.03"
     assert rows["30.0"]["human_like"] == rows["0.0"]["new_vision_paper"] == ""
@@ -220,5 +220,5 @@ def test_the_new_specimen_that_is_not_told_apart_is_named(tested):
 
 def test_the_old_algorithm_is_held_against_the_truth(tested):
     said = conclusions.vision(tested)
-    assert said.startswith("Edge (new) sets the specimens further apart than circle (old) at 2 of 2 angles")
+    assert said.startswith("Front (new) sets the specimens further apart than circle (old) at 2 of 2 angles")
     assert "of the true area" in said

@@ -89,11 +89,9 @@ def run(given: Given) -> RunScores:
 
 
 def _true_a_c0(given: Given, scores: RunScores) -> Floats:
-    import numpy as np
-
     from emg2vsa.rig.emulated.truth import true_areas_mm2
 
-    first_n = [curve.force_n[0] if curve.force_n.size else np.nan for curve in scores.curves]
+    first_n = [curve.first_n for curve in scores.curves]
     specimen, angle_deg, condition = given.settings["run"]
     rig, emulated = given.settings["rig"], given.settings["emulated"]
     return true_areas_mm2(specimen, angle_deg, condition, rig, emulated, first_n)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casr.errors import SettingError as NoScene
-from casr.synthetic import Appearance, PressSettings, Scene
+from casr.synthetic import Appearance, PressSettings, Scene, TabulatedWorld
 from emg2vsa.actuator import SPRINGS
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -70,7 +70,7 @@ class PressDraws:
             repetition=press,
             seed=self.emulated.seed,
             centre_sd_mm=self.emulated.landing_sd_mm,
-            world=world.contact,
+            world=TabulatedWorld() if self.emulated.skin == "finite-elements" else world.contact,
             appearance=replace(Appearance(), noise_grey=self.emulated.camera_noise_grey),
         )
         try:

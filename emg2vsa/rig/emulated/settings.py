@@ -25,6 +25,9 @@ class EmulatedSettings:
     "Records the force sensor sends a second, a whole fraction of 7000; well above the 200 turns of the control loop."
     camera_noise_grey: Annotated[float, Ge(0), Le(50)] = 2.0
     "Standard deviation of the camera's read noise, grey levels (guess)."
+    skin: Literal["finite-elements", "sticking"] = "finite-elements"
+    """How the skin moves that the camera sees: tabulated finite elements of a dome, or a contact that sticks and then
+    stretches. The force over depth is that of casr's elastic dome with both."""
     landing_sd_mm: Annotated[float, Ge(0), Le(2)] = 0.2
     "Standard deviation of where a press meets the specimen, along each axis of the image, mm (guess: guide's play)."
     gap_sd_mm: Annotated[float, Ge(0), Le(0.2)] = 0.1

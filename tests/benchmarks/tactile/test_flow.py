@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from benchmarks.tactile.flow import compare, errors_of_pair, flow_table, front_table
+from benchmarks.tactile.flow_growth import LOOKS, growth_table
 from benchmarks.tactile.flow_pairs import contact_pair
 from benchmarks.tactile.method import Method
 from benchmarks.tactile.ours import ours
 from benchmarks.tactile.peers import peers
 from benchmarks.tactile.time_error_plot import Point, draw, write_plot
+from casr.flow.estimate import ENGINES
 
 QUICK = [*ours(), *[peer for peer in peers() if "DIS" in peer.name]]
 
@@ -49,7 +51,29 @@ def test_every_installed_peer_runs_and_points_the_right_way() -> None:
 
 
 def test_a_peer_that_is_absent_is_known_to_be() -> None:
-    assert not Method("absent", lambda *_: lambda: None, needs="no_such_module").installed
+    for needs in ("no_such_module", "no_such_module.part", "cv2.no_such_part"):
+        assert not Method("absent", lambda *_: lambda: None, needs=needs).installed
+    assert Method("present", lambda *_: lambda: None, needs="cv2.optflow").installed
+
+
+def test_lucas_and_kanade_see_what_our_pins_see() -> None:
+    pair = contact_pair(1.0)
+    peers_on_pins = [peer for peer in peers() if "PyrLK" in peer.name]
+    assert len(peers_on_pins) == 3
+    for method in (*peers_on_pins, *(method for method in ours() if "followed" in method.name)):
+        divergence_percent, epe_px = errors_of_pair(method, pair)
+        assert abs(divergence_percent) < 1, method.name
+        assert epe_px < 0.02, method.name
+
+
+def test_growth_by_radius_has_a_row_for_every_engine_and_skin() -> None:
+    table = growth_table(1)
+    assert [row[:2] for row in table.rows] == [[engine, look] for look in LOOKS for engine in ENGINES]
+    mean = {(row[0], row[1]): row[2::2] for row in table.rows}
+    assert all(abs(error) < 1 for error in mean["pin-affine", "clean"])
+    # the smaller the contact, the more dense flow loses
+    assert mean["dis", "clean"][0] < mean["dis", "clean"][2] < -1
+    assert abs(mean["horn-schunck", "clean"][-1]) < 1
 
 
 def test_labels_of_the_plot_do_not_cover_each_other(tmp_path: Path) -> None:

@@ -36,6 +36,10 @@ def test_choices_are_those_of_the_modules() -> None:
         (["simulate", "x", "--repetitions", "0"], "whole number from 1"),
         (["simulate", "x", "--angles", "0;30"], "commas"),
         (["score", "x", "--engine", "lucas-kanade"], "pin-affine"),
+        (["score", "x", "--pitch", "0"], "above 0"),
+        (["area", "x", "--contrast", "-1"], "above 0"),
+        (["flow", "x", "--min-area", "big"], "1 numbers"),
+        (["flow", "x", "--expect-pins", "0"], "whole number from 1"),
     ],
 )
 def test_wrong_options_are_refused(words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:

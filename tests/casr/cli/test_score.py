@@ -71,7 +71,7 @@ def test_a_bad_press_does_not_stop_the_others(presses: Path, tmp_path: Path, cap
     assert len(captured.err.splitlines()) == 1
     assert captured.err.startswith("not scored: bad")
     assert "Not scored: bad" in page.read_text(encoding="utf-8")
-    assert [path.name for path in (tmp_path / "index").iterdir()] == ["good.html"]
+    assert [path.name for path in (tmp_path / "index_pages").iterdir()] == ["good.html"]
 
 
 def test_without_force_there_is_area_but_no_rate(presses: Path, tmp_path: Path, capsys: Captured) -> None:

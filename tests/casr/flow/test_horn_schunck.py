@@ -164,10 +164,10 @@ def test_flow_of_a_third_of_the_pitch_is_found_by_the_pyramid():
     np.testing.assert_allclose(np.median(flow, axis=(0, 1)), (7, 0), atol=0.05)
 
 
-def _shifted_texture(shift_px, seed=0, *, blur_px=3.0, side=300):
+def _shifted_texture(shift_px, seed=0, *, blur_px=3.0, contrast_grey=40, side=300):
     """Two views of one random texture; the second shows it shift_px further right."""
     fine = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, (side, side + 80)), (0, 0), blur_px)
-    grey = np.clip(np.rint(128 + 40 * fine / fine.std()), 0, 255).astype(np.uint8)
+    grey = np.clip(np.rint(128 + contrast_grey * fine / fine.std()), 0, 255).astype(np.uint8)
     return grey[:, 40 : 40 + side], grey[:, 40 - shift_px : 40 - shift_px + side]
 
 
@@ -190,6 +190,16 @@ def test_the_pyramid_grows_with_the_motion(shift_px, blur_px):
 def test_a_region_too_small_for_the_motion_is_found_on_the_whole_frame():
     flow, notes = _step(*_shifted_texture(15), roi=(120, 120, 180, 180))
     np.testing.assert_allclose(np.median(flow[120:180, 120:180], axis=(0, 1)), (15, 0), atol=0.05)
+    assert not notes
+
+
+@pytest.mark.parametrize("roi", [None, (130, 130, 170, 170)])
+def test_a_weak_texture_whose_motion_looks_short_is_found_too(roi):
+    first, second = _shifted_texture(15, blur_px=1.0, contrast_grey=15)
+    once, _ = _step(first, second, HornSchunckSettings(warp_above_px=np.inf))
+    assert np.abs(once).max() < HornSchunckSettings().warp_above_px
+    flow, notes = _step(first, second, roi=roi)
+    np.testing.assert_allclose(np.median(flow[130:170, 130:170], axis=(0, 1)), (15, 0), atol=0.1)
     assert not notes
 
 

@@ -107,7 +107,7 @@ def test_binary_frames_are_taken_as_they_are(draw, hexagon_px):
         (np.full((300, 300), 255, np.uint8), "uniform"),
         (np.full((1, 1), 90, np.uint8), "uniform"),
         (np.random.default_rng(0).uniform(0, 1, (300, 300)), "not to 1"),
-        (np.kron(np.eye(4), np.full((40, 40), 200.0)), "block_px"),
+        (np.kron(np.eye(4), np.full((40, 40), 200.0)), "--pitch"),
     ],
     ids=["black", "saturated", "one pixel", "zero to one", "no pins"],
 )
@@ -132,7 +132,16 @@ def test_not_finite_is_an_image_error(draw, hexagon_px):
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"block_px": 30}, {"contrast": 0}, {"min_area_px": 0}, {"area_ratio": (1.2, 2)}, {"max_aspect": 0.5}],
+    [
+        {"block_px": 30},
+        {"contrast": 0},
+        {"min_area_px": 0},
+        {"area_ratio": (1.2, 2)},
+        {"max_aspect": 0.5},
+        {"pitch_px": 2.0},
+        {"pitch_px": float("inf")},
+        {"expect_pins": 2},
+    ],
 )
 def test_senseless_settings_are_refused(wrong):
     with pytest.raises(SettingError, match=next(iter(wrong))):
@@ -173,6 +182,6 @@ def test_real_colour_frames_with_lamps_around(shared_data: SharedData):
 def test_blobs_too_close_to_see_between_still_have_a_place():
     frame = np.zeros((60, 60), np.uint8)
     frame[10:50:4, 10:50:4] = 255
-    pins = detect_pins(cv2.dilate(frame, np.ones((3, 3), np.uint8)), PinSettings(block_px=59))
+    pins = detect_pins(cv2.dilate(frame, np.ones((3, 3), np.uint8)), PinSettings(block_px=59, pitch_px=4))
     assert len(pins) == 100
     assert np.isfinite(pins.centroids_px).all()

@@ -170,7 +170,13 @@ def test_another_run_is_neither_overwritten_nor_marked(plan: Plan, tmp_path: Pat
     [
         ({"f_max_n": 12.0}, RIG, EmulatedSettings(), SettingError, "guard"),
         ({"specimen": "S9"}, RIG, EmulatedSettings(), SettingError, "stiffness of the specimen"),
-        ({"angle_deg": 45.0}, RIG, EmulatedSettings(stiffness_n_per_mm={"S3": 0.05}), SettingError, "inside the rim"),
+        (
+            {"angle_deg": 45.0},
+            RIG,
+            EmulatedSettings(stiffness_n_per_mm={"S3": 0.05}),
+            SettingError,
+            "as the tables reach",
+        ),
         ({}, RigSettings(max_preset_ticks=1000), EmulatedSettings(), ScheduleError, "preset_ticks"),
     ],
 )
