@@ -102,8 +102,8 @@ class _Search:
         axis = _unit(weight @ self._directions)
         worlds = np.arange(self._library.n_worlds)
         for kept in _KEPT:
-            misfit = self.fit(axis, worlds, _COARSE)[1].sum(axis=1)
-            worlds = worlds[np.argsort(misfit, kind="stable")[:kept]]
+            misfit = self.fit(axis, np.arange(self._library.n_worlds), _COARSE)[1].sum(axis=1)
+            worlds = np.argsort(misfit, kind="stable")[:kept]
             axis = self._centred(axis, worlds[:_CENTRED_BY])
         return axis, worlds
 

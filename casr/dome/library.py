@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from itertools import pairwise
 from pathlib import Path
 from typing import IO
 
@@ -175,7 +176,8 @@ def _next_in_family(library: Library) -> list[Between]:
         library.dome.tolist(), library.friction.tolist(), library.stiffness_n_per_mm.round(6).tolist(), strict=True
     )
     row_of = {name: row for row, name in enumerate(names)}
-    softer = dict(zip(FAMILY[1:], FAMILY[:-1], strict=True))
+    there = [dome for dome in FAMILY if dome in library.dome]
+    softer = dict(pairwise(reversed(there)))
     return [
         (other, row, f"{softer[dome]}+{dome}", stiffness)
         for (dome, friction, stiffness), row in row_of.items()

@@ -17,7 +17,7 @@ from casr.flow.estimate import ENGINES, LOST_PERCENT, FlowSettings, FlowStep, Fl
 from casr.flow.region import Region
 from casr.flow.step import notes_by_frame
 from casr.specimens import SPECIMENS
-from casr.synthetic import Appearance, ContactEllipse, PressSettings, simulate_press
+from casr.synthetic import Appearance, ContactEllipse, ContactWorld, PressSettings, simulate_press
 from casr.synthetic.skin import TACTIP_127
 
 WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
@@ -27,7 +27,12 @@ WORST = {"pin-affine": 0.003, "horn-schunck": 0.10, "dis": 0.16}
 @cache
 def press(specimen: str, angle_deg: float, **look: float) -> tuple[list[NDArray[np.uint8]], list[ContactEllipse]]:
     made = simulate_press(
-        PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], angle_deg=angle_deg, appearance=Appearance(**look))  # type: ignore[arg-type]
+        PressSettings(
+            stiffness_n_per_mm=SPECIMENS[specimen],
+            angle_deg=angle_deg,
+            appearance=Appearance(**look),  # type: ignore[arg-type]
+            world=ContactWorld(),  # in which the skin inside the contact grows as the contact
+        )
     )
     frames = made.truth.loading_frames[::2]
     return (

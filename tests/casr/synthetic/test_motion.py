@@ -17,6 +17,10 @@ RIM = Rim((149.5, 149.5), 140.0)
 PRESSES = [(kappa, angle) for kappa in SPECIMENS.values() for angle in (0.0, 30.0, 45.0)]
 
 
+def _scene(**settings: float) -> Scene:
+    return Scene(PressSettings(world=ContactWorld(), **settings))  # type: ignore[arg-type]
+
+
 def _tilted(scale: float) -> ContactEllipse:
     return ContactEllipse((210.0, 153.0), (22.0 * scale, 31.0 * scale))
 
@@ -88,7 +92,7 @@ def test_area_of_the_moved_outline_is_the_area() -> None:
 @pytest.mark.parametrize(("kappa", "angle_deg"), PRESSES)
 def test_nothing_folds_or_leaves_the_image(kappa: float, angle_deg: float) -> None:
     for repetition in range(5):
-        scene = Scene(PressSettings(stiffness_n_per_mm=kappa, angle_deg=angle_deg, repetition=repetition))
+        scene = _scene(stiffness_n_per_mm=kappa, angle_deg=angle_deg, repetition=repetition)
         start, peak = scene.contact(0.5), scene.contact(7.0)
         assert peak.gap_px(scene.rim) > 2
         points = _disc(4000, repetition, 139.0)
@@ -121,7 +125,7 @@ def test_displacement_at_the_edge_is_the_lever_ratio() -> None:
 
 
 def test_pins_move_smoothly_from_rest_through_first_contact() -> None:
-    scene = Scene(PressSettings(angle_deg=30.0))
+    scene = _scene(angle_deg=30.0)
     forces = np.concatenate([[-0.1, 0.0], np.geomspace(1e-12, 7, 400)])
     steps = np.diff([scene.pins_px(force) for force in forces.tolist()], axis=0)
     assert np.abs(steps).max() < 1.5
@@ -131,14 +135,15 @@ def test_pins_move_smoothly_from_rest_through_first_contact() -> None:
 
 
 def test_pin_motion_in_loading_is_the_true_flow() -> None:
-    scene = Scene(PressSettings(angle_deg=30.0))
+    scene = _scene(angle_deg=30.0)
     expected = spread(scene.pins_px(2.0), scene.contact(2.0), scene.contact(3.0), scene.rim)
     np.testing.assert_allclose(scene.pins_px(3.0), expected, rtol=0, atol=1e-9)
 
 
-def test_flow_before_first_contact_is_refused() -> None:
-    with pytest.raises(SettingError, match=r"0\.43 N or more"):
-        Scene(PressSettings()).divergence(0.2, 1.0)
+def test_skin_grows_from_the_force_on_at_which_it_sticks() -> None:
+    scene = _scene()
+    assert scene.skin_growth(0.1, 0.4) == 0
+    assert scene.skin_growth(0.2, 2.0) == pytest.approx(np.log(scene.area_mm2(2.0) / scene.area_mm2(0.43)), rel=1e-12)
 
 
 def test_contact_that_reaches_the_rim_is_refused() -> None:
@@ -147,6 +152,6 @@ def test_contact_that_reaches_the_rim_is_refused() -> None:
 
 
 def test_overload_grows_the_contact_no_further_than_the_rim() -> None:
-    scene = Scene(PressSettings(stiffness_n_per_mm=1.11, angle_deg=45.0))
+    scene = _scene(stiffness_n_per_mm=1.11, angle_deg=45.0)
     assert scene.contact(1000.0).gap_px(scene.rim) > 1.9
     assert scene.contact(7.0).area_px2 < scene.contact(1000.0).area_px2

@@ -14,6 +14,7 @@ from casr.frames import FrameSequence, force_per_frame, loading_phase
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
 from casr.synthetic import (
+    ContactWorld,
     PressSettings,
     Scene,
     SimulatedFrames,
@@ -97,12 +98,13 @@ def test_loading_phase_found_in_the_log_is_the_true_one(press: SimulatedPress) -
 
 def test_every_frame_logged_at_first_contact_obeys_the_area_law() -> None:
     for repetition in range(40):
-        one = simulate_press(PressSettings(repetition=repetition))
+        one = simulate_press(PressSettings(repetition=repetition, world=ContactWorld()))
         first = np.flatnonzero(one.sequence().force_n >= 0.5)[0]
         assert one.truth.force_n[first] > one.settings.world.stick_force_n
 
 
-def test_truth_agrees_with_itself(press: SimulatedPress) -> None:
+def test_truth_agrees_with_itself() -> None:
+    press = simulate_press(PressSettings(angle_deg=30.0, repetition=2, world=ContactWorld()))
     truth = press.truth
     loading = truth.loading_frames
     expected = press.settings.world.area_mm2(truth.force_n, press.settings.stiffness_n_per_mm, 30.0)
@@ -139,7 +141,8 @@ def test_presses_differ_in_place_speed_start_and_brightness(change: dict[str, fl
 
 
 def test_landing_scatters_as_stated() -> None:
-    centres = [Scene(PressSettings(repetition=repetition)).centre_px for repetition in range(300)]
+    world = ContactWorld()
+    centres = [Scene(PressSettings(repetition=repetition, world=world)).centre_px for repetition in range(300)]
     off_mm = (np.array(centres) - 149.5) / 6
     np.testing.assert_allclose(off_mm.std(axis=0), 0.48, rtol=0.15)
     assert np.abs(off_mm).max() <= 1.0 + 1e-9

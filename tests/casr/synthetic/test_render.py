@@ -8,7 +8,7 @@ import pytest
 
 from casr.camera import Camera
 from casr.errors import SettingError
-from casr.synthetic import TACTIP_127, Appearance, PressSettings, Scene, Skin
+from casr.synthetic import TACTIP_127, Appearance, ContactWorld, PressSettings, Scene, Skin
 from casr.synthetic.appearance import draw_surface
 from casr.synthetic.motion import spread
 from casr.synthetic.render import render
@@ -93,7 +93,7 @@ def test_frames_depend_on_force_and_number_alone() -> None:
 
 def test_texture_moves_with_the_skin() -> None:
     look = {"texture_grey": 12.0, "pin_grey": (0.0, 0.0), "background_grey": 100.0}
-    scene = _scene(**look)
+    scene = Scene(PressSettings(appearance=Appearance(noise_grey=0.0, **look), world=ContactWorld()))  # type: ignore[arg-type]
     before, after = 3.0, 3.4
     first, second = (scene.image(force, 0).astype(np.float32) for force in (before, after))
     rows, columns = np.mgrid[:300, :300].astype(np.float32)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 
-from casr.camera import Camera
 from casr.errors import FramesError
 from casr.frame_files import open_frames, read_camera, read_force_log
 from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, TimelineSettings, simulate_press, write_press
@@ -19,7 +19,9 @@ SHORT = TimelineSettings(loading_s=0.4)
 
 @pytest.fixture(scope="module")
 def press() -> SimulatedPress:
-    return simulate_press(PressSettings(timeline=SHORT, camera=Camera(distortion=(0.01, -0.02, 0.0, 0.001))))
+    return simulate_press(
+        PressSettings(timeline=SHORT, camera=replace(PressSettings().camera, distortion=(0.01, -0.02, 0.0, 0.001)))
+    )
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +56,8 @@ def test_truth_reads_back(press: SimulatedPress, folder: Path) -> None:
     document = json.loads((folder / "truth.json").read_text())
     assert document["truth"]["casr_slope_mm2_per_n"] == press.truth.casr_slope_mm2_per_n
     assert document["truth"]["loading_frames"] == press.truth.loading_frames.tolist()
-    assert document["settings"]["world"]["lever_ratio"] == 0.1
+    assert document["settings"]["world"]["dome"] == "A"
+    assert any("turned about the dome's centre" in each for each in document["truth"]["assumptions"])
 
 
 def test_equal_settings_give_equal_bytes(press: SimulatedPress, folder: Path, tmp_path: Path) -> None:
