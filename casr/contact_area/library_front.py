@@ -74,6 +74,7 @@ def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
         parts=parts,
         centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
         edge_px=distorted(edge.outline_px(), camera),
+        inside=edge.inside,
         pins_inside=edge.pins_inside,
         pitches=edge.pitches,
         misfit=misfit,

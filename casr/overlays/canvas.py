@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-INK, MUTED, GRID = "#1a1a1a", "#555555", "#d9d9d9"
+INK, MUTED, FAINT, GRID = "#1a1a1a", "#555555", "#a0a0a0", "#d9d9d9"
 BLUE, GREEN, SKY, ORANGE, RED = "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#D55E00"
 "Okabe and Ito (2008)."
 

@@ -7,45 +7,67 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.overlays.canvas import BLUE, GREEN, MUTED, ORANGE, Picture, plot, styled
+from casr.overlays.canvas import BLUE, FAINT, GREEN, MUTED, ORANGE, Picture, plot, styled
 from casr.spread import readable
+from casr.spread.correlated_errors import normal_quantile
+from casr.spread.rate import CONFIDENCE
 
 if TYPE_CHECKING:
-    from casr.spread import PowerLaw, SpreadRate
+    from matplotlib.axes import Axes
+
+    from casr.score import Score
+    from casr.spread import PowerLaw
 
 
 @styled
-def area_curve(force_n: NDArray[np.float64], area: NDArray[np.float64], unit: str, rate: SpreadRate | None) -> Picture:
-    """Contact area against force, and a line whose slope is the rate, with its interval; by a power law, that too.
-
-    force_n, area : (T,).
-    """
-    figure, axes = plot("force (N)", f"contact area ({readable(unit)})")
-    axes.plot(force_n, area, ".", color=BLUE, markersize=7, label="frame")
-    caption = "Contact area of each frame against its force."
-    if rate is not None and rate.rule != "paper":
-        caption += " The slope of the line is the CASR."
-        ends, middle = _line_through(force_n, area)
-        if rate.law is not None and rate.window_n is not None:
-            ends, middle = _chord(rate.law, rate.window_n)
-            forces = np.linspace(*rate.window_n, 200)
-            axes.plot(forces, rate.law.area(forces), color=MUTED, linewidth=1.2, label="power law")
-            caption += " It joins two forces on the power law through the frames."
-        away = ends - ends.mean()
-        if rate.low is not None and rate.high is not None:
-            sides = middle + np.outer([rate.low, rate.high], away)
-            axes.fill_between(ends, sides[0], sides[1], color=ORANGE, alpha=0.3, linewidth=0)
-            caption += f" Shaded: its 95 % interval, {rate.low:.3g} to {rate.high:.3g} {readable(rate.unit)}."
-        words = f"CASR, {rate.value:.3g} {readable(rate.unit)}"
-        axes.plot(ends, middle + rate.value * away, color=ORANGE, linewidth=2.2, label=words)
+def area_curve(score: Score) -> Picture:
+    """Areas by both quantities against force; the front with its interval, and a line whose slope is the CASR."""
+    assert score.force_n is not None
+    unit, force_n, front = readable(score.area_unit), score.force_n, score.front
+    figure, axes = plot("force (N)", f"area ({unit})")
+    counts = front.determined & (score.front_doubt == "")
+    reach = np.exp(normal_quantile(CONFIDENCE) * front.relative_sd)
+    caption = "Front: contact area of each frame. Skin: the area of the first contact's skin."
+    if not counts.all():
+        axes.plot(force_n[~counts], front.area[~counts], "x", color=FAINT, markersize=5, label="front, not determined")
+        caption += " Grey: the front is not determined, these frames do not count."
+    if counts.any():
+        order = np.flatnonzero(counts)[np.argsort(force_n[counts], kind="stable")]
+        sides = (front.area / reach)[order], (front.area * reach)[order]
+        axes.fill_between(force_n[order], *sides, color=BLUE, alpha=0.15, linewidth=0)
+        axes.plot(force_n[counts], front.area[counts], ".", color=BLUE, markersize=7, label="front")
+        caption += " Shaded: 95 % of each area."
+    axes.plot(force_n, score.skin.area, ".", color=GREEN, markersize=5, label="skin")
+    caption += _line_of_rate(axes, score)
+    axes.set_ylim(bottom=0)
     axes.legend(loc="upper left")
-    return Picture("area_over_force", "Contact area against force", caption, figure)
+    return Picture("area_over_force", "Area against force", caption, figure)
+
+
+def _line_of_rate(axes: Axes, score: Score) -> str:
+    """Draw the CASR by the quantity of the score; what that is, in words."""
+    rate, force_n = score.rate, score.force_n
+    if rate is None or force_n is None or rate.rule == "paper":
+        return ""
+    ends, middle = _line_through(force_n, score.area)
+    said = f" The slope of the line is the CASR ({score.settings.quantity})."
+    if rate.law is not None and rate.window_n is not None:
+        ends, middle = _chord(rate.law, rate.window_n)
+        forces = np.linspace(*rate.window_n, 200)
+        axes.plot(forces, rate.law.area(forces), color=MUTED, linewidth=1.2, label="power law")
+        said += " It joins two forces on the power law through the frames."
+    words = f"CASR ({score.settings.quantity}), {rate.value:.3g} {readable(rate.unit)}"
+    axes.plot(ends, middle + rate.value * (ends - ends.mean()), color=ORANGE, linewidth=2.2, label=words)
+    total = score.interval
+    return said + (
+        f" Its total 95 % interval: {total.low:.3g} to {total.high:.3g} {readable(rate.unit)}." if total else ""
+    )
 
 
 @styled
 def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> Picture:
     """Growth of each step and their sum, D_cum. frames : (T,); log_growth : (T-1,)."""
-    figure, axes = plot("frame", "log growth of the contact region")
+    figure, axes = plot("frame", "log growth of the skin")
     total = np.concatenate([[0.0], np.cumsum(log_growth)])
     axes.bar(frames[1:], log_growth, color=GREEN, width=0.9, label="of one step")
     axes.plot(frames, total, color=BLUE, linewidth=2.2, label="sum since first contact")
@@ -53,8 +75,8 @@ def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> P
     axes.legend(loc="upper left")
     return Picture(
         "growth",
-        "Growth frame by frame",
-        f"Sum at the end {total[-1]:.3f}: the area grew to {np.exp(total[-1]):.2f} times its initial size.",
+        "Growth of the skin frame by frame",
+        f"Sum at the end {total[-1]:.3f}: the skin of the first contact grew to {np.exp(total[-1]):.2f} times its initial size.",
         figure,
     )
 

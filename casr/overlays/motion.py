@@ -11,13 +11,13 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from casr.flow.divergence import divergence, mean_divergence, region_mask
-from casr.overlays.canvas import INK, RED, Picture, legend_below, photo, styled, view_of
+from casr.overlays.canvas import GREEN, INK, RED, Picture, legend_below, photo, styled, view_of
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
+
+    from casr.score import Score
 
 _WITH_BAR_INCH = 3.9
 _OUTLINES = 6
@@ -28,30 +28,42 @@ _DIVERGING = "PuOr_r"
 
 
 @styled
-def region_picture(
-    last_image: NDArray[Any],
-    pins_px: NDArray[np.float64],
-    regions: Sequence[NDArray[np.float64]],
-    frames: NDArray[np.int_],
-    force_n: NDArray[np.float64] | None,
-) -> Picture:
-    """Outlines of the tracked contact region over the last frame, early ones dark and thin."""
-    everything = np.concatenate([pins_px, *regions])
+def edges_picture(last_image: NDArray[Any], score: Score) -> Picture:
+    """Over the last frame the front in a few frames, early ones dark and thin, and the first contact's skin."""
+    front, skin_px = score.front, (score.regions[0], score.regions[-1])
+    determined = np.flatnonzero(front.determined) if not score.front_doubt else np.zeros(0, dtype=np.intp)
+    shown = determined[np.linspace(0, determined.size - 1, min(_OUTLINES, determined.size)).round().astype(np.intp)]
+    pins_px = score.rest.centroids_px
+    everything = np.concatenate([pins_px, *skin_px, *front.edge_px[shown]])
     figure, axes = photo(last_image, view_of(everything, last_image, pin_pitch_px(pins_px)))
-    shown = np.unique(np.linspace(0, len(regions) - 1, min(_OUTLINES, len(regions))).round().astype(int))
-    for place, i in enumerate(shown):
-        closed = np.vstack([regions[i], regions[i][:1]])
+    for place, i in enumerate(shown.tolist()):
         share = place / max(len(shown) - 1, 1)
-        colour = colormaps["plasma"](0.25 + 0.7 * share)
-        words = f"frame {frames[i]}" + (f", {force_n[i]:.1f} N" if force_n is not None else "")
-        axes.plot(*closed.T, color=colour, linewidth=1.2 + 1.4 * share, label=words)
-    legend_below(axes, 3)
-    return Picture(
-        "region",
-        "Contact region as it grows",
-        "Outlines from first contact (dark, thin) to the last frame (yellow, thick), over the last frame.",
-        figure,
+        words = f"front, {_moment(score, i)}"
+        _outline(
+            axes,
+            front.edge_px[i],
+            color=colormaps["plasma"](0.25 + 0.7 * share),
+            linewidth=1.2 + 1.4 * share,
+            label=words,
+        )
+    for outline_px, style, i in zip(skin_px, (":", "--"), (0, -1), strict=True):
+        _outline(axes, outline_px, color=GREEN, linewidth=1.8, linestyle=style, label=f"skin, {_moment(score, i)}")
+    legend_below(axes)
+    caption = (
+        "The front, from dark and thin to yellow and thick, and the skin of the first contact, over the last frame."
     )
+    if not shown.size:
+        caption = "The skin of the first contact over the last frame. The front is not determined and not drawn."
+    return Picture("edges", "Front and skin", caption, figure)
+
+
+def _moment(score: Score, i: int) -> str:
+    force = f"{score.force_n[i]:.1f} N" if score.force_n is not None else ""
+    return force or f"frame {score.frames[i]}"
+
+
+def _outline(axes: Axes, points_px: NDArray[np.float64], **look: Any) -> None:
+    axes.plot(*np.vstack([points_px, points_px[:1]]).T, **look)
 
 
 @styled
