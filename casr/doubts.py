@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.contact_area.library_front import FREE_MISFIT
 from casr.scored import Score
 
 _Array = NDArray[np.float64]
@@ -21,6 +22,12 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
     if known.size and known[-1] < known[0]:
         found.append(
             f"the contact area shrank, from {known[0]:.4g} to {known[-1]:.4g} {unit}: do the frames run backwards?"
+        )
+    front = score.front
+    if score.settings.quantity == "front" and front.model != "analytic" and front.misfit > FREE_MISFIT:
+        found.append(
+            f"the pins do not move as on any dome of the library ({front.misfit:.0%} of the motion is left over; "
+            f"{FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed"
         )
     rate = score.rate
     if rate is not None and rate.scatter_low is not None and rate.scatter_high is not None:

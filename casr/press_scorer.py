@@ -118,7 +118,7 @@ class PressScorer:
         force_zero_sd_n : standard error of the resting level; None where none was taken off.
         """
         steps = self._steps[: len(phase.frames) - 1]
-        skin = self._skin(force_n)
+        skin = self._skin(force_n, len(phase.frames))
         front = self._front(len(phase.frames))
         doubt = front_doubt(front) or self._beyond_pins(front)
         spread = None
@@ -153,8 +153,8 @@ class PressScorer:
             ),
         )
 
-    def _skin(self, force_n: Array | None) -> SkinSpread:
-        area = self.areas(force_n)
+    def _skin(self, force_n: Array | None, n_frames: int) -> SkinSpread:
+        area = self.areas(force_n)[:n_frames]
         if self._settings.quantity == "skin":
             largest = int(np.argmax(area))
             scale = self._initial.area_px2 / self._first_area
@@ -216,8 +216,8 @@ class PressScorer:
 
 
 def _notes_of(skin: SkinSpread, front: FrontSpread | None) -> tuple[str, ...]:
-    rates = [of.rate for of in (front, skin) if of is not None and of.rate is not None]
-    return tuple(note for rate in rates for note in rate.notes)
+    rates = {name: of.rate for name, of in (("front", front), ("skin", skin)) if of is not None}
+    return tuple(f"{name}: {note}" for name, rate in rates.items() if rate is not None for note in rate.notes)
 
 
 def _once(*notes: str) -> tuple[str, ...]:

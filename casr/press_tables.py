@@ -53,7 +53,8 @@ def frame_rows(score: Score) -> list[tuple[Value, ...]]:
     determined = front.determined & (score.front_doubt == "")
     force_n = np.full(len(score.frames), np.nan) if score.force_n is None else score.force_n
     columns = (
-        force_n, front.area, front.area / reach, front.area * reach, score.skin.area, *front.shear_px.T, front.torsion_deg,
+        force_n, front.area, front.area / reach, front.area * reach, score.skin.area, *front.shear_px.T,
+        front.torsion_deg,
     )  # fmt: skip
     return [
         (frame, *(_rounded(value, 6) for value in values), inside, int(counts))

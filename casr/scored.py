@@ -198,15 +198,16 @@ class Score:
     @property
     def contact_px(self) -> NDArray[np.float64]:
         """(N, 2) the pins in the first scored frame."""
-        return self.pins_px[0]
+        return np.asarray(self.pins_px[0])
 
     def by(self, quantity: str) -> Spread:
         """What one of ``QUANTITIES`` says."""
         if quantity == "skin":
             return Spread("skin", self.skin.area, self.skin.rate, self.skin.interval, "")
         area = np.where(self.front.determined & (self.front_doubt == ""), self.front.area, np.nan)
-        found = self.front_spread
-        return Spread("front", area, found and found.rate, found and found.interval, self.front_doubt)
+        rate = self.front_spread.rate if self.front_spread else None
+        interval = self.front_spread.interval if self.front_spread else None
+        return Spread("front", area, rate, interval, self.front_doubt)
 
     @property
     def chosen(self) -> Spread:

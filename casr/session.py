@@ -1,7 +1,7 @@
 """Presses of one session beside each other: which one's skin stretched otherwise than its contact grew.
 
-Skin that is in contact stretches by friction, contact grows by the shape of dome and specimen. Their ratio is much the same
-for all presses of a sensor, and other where the skin slips, friction differs, or pins were lost.
+Skin in contact stretches as friction lets it; a contact grows by the shape of dome and specimen. Their ratio is much
+the same for all presses of a sensor, and other where the skin slips, friction differs, or pins were lost.
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ def unlike_others(stretches: Mapping[str, Stretch]) -> dict[str, str]:
         if abs(apart_by) > limit * sd:
             mine, theirs = np.exp(np.median(compared, axis=0))
             found[name] = (
-                f"skin grew {mine:.2f} times as much as the contact, in the other presses {theirs:.2f} times at the same "
-                f"forces, which is {abs(apart_by) / sd:.1f} standard errors apart: slip, other friction, or lost pins"
+                f"skin grew {mine:.2f} times as much as the contact, in the other presses {theirs:.2f} times at the "
+                f"same forces, {abs(apart_by) / sd:.1f} standard errors apart: slip, other friction, or lost pins"
             )
     return found
 

@@ -54,8 +54,8 @@ def add_to(commands: Commands) -> None:
     method = parser.add_argument_group("method")
     method.add_argument(
         "--quantity", choices=QUANTITIES, default=QUANTITIES[0],
-        help="which area is the result: front, the contact, whose edge is followed in every frame, or skin, that of the "
-        "first contact as the flow stretches it, as in the paper; the other stands beside it (default %(default)s)",
+        help="which area is the result: front, the contact, whose edge is followed in every frame, or skin, that of "
+        "the first contact as the flow stretches it, as in the paper; the other stands beside it (default %(default)s)",
     )  # fmt: skip
     method.add_argument(
         "--domes", type=Path, metavar="FOLDER", help="tables of your own domes, beside those that come with casr"
@@ -74,8 +74,8 @@ def add_to(commands: Commands) -> None:
     add_threshold(method)
     method.add_argument(
         "--region", metavar="X,Y,R",
-        help="contact circle, px, or image, for dense engines: growth of skin is the mean divergence of the whole image "
-        "(default: found from the pins that moved)",
+        help="contact circle, px, or image, for dense engines: growth of skin is the mean divergence of the whole "
+        "image (default: found from the pins that moved)",
     )  # fmt: skip
     method.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
@@ -346,5 +346,5 @@ def _rate(score: Score, spread: Spread) -> str:
         return f"not determined: {spread.doubt}"
     if spread.rate is None:
         return "none: no force belongs to these frames"
-    said = f"{spread.rate.value:.4g} {spread.rate.unit}, {interval(spread)}; over {mean_over(spread)}"
+    said = f"{spread.rate.value:.4g} {spread.rate.unit}, {interval(spread)}; over {mean_over(score)}"
     return f"{said}, {forces_seen(score)}" if spread.quantity == score.settings.quantity else said

@@ -25,26 +25,21 @@ __all__ = [
 
 
 def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]:
-    """Pictures of ``score``, which comes from ``sequence``; the curve over force only where there is a force.
-
-    Three frames of the sequence are decoded: at rest, the first scored and the last.
-    """
+    """Pictures of ``score``, which comes from ``sequence``, of which three frames are decoded."""
     first, last = int(score.frames[0]), int(score.frames[-1])
     rest_px = score.rest.centroids_px
     initial = score.initial
-    curves = [growth_curve(score.frames, score.log_growth)]
-    if score.force_n is not None:
-        curves.insert(0, area_curve(score))
     first_image = sequence[first]
-    photos = [
+    return (
+        area_curve(score),
         edges_picture(sequence[last], score),
+        growth_curve(score.frames, score.log_growth),
         pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
         area_picture(first_image, rest_px, score.contact_px, initial, score.regions[0]),
         spreading_picture(
             first_image, score.pins_px[0], score.pins_px[-1], score.regions[0], f"frames {first} to {last}"
         ),
-    ]
-    return (*curves, *photos)
+    )
 
 
 def pin_ways(sequence: FrameSequence, frames: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

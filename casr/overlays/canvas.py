@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 View = tuple[float, float, float, float]
 "Left, top, right and bottom of the part of a frame that is shown, px."
 
-_WIDTH, _LEFT, _RIGHT, _TOP = 480, 62, 14, 12
+_WIDTH, _LEFT, _RIGHT, _TOP = 480, 68, 14, 12
 _PLOT_HEIGHT = 280
 _BAR = 74
 "Room beside a frame for a bar of colours and its numbers."
@@ -168,14 +168,15 @@ class Axes:
             f'<stop offset="{k / (len(colours) - 1):.3f}" stop-color="{c}"/>' for k, c in enumerate(reversed(colours))
         )
         numbers = "".join(
-            f'<text x="{x + 18}" y="{_TOP + share * height + 4:.1f}">{value:+.2g}</text>'
-            for share, value in ((0.02, half), (0.5, 0.0), (0.98, -half))
+            f'<text x="{x + 18}" y="{_TOP + share * height + 4:.1f}">{value}</text>'
+            for share, value in ((0.02, f"{half:+.2g}"), (0.5, "0"), (0.98, f"{-half:+.2g}"))
         )
         middle = _TOP + height / 2
         self._beside = (
             f'<linearGradient id="bar" x1="0" y1="0" x2="0" y2="1">{stops}</linearGradient>'
             f'<rect x="{x}" y="{_TOP}" width="12" height="{height:.1f}" fill="url(#bar)"/>{numbers}'
-            f'<text transform="translate({x + 60} {middle:.0f}) rotate(-90)" text-anchor="middle">{escape(label)}</text>'
+            f'<text transform="translate({x + 60} {middle:.0f}) rotate(-90)" text-anchor="middle">'
+            f"{escape(label)}</text>"
         )
 
     def svg(self, title: str) -> str:
@@ -212,9 +213,8 @@ class Axes:
             parts.append(f'<path d="M{_LEFT - 4} {y:.1f}H{end:.1f}" stroke="{GRID}"/>')
             parts.append(f'<text x="{_LEFT - 7}" y="{y + 4:.1f}" text-anchor="end">{value:g}</text>')
         middle = _LEFT + self.width / 2, _TOP + self.height / 2
-        parts.append(
-            f'<text x="{middle[0]:.0f}" y="{floor + 36:.1f}" text-anchor="middle">{escape(self.labels[0])}</text>'
-        )
+        under = f'<text x="{middle[0]:.0f}" y="{floor + 36:.1f}" text-anchor="middle">'
+        parts.append(f"{under}{escape(self.labels[0])}</text>")
         parts.append(
             f'<text transform="translate(14 {middle[1]:.0f}) rotate(-90)" text-anchor="middle">'
             f"{escape(self.labels[1])}</text>"
@@ -319,4 +319,4 @@ def colours_of(values: Array, half: float, colours: Sequence[str]) -> NDArray[np
     stops = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in colours], dtype=np.float64)
     place = (np.clip(values / half, -1, 1) + 1) / 2 * (len(colours) - 1)
     found = np.column_stack([np.interp(place, np.arange(len(colours)), stop) for stop in stops.T])
-    return np.rint(found).astype(np.uint8)
+    return np.asarray(np.rint(found), dtype=np.uint8)

@@ -19,41 +19,45 @@ if TYPE_CHECKING:
 
 
 def area_curve(score: Score) -> Picture:
-    """Areas by both quantities against force; the front with its interval, and a line whose slope is the CASR."""
-    assert score.force_n is not None
-    unit, force_n, front = readable(score.area_unit), score.force_n, score.front
+    """Areas by both quantities against force, without a force log frame by frame.
+
+    The front comes with its interval, and with a force log there is a line whose slope is the CASR.
+    """
+    by_force = score.force_n is not None
+    x = np.asarray(score.frames, dtype=np.float64) if score.force_n is None else score.force_n
+    front, skin = score.front, score.skin.area
     counts = front.determined & (score.front_doubt == "")
     reach = np.exp(normal_quantile(CONFIDENCE) * front.relative_sd)
     rate = _drawn_rate(score)
-    areas = (score.skin.area, np.where(counts, front.area * reach, front.area), rate.law[:, 1] if rate else [])
-    forces = (force_n, rate.law[:, 0] if rate else [])
-    axes = plot(
-        "force (N)", f"area ({unit})", np.append(0.0, np.concatenate(forces)), np.append(0.0, np.concatenate(areas))
-    )
+    law = rate.law if rate else np.empty((0, 2))
+    heights = np.concatenate([[0.0], skin, np.where(counts, front.area * reach, front.area), law[:, 1]])
+    label = "force (N)" if by_force else "frame"
+    axes = plot(label, f"area ({readable(score.area_unit)})", np.concatenate([[0.0] * by_force, x, law[:, 0]]), heights)
     caption = "Front: contact area of each frame. Skin: the area of the first contact's skin."
     if counts.any():
-        order = np.flatnonzero(counts)[np.argsort(force_n[counts], kind="stable")]
-        axes.band(force_n[order], (front.area / reach)[order], (front.area * reach)[order], BLUE)
+        order = np.flatnonzero(counts)[np.argsort(x[counts], kind="stable")]
+        axes.band(x[order], (front.area / reach)[order], (front.area * reach)[order], BLUE)
         caption += " Shaded: 95 % of each area."
     if rate is not None:
-        axes.line(rate.law, MUTED, width=1.2, label=rate.law_label)
+        if law.size:
+            axes.line(law, MUTED, width=1.2, label="power law")
         axes.line(rate.chord, ORANGE, width=2.2, label=rate.label)
         caption += rate.caption
     if not counts.all():
-        axes.crosses(np.column_stack([force_n, front.area])[~counts], FAINT, label="front, not determined")
+        axes.crosses(np.column_stack([x, front.area])[~counts], FAINT, label="front, not determined")
         caption += " Grey: the front is not determined, these frames do not count."
     if counts.any():
-        axes.dots(np.column_stack([force_n, front.area])[counts], BLUE, label="front")
-    axes.dots(np.column_stack([force_n, score.skin.area]), GREEN, size=4, label="skin")
-    return Picture("area_over_force", "Area against force", caption, axes)
+        axes.dots(np.column_stack([x, front.area])[counts], BLUE, label="front")
+    axes.dots(np.column_stack([x, skin]), GREEN, size=4, label="skin")
+    title = "Area against force" if by_force else "Area frame by frame"
+    return Picture("area_curve", title, caption, axes)
 
 
 @dataclass(frozen=True)
 class _DrawnRate:
-    """law, chord : (N, 2) and (2, 2) points of force and area."""
+    """law, chord : (N, 2), where there is one, and (2, 2) points of force and area."""
 
     law: NDArray[np.float64]
-    law_label: str
     chord: NDArray[np.float64]
     label: str
     caption: str
@@ -65,12 +69,12 @@ def _drawn_rate(score: Score) -> _DrawnRate | None:
     if rate is None or force_n is None or rate.rule == "paper":
         return None
     ends, middle = _line_through(force_n, score.area)
-    law, law_label = np.empty((0, 2)), ""
+    law = np.empty((0, 2))
     said = f" The slope of the line is the CASR ({score.settings.quantity})."
     if rate.law is not None and rate.window_n is not None:
         ends, middle = _chord(rate.law, rate.window_n)
         forces = np.linspace(*rate.window_n, 100)
-        law, law_label = np.column_stack([forces, rate.law.area(forces)]), "power law"
+        law = np.column_stack([forces, rate.law.area(forces)])
         said += " It joins two forces on the power law through the frames."
     if score.interval is not None:
         said += (
@@ -78,7 +82,7 @@ def _drawn_rate(score: Score) -> _DrawnRate | None:
         )
     chord = np.column_stack([ends, middle + rate.value * (ends - ends.mean())])
     label = f"CASR ({score.settings.quantity}), {rate.value:.3g} {readable(rate.unit)}"
-    return _DrawnRate(law, law_label, chord, label, said)
+    return _DrawnRate(law, chord, label, said)
 
 
 def growth_curve(frames: NDArray[np.int_], log_growth: NDArray[np.float64]) -> Picture:

@@ -137,8 +137,8 @@ def _triangles(points_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.in
     # a point's number in the mesh, which has numbers of its own for corners far outside, to its row
     row = {mesh.insert((float(x), float(y))): i for i, (x, y) in enumerate(points_px)}
     found = [
-        tuple(row.get(mesh.locate((float(x), float(y)))[2], -1) for x, y in triangle.reshape(3, 2))
-        for triangle in mesh.getTriangleList()
+        tuple(row.get(mesh.locate((float(x), float(y)))[2], -1) for x, y in triangle)
+        for triangle in np.asarray(mesh.getTriangleList()).reshape(-1, 3, 2)
     ]
     corners = np.array([each for each in found if min(each) >= 0], dtype=np.int_).reshape(-1, 3)
     edges = points_px[corners] - points_px[np.roll(corners, 1, axis=1)]

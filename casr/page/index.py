@@ -52,17 +52,19 @@ def _table(scores: Mapping[str, Score], links: Mapping[str, str]) -> str:
     )  # fmt: skip
     rows = []
     for name, score in scores.items():
-        rate, total, other, front = score.rate, score.interval, score.other.rate, score.front_spread
+        rate, total, other = score.rate, score.interval, score.other.rate
         ends = (UNDEFINED, UNDEFINED) if score.force_n is None else (f"{score.force_n[k]:.2f}" for k in (0, -1))
+        front = score.front_spread
+        since, ratio = (front.first_n, front.skin_over_front) if front else (None, (None, None, None))
         rows.append((
-            name, score.settings.quantity, number(rate and rate.value), number(total and total.low),
-            number(total and total.high), readable(rate.unit if rate else score.area_unit), *ends,
-            number(front and front.first_n, 3), *(number(each, 3) for each in (front.skin_over_front if front else [None] * 3)),
-            number(other and other.value), str(len(score.frames)), str(len(score.notes)),
+            name, score.settings.quantity, number(rate.value if rate else None), number(total.low if total else None),
+            number(total.high if total else None), readable(rate.unit if rate else score.area_unit), *ends,
+            number(since, 3), *(number(each, 3) for each in ratio), number(other.value if other else None),
+            str(len(score.frames)), str(len(score.notes)),
         ))  # fmt: skip
     caption = (
-        "Low and high: total 95 % interval. Front: the contact area, its edge followed; skin: growth of the first contact's "
-        "skin. A dash: not determined, or without a force log."
+        "Low and high: total 95 % interval. Front: the contact area, its edge followed; skin: growth of the first "
+        "contact's skin. A dash: not determined, or without a force log."
     )
     return html.table(caption, heads, rows, [links[name] for name in scores])
 

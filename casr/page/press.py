@@ -108,8 +108,8 @@ def _frames(score: Score) -> str:
             *map(number, steps),
         ))  # fmt: skip
     caption = (
-        "Low and high: 95 % of the front's area. Front with a dash: not determined. Shear and torsion: of the pins inside, "
-        "since rest. Divergence and log growth: of the skin, in the step that leads to the frame."
+        "Low and high: 95 % of the front's area. Front with a dash: not determined. Shear and torsion: of the pins "
+        "inside, since rest. Divergence and log growth: of the skin, in the step that leads to the frame."
     )
     return html.table(caption, heads, rows)
 

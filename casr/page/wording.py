@@ -61,8 +61,8 @@ def verdict(score: Score) -> tuple[str, str, str]:
 def not_determined(score: Score) -> str:
     """Why there is no area, and what to do."""
     return (
-        f"{score.front_doubt}. Press a larger contact (harder, or on a flatter or softer specimen), see that camera.toml "
-        "is there and holds pin_length_mm under [sensor], or take the growth of skin: --quantity skin."
+        f"{score.front_doubt}. Press a larger contact (harder, or on a flatter or softer specimen), see that "
+        "camera.toml is there and holds pin_length_mm under [sensor], or take the growth of skin: --quantity skin."
     )
 
 
@@ -79,8 +79,8 @@ def headline(score: Score) -> list[tuple[str, str, str]]:
         elif spread.rate is not None:
             value = f"{number(spread.rate.value)} {readable(spread.rate.unit)}"
             facts.append((f"CASR ({spread.quantity})", value, interval(spread)))
-        if spread is not score.other and spread.rate is not None:
-            facts.append(("Forces", mean_over(spread), forces_seen(score)))
+        if spread.quantity == score.settings.quantity and score.force_n is not None:
+            facts.append(("Forces", mean_over(score), forces_seen(score)))
     if score.front_spread is not None:
         ratio, low, high = score.front_spread.skin_over_front
         facts.append(("Growth, skin over front", f"{ratio:.2f}", f"95 %: {low:.2f} to {high:.2f}"))
@@ -109,9 +109,9 @@ def scatter_only(spread: Spread) -> str:
     return f"scatter only, 95 %: {number(rate.scatter_low)} to {number(rate.scatter_high)}"
 
 
-def mean_over(spread: Spread) -> str:
-    """The forces that a rate is the mean over."""
-    window = spread.rate.window_n if spread.rate else None
+def mean_over(score: Score) -> str:
+    """The forces that the rates are the mean over."""
+    window = score.settings.rate_window_n if score.settings.rate_rule == "power" else None
     return f"{window[0]:g} to {window[1]:g} N" if window else "those of the frames"
 
 
