@@ -179,7 +179,6 @@ def _one(arguments: argparse.Namespace, path: Path) -> int:
 
 
 def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
-    from casr.cli.pages import pages_folder
 
     settings = settings_of(arguments)
     called = {_name(path, arguments.path): path for path in found}
