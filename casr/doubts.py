@@ -26,9 +26,7 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
     return tuple(found)
 
 
-def doubts_on_motion(
-    frames: NDArray[np.intp], force_n: ArrayLike, moved_px: ArrayLike
-) -> tuple[str, ...]:
+def doubts_on_motion(frames: NDArray[np.intp], force_n: ArrayLike, moved_px: ArrayLike) -> tuple[str, ...]:
     """Reasons to check a press whose pins do not go on while its force rises.
 
     Parameters

@@ -19,7 +19,6 @@ from casr.frames import CameraLag, ForceZero
 from casr.pins import Pins
 from casr.spread import AREA_LAWS, RATE_RULES, WINDOW_N, SpreadRate
 
-
 MOST_LAG_S = 10.0
 
 

@@ -46,8 +46,8 @@ class StreamScorer:
     """Scores a press while it happens.
 
     Contact starts when the force reaches ``force_start_n`` and ends when it falls below it again, which happens in the
-    chatter of a touch too: scoring then starts anew with the next contact. Forces count from the level at rest before the
-    first contact (``RestingForce``), unless the settings say otherwise. Which contact was the press is known only
+    chatter of a touch too: scoring then starts anew with the next contact. Forces count from the level at rest before
+    the first contact (``RestingForce``), unless the settings say otherwise. Which contact was the press is known only
     at the end (``loading_phase``); until then those that can still be it keep their numbers. With ``force_stop_n`` the
     first contact that reaches it is the press, and frames after that are ignored.
 

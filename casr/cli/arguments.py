@@ -39,7 +39,9 @@ def add_frames(parser: argparse.ArgumentParser, metavar: str = "PATH", help: str
 def add_tare(parser: Group) -> None:
     """Whether forces count from where the sensor rests."""
     parser.add_argument(
-        "--no-tare", action="store_true", help="take forces as logged; else their level at rest before contact is taken off"
+        "--no-tare",
+        action="store_true",
+        help="take forces as logged; else their level at rest before contact is taken off",
     )
 
 

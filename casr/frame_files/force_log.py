@@ -50,8 +50,8 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     Parameters
     ----------
     column : the force column, for logs that hold more than one, such as ``force_filtered_n``. A name that ends in
-        another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there, the
-        one column of that kind is taken, with a note.
+        another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there,
+        the one column of that kind is taken, with a note.
 
     Raises
     ------
@@ -88,7 +88,9 @@ def _newtons(table: _Table, column: str) -> tuple[NDArray[np.float64], tuple[str
     """(rows,) force, N, of the column or of the one that holds the same in another unit."""
     stem, _, unit = column.rpartition("_")
     if unit == "n" and column not in table.header:
-        others = [name for name in table.header if name.rpartition("_")[0] == stem and name.rpartition("_")[2] in NEWTONS]
+        others = [
+            name for name in table.header if name.rpartition("_")[0] == stem and name.rpartition("_")[2] in NEWTONS
+        ]
         if len(others) == 1:
             column = others[0]
             unit = column.rpartition("_")[2]

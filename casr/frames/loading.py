@@ -11,7 +11,6 @@ from casr.errors import FramesError, NoContactError, SettingError
 from casr.frames.tare import REST_BAND
 
 
-
 @dataclass(frozen=True)
 class LoadingPhase:
     """Frames of one loading.
