@@ -126,9 +126,11 @@ def _fitted(taken_s: _Array, moved_px: Points, rise: _Rise, up_to_n: float) -> t
     fits = [each for each in found if not isinstance(each, str)]
     if not fits:
         return str(found[len(found) // 2])
-    law, n, lag_s = min(fits, key=lambda fit: fit[0].misfit_of_one(fit[2]))
-    if law.misfit_of_one(lag_s) > WORST:
+    good = [fit for fit in fits if fit[0].misfit_of_one(fit[2]) <= WORST]
+    if not good:
         return "the motion of the pins does not follow the force"
+    # where skin that stuck begins to stretch the motion sets off once more, later
+    law, n, lag_s = min(good, key=lambda fit: fit[2])
     times_s = np.linspace(taken_s[0] - lag_s, taken_s[n - 1] - lag_s, 200)
     force_n = rise(times_s)
     rising = force_n > force_n.max() / 4

@@ -52,6 +52,16 @@ def test_a_good_press_has_casrs_own_numbers(run, sequence):
     assert run.area_unit == "mm2"
 
 
+def test_an_offset_of_the_force_is_taken_off_once(run, sequence):
+    force = 0.3 + np.linspace(0, 7, 40)
+    logged = Press(1, replace(sequence, force_n=sequence.force_n + 0.3), "", force, 5 + (force - 0.3) / 2)
+    found = scored(logged)
+    assert found.casr["edge"][0] == pytest.approx(run.casr["edge"][0], rel=1e-9)
+    np.testing.assert_allclose(found.curves[0].force_n, run.curves[0].force_n, atol=1e-9)
+    assert found.indent_n_per_mm[0] == pytest.approx(run.indent_n_per_mm[0])
+    assert any("which is taken off" in note for note in found.notes)
+
+
 @pytest.mark.parametrize("rule", ["hexagon", "circle", "paper"])
 def test_other_algorithms_have_their_own_initial_area(run, sequence, rule):
     alone = score(sequence, ScoreSettings())

@@ -72,7 +72,7 @@ def test_pins_that_do_not_follow_the_force():
 
 @pytest.mark.parametrize("case", ["A_k1.1_stick", "A_k5.3_frictionless", "A_k20_stick", "A_krigid_stick"])
 def test_finite_element_contacts(shared_data: Callable[[str], Path], case: str) -> None:
-    """Pins 2 mm long, 3.2 mm apart, seen by a pinhole; their motion over force comes from no formula of this project."""
+    """Pins 2 mm long, 3.2 mm apart, seen by a pinhole; how they move with the force comes from no formula."""
     table = np.load(shared_data(f"contact_fem/{case}.npz"))
     rng = np.random.default_rng(1)
     grid = np.array([(3.2 * (i + j / 2), 3.2 * np.sqrt(0.75) * j) for i in range(-6, 7) for j in range(-6, 7)])
