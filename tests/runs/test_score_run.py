@@ -11,7 +11,7 @@ from casr.contact_area import initial_area
 from casr.frames import FrameSequence
 from casr.score import score
 from casr.scored import ScoreSettings
-from casr.synthetic import PressSettings, SimulatedPress, simulate_press
+from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
 from emg2vsa.runs import ALGORITHMS, RunScores
 from emg2vsa.runs.press import Press
 from emg2vsa.runs.score_run import score_run
@@ -60,6 +60,13 @@ def test_an_offset_of_the_force_is_taken_off_once(run, sequence):
     np.testing.assert_allclose(found.curves[0].force_n, run.curves[0].force_n, atol=1e-9)
     assert found.indent_n_per_mm[0] == pytest.approx(run.indent_n_per_mm[0])
     assert any("which is taken off" in note for note in found.notes)
+
+
+def test_a_press_to_check_is_named_in_the_notes(simulated, sequence):
+    held = SimulatedFrames(simulated.scene, np.minimum(simulated.truth.force_n, 3.0))
+    found = scored(press(replace(sequence, source=held)))
+    assert found.verdicts == ("ok",)
+    assert found.notes[0].startswith(f"check {held.name}: the pins stand still from frame")
 
 
 @pytest.mark.parametrize("rule", ["hexagon", "circle", "paper"])
