@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.contact_area.library_front import FREE_MISFIT
 from casr.scored import Score
 
 _Array = NDArray[np.float64]
@@ -17,12 +18,22 @@ BACK = 0.3  # of the farthest motion of the press; more means that the frames go
 def doubts_on_score(score: Score) -> tuple[str, ...]:
     """Reasons to check a press that its numbers give; empty where there are none."""
     found = []
-    first, last, unit = float(score.area[0]), float(score.area[-1]), score.area_unit.replace("2", "²")
-    if last < first:
-        found.append(f"the contact area shrank, from {first:.4g} to {last:.4g} {unit}: do the frames run backwards?")
+    known, unit = score.area[np.isfinite(score.area)], score.area_unit.replace("2", "²")
+    if known.size and known[-1] < known[0]:
+        found.append(
+            f"the contact area shrank, from {known[0]:.4g} to {known[-1]:.4g} {unit}: do the frames run backwards?"
+        )
+    front = score.front
+    if score.settings.quantity == "front" and front.model != "analytic" and front.misfit > FREE_MISFIT:
+        found.append(
+            f"the pins do not move as on any dome of the library ({front.misfit:.0%} of the motion is left over; "
+            f"{FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed"
+        )
     rate = score.rate
-    if rate is not None and rate.low is not None and rate.high is not None and rate.low <= 0 <= rate.high:
-        found.append(f"the interval of the spread rate, {rate.low:.4g} to {rate.high:.4g}, holds 0")
+    if rate is not None and rate.scatter_low is not None and rate.scatter_high is not None:
+        low, high = rate.scatter_low, rate.scatter_high
+        if low <= 0 <= high:
+            found.append(f"by the scatter of the areas alone the spread rate may be 0: {low:.4g} to {high:.4g}")
     return tuple(found)
 
 

@@ -75,5 +75,9 @@ class NoContactError(CasrError):
     """The frames show no contact, so there is no initial area to start from."""
 
 
+class AreaError(CasrError):
+    """A contact area that cannot be: larger than the pin array it is seen by."""
+
+
 class SettingError(CasrError):
     """One setting does not make sense, alone or with the others."""

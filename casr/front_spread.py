@@ -78,8 +78,8 @@ def front_spread(
     force = force_n[used]
     rate = rate_of(front.area[used], force)
     parts = {
-        "scatter": (rate.high - rate.low) / 2 / normal_quantile(CONFIDENCE) / rate.value
-        if rate.low is not None and rate.high is not None
+        "scatter": (rate.scatter_high - rate.scatter_low) / 2 / normal_quantile(CONFIDENCE) / rate.value
+        if rate.scatter_low is not None and rate.scatter_high is not None
         else np.nan
     }
     heavy = np.flatnonzero(front.spread_weight > _LEAST_WEIGHT)

@@ -89,8 +89,8 @@ def notes_on_lag(lag: CameraLag | None) -> tuple[str, ...]:
     left_ms, sd_ms = 1e3 * lag.remaining_s, 1e3 * lag.sd_s
     when = "after" if left_ms > 0 else "before"
     return (
-        f"the pins begin to move {abs(left_ms):.0f} ms {when} the force (standard error {sd_ms:.0f} ms): more than half "
-        "a frame; is the camera's time that of the force? --correct-lag takes it off",
+        f"the pins begin to move {abs(left_ms):.0f} ms {when} the force (standard error {sd_ms:.0f} ms): more than "
+        "half a frame; is the camera's time that of the force? --correct-lag takes it off",
     )
 
 

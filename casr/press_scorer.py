@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.camera import Camera
+from casr.camera import Camera, undistorted
 from casr.contact_area import InitialArea, initial_area
+from casr.contact_area.array import check_area
 from casr.contact_area.follow import contact_front
 from casr.contact_area.front import ContactFront
 from casr.dome.library import worlds
-from casr.errors import FramesError, PinsError
+from casr.errors import AreaError, FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
 from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
@@ -21,7 +22,7 @@ from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
 from casr.front_spread import FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker, pins_in_doubt
-from casr.scored import NO_SCALE, Score, ScoreSettings, SkinSpread, skin_interval
+from casr.scored import NO_SCALE, WHOLE_IMAGE, Score, ScoreSettings, SkinSpread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
@@ -49,8 +50,9 @@ class PressScorer:
     def __init__(self, camera: Camera | None, settings: ScoreSettings) -> None:
         self._camera, self._settings = camera, settings
         # a region that is given is meant whole; the core is for a contact edge, where the flow has a kink
-        flow = settings.flow if settings.region is None else replace(settings.flow, core_fraction=1.0)
-        self._flow = FlowTracker(flow)
+        flow = replace(settings.flow, core_fraction=1.0) if isinstance(settings.region, Region) else settings.flow
+        self._whole_image = settings.region == WHOLE_IMAGE
+        self._flow = FlowTracker(flow, whole_image=self._whole_image)
         self._steps: list[FlowStep] = []
         self.log_growth = self._divergence = 0.0
         self.pins_px: list[Array] = []
@@ -97,7 +99,7 @@ class PressScorer:
             self._bad(trouble)
             return None
         step = replace(step, notes=(*step.notes, *self._tracker.notes))
-        if self._camera is not None and self._camera.distortion:
+        if self._camera is not None and self._camera.distortion and not self._whole_image:
             growth = self._flat(step.region).area_px2 / self._flat(before).area_px2
             step = replace(step, log_growth=float(np.log(growth)))
         self._steps.append(step)
@@ -194,9 +196,9 @@ class PressScorer:
                 do="See why pins are lost: are the frames one press, in order?",
             )
         steps = self._steps[: len(frames) - 1]
-        skin = self._skin(force_n)
+        skin = self._skin(force_n, len(frames))
         front = self._front(len(frames))
-        doubt = front_doubt(front)
+        doubt = front_doubt(front) or self._beyond_pins(front)
         spread = None
         if not doubt:
             growth = np.array([step.log_growth for step in steps])
@@ -213,7 +215,7 @@ class PressScorer:
             log_growth=np.array([step.log_growth for step in steps]),
             initial=self._initial,
             rest=self._rest,
-            contact_px=self._contact_px,
+            pins_px=np.array(self.pins_px[: len(frames)]),
             area_unit=self.area_unit,
             skin=skin,
             front=front,
@@ -231,8 +233,13 @@ class PressScorer:
             ),
         )
 
-    def _skin(self, force_n: Array | None) -> SkinSpread:
-        area = self.areas(force_n)
+    def _skin(self, force_n: Array | None, n_frames: int) -> SkinSpread:
+        area = self.areas(force_n)[:n_frames]
+        if self._settings.quantity == "skin":
+            largest = int(np.argmax(area))
+            scale = self._initial.area_px2 / self._first_area
+            pins_px = undistorted(self.pins_px[largest], self._camera)
+            check_area(float(area[largest]) * scale, pins_px, "area of the skin", self._camera)
         if force_n is None:
             return SkinSpread(area, None, None)
         rate = self.rate(force_n)
@@ -242,6 +249,16 @@ class PressScorer:
         pins_px = np.array(self.pins_px[:n_frames])
         return contact_front(self._rest.centroids_px, pins_px, self._camera, worlds(self._settings.domes))
 
+    def _beyond_pins(self, front: ContactFront) -> str:
+        """Why a front that is larger than the pin array cannot be; empty where it is not."""
+        for frame in np.flatnonzero(front.determined):
+            area_px2 = self._flat(Region(front.edge_px[frame])).area_px2
+            try:
+                check_area(area_px2, undistorted(self.pins_px[frame], self._camera), "front", self._camera)
+            except AreaError as error:
+                return f"the edge lies beyond the pins ({error})"
+        return ""
+
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
         """A_c0, the region that growth is measured in, and notes.
 
@@ -249,7 +266,7 @@ class PressScorer:
         together as the contact grows, and a region that holds them grows too little.
         """
         settings = self._settings
-        if settings.region is not None:
+        if isinstance(settings.region, Region):
             need_pins_inside(settings.region, self._contact_px)
             return self._given(settings.region), settings.region, ()
         asked = self._area_by(settings.area_rule)
@@ -264,6 +281,7 @@ class PressScorer:
 
     def _given(self, region: Region) -> InitialArea:
         area_px2 = self._flat(region).area_px2
+        check_area(area_px2, undistorted(self._contact_px, self._camera), "region", self._camera)
         return InitialArea(
             area_mm2=None if self._camera is None else area_px2 * self._camera.mm2_per_px2,
             area_px2=area_px2,
@@ -279,8 +297,8 @@ class PressScorer:
 
 
 def _notes_of(skin: SkinSpread, front: FrontSpread | None) -> tuple[str, ...]:
-    rates = [of.rate for of in (front, skin) if of is not None and of.rate is not None]
-    return tuple(note for rate in rates for note in rate.notes)
+    rates = {name: of.rate for name, of in (("front", front), ("skin", skin)) if of is not None}
+    return tuple(f"{name}: {note}" for name, rate in rates.items() if rate is not None for note in rate.notes)
 
 
 def _skipped(frames: list[int]) -> tuple[str, ...]:

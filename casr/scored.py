@@ -27,6 +27,7 @@ MOST_LAG_S = 10.0
 
 
 QUANTITIES = ("front", "skin")
+WHOLE_IMAGE = "image"
 SKIN_AREA_SD = 0.25
 """Relative standard error of A_c0 by an edge rule or hexagons on sensors that nobody fitted it to: -23 to +52 % (finite
 elements), +16 to +44 % (another simulator)."""
@@ -42,11 +43,32 @@ class SkinSpread:
     interval: TotalInterval | None
 
 
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """What one quantity says of a press.
+
+    quantity : one of ``QUANTITIES``. area : (T,), NaN where it is not determined. rate : None without a force log or
+    with a doubt. interval : total, of the rate. doubt : why nothing can be told; empty where it can.
+    """
+
+    quantity: str
+    area: NDArray[np.float64]
+    rate: SpreadRate | None
+    interval: TotalInterval | None
+    doubt: str
+
+    @property
+    def first(self) -> int | None:
+        """The first frame whose area is determined; None where there is none."""
+        known = np.flatnonzero(np.isfinite(self.area))
+        return int(known[0]) if known.size else None
+
+
 def skin_interval(rate: SpreadRate, area_sd: float | None) -> TotalInterval | None:
     """Total interval of a rate of skin whose initial area has a relative standard error ``area_sd`` by its own fit."""
-    if rate.low is None or rate.high is None or not rate.value > 0:
+    if rate.scatter_low is None or rate.scatter_high is None or not rate.value > 0:
         return None
-    scatter = (rate.high - rate.low) / 2 / normal_quantile(CONFIDENCE) / rate.value
+    scatter = (rate.scatter_high - rate.scatter_low) / 2 / normal_quantile(CONFIDENCE) / rate.value
     return total_interval(
         rate.value, {"scatter": scatter, "initial area": float(np.hypot(area_sd or 0.0, SKIN_AREA_SD))}, SKIN_LEFT_OUT
     )
@@ -75,7 +97,7 @@ class ScoreSettings:
     threshold_px : a pin that moved further than this from rest is in contact.
     force_start_n : force of first contact, N. force_stop_n : force to stop at, N, None for the largest.
     region : the contact in the first scored frame, instead of the one found from the pins; all of it is measured, not
-        only its core.
+        only its core. ``image``, for dense engines: growth of skin is the mean divergence of the whole image.
     tare : the force at rest before contact is taken off all forces.
     camera_lag_s : the frames were taken so long before their times, s. correct_lag : as long as the pins tell.
     """
@@ -90,7 +112,7 @@ class ScoreSettings:
     threshold_px: float = 2.0
     force_start_n: float = 0.5
     force_stop_n: float | None = None
-    region: Region | None = None
+    region: Region | str | None = None
     tare: bool = True
     camera_lag_s: float = 0.0
     correct_lag: bool = False
@@ -101,6 +123,13 @@ class ScoreSettings:
             value = getattr(self, key)
             if value not in known:
                 raise SettingError(key, wanted=f"one of {', '.join(known)}", found=repr(value), do="Choose one.")
+        if isinstance(self.region, str) and (self.region != WHOLE_IMAGE or self.flow.engine == "pin-affine"):
+            raise SettingError(
+                "region",
+                wanted=f"a region, or {WHOLE_IMAGE!r} with a dense engine, horn-schunck or dis",
+                found=f"{self.region!r} with {self.flow.engine}",
+                do="Leave it out, give x,y,radius, or choose an engine (--engine dis).",
+            )
         if not 0 < self.threshold_px < np.inf:
             raise SettingError(
                 "threshold_px", wanted="a distance above 0 px", found=repr(self.threshold_px), do="The paper uses 2."
@@ -131,8 +160,8 @@ class Score:
     rest_frame : index of the static frame. frames : (T,) indices scored, the first is first contact.
     force_n : (T,) N, None without a force log.
     divergence, log_growth : (T-1,) of the step that leads to each frame but the first, 1/frame.
-    initial : A_c0 and the pins it comes from. rest : pins of the rest frame. contact_px : (N, 2) the same pins in the
-        first scored frame, NaN where lost.
+    initial : A_c0 and the pins it comes from. rest : N pins of the rest frame. pins_px : (T, N, 2) the same pins in
+        the frames scored, NaN where lost.
     area_unit : ``mm2``, or without a camera ``px2``.
     skin : what the first contact's skin says: A_c0 and its growth by the flow (the paper's).
     front : what the edge says that is followed in every frame. front_doubt : why no area can be told from it; empty
@@ -153,7 +182,7 @@ class Score:
     log_growth: NDArray[np.float64]
     initial: InitialArea
     rest: Pins
-    contact_px: NDArray[np.float64]
+    pins_px: NDArray[np.float64]
     area_unit: str
     skin: SkinSpread
     front: ContactFront
@@ -166,36 +195,56 @@ class Score:
     doubts: tuple[str, ...] = ()
 
     @property
+    def contact_px(self) -> NDArray[np.float64]:
+        """(N, 2) the pins in the first scored frame."""
+        return np.asarray(self.pins_px[0])
+
+    def by(self, quantity: str) -> Spread:
+        """What one of ``QUANTITIES`` says."""
+        if quantity == "skin":
+            return Spread("skin", self.skin.area, self.skin.rate, self.skin.interval, "")
+        area = np.where(self.front.determined & (self.front_doubt == ""), self.front.area, np.nan)
+        rate = self.front_spread.rate if self.front_spread else None
+        interval = self.front_spread.interval if self.front_spread else None
+        return Spread("front", area, rate, interval, self.front_doubt)
+
+    @property
+    def chosen(self) -> Spread:
+        """By the quantity of the settings."""
+        return self.by(self.settings.quantity)
+
+    @property
+    def other(self) -> Spread:
+        """By the quantity that was not asked for."""
+        return self.by("front" if self.settings.quantity == "skin" else "skin")
+
+    @property
     def area(self) -> NDArray[np.float64]:
         """(T,) contact area by the quantity of the settings, in ``area_unit``; NaN where a front is not determined."""
-        if self.settings.quantity == "skin":
-            return self.skin.area
-        return np.where(self.front.determined & (self.front_doubt == ""), self.front.area, np.nan)
+        return self.chosen.area
 
     @property
     def rate(self) -> SpreadRate | None:
         """Spread rate by the quantity of the settings; None without a force log, or where a front is not determined."""
-        if self.settings.quantity == "skin":
-            return self.skin.rate
-        return self.front_spread.rate if self.front_spread else None
+        return self.chosen.rate
 
     @property
     def interval(self) -> TotalInterval | None:
         """Total 95 % interval of ``rate``."""
-        if self.settings.quantity == "skin":
-            return self.skin.interval
-        return self.front_spread.interval if self.front_spread else None
+        return self.chosen.interval
 
     @property
     def first(self) -> int | None:
         """Among the scored frames the first whose ``area`` is known; None where there is none."""
-        known = np.flatnonzero(np.isfinite(self.area))
-        return int(known[0]) if known.size else None
+        return self.chosen.first
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready, with what it takes to get the same numbers again. NaN of a lost pin becomes None."""
-        chosen = ("area", "rate", "interval")
-        plain = {name: _plain(getattr(self, name)) for name in (*(each.name for each in fields(self)), *chosen)}
+        """JSON-ready, with what it takes to get the same numbers again. NaN of a lost pin becomes None.
+
+        Trajectories of pins are left out: they are a table (``casr.press_tables``).
+        """
+        chosen = ("contact_px", "area", "rate", "interval")
+        plain = {name: _plain(getattr(self, name)) for name in (*_kept(self), *chosen)}
         provenance = {
             "casr": __version__,
             "numpy": np.__version__,
@@ -205,10 +254,18 @@ class Score:
         return plain | {"provenance": provenance}
 
 
+_OF_PINS = ("pins_px", "inside")
+"Names of what is as large as frames times pins."
+
+
+def _kept(value: Any) -> list[str]:
+    return [each.name for each in fields(value) if each.name not in _OF_PINS]
+
+
 def _plain(value: Any) -> Any:
     """Dataclasses as mappings, arrays and tuples as lists, numbers that are not finite as None."""
     if is_dataclass(value):
-        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+        return {name: _plain(getattr(value, name)) for name in _kept(value)}
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist())
     if isinstance(value, dict):

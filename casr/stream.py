@@ -48,8 +48,8 @@ class StreamScorer:
     """Scores a press while it happens.
 
     Contact starts when the force reaches ``force_start_n`` and ends when it falls below it again, which happens in the
-    chatter of a touch too: scoring then starts anew with the next contact. Forces count from the level at rest before the
-    first contact (``RestingForce``), unless the settings say otherwise. Which contact was the press is known only
+    chatter of a touch too: scoring then starts anew with the next contact. Forces count from the level at rest before
+    the first contact (``RestingForce``), unless the settings say otherwise. Which contact was the press is known only
     at the end (``loading_phase``); until then those that can still be it keep their numbers. With ``force_stop_n`` the
     first contact that reaches it is the press, and frames after that are ignored.
 
@@ -118,21 +118,13 @@ class StreamScorer:
         scored = press.result(phase, force_n[phase.frames])
         notes = notes_on_zero(zero, settings.force_start_n) if settings.tare else ()
         zero = None if zero is None else replace(zero, taken_off=settings.tare)
-        doubts = (*scored.doubts, *self._lone_peak(phase, force_n), *doubts_on_score(scored))
+        doubts = (*scored.doubts, *_spikes_scored(phase, force_n), *doubts_on_score(scored))
         return replace(scored, notes=(*notes, *scored.notes), force_zero=zero, doubts=doubts)
 
     @property
     def _zero_n(self) -> float:
         """What counts as 0 N: of the rest so far, from first contact on for good."""
         return self._resting.level_n if self._settings.tare else 0.0
-
-    @staticmethod
-    def _lone_peak(phase: LoadingPhase, force_n: NDArray[np.float64]) -> tuple[str, ...]:
-        """A force that goes up for one frame cannot be told from a peak while the press goes on, but later."""
-        wild = [int(frame) for frame in phase.frames if spikes(force_n)[frame]]
-        if not wild:
-            return ()
-        return (f"the force of frame {wild[0]} is a spike, {force_n[wild[0]]:.3g} N: score the recording",)
 
     def _part(self) -> None:
         """Contact is over: of the contacts so far keep those that ``loading_phase`` may still choose."""
@@ -155,6 +147,14 @@ class StreamScorer:
         if self._phase == "rest":
             return StreamState(frame, "rest", notes=notes)
         return self._contacts[-1].state(frame, self._phase, notes)
+
+
+def _spikes_scored(phase: LoadingPhase, force_n: NDArray[np.float64]) -> tuple[str, ...]:
+    """A force that goes up for one frame cannot be told from a press while it goes on, only later."""
+    wild = phase.frames[spikes(force_n)[phase.frames]]
+    return tuple(
+        f"the force of frame {k} is a spike, {force_n[k]:.3g} N: score the recording" for k in wild[:1].tolist()
+    )
 
 
 class _Contact:

@@ -48,7 +48,7 @@ def growing_contact(radius_px: float, seed: int, *, power: int, look: Appearance
         stretch = np.expm1(LOG_GROWTH / 2 * step / N_STEPS) * inverse ** (power + 1)
         pins = centre + from_centre * (1 + stretch[:, None])
         frames.append(render(pins, surface, TACTIP_127, noise_grey=look.noise_grey, rng=noise[step]))
-    return GrowingContact(frames, Region.circle(*centre.tolist(), radius_px))
+    return GrowingContact(frames, Region.circle(float(centre[0]), float(centre[1]), radius_px))
 
 
 def growth_error_percent(engine: str, contact: GrowingContact) -> float:

@@ -82,7 +82,8 @@ def _contrib(name: str) -> Prepare:
 def _dense_rlof(first: Image, second: Image, core: Region) -> Run:
     # it takes colour only
     colours = [cv2.cvtColor(image, cv2.COLOR_GRAY2BGR) for image in (first, second)]
-    flow: Any = cv2.optflow.DenseRLOFOpticalFlow_create()
+    create: Any = getattr(cv2.optflow, "DenseRLOFOpticalFlow_create")  # noqa: B009  (not in the stubs)
+    flow = create()
     return lambda: flow.calc(*colours, None)
 
 

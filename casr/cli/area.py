@@ -50,8 +50,8 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from casr.contact_area import initial_area
-    from casr.errors import NoContactError
+    from casr.contact_area import AS_PRINTED, initial_area
+    from casr.errors import AreaError, NoContactError
     from casr.pins import PinTracker, pins_in_doubt
     from casr.scored import NO_SCALE
 
@@ -63,12 +63,12 @@ def run(arguments: argparse.Namespace) -> int:
     doubts = pins_in_doubt(rest.centroids_px, arguments.expect_pins)
     say_notes((*([] if sequence.camera else [NO_SCALE]), *notes, *rest.notes, *doubts, *tracker.notes))
     found: dict[str, InitialArea | None] = {}
-    for rule in AREA_RULES:
+    for rule in (*AREA_RULES, AS_PRINTED):
         try:
             found[rule] = initial_area(
                 rest, contact_px, camera=sequence.camera, rule=rule, threshold_px=arguments.threshold_px
             )
-        except NoContactError as error:
+        except (AreaError, NoContactError) as error:
             found[rule] = None
             say_notes([str(error)], rule)
     report = {
@@ -124,15 +124,15 @@ def _facts(area: InitialArea | None) -> dict[str, Any] | None:
 def _print(report: dict[str, Any]) -> None:
     print(f"{report['name']}: rest frame {report['rest_frame']}, first contact {report['contact_frame']}", end="")
     print(f", {report['pins']} pins")
-    print(f"  {'rule':<8} {'mm2':>10} {'px2':>10} {'pins':>5}")
+    print(f"  {'rule':<10} {'mm2':>10} {'px2':>10} {'pins':>5}")
     for rule, area in report["areas"].items():
         if area is None:
-            print(f"  {rule:<8} {'-':>10} {'-':>10} {0:>5}  no contact")
+            print(f"  {rule:<10} {'-':>10} {'-':>10} {'-':>5}  no area: see the note")
             continue
         mm2 = f"{area['area_mm2']:.4g}" if area["area_mm2"] is not None else "-"
         remark = "  saturated" if area["saturated"] else ""
         if area["relative_sd"] is not None:
             remark += f"  noise of the pins moves it by {100 * area['relative_sd']:.1f} % (1 sd)"
-        print(f"  {rule:<8} {mm2:>10} {area['area_px2']:>10.5g} {area['selected']:>5}{remark}")
+        print(f"  {rule:<10} {mm2:>10} {area['area_px2']:>10.5g} {area['selected']:>5}{remark}")
         for note in area["notes"]:
-            print(f"           {note}")
+            print(f"             {note}")

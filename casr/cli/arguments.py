@@ -135,6 +135,13 @@ def names(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(part.strip() for part in text.split(",")))
 
 
+def csv_file(text: str) -> Path:
+    """A file name that ends in .csv."""
+    if not text.lower().endswith(".csv"):
+        raise argparse.ArgumentTypeError(f"wanted a file name that ends in .csv; found {text!r}")
+    return Path(text)
+
+
 def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
     """Finite numbers between commas."""
     try:

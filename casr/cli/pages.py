@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from casr.page import Embedded
     from casr.score import Score
 
-_DRAWN = ("area_over_force", "growth")
-"Curves: small as vector drawings; the others show a frame."
-
 
 def write_press(sequence: FrameSequence, score: Score, page: Path | None, figures: Path | None) -> None:
     """The page and the folder of pictures of one press."""
@@ -47,17 +44,12 @@ def write_index(path: Path, title: str, scores: Mapping[str, Score], failures: M
 
 
 def write_pictures(folder: Path, pictures: Sequence[Picture]) -> None:
-    """PNG and SVG of each."""
+    """An SVG of each."""
     for picture in pictures:
-        write_bytes_atomic(folder / f"{picture.name}.png", picture.png())
         write_bytes_atomic(folder / f"{picture.name}.svg", picture.svg())
 
 
 def _embedded(picture: Picture) -> Embedded:
     from casr.page import Embedded
 
-    drawn = picture.name in _DRAWN
-    return Embedded(
-        picture.title, picture.caption, "image/svg+xml" if drawn else "image/png",
-        picture.svg() if drawn else picture.png(120),
-    )  # fmt: skip
+    return Embedded(picture.title, picture.caption, "image/svg+xml", picture.svg())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +16,7 @@ from casr.cli.arguments import (
     add_pins,
     add_tare,
     add_threshold,
+    csv_file,
     html_file,
     number,
     open_sequence,
@@ -25,8 +28,11 @@ from casr.command_line import Commands, add_command, add_json, print_json
 from casr.errors import CasrError, SettingError
 
 if TYPE_CHECKING:
+    from casr.flow.region import Region
     from casr.score import Score, ScoreSettings
+    from casr.scored import Spread
 
+QUANTITIES = ("front", "skin")
 AREA_LAWS = ("ode", "paper")
 RATE_RULES = ("power", "slope", "paper")
 PAPER_STOP_N = 7.0
@@ -48,6 +54,14 @@ def add_to(commands: Commands) -> None:
         "camera.toml); or a folder of presses",
     )
     method = parser.add_argument_group("method")
+    method.add_argument(
+        "--quantity", choices=QUANTITIES, default=QUANTITIES[0],
+        help="which area is the result: front, the contact, whose edge is followed in every frame, or skin, that of "
+        "the first contact as the flow stretches it, as in the paper; the other stands beside it (default %(default)s)",
+    )  # fmt: skip
+    method.add_argument(
+        "--domes", type=Path, metavar="FOLDER", help="tables of your own domes, beside those that come with casr"
+    )
     add_engine(method)
     method.add_argument("--area", choices=AREA_RULES, default=AREA_RULES[0], help="initial area (default %(default)s)")
     method.add_argument(
@@ -62,8 +76,10 @@ def add_to(commands: Commands) -> None:
     add_threshold(method)
     add_pins(parser.add_argument_group("pins"))
     method.add_argument(
-        "--region", metavar="X,Y,R", help="contact circle, px (default: found from the pins that moved)"
-    )
+        "--region", metavar="X,Y,R",
+        help="contact circle, px, or image, for dense engines: growth of skin is the mean divergence of the whole "
+        "image (default: found from the pins that moved)",
+    )  # fmt: skip
     method.add_argument(
         "--start-n", type=positive, default=0.5, metavar="N", help="force of first contact, N (default %(default)s)"
     )
@@ -89,6 +105,11 @@ def add_to(commands: Commands) -> None:
         metavar="FILE.html",
         help="write a page; of several presses, an index and a page for each",
     )
+    output.add_argument("--pins", type=csv_file, metavar="FILE.csv", help="write the way of every pin, of one press")
+    output.add_argument(
+        "--frames", type=csv_file, metavar="FILE.csv",
+        help="write force, areas, shear and torsion of every frame, of one press",
+    )  # fmt: skip
     output.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
 
 
@@ -110,16 +131,18 @@ def run(arguments: argparse.Namespace) -> int:
             found=f"{len(found)} presses in {arguments.path}",
             do="Put a force.csv into each press folder.",
         )
+    _check_outputs(arguments, found)
     return _one(arguments, found[0]) if found == [arguments.path] else _many(arguments, found)
 
 
 def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
     """The settings that the options ask for."""
     from casr.flow.estimate import FlowSettings
-    from casr.flow.region import Region
     from casr.score import ScoreSettings
 
     return ScoreSettings(
+        quantity=arguments.quantity,
+        domes=arguments.domes,
         flow=FlowSettings(engine=arguments.engine, pins=pin_settings(arguments)),
         area_rule=arguments.area,
         area_law=arguments.law,
@@ -128,15 +151,25 @@ def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
         threshold_px=arguments.threshold_px,
         force_start_n=arguments.start_n,
         force_stop_n=arguments.stop_n,
-        region=Region.parse(arguments.region) if arguments.region else None,
+        region=_region(arguments.region),
         tare=not arguments.no_tare,
         camera_lag_s=arguments.camera_lag,
         correct_lag=arguments.correct_lag,
     )
 
 
+def _region(text: str | None) -> Region | str | None:
+    from casr.flow.region import Region
+    from casr.scored import WHOLE_IMAGE
+
+    return text if text is None or text == WHOLE_IMAGE else Region.parse(text)
+
+
 def _one(arguments: argparse.Namespace, path: Path) -> int:
-    scored = _score(arguments, path, settings_of(arguments), arguments.page, arguments.figures)
+    scored = _score(arguments, path, settings_of(arguments))
+    _write(arguments, path, scored, arguments.page, arguments.figures)
+    if arguments.pins or arguments.frames:
+        _write_tables(arguments, scored)
     say_notes(scored.notes)
     if arguments.json:
         print_json(scored.to_dict())
@@ -146,26 +179,31 @@ def _one(arguments: argparse.Namespace, path: Path) -> int:
 
 
 def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
-    from casr.cli.pages import pages_folder
 
     settings = settings_of(arguments)
-    called = [_name(path, arguments.path) for path in found]
+    called = {_name(path, arguments.path): path for path in found}
     width = max(map(len, called))
     scores: dict[str, Score] = {}
     failures: dict[str, str] = {}
     if not arguments.json:
-        print(_head(width))
-    for name, path in zip(called, found, strict=True):
-        page = arguments.page and pages_folder(arguments.page) / f"{name}.html"
+        print(_head(width, settings.quantity))
+    for name, path in called.items():
         try:
-            scores[name] = _score(arguments, path, settings, page, arguments.figures and arguments.figures / name)
+            scores[name] = _score(arguments, path, settings)
         except CasrError as error:
             failures[name] = str(error)
             print(f"not scored: {name}: {error}", file=sys.stderr)
             continue
         if not arguments.json:
             print(_row(name, scores[name], width), flush=True)
+    unlike = _unlike_others(scores)
+    scores = {
+        name: replace(score, doubts=(*score.doubts, unlike[name])) if name in unlike else score
+        for name, score in scores.items()
+    }
     for name, scored in scores.items():
+        page = arguments.page and arguments.page.with_suffix("") / f"{name}.html"
+        _write(arguments, called[name], scored, page, arguments.figures and arguments.figures / name)
         say_notes((*(f"check this press: {doubt}" for doubt in scored.doubts), *scored.notes), name)
     if arguments.page:
         from casr.cli.pages import write_index
@@ -173,7 +211,18 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
         write_index(arguments.page, arguments.path.resolve().name, scores, failures)
     if arguments.json:
         print_json({"presses": {name: s.to_dict() for name, s in scores.items()}, "not_scored": failures})
+    else:
+        for name, reason in unlike.items():
+            print(f"check this press: {name}: {reason}")
     return int(bool(failures))
+
+
+def _unlike_others(scores: Mapping[str, Score]) -> dict[str, str]:
+    """Press to what sets it apart from the others of the folder."""
+    from casr.session import stretch_of, unlike_others
+
+    stretches = {name: stretch_of(score) for name, score in scores.items()}
+    return unlike_others({name: stretch for name, stretch in stretches.items() if stretch is not None})
 
 
 def _name(path: Path, root: Path) -> str:
@@ -181,67 +230,125 @@ def _name(path: Path, root: Path) -> str:
     return "-".join((path.with_suffix("") if path.is_file() else path).relative_to(root).parts)
 
 
-def _score(
-    arguments: argparse.Namespace, path: Path, settings: ScoreSettings, page: Path | None, figures: Path | None
-) -> Score:
-    """Score one press and write what was asked for of it."""
+def _score(arguments: argparse.Namespace, path: Path, settings: ScoreSettings) -> Score:
     from casr.score import score
 
-    sequence = open_sequence(arguments, path)
-    scored = score(sequence, settings)
+    return score(open_sequence(arguments, path), settings)
+
+
+def _write(arguments: argparse.Namespace, path: Path, score: Score, page: Path | None, figures: Path | None) -> None:
+    """The page and the pictures, where they were asked for; few frames are decoded once more."""
     if page or figures:
         from casr.cli.pages import write_press
 
-        write_press(sequence, scored, page, figures)
-    return scored
+        write_press(open_sequence(arguments, path), score, page, figures)
+
+
+def _write_tables(arguments: argparse.Namespace, score: Score) -> None:
+    from casr.atomic import write_text_atomic
+    from casr.press_tables import frames_csv, pins_csv
+
+    for path, table in ((arguments.pins, pins_csv), (arguments.frames, frames_csv)):
+        if path is not None:
+            write_text_atomic(path, table(score))
+
+
+def _check_outputs(arguments: argparse.Namespace, found: list[Path]) -> None:
+    """Tables are of one press, and nothing is written among recordings."""
+    tables = {"--pins": arguments.pins, "--frames": arguments.frames}
+    for option, file in tables.items():
+        if file is not None and found != [arguments.path]:
+            raise SettingError(
+                option,
+                wanted="one press",
+                found=f"{len(found)} presses in {arguments.path}",
+                do="Score them one by one.",
+            )
+    if arguments.pins is not None and arguments.pins == arguments.frames:
+        raise SettingError("--pins, --frames", wanted="two files", found=str(arguments.pins), do="Name them apart.")
+    raw = arguments.path.resolve()
+    for option, file in {**tables, "--page": arguments.page, "--figures": arguments.figures}.items():
+        if file is not None and raw.is_dir() and raw in (file.resolve(), *file.resolve().parents):
+            raise SettingError(
+                option, wanted=f"a place outside {arguments.path}, which holds recordings", found=str(file),
+                do="Raw data stay as they are: choose another folder.",
+            )  # fmt: skip
 
 
 def _block(score: Score) -> str:
     """One press, a fact per line."""
-    from casr.page.wording import camera_lag, force_zero
+    from casr.page.wording import (
+        camera_lag,
+        error_parts,
+        first_areas,
+        force_zero,
+        growths,
+        left_out,
+        not_determined,
+    )
 
     settings, frames = score.settings, score.frames
-    force = score.force_n
     span = f"{frames[0]} to {frames[-1]}"
-    if force is not None:
-        span += f", {force[0]:.2f} to {force[-1]:.2f} N"
-    pins = f"{len(score.initial.selected)} of {len(score.rest.centroids_px)} pins, rule {score.initial.rule}"
-    saturated = ", saturated" if score.initial.saturated else ""
-    lines = [
-        score.name + (", areas in px², not mm²" if score.area_unit == "px2" else ""),
-        *(f"  Check this press: {doubt}" for doubt in score.doubts),
-        f"  frames      {len(frames)} ({span}), rest frame {score.rest_frame}",
-        f"  A_c0        {score.area[0]:.4g} {score.area_unit} ({pins}{saturated})",
-        f"  growth      {score.log_growth.sum():+.4f} in log, {score.area[-1] / score.area[0]:.3f} times the area",
-        f"  CASR        {_rate(score)}",
-        *([] if force is None else [f"  force zero  {force_zero(score)}", f"  camera lag  {camera_lag(score)}"]),
-        f"  method      {settings.flow.engine}, area rule {settings.area_rule}, law {settings.area_law}, "
+    if score.force_n is not None:
+        span += f", {score.force_n[0]:.2f} to {score.force_n[-1]:.2f} N"
+    facts = [(f"CASR ({spread.quantity})", _rate(score, spread)) for spread in (score.chosen, score.other)]
+    if score.front_spread is not None:
+        ratio, low, high = score.front_spread.skin_over_front
+        facts.append(("skin/front", f"{ratio:.3f} in growth, 95 %: {low:.3f} to {high:.3f}"))
+    facts += [(f"A_c0 ({quantity})", f"{area}, {of}") for quantity, area, of in first_areas(score)]
+    facts.append(("growth", ", ".join(f"{quantity} {times}" for quantity, times in growths(score))))
+    facts.append(("frames", f"{len(frames)} ({span}), rest frame {score.rest_frame}"))
+    if score.force_n is not None:
+        facts += [("force zero", force_zero(score)), ("camera lag", camera_lag(score))]
+    if score.rate is not None:
+        facts.append(("error, 1 SD", ", ".join(f"{name} {share}" for name, share in error_parts(score.chosen))))
+        facts.append(("left out", left_out(score.chosen)))
+    method = (
+        settings.flow.engine,
+        f"area rule {settings.area_rule}",
+        f"law {settings.area_law}",
         f"rate {settings.rate_rule}",
-    ]
-    return "\n".join(lines)
+    )
+    facts.append(("method", ", ".join(method)))
+    return "\n".join([
+        score.name + (", areas in px², not mm²" if score.area_unit == "px2" else ""),
+        *([f"  Not determined: {not_determined(score)}"] if score.first is None else []),
+        *(f"  Check this press: {doubt}" for doubt in score.doubts),
+        *(f"  {name:<13} {value}" for name, value in facts),
+    ])  # fmt: skip
 
 
-def _head(width: int) -> str:
+def _head(width: int, quantity: str) -> str:
     """Names of the columns of ``_row``."""
-    names = f"{'frames':>6} {'pins':>5} {'A_c0':>10} {'growth':>7} {'CASR':>9} {'95 % interval':>19} {'notes':>5}  unit"
-    return f"{'press':<{width}} {names}"
+    other = "front" if quantity == "skin" else "skin"
+    return (
+        f"{'press':<{width}} {quantity + ' CASR':>14} {'95 % interval':>18} {'forces, N':>13} {'determined':>10} "
+        f"{other + ' CASR':>14} {'skin/front':>10} {'frames':>6} {'notes':>5}  unit"
+    )
 
 
 def _row(name: str, score: Score, width: int) -> str:
     """One press of many on a line."""
-    rate = score.rate
-    interval = f"{rate.low:.4g} to {rate.high:.4g}" if rate and rate.low is not None else "-"
+    rate, other, total, front = score.rate, score.other, score.interval, score.front_spread
+    value = f"{rate.value:.4g}" if rate else "not determined" if score.first is None else "-"
+    beside = f"{other.rate.value:.4g}" if other.rate else "not determined" if other.doubt else "-"
+    interval = f"{total.low:.4g} to {total.high:.4g}" if total else "-"
+    forces = "-" if score.force_n is None else f"{score.force_n[0]:.2f} to {score.force_n[-1]:.2f}"
+    since = f"{front.first_n:.2f} N" if front and score.force_n is not None else "-"
+    ratio = f"{front.skin_over_front[0]:.3f}" if front else "-"
     return (
-        f"{name:<{width}} {len(score.frames):>6} {len(score.initial.selected):>5} {score.area[0]:>10.4g} "
-        f"{score.log_growth.sum():>7.3f} {f'{rate.value:.4g}' if rate else '-':>9} {interval:>19} "
-        f"{len(score.notes):>5}  {rate.unit if rate else score.area_unit}{'  check this press' if score.doubts else ''}"
+        f"{name:<{width}} {value:>14} {interval:>18} {forces:>13} {since:>10} {beside:>14} {ratio:>10} "
+        f"{len(score.frames):>6} {len(score.notes):>5}  {rate.unit if rate else score.area_unit}"
+        f"{'  check this press' if score.doubts else ''}"
     )
 
 
-def _rate(score: Score) -> str:
-    rate = score.rate
-    if rate is None:
+def _rate(score: Score, spread: Spread) -> str:
+    from casr.page.wording import forces_seen, interval, mean_over
+
+    if spread.doubt:
+        return f"not determined: {spread.doubt}"
+    if spread.rate is None:
         return "none: no force belongs to these frames"
-    interval = f" ({rate.low:.4g} to {rate.high:.4g}, 95 %)" if rate.low is not None else ""
-    window = f", {rate.window_n[0]:g} to {rate.window_n[1]:g} N" if rate.window_n else ""
-    return f"{rate.value:.4g} {rate.unit}{interval}{window}, from {rate.n_frames} frames"
+    said = f"{spread.rate.value:.4g} {spread.rate.unit}, {interval(spread)}; over {mean_over(score)}"
+    return f"{said}, {forces_seen(score)}" if spread.quantity == score.settings.quantity else said

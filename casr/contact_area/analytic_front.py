@@ -62,6 +62,7 @@ def analytic_front(rest_px: Array, pins_px: Array, camera: Camera | None) -> Con
         parts=dict(zip(PARTS, (scatter, np.full(n_frames, ANALYTIC_SD), zero, zero, zero), strict=True)),
         centre_px=centre,
         edge_px=outline_px,
+        inside=inside,
         pins_inside=inside.sum(axis=1),
         pitches=size * grown / pin_pitch_px(rest_px),
         misfit=float(np.sqrt(max(left @ moved, 0.0) / max(moved.sum(), 1e-12))),

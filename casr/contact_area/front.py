@@ -24,7 +24,8 @@ class ContactFront:
     parts : name to (T,) relative standard error of ``area``; see ``PARTS``. Pin length and depth keep the sign that
     belongs to longer pins and a larger depth.
     centre_px : (2,) middle of the contact in the rest frame. edge_px : (T, M, 2) its edge in each frame.
-    pins_inside : (T,) pins whose roots are inside the edge. pitches : (T,) radius of the contact over the pins' pitch.
+    inside : (T, N) whether the root of each pin is inside the edge. pins_inside : (T,) how many are.
+    pitches : (T,) radius of the contact over the pins' pitch.
     misfit : share of the motion that the best world leaves over beyond the scatter of the pins.
     model_sd : relative standard error of an area although the model explains the motion; within "dome".
     model : ``finite elements``, ``analytic`` or ``both``. dome, stiffness_n_per_mm : of the best world.
@@ -40,6 +41,7 @@ class ContactFront:
     parts: dict[str, Array]
     centre_px: Array
     edge_px: Array
+    inside: NDArray[np.bool_]
     pins_inside: NDArray[np.intp]
     pitches: Array
     misfit: float

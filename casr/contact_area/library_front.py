@@ -74,6 +74,7 @@ def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
         parts=parts,
         centre_px=distorted(best.view.rest_px(best.axis[None]), camera)[0],
         edge_px=distorted(edge.outline_px(), camera),
+        inside=edge.inside,
         pins_inside=edge.pins_inside,
         pitches=edge.pitches,
         misfit=misfit,
@@ -174,11 +175,6 @@ def _sensitivity(
 
 def _notes(front: ContactFront, fit: FrontFit, library: Library) -> tuple[str, ...]:
     notes: list[str] = []
-    if front.misfit > FREE_MISFIT:
-        notes.append(
-            f"Check this press: the pins do not move as on any dome of the library ({front.misfit:.0%} of the motion "
-            f"is left over; {FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed."
-        )
     beyond = int((fit.radius_mm[0] > BEYOND_COMPUTED * library.computed_mm[fit.worlds[0]]).sum())
     if beyond:
         notes.append(f"In {beyond} of {len(front.area)} frames the contact is far larger than any that was computed.")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera
+from casr.contact_area.array import check_area
 from casr.contact_area.edge import ContactEdge, fit_edge
 from casr.contact_area.motion import PinMotion, contact_cluster, pin_motion
 from casr.errors import NoContactError, SettingError
@@ -94,7 +95,27 @@ def _hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float)
 
 
 def _paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Algorithm 1 as printed: whole-pixel centroids, every pin of the first frame against every one of the second.
+    """Algorithm 1 as it must be meant: whole-pixel centroids, each pin against itself in the other frame.
+
+    Raises
+    ------
+    NoContactError : none moved.
+    """
+    moved_px = np.hypot(*(np.trunc(motion.contact_px) - np.trunc(motion.rest_px)).T)
+    chosen = np.flatnonzero(moved_px > threshold_px)
+    if not chosen.size:
+        raise NoContactError(
+            "first contact",
+            wanted=f"pins that moved more than {threshold_px:g} px from the rest frame, in whole pixels",
+            found=f"at most {moved_px.max():.2f} px, by pin {motion.ids[np.argmax(moved_px)]}",
+            do="Start at a higher force, or lower threshold_px (--threshold-px).",
+        )
+    saturated = chosen.size >= SATURATED_SHARE * motion.ids.size
+    return _hexagons(motion, camera, chosen, chosen.size, "paper", (), saturated)
+
+
+def _printed_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+    """Algorithm 1 to the letter: whole-pixel centroids, every pin of the first frame against every one of the second.
 
     ``signpin.append`` runs for each pair further apart than the threshold, so a pin counts once for nearly every pin of
     the other frame and a motionless array of N pins has N (N - 1) hexagons.
@@ -110,12 +131,7 @@ def _paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -
             found=f"at most {farthest_px:.0f} px",
             do="Lower threshold_px (--threshold-px).",
         )
-    own = int(np.diagonal(apart).sum())
-    notes = (
-        f"As printed, {count} pairs of {motion.ids.size} pins are more than {threshold_px:g} px apart and each adds a "
-        f"hexagon; {own} pins are that far from their own place.",
-    )
-    return _hexagons(motion, camera, chosen, count, "paper", notes, chosen.size >= SATURATED_SHARE * motion.ids.size)
+    return _hexagons(motion, camera, chosen, count, AS_PRINTED, (), chosen.size >= SATURATED_SHARE * motion.ids.size)
 
 
 def _hexagons(
@@ -202,6 +218,8 @@ def _within(
 
 
 RULES = ("edge", "hexagon", "circle", "paper")
+AS_PRINTED = "as-printed"
+"A rule that no score can ask for: its area is that of thousands of hexagons, which no sensor has."
 
 
 def initial_area(
@@ -224,26 +242,39 @@ def initial_area(
         square, for each pin that moved more than ``threshold_px`` and each pin those enclose; pitch of the rest frame
         (Algorithm 1, pairs one to one).
         ``circle``: through the pin farthest from the central one, of all pins (previous work; the same whatever is
-        touched). ``paper``: Algorithm 1 to the letter, whole-pixel centroids and all pairs of pins.
-    threshold_px : of ``hexagon`` and ``paper``.
+        touched). ``paper``: Algorithm 1 as it must be meant, one hexagon for each pin whose centroid, in whole pixels,
+        moved more than ``threshold_px``. ``as-printed``: to the letter, one for each pair of pins of the two frames
+        that far apart.
+    threshold_px : of ``hexagon``, ``paper`` and ``as-printed``.
 
     Raises
     ------
     NoContactError : no pin moved enough.
+    AreaError : the area is above that of the pin array; ``circle`` is not checked, it measures the array.
     PinsError : too few pins in both frames.
     SettingError : unknown rule, or a threshold not above 0.
     """
-    if rule not in RULES:
-        raise SettingError("rule", wanted=" or ".join(RULES), found=repr(rule), do="Choose one of these.")
+    if rule not in (*RULES, AS_PRINTED):
+        wanted = " or ".join((*RULES, AS_PRINTED))
+        raise SettingError("rule", wanted=wanted, found=repr(rule), do="Choose one of these.")
     if not 0 < threshold_px < np.inf:
         raise SettingError(
             "threshold_px", wanted="a distance above 0 px", found=repr(threshold_px), do="The paper uses 2."
         )
     motion = pin_motion(rest.centroids_px, contact_px)
     if rule == "circle":
-        return _circle_rule(motion, camera)
+        return _circle_rule(motion, camera)  # the array itself, and a trifle more than its hull
+    found = _by_rule(motion, camera, rule, threshold_px)
+    flat_px = motion.contact_px if camera is None else camera.undistorted_px(motion.contact_px)
+    check_area(found.area_px2, flat_px, f"initial area by rule {found.rule}", camera)
+    return found
+
+
+def _by_rule(motion: PinMotion, camera: Camera | None, rule: str, threshold_px: float) -> InitialArea:
     if rule == "paper":
         return _paper_rule(motion, camera, threshold_px)
+    if rule == AS_PRINTED:
+        return _printed_rule(motion, camera, threshold_px)
     if rule == "edge":
         found = _edge_rule(motion, camera)
         if isinstance(found, InitialArea):

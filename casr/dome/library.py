@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -24,6 +26,11 @@ FAMILY = ("C", "J", "H", "D", "E", "I", "G")
 SHIPPED = "library.npz"
 DEFAULT_WORLD = "skin_over_gel.npz"
 """Dome A, which the simulator presses; the library does not hold it."""
+DIGESTS = {
+    SHIPPED: "3e5377739746b0dc63b99c89da23cd375f745692fde31c4fa6af1ae217ccea83",
+    DEFAULT_WORLD: "ed77ed5d0418062eba57f0a6698a00d679677d105dac9d8a31d311c4e9ee2ca2",
+}
+"SHA-256 of the files, as scripts/dome_tables prints them: what hangs on the tables is known to hang on this module."
 LAST_RADIUS_MM = 18.0
 _QUANTUM = 2e-4
 "Of the motion in the file, mm or rad: a fiftieth of a pixel at 10 px/mm would be 2e-3."
@@ -199,7 +206,12 @@ def read_library(folder: Path) -> Library:
 @cache
 def shipped(name: str = SHIPPED) -> Library:
     """A library that comes with casr."""
-    with resources.files("casr.dome").joinpath(name).open("rb") as file, np.load(file, allow_pickle=False) as kept:
+    data = resources.files("casr.dome").joinpath(name).read_bytes()
+    if hashlib.sha256(data).hexdigest() != DIGESTS[name]:
+        raise SettingError(
+            name, wanted="the tables that casr was made with", found="others, or damaged ones", do="Install casr again."
+        )
+    with np.load(io.BytesIO(data), allow_pickle=False) as kept:
         arrays = {key: kept[key] for key in kept.files}
     motion = arrays.pop("motion").astype(np.float32) * np.float32(_QUANTUM)
     wide = {key: arrays.pop(key).astype(np.float64) for key in ("force_n", "edge_arc_mm")}

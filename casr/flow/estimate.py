@@ -7,9 +7,10 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from casr.errors import ImageError
-from casr.flow.dense_engine import DenseEngine
+from casr.errors import ImageError, SettingError
+from casr.flow.dense_engine import DenseEngine, DenseFlow
 from casr.flow.dis import Dis
+from casr.flow.image_engine import ImageEngine
 from casr.flow.pin_engine import PinEngine
 from casr.flow.region import Points, Region
 from casr.flow.step import ENGINES, Engine, FlowSettings, FlowStep
@@ -30,11 +31,16 @@ class FlowTracker:
     Parameters
     ----------
     settings : engine and its settings.
+    whole_image : take the mean divergence of all of the image instead of the region's growth.
+
+    Raises
+    ------
+    SettingError : the whole image by pins.
     """
 
-    def __init__(self, settings: FlowSettings | None = None) -> None:
+    def __init__(self, settings: FlowSettings | None = None, *, whole_image: bool = False) -> None:
         self.settings = settings or FlowSettings()
-        self._engine = _engine(self.settings)
+        self._engine = _of_image(self.settings) if whole_image else _engine(self.settings)
         self._shape: tuple[int, ...] | None = None
 
     def start(self, image: NDArray[Any], region: Region, pins_px: Points | None = None) -> None:
@@ -73,12 +79,26 @@ class FlowTracker:
 def _engine(settings: FlowSettings) -> Engine:
     if settings.engine == "pin-affine":
         return PinEngine(settings)
+    return DenseEngine(_dense_flow(settings), settings.core_fraction, doubt_of(settings.engine))
+
+
+def _of_image(settings: FlowSettings) -> Engine:
+    if settings.engine == "pin-affine":
+        raise SettingError(
+            "region image",
+            wanted="a dense engine, horn-schunck or dis",
+            found="pin-affine, which sees pins only",
+            do="Choose one with engine (--engine dis), or leave the region to be found.",
+        )
+    return ImageEngine(_dense_flow(settings))
+
+
+def _dense_flow(settings: FlowSettings) -> DenseFlow:
     if settings.engine == "dis":
-        return DenseEngine(Dis(settings.dis_preset), settings.core_fraction, doubt_of(settings.engine))
+        return Dis(settings.dis_preset)
     # loaded when used: it compiles its kernels with numba, which the other engines never need and may be absent
-    horn_schunck = import_module("casr.flow.horn_schunck")
-    method = horn_schunck.HornSchunck(settings.horn_schunck)
-    return DenseEngine(method, settings.core_fraction, doubt_of(settings.engine))
+    method: DenseFlow = import_module("casr.flow.horn_schunck").HornSchunck(settings.horn_schunck)
+    return method
 
 
 def doubt_of(engine: str) -> str:

@@ -50,8 +50,8 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     Parameters
     ----------
     column : the force column, for logs that hold more than one, such as ``force_filtered_n``. A name that ends in
-        another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there, the
-        one column of that kind is taken, with a note.
+        another unit (``NEWTONS``), such as ``force_mn``, is converted; where ``force_n`` is asked for and not there,
+        the one column of that kind is taken, with a note.
 
     Raises
     ------

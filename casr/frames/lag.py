@@ -2,8 +2,9 @@
 
 Both begin slowly, so neither beginning is looked for alone. Early in a contact the motion of the pins is close to a
 power of the force, a F(t - lag)^p. Lag, a and p are those that fit best to all frames up to 0.4 N. In finite-element
-contacts of any stiffness p is 0.81 to 0.93, in the simulator 0.7 to 1.0; as no contact is quite of that law, the lag
-is wrong by the time in which the force rises by 0.035 N, which is in the standard error.
+contacts of any stiffness p is 0.8 to 0.95. As no contact is quite of that law, the lag is wrong by about the time in
+which the force rises by 0.04 N, which is in the standard error: finite elements -5 +- 11 ms at 1.3 N/s, the simulator,
+whose pins set off faster, -23 +- 8 ms at 2.2 N/s (mean and SD of 32 and 36 presses, with any true lag).
 """
 
 from __future__ import annotations
@@ -14,16 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.frames.readings import ForceReadings
+from casr.frames.spikes import noise_n
 
 _Array = NDArray[np.float64]
 Points = NDArray[np.float64]
 
 UP_TO = 0.8  # of the force of first contact: frames beyond it are not in the fit
 FARTHEST_S = 0.3
-POWER, POWER_SD = 0.85, 0.1
+POWER, POWER_SD = 0.88, 0.05
 PIN_SD_PX = 0.03  # of a centroid
-SHAPE = 0.1  # of the motion: what the law leaves
-LAW_N = 0.035  # what a contact of another law moves the onset by
+SHAPE = 0.05  # of the motion: what the law leaves
+LAW_N = 0.04  # what a contact of another law moves the onset by
 SMOOTH_S = 0.025
 FEWEST_MOVING = 3
 MOVING = 4.0  # standard errors of the motion
@@ -87,7 +89,7 @@ def camera_lag(
         return CameraLag(None, None, found, period_s)
     lag_s, fit_sd_s, rate = found
     sd_s = float(np.hypot(fit_sd_s, LAW_N / rate)) if rate > 0 else np.inf
-    if not 2 * sd_s <= period_s:
+    if not sd_s <= period_s:
         why = f"known to {sd_s:.2g} s only (standard error): the force rises by {rate:.2g} N/s at first contact"
         return CameraLag(None, None, why, period_s)
     if abs(lag_s) > FARTHEST_S - 2 * sd_s:
@@ -96,7 +98,12 @@ def camera_lag(
 
 
 class _Rise:
-    """The force above its zero, each reading the mean of those within 25 ms; never below 0."""
+    """The force above its zero, each reading the mean of those within 25 ms.
+
+    Attributes
+    ----------
+    sd_n : standard deviation of such a mean.
+    """
 
     def __init__(self, readings: ForceReadings, zero_n: float, until_s: float) -> None:
         rows = readings.time_s <= until_s
@@ -106,7 +113,8 @@ class _Rise:
         # the mean of the times goes with the mean of the forces, so a straight rise stays where it is
         even = np.full(n, 1 / n)
         self._time_s = np.convolve(time_s, even, "valid")
-        self._force_n = np.maximum(np.convolve(force_n, even, "valid"), 0.0)
+        self._force_n = np.convolve(force_n, even, "valid")
+        self.sd_n = noise_n(force_n) / np.sqrt(n) if force_n.size > 2 else 0.0
 
     def __call__(self, time_s: _Array) -> _Array:
         return np.asarray(np.interp(time_s, self._time_s, self._force_n))
@@ -118,9 +126,11 @@ def _fitted(taken_s: _Array, moved_px: Points, rise: _Rise, up_to_n: float) -> t
     fits = [each for each in found if not isinstance(each, str)]
     if not fits:
         return str(found[len(found) // 2])
-    law, n, lag_s = min(fits, key=lambda fit: fit[0].misfit_of_one(fit[2]))
-    if law.misfit_of_one(lag_s) > WORST:
+    good = [fit for fit in fits if fit[0].misfit_of_one(fit[2]) <= WORST]
+    if not good:
         return "the motion of the pins does not follow the force"
+    # where skin that stuck begins to stretch the motion sets off once more, later
+    law, n, lag_s = min(good, key=lambda fit: fit[2])
     times_s = np.linspace(taken_s[0] - lag_s, taken_s[n - 1] - lag_s, 200)
     force_n = rise(times_s)
     rising = force_n > force_n.max() / 4
@@ -148,7 +158,8 @@ def _fitted_from(
         along_px = (moved_px[:n] * way).sum(axis=(1, 2)) / length_px
         if int((along_px > MOVING * PIN_SD_PX).sum()) < FEWEST_MOVING:
             return f"the pins move in fewer than {FEWEST_MOVING} frames before {up_to_n:.2g} N"
-        law = _Law(taken_s[:n], along_px, np.hypot(PIN_SD_PX, SHAPE * along_px), rise)
+        noise_px = np.hypot(PIN_SD_PX, rise.sd_n * along_px.max() / up_to_n)
+        law = _Law(taken_s[:n], along_px, np.hypot(noise_px, SHAPE * along_px), rise)
         before_s, lag_s = lag_s, law.best_lag_s()
         if abs(lag_s - before_s) < FINEST_S:
             break
@@ -164,7 +175,9 @@ class _Law:
 
     def _residuals(self, lag_s: float) -> _Array:
         """(61, n + 1) for each power, the last how far the power is from the one expected."""
-        law = self._rise(self._taken_s - lag_s) ** self._powers[:, None] / self._sd_px
+        force_n = self._rise(self._taken_s - lag_s)
+        # noise about zero keeps its sign
+        law = np.sign(force_n) * np.abs(force_n) ** self._powers[:, None] / self._sd_px
         size = (law**2).sum(axis=1)
         scale = np.divide((law * self._moved).sum(axis=1), size, out=np.zeros_like(size), where=size > 0)
         return np.column_stack([self._moved - scale[:, None] * law, (self._powers - POWER) / POWER_SD])

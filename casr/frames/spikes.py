@@ -27,14 +27,14 @@ def spikes(force_n: ArrayLike) -> NDArray[np.bool_]:
     y = force[known]
     if y.size < 2 * BESIDE + 1:
         return found
-    least_n = max(NOISES * _noise_n(y), LEAST_N)
+    least_n = max(NOISES * noise_n(y), LEAST_N)
     for width in range(1, WIDEST + 1):
         found[known[_of_width(y, width, least_n)]] = True
     return found
 
 
-def _noise_n(y: _Array) -> float:
-    """Standard deviation of a reading, N, by second differences, to which a steady rise adds nothing."""
+def noise_n(y: _Array) -> float:
+    """Standard deviation of one of (n,) readings, N, by second differences, to which a steady rise adds nothing."""
     return float(1.4826 * np.median(np.abs(np.diff(y, 2))) / np.sqrt(6))
 
 

@@ -85,7 +85,7 @@ def resting_level(force_n: _Array, start_n: float) -> ForceZero | None:
     lowest = int(np.argmax(inside))
     resting = force_n[(force_n >= levels[lowest]) & (force_n <= levels[lowest + inside[lowest] - 1])]
     middle = np.sort(resting)[(resting.size - 1) // 2]
-    resting = resting[: np.flatnonzero(resting <= middle)[-1] + 1]
+    resting = resting[: max(np.flatnonzero(resting <= middle)[-1] + 1, FEWEST_AT_REST)]
     if resting.size < FEWEST_AT_REST:
         return None
     error = MEDIAN_ERROR * float(resting.std(ddof=1)) / np.sqrt(resting.size)

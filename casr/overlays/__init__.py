@@ -1,4 +1,4 @@
-"""Pictures of one press: pins, initial area, contact region, motion, area against force; all of a press at once."""
+"""Pictures of one press: area against force, pins, front and skin, motion; all of a press at once."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from casr.overlays.area import area_picture, pins_picture
 from casr.overlays.canvas import Picture
 from casr.overlays.curves import area_curve, growth_curve
-from casr.overlays.motion import flow_picture, region_picture, spreading_picture
+from casr.overlays.motion import edges_picture, flow_picture, spreading_picture
 from casr.pins import PinSettings, PinTracker
 
 if TYPE_CHECKING:
@@ -25,21 +25,21 @@ __all__ = [
 
 
 def press_pictures(sequence: FrameSequence, score: Score) -> tuple[Picture, ...]:
-    """Pictures of ``score``, which comes from ``sequence``; the curve over force only where there is a force."""
+    """Pictures of ``score``, which comes from ``sequence``, of which three frames are decoded."""
     first, last = int(score.frames[0]), int(score.frames[-1])
     rest_px = score.rest.centroids_px
     initial = score.initial
-    ways = pin_ways(sequence, score.frames.tolist(), score.settings.flow.pins)
-    curves = [growth_curve(score.frames, score.log_growth)]
-    if score.force_n is not None:
-        curves.insert(0, area_curve(score.force_n, score.area, score.area_unit, score.rate))
-    photos = [
+    first_image = sequence[first]
+    return (
+        area_curve(score),
+        edges_picture(sequence[last], score),
+        growth_curve(score.frames, score.log_growth),
         pins_picture(sequence[score.rest_frame], rest_px, score.contact_px, initial),
-        area_picture(sequence[first], rest_px, score.contact_px, initial, score.regions[0]),
-        region_picture(sequence[last], rest_px, score.regions, score.frames, score.force_n),
-        spreading_picture(sequence[first], *ways, score.regions[0], f"frames {first} to {last}"),
-    ]
-    return (*curves, *photos)
+        area_picture(first_image, rest_px, score.contact_px, initial, score.regions[0]),
+        spreading_picture(
+            first_image, score.pins_px[0], score.pins_px[-1], score.regions[0], f"frames {first} to {last}"
+        ),
+    )
 
 
 def pin_ways(

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.collections import PolyCollection
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from casr.contact_area.rules import lattice_cell
-from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, legend_below, photo, styled, view_of
+from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, photo, view_of
 from casr.pins import pin_pitch_px
 from casr.pins.lattice import nearest_pins
 from casr.pins.sites import lattice_kind
@@ -23,47 +21,32 @@ _ARROW_PX = 12.0
 "Length at which the longest displacement is drawn when it is shorter."
 
 
-@styled
 def pins_picture(
     rest_image: NDArray[Any], rest_px: NDArray[np.float64], contact_px: NDArray[np.float64], initial: InitialArea
 ) -> Picture:
     """Every pin at rest, and arrows to where it is at first contact. rest_px, contact_px : (N, 2), NaN where lost."""
     pitch_px = pin_pitch_px(rest_px)
-    figure, axes = photo(rest_image, view_of(rest_px, rest_image, 1.5 * pitch_px))
+    axes = photo(rest_image, view_of(rest_px, rest_image, 1.5 * pitch_px))
     moved_px = contact_px - rest_px
     longest_px = float(np.nanmax(np.hypot(*moved_px.T), initial=0.0))
     times = max(1.0, round(_ARROW_PX / longest_px)) if longest_px > 0 else 1.0
     chosen = np.zeros(len(rest_px), dtype=bool)
     chosen[initial.selected] = True
     known = np.isfinite(moved_px).all(axis=1)
-    for which, colour, words in ((chosen, ORANGE, "moved: counted"), (~chosen & known, SKY, "still: not counted")):
-        axes.scatter(
-            rest_px[which, 0],
-            rest_px[which, 1],
-            s=16,
-            facecolors="none",
-            edgecolors=colour,
-            label=f"{words} ({which.sum()})",
-        )
-        axes.quiver(
-            *rest_px[which].T, *(times * moved_px[which]).T, color=colour, angles="xy", scale_units="xy", scale=1,
-            width=0.005,
-        )  # fmt: skip
+    for which, colour, words in ((chosen, ORANGE, "counted in A_c0 (skin)"), (~chosen & known, SKY, "not counted")):
+        axes.rings(rest_px[which], colour, label=f"{words} ({which.sum()})")
+        axes.arrows(rest_px[which], times * moved_px[which], colour)
     if not known.all():
-        axes.scatter(
-            rest_px[~known, 0], rest_px[~known, 1], s=30, marker="x", color=RED, label=f"lost ({np.sum(~known)})"
-        )
-    legend_below(axes, 3 if not known.all() else 2)
+        axes.crosses(rest_px[~known], RED, label=f"lost ({np.sum(~known)})")
     drawn = f"Arrows are drawn {times:.0f} times as long as they are." if times > 1 else "Arrows are to scale."
     return Picture(
         "pins",
         "Which pins moved at first contact",
         f"Pins at rest and their way to the first-contact frame, {longest_px:.1f} px at most. {drawn}",
-        figure,
+        axes,
     )
 
 
-@styled
 def area_picture(
     contact_image: NDArray[Any],
     rest_px: NDArray[np.float64],
@@ -71,36 +54,21 @@ def area_picture(
     initial: InitialArea,
     region_px: NDArray[np.float64] | None = None,
 ) -> Picture:
-    """The initial area on the first-contact frame: a hexagon about each counted pin, and its outline.
+    """The initial area of the skin on the first-contact frame: a hexagon about each counted pin, and its outline.
 
     region_px : (K, 2) outline that growth is measured in, where there is one.
     """
-    pitch_px = pin_pitch_px(rest_px)
-    figure, axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pitch_px))
+    axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pin_pitch_px(rest_px)))
     if initial.rule in _HEXAGON_RULES:
         cells = hexagons(rest_px[initial.selected], rest_px)
-        axes.add_collection(
-            PolyCollection(
-                list(cells),
-                facecolors=ORANGE,
-                edgecolors=ORANGE,
-                alpha=0.45,
-                linewidths=1.0,
-                label=f"hexagon of each counted pin ({len(cells)})",
-            )
-        )
-    axes.scatter(contact_px[:, 0], contact_px[:, 1], s=5, color=SKY, label="pin at first contact")
-    axes.add_patch(Polygon(initial.polygon_px, fill=False, edgecolor=RED, linewidth=2.2, label="outline of the area"))
+        axes.areas(cells, ORANGE, opacity=0.45, label=f"hexagon of each counted pin ({len(cells)})")
+    axes.dots(contact_px, SKY, size=3, label="pin at first contact")
+    axes.outline(initial.polygon_px, RED, width=2.4, label="outline of the area")
     if region_px is not None:
-        axes.add_patch(
-            Polygon(
-                region_px, fill=False, edgecolor=GREEN, linewidth=2, linestyle="--", label="region that is followed"
-            )
-        )
-    legend_below(axes)
+        axes.outline(region_px, GREEN, width=2, dash="6 4", label="region that is followed")
     mm2 = f", {initial.area_mm2:.4g} mm²" if initial.area_mm2 is not None else ""
     caption = f"First-contact frame. Rule {initial.rule}: {initial.area_px2:.5g} px²{mm2}. {_about(initial.rule)}"
-    return Picture("area", "Initial contact area", caption, figure)
+    return Picture("area", "Initial area of the skin", caption, axes)
 
 
 def _about(rule: str) -> str:

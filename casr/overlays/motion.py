@@ -1,60 +1,53 @@
-"""How the skin moved: the contact region as it grows, pins and their spreading, dense flow and its divergence."""
+"""How the contact and its skin moved: the front, pins and their spreading, dense flow and its divergence."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import cv2
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import TwoSlopeNorm
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from casr.flow.divergence import divergence, mean_divergence, region_mask
-from casr.overlays.canvas import INK, RED, Picture, legend_below, photo, styled, view_of
+from casr.overlays.canvas import GREEN, RED, Picture, colours_of, photo, view_of
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from casr.score import Score
 
-    from matplotlib.axes import Axes
-
-_WITH_BAR_INCH = 3.9
-_OUTLINES = 6
+_EARLY_TO_LATE = ("#7e03a8", "#b12a90", "#d6556d", "#f2844b", "#feba2c", "#f7e425")
+"Dark to bright."
 _LONGEST_EDGE = 1.7
 "In pitches: longer edges of a triangulation bridge missing pins or the rim."
-_DIVERGING = "PuOr_r"
+_DIVERGING = ("#2d004b", "#5f3a91", "#9990bf", "#cfcfe5", "#f7f7f6", "#fed59f", "#ee9b39", "#bd6109", "#7f3b08")
 "Both ends dark, the middle white, and told apart without red against green."
 
 
-@styled
-def region_picture(
-    last_image: NDArray[Any],
-    pins_px: NDArray[np.float64],
-    regions: Sequence[NDArray[np.float64]],
-    frames: NDArray[np.int_],
-    force_n: NDArray[np.float64] | None,
-) -> Picture:
-    """Outlines of the tracked contact region over the last frame, early ones dark and thin."""
-    everything = np.concatenate([pins_px, *regions])
-    figure, axes = photo(last_image, view_of(everything, last_image, pin_pitch_px(pins_px)))
-    shown = np.unique(np.linspace(0, len(regions) - 1, min(_OUTLINES, len(regions))).round().astype(int))
-    for place, i in enumerate(shown):
-        closed = np.vstack([regions[i], regions[i][:1]])
-        share = place / max(len(shown) - 1, 1)
-        colour = colormaps["plasma"](0.25 + 0.7 * share)
-        words = f"frame {frames[i]}" + (f", {force_n[i]:.1f} N" if force_n is not None else "")
-        axes.plot(*closed.T, color=colour, linewidth=1.2 + 1.4 * share, label=words)
-    legend_below(axes, 3)
-    return Picture(
-        "region",
-        "Contact region as it grows",
-        "Outlines from first contact (dark, thin) to the last frame (yellow, thick), over the last frame.",
-        figure,
-    )
+def edges_picture(last_image: NDArray[Any], score: Score) -> Picture:
+    """Over the last frame the front in a few frames, early ones dark and thin, and the first contact's skin."""
+    front, skin_px = score.front, (score.regions[0], score.regions[-1])
+    determined = np.flatnonzero(front.determined & (score.front_doubt == ""))
+    n_shown = min(len(_EARLY_TO_LATE), determined.size)
+    shown = determined[np.linspace(0, determined.size - 1, n_shown).round().astype(np.intp)] if n_shown else determined
+    pins_px = score.rest.centroids_px
+    everything = np.concatenate([pins_px, *skin_px, *front.edge_px[shown]])
+    axes = photo(last_image, view_of(everything, last_image, pin_pitch_px(pins_px)))
+    for place, i in enumerate(shown.tolist()):
+        share = place / max(n_shown - 1, 1)
+        colour = _EARLY_TO_LATE[round(share * (len(_EARLY_TO_LATE) - 1))]
+        axes.outline(front.edge_px[i], colour, width=1.4 + 1.4 * share, label=f"front, {_moment(score, i)}")
+    for outline_px, dash, i in zip(skin_px, ("2 3", "7 4"), (0, -1), strict=True):
+        axes.outline(outline_px, GREEN, width=2, dash=dash, label=f"skin, {_moment(score, i)}")
+    caption = "Over the last frame the front, from dark and thin to bright and thick, and the first contact's skin."
+    if not n_shown:
+        caption = "The first contact's skin over the last frame. The front is not determined and not drawn."
+    return Picture("edges", "Front and skin", caption, axes)
 
 
-@styled
+def _moment(score: Score, i: int) -> str:
+    return f"frame {score.frames[i]}" if score.force_n is None else f"{score.force_n[i]:.1f} N"
+
+
 def spreading_picture(
     first_image: NDArray[Any],
     first_px: NDArray[np.float64],
@@ -69,31 +62,24 @@ def spreading_picture(
     known = np.isfinite(first_px).all(axis=1) & np.isfinite(last_px).all(axis=1)
     first_px, last_px = first_px[known], last_px[known]
     pitch_px = pin_pitch_px(first_px)
-    figure, axes = photo(first_image, view_of(first_px, first_image, 1.5 * pitch_px), _WITH_BAR_INCH)
+    axes = photo(first_image, view_of(first_px, first_image, 1.5 * pitch_px), bar=True)
     corners, growth = growth_between(first_px, last_px, pitch_px)
     if growth.size:
         half = max(float(np.abs(growth).max()), 1e-6)
-        drawn = axes.tripcolor(
-            Triangulation(first_px[:, 0], first_px[:, 1], corners),
-            facecolors=growth,
-            cmap=_DIVERGING,
-            norm=TwoSlopeNorm(0, -half, half),
-            alpha=0.8,
-        )
-        figure.colorbar(drawn, ax=axes, label="log growth of the area between pins")
-    _arrows(axes, first_px, last_px - first_px, "pin, first to last frame")
-    axes.plot(*np.vstack([outline_px, outline_px[:1]]).T, color=RED, linewidth=2, label="contact region at first")
-    legend_below(axes)
+        colours = ["#" + bytes(colour).hex() for colour in colours_of(growth, half, _DIVERGING)]
+        axes.areas(first_px[corners], colours, opacity=0.8)
+        axes.colour_bar(half, _DIVERGING, "log growth of the area between pins")
+    axes.arrows(first_px, last_px - first_px, "#fff", label="pin, first to last frame")
+    axes.outline(outline_px, RED, width=2.2, label="first contact's skin")
     longest_px = float(np.hypot(*(last_px - first_px).T).max(initial=0.0))
     return Picture(
         "spreading",
-        "Where the skin spread",
+        "Where the skin spread in the image",
         f"Ways of the pins, {span}, {longest_px:.1f} px at most, to scale. Orange: spread; purple: drew together.",
-        figure,
+        axes,
     )
 
 
-@styled
 def flow_picture(
     image: NDArray[Any],
     flow: NDArray[np.float32],
@@ -104,27 +90,28 @@ def flow_picture(
     inside = region_mask(region_px, (image.shape[0], image.shape[1])) > 0.5
     low, high = region_px.min(axis=0), region_px.max(axis=0)
     margin_px = 0.35 * float((high - low).max())
-    figure, axes = photo(image, view_of(region_px, image, margin_px), _WITH_BAR_INCH)
-    shown = np.where(inside, divergence(flow), np.nan)
-    half = max(float(np.nanpercentile(np.abs(shown), 95)), 1e-6) if inside.any() else 1.0
-    drawn = axes.imshow(shown, cmap=_DIVERGING, norm=TwoSlopeNorm(0, -half, half), alpha=0.75)
-    figure.colorbar(drawn, ax=axes, label="divergence (1 per frame pair)", extend="both")
+    axes = photo(image, view_of(region_px, image, margin_px), bar=True)
+    found = divergence(flow).astype(np.float64)
+    half = max(float(np.percentile(np.abs(found[inside]), 95)), 1e-6) if inside.any() else 1.0
+    red_green_blue = colours_of(found.ravel(), half, _DIVERGING).reshape(*found.shape, 3)
+    alpha = (190 * inside).astype(np.uint8)
+    axes.image(np.dstack([red_green_blue[..., ::-1], alpha]), (-0.5, -0.5))
+    axes.colour_bar(half, _DIVERGING, "divergence (1 per frame pair)")
     step = max(round(float((high - low + 2 * margin_px).max()) / 22), 1)
     ys, xs = np.mgrid[0 : image.shape[0] : step, 0 : image.shape[1] : step]
     at = np.column_stack([xs.ravel(), ys.ravel()]).astype(np.float64)
     near = ((at >= low - margin_px) & (at <= high + margin_px)).all(axis=1)
-    vectors = flow[ys.ravel()[near], xs.ravel()[near]]
+    vectors = flow[ys.ravel()[near], xs.ravel()[near]].astype(np.float64)
     longest_px = float(np.hypot(*vectors.T).max(initial=0.0))
     times = step / longest_px if longest_px > 0 else 1.0
-    _arrows(axes, at[near], times * vectors, "flow")
-    axes.plot(*np.vstack([region_px, region_px[:1]]).T, color=RED, linewidth=2, label="contact region")
-    legend_below(axes)
+    axes.arrows(at[near], times * vectors, "#fff", label="flow")
+    axes.outline(region_px, RED, width=2.2, label="contact region")
     mean = mean_divergence(flow, region_px)
     return Picture(
         "flow",
         f"Flow and divergence, {span}",
         f"Mean divergence in the region {mean:+.4f}. The longest arrow is {longest_px:.2f} px.",
-        figure,
+        axes,
     )
 
 
@@ -140,22 +127,24 @@ def growth_between(
     return corners[ratio > 0], np.log(ratio[ratio > 0])
 
 
-def _arrows(axes: Axes, at_px: NDArray[np.float64], steps_px: NDArray[Any], words: str) -> None:
-    axes.quiver(
-        *at_px.T, *steps_px.T, color="white", edgecolor=INK, linewidth=0.6, angles="xy", scale_units="xy", scale=1,
-        width=0.006,
-    )  # fmt: skip
-    axes.plot([], [], color=INK, linestyle="none", marker=r"$\rightarrow$", markersize=14, label=words)
-
-
 def _triangles(points_px: NDArray[np.float64], pitch_px: float) -> NDArray[np.int_]:
-    """(M, 3) corners of the triangles between neighbouring pins."""
+    """(M, 3) corners of the triangles between neighbouring pins (Delaunay)."""
     if len(points_px) < 3:
         return np.empty((0, 3), dtype=np.int_)
-    corners = np.asarray(Triangulation(*points_px.T).triangles, dtype=np.int_)
+    left, top = np.floor(points_px.min(axis=0)).astype(int).tolist()
+    right, bottom = np.ceil(points_px.max(axis=0)).astype(int).tolist()
+    mesh = cv2.Subdiv2D((left - 1, top - 1, right - left + 3, bottom - top + 3))
+    # a point's number in the mesh, which has numbers of its own for corners far outside, to its row
+    row = {mesh.insert((float(x), float(y))): i for i, (x, y) in enumerate(points_px)}
+    found = [
+        tuple(row.get(mesh.locate((float(x), float(y)))[2], -1) for x, y in triangle)
+        for triangle in np.asarray(mesh.getTriangleList()).reshape(-1, 3, 2)
+    ]
+    corners = np.array([each for each in found if min(each) >= 0], dtype=np.int_).reshape(-1, 3)
     edges = points_px[corners] - points_px[np.roll(corners, 1, axis=1)]
-    short = np.hypot(edges[..., 0], edges[..., 1]).max(axis=1) < _LONGEST_EDGE * pitch_px
-    return np.asarray(corners[short])
+    return np.asarray(
+        corners[np.hypot(edges[..., 0], edges[..., 1]).max(axis=1, initial=0.0) < _LONGEST_EDGE * pitch_px]
+    )
 
 
 def _doubled_area(corners_px: NDArray[np.float64]) -> NDArray[np.float64]:

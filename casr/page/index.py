@@ -23,7 +23,7 @@ def index_page(title: str, scores: Mapping[str, Score], failures: Mapping[str, s
     """The page as HTML; each press links to ``folder/<name>.html``. failures : press to the reason in words."""
     links = {name: f"{folder}/{name}.html" for name in scores}
     body = _summary(scores, failures) + html.section("presses", "Presses", _table(scores, links))
-    drawn = {name: score for name, score in scores.items() if score.force_n is not None}
+    drawn = {name: score for name, score in scores.items() if score.force_n is not None and score.first is not None}
     if drawn:
         body += html.section("curves", "Contact area against force, all on the same axes", _curves(drawn, links))
     return whole_page(title, "Contact area spread rate (CASR) of every press", body)
@@ -36,21 +36,36 @@ def _summary(scores: Mapping[str, Score], failures: Mapping[str, str]) -> str:
     counts = f"{kinds.count('good')} good, {kinds.count('usable')} with notes, {kinds.count('bad')} to check"
     in_px2 = f" No camera file for {pixels}: their areas are in px², not mm²." if pixels else ""
     said = html.statement(kind, f"{len(scores)} presses scored.", f"{counts}, {len(failures)} not scored.{in_px2}")
-    return said + html.bullets(f"Not scored: {name}: {reason}" for name, reason in failures.items())
+    checked = [f"Check {name}: {doubt}" for name, score in scores.items() for doubt in score.doubts]
+    undetermined = [
+        f"Not determined: {name}: {score.front_doubt}" for name, score in scores.items() if score.first is None
+    ]
+    return said + html.bullets(
+        [*(f"Not scored: {name}: {reason}" for name, reason in failures.items()), *undetermined, *checked]
+    )
 
 
 def _table(scores: Mapping[str, Score], links: Mapping[str, str]) -> str:
-    heads = ("Press", "CASR", "low", "high", "unit", "A_c0", "unit", "Growth", "Frames", "Notes")
+    heads = (
+        "Press", "Quantity", "CASR", "low", "high", "unit", "Frames from", "to (N)", "Determined from (N)",
+        "Skin / front growth", "low", "high", "The other CASR", "Frames", "Notes",
+    )  # fmt: skip
     rows = []
     for name, score in scores.items():
-        rate = score.rate
-        shown = [number(getattr(rate, key, None)) for key in ("value", "low", "high")]
+        rate, total, other = score.rate, score.interval, score.other.rate
+        ends = (UNDEFINED, UNDEFINED) if score.force_n is None else (f"{score.force_n[k]:.2f}" for k in (0, -1))
+        front = score.front_spread
+        since, ratio = (front.first_n, front.skin_over_front) if front else (None, (None, None, None))
         rows.append((
-            name, *shown, readable(rate.unit) if rate else UNDEFINED, number(float(score.area[0])),
-            readable(score.area_unit), f"{score.area[-1] / score.area[0]:.3f}", str(len(score.frames)),
-            str(len(score.notes)),
+            name, score.settings.quantity, number(rate.value if rate else None), number(total.low if total else None),
+            number(total.high if total else None), readable(rate.unit if rate else score.area_unit), *ends,
+            number(since, 3), *(number(each, 3) for each in ratio), number(other.value if other else None),
+            str(len(score.frames)), str(len(score.notes)),
         ))  # fmt: skip
-    caption = "Low and high: 95 % interval of the CASR. Growth: last area over first."
+    caption = (
+        "Low and high: total 95 % interval. Front: the contact area, its edge followed; skin: growth of the first "
+        "contact's skin. A dash: not determined, or without a force log."
+    )
     return html.table(caption, heads, rows, [links[name] for name in scores])
 
 
@@ -70,7 +85,7 @@ def _curve(score: Score, high_n: float, high: float) -> str:
     """Dots on axes from zero to the highest force and area of all presses."""
     assert score.force_n is not None
     floor, right = _HEIGHT - _BOTTOM, _WIDTH - 8
-    known = np.isfinite(score.force_n)
+    known = np.isfinite(score.force_n) & np.isfinite(score.area)
     x = np.rint(_LEFT + score.force_n[known] / high_n * (right - _LEFT)).astype(int)
     y = np.rint(floor - score.area[known] / high * (floor - _TOP)).astype(int)
     dots = "".join(f"M{px} {py}h0" for px, py in zip(x.tolist(), y.tolist(), strict=True))

@@ -11,7 +11,18 @@ from typing import TYPE_CHECKING
 
 import casr
 from casr import html
-from casr.page.wording import camera_lag, force_zero, headline, number, verdict
+from casr.page.wording import (
+    MEANING,
+    camera_lag,
+    error_parts,
+    force_zero,
+    headline,
+    left_out,
+    number,
+    scatter_only,
+    verdict,
+)
+from casr.press_tables import frame_rows
 from casr.spread import readable
 
 if TYPE_CHECKING:
@@ -45,6 +56,7 @@ def press_page(
         + html.section(
             "numbers",
             "Numbers and settings",
+            html.details("What the interval is made of", _intervals(score)),
             html.details("Every frame", _frames(score)),
             html.details("Settings", html.pairs(_settings(score.settings))),
             html.details("Where the numbers come from", html.pairs(_origin(score, camera, n_frames, shape))),
@@ -69,15 +81,37 @@ def _pictures(pictures: Iterable[Embedded]) -> str:
     return f'<div class="pictures">{drawn}</div>\n'
 
 
+def _intervals(score: Score) -> str:
+    """Parts of the total interval of each rate."""
+    said = "Standard errors in per cent of the CASR; the total is the root of the sum of their squares."
+    body = html.paragraph(said)
+    for spread in (score.chosen, score.other):
+        narrow = scatter_only(spread) or "no interval for the scatter"
+        body += html.heading(f"{spread.quantity.capitalize()}: {MEANING[spread.quantity]}")
+        body += html.pairs([*error_parts(spread), ("left out", left_out(spread)), ("beside it", narrow)])
+    return body
+
+
 def _frames(score: Score) -> str:
     """Divergence and growth are those of the step that leads to a frame."""
-    heads = ("Frame", "Force (N)", "Divergence", "Log growth", f"Area ({readable(score.area_unit)})")
+    unit = readable(score.area_unit)
+    heads = (
+        "Frame", "Force (N)", f"Front ({unit})", "low", "high", f"Skin ({unit})", "Pins inside", "Shear x (px)",
+        "Shear y (px)", "Torsion (°)", "Divergence", "Log growth",
+    )  # fmt: skip
     rows = []
-    for i, frame in enumerate(score.frames.tolist()):
+    for i, (frame, force, area, low, high, skin, x, y, turn, inside, counts) in enumerate(frame_rows(score)):
+        front = map(number, (area, low, high)) if counts else ("–", "–", "–")
         steps = (score.divergence[i - 1], score.log_growth[i - 1]) if i else (None, None)
-        force = score.force_n[i] if score.force_n is not None else None
-        rows.append((str(frame), number(force), *map(number, steps), number(score.area[i], 5)))
-    return html.table("Divergence and log growth are of the step that leads to the frame.", heads, rows)
+        rows.append((
+            str(frame), number(force), *front, number(skin), str(inside), *(number(each, 3) for each in (x, y, turn)),
+            *map(number, steps),
+        ))  # fmt: skip
+    caption = (
+        "Low and high: 95 % of the front's area. Front with a dash: not determined. Shear and torsion: of the pins "
+        "inside, since rest. Divergence and log growth: of the skin, in the step that leads to the frame."
+    )
+    return html.table(caption, heads, rows)
 
 
 def _settings(settings: object, prefix: str = "") -> list[tuple[str, str]]:
@@ -106,7 +140,11 @@ def _origin(score: Score, camera: Camera | None, n_frames: int, shape: tuple[int
         facts.append(("force", "none"))
     else:
         facts += [("force at rest", force_zero(score)), ("camera lag", camera_lag(score))]
-    facts.append(
-        ("method", "Initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2) of the paper, as the settings say")
-    )
-    return facts
+    front = score.front
+    model = front.model + (f", best {front.dome} on {front.stiffness_n_per_mm:g} N/mm" if front.dome else "")
+    left = f"{front.misfit:.1%} of the motion of the pins is left over"
+    return [
+        *facts,
+        ("front", f"{MEANING['front']}; by {model}; {left}"),
+        ("skin", f"{MEANING['skin']}; initial area: Algorithm 1; growth: eq. (1); CASR: eq. (2), as the settings say"),
+    ]

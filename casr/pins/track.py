@@ -20,6 +20,7 @@ from casr.pins.view import line_noise
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
 ONE_SIDE = 0.5  # of the root of the number of pins: so many vanish at once where a lattice slips by a pitch
+RARELY = 10  # frames after which a single pin is worth another search
 BELIEVED_SHARE, LIKELY_SHARE = 0.5, 0.75  # of the pins seen before that a frame must show: always; at first sight
 MOST_DOUBTED = 2  # frames in a row; what stays so is no accident
 JUMPED_SHARE = 0.98  # the same where all jump by half a pitch: of a torn lattice parts fit one pitch further
@@ -58,7 +59,7 @@ class PinTracker:
 
     A step looks for each pin around the place its last motion leads to and reads only those pixels. Where so many
     vanish as stand on one side of the array, or all jump by more than a quarter of the pitch, the whole frame is
-    searched and the motion handed on from pin to pin (``follow_neighbours``).
+    searched and the motion handed on from pin to pin (``follow_neighbours``); for single pins only every tenth frame.
 
     A frame that shows fewer than half of the pins seen before, or noise in their place, is not believed: no pin has a
     place in it, and the next frame is looked at as if it had not been. The same befalls one in which over a quarter of
@@ -95,6 +96,7 @@ class PinTracker:
         self._shine = self._shine_of(measure_spots(self._frame, at_px, reach_px(self._spacing_px)))
         self._pitch_px = float(np.median(self._spacing_px))
         self._most_noise = max(NOISY_GREY, NOISY_TIMES * float(np.median(line_noise(self._frame))))
+        self._since_search = RARELY
         self._doubted = MOST_DOUBTED  # before the first step anything may have happened
         self.pitch_px = self._pitch_px * self._view.reduction
         self.knock_px, self.notes = np.zeros(2), ()
@@ -157,8 +159,11 @@ class PinTracker:
             beside_px = before + neighbour_mean(at_px - before, seen, self._links)
             at_px, area, seen = self._look(grey, np.where(seen[:, None], at_px, beside_px))
         vanished = int((~seen & ~last.lost).sum())
-        if vanished > ONE_SIDE * np.sqrt(len(seen)) or _median_length(at_px - expected) > LONGEST_LOOK * self._pitch_px:
+        most = 0 if self._since_search >= RARELY else ONE_SIDE * np.sqrt(len(seen))
+        self._since_search += 1
+        if vanished > most or _median_length(at_px - expected) > LONGEST_LOOK * self._pitch_px:
             at_px, area, seen = self._search(grey, expected)
+            self._since_search = 0
         at_px = np.where(seen[:, None], at_px, before + neighbour_mean(at_px - before, seen, self._links))
         return _Places(at_px, at_px - before, np.where(seen, area, last.area_px), ~seen)
 

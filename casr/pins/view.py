@@ -20,6 +20,7 @@ SEEN_PITCH_PX = (
 )
 BLOCK_PITCHES, AREA_PITCHES2 = 1.5, 0.02
 USUAL_CONTRAST, NOISES_OF_CONTRAST, MOST_CONTRAST = 12.0, 5.0, 40.0
+MEDIAN_OF_NORMAL = 0.6745  # median length of a normal error over its standard deviation
 NOISE_LINES = 7  # noise is estimated on every so many lines
 QUIET_GREY, LEFT_GREY = 3.0, 1.5  # noise that needs no smoothing; what smoothing aims at
 MOST_SMOOTHING = 0.08  # standard deviation over the pitch: pins, 0.45 pitches wide, stay apart
@@ -49,7 +50,7 @@ class PinView:
         """The view for pins of this pitch under the noise of this frame."""
         reduction = max(1, int(pitch_px / SEEN_PITCH_PX))
         pitch_px /= reduction
-        noise = float(np.median(line_noise(reduced(as_grey(image), reduction))))
+        noise = noise_grey(reduced(as_grey(image), reduction))
         smoothing_px = 0.0
         if noise > QUIET_GREY:
             smoothing_px = min(noise / (2 * math.sqrt(math.pi) * LEFT_GREY), MOST_SMOOTHING * pitch_px)
@@ -78,14 +79,26 @@ class PinView:
         return points_px if self.reduction == 1 else points_px * self.reduction + (self.reduction - 1) / 2
 
 
+def noise_grey(grey: Grey) -> float:
+    """Standard deviation of the noise from pixel to pixel, grey levels, beside the edges of pins, black and white."""
+    curved, centre = _curved_lines(grey)
+    told = curved[(centre > 0) & (centre < 255)]
+    return float(np.median(told)) / MEDIAN_OF_NORMAL if told.size else 0.0
+
+
 def line_noise(grey: Grey) -> NDArray[np.float64]:
-    """Standard deviation of the noise from pixel to pixel on some lines, grey levels; edges of pins hardly count."""
+    """The same of each of some lines, black and white pixels included."""
+    curved, _ = _curved_lines(grey)
+    return np.asarray(np.median(curved, axis=1) / MEDIAN_OF_NORMAL, np.float64) if curved.size else np.zeros(1)
+
+
+def _curved_lines(grey: Grey) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Second difference along both axes, scaled to the noise of a pixel, and grey level, of pixels on some lines."""
     if min(grey.shape) < 3:
-        return np.zeros(1)
+        return np.empty((0, 0), np.float32), np.empty((0, 0), np.float32)
     above, line, below = (grey[row : len(grey) - 2 + row : NOISE_LINES].astype(np.float32) for row in range(3))
     bent = above - 2 * line + below
-    curved = (bent[:, :-2] - 2 * bent[:, 1:-1] + bent[:, 2:]) / 6
-    return np.asarray(np.median(np.abs(curved), axis=1) / 0.6745, np.float64)
+    return np.abs(bent[:, :-2] - 2 * bent[:, 1:-1] + bent[:, 2:]) / 6, line[:, 1:-1]
 
 
 def _odd(size_px: float) -> int:

@@ -31,8 +31,8 @@ class SpreadRate:
     Parameters
     ----------
     value : in ``unit``.
-    low, high : interval of the rate for the error of the single areas; None where there is none. The error of the
-        initial area scales value and interval alike and is not in it.
+    scatter_low, scatter_high : 95 % interval for the scatter of the single areas only; None where there is none. All
+        that scales value and interval alike is not in it: see ``total_interval``.
     unit : ``mm2/N`` or ``px2/N``; for rule ``paper`` a sum of such quotients, which grows with the number of frames.
     rule : one of ``RATE_RULES``.
     n_frames : frames used.
@@ -41,8 +41,8 @@ class SpreadRate:
     """
 
     value: float
-    low: float | None
-    high: float | None
+    scatter_low: float | None
+    scatter_high: float | None
     unit: str
     rule: str
     n_frames: int

@@ -58,8 +58,8 @@ HERTZ = 1.5
 CASR_POWER, FRONT_POWER, INDENTATION_POWER = 1 / 3, -2 / 3, -5 / 3
 "Of cos(theta) in a score: of areas in the image, of areas of the contact's front, and of indentations."
 FRONT_SHARE = 0.01
-"""Of a score by the contact's front, by which its error differs between specimens of one sensor although each is pressed
-often: what of it they share calibrates out, domes that the library does not hold leave 0.7 to 1.3 %."""
+"""Of a score by the contact's front, by which its error differs between specimens of one sensor, however often they are
+pressed: what of it they share calibrates out, domes that the library does not hold leave 0.7 to 1.3 %."""
 _LEAST_FRAMES = 3
 _MOST_POWER = 2.0  # a contact growing faster would not resist at all
 
@@ -105,7 +105,7 @@ def kappa_slope(law: Law, kappa: Floats) -> Floats:
 
 
 def casr_share(algorithm: str, angle_deg: float, angle_sd_deg: float) -> float:
-    """Standard deviation of CASR by a vision algorithm from specimen to specimen that presses do not show, as a share."""
+    """Standard deviation of CASR from specimen to specimen that its presses do not show, as a share of it."""
     if algorithm != "front":
         return mount_share(CASR_POWER, angle_deg, angle_sd_deg)
     return math.hypot(mount_share(FRONT_POWER, angle_deg, angle_sd_deg), FRONT_SHARE)

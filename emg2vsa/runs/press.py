@@ -100,7 +100,7 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_start_n),
         curve=PressCurve(scored.force_n[known], scored.area[known], float(scored.force_n[0])),
         scored=scored,
-        notes=scored.notes,
+        notes=(*(f"check {press.frames.name}: {doubt}" for doubt in scored.doubts), *scored.notes),
     )
 
 

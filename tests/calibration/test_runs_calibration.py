@@ -39,7 +39,7 @@ def test_every_angle_condition_and_algorithm_has_its_entry(results):
 
 
 def test_stiffness_of_the_new_specimen_is_found(results):
-    edge = results.find(30.0, "modular").algorithms["edge"]
+    edge = results.find(30.0, "modular").algorithms["front"]
     assert edge.chosen.low < 5.32 < edge.chosen.high
     assert edge.chosen.error == pytest.approx(edge.chosen.kappa / 5.32 - 1)
     assert results.known_kappa_new == 5.32
@@ -60,10 +60,10 @@ def test_numbers_are_those_of_the_functions_below(results, runs, stiffness_n_per
 
 def test_both_cues_are_fused(results):
     at = results.find(0.0, "modular")
-    fused = at.algorithms["edge"].fused
+    fused = at.algorithms["front"].fused
     assert at.indentation.low < 5.32 < at.indentation.high
     assert fused.low < 5.32 < fused.high
-    alone = at.algorithms["edge"].chosen
+    alone = at.algorithms["front"].chosen
     assert fused.high - fused.low < min(alone.high - alone.low, at.indentation.high - at.indentation.low)
 
 
@@ -85,20 +85,20 @@ def test_results_are_stored_and_read_back(results, tmp_path):
 
 def with_outlier(run):
     casr = {name: scores.copy() for name, scores in run.casr.items()}
-    casr["edge"][4] *= 0.7
+    casr["front"][4] *= 0.7
     return dataclasses.replace(run, casr=casr)
 
 
 def test_a_press_far_off_is_left_out_and_said(run_of, stiffness_n_per_mm):
     runs = [run_of(name, 0.0, "modular") for name in ("S1", "S3", "S5", "S_new")]
     spoilt = [with_outlier(run) if run.specimen in ("S3", "S_new") else run for run in runs]
-    found = calibrate_runs(spoilt, stiffness_n_per_mm, "S_new", QUICK).conditions[0].algorithms["edge"]
+    found = calibrate_runs(spoilt, stiffness_n_per_mm, "S_new", QUICK).conditions[0].algorithms["front"]
     assert "presses left out, more than 5" in found.chosen.notes[0]
     assert found.chosen.notes[0].endswith("1 of S3, 1 of S_new")
     assert abs(found.chosen.error) < 0.1
     assert np.isfinite(found.casr).all()
     kept = dataclasses.replace(QUICK, outlier_mads=0.0)
-    all_in = calibrate_runs(spoilt, stiffness_n_per_mm, "S_new", kept).conditions[0].algorithms["edge"].chosen
+    all_in = calibrate_runs(spoilt, stiffness_n_per_mm, "S_new", kept).conditions[0].algorithms["front"].chosen
     assert "left out, more" not in " ".join(all_in.notes)
     assert all_in.high - all_in.low > 2 * (found.chosen.high - found.chosen.low)
 
@@ -122,8 +122,8 @@ def test_runs_without_a_log_have_no_second_cue_and_a_truth_that_is_not_known_no_
     stiffness_n_per_mm["S_new"] = 5.32
     at = found.conditions[0]
     assert at.indentation is None
-    assert at.algorithms["edge"].fused is None
-    assert np.isnan([at.algorithms["edge"].chosen.error, found.known_kappa_new]).all()
+    assert at.algorithms["front"].fused is None
+    assert np.isnan([at.algorithms["front"].chosen.error, found.known_kappa_new]).all()
 
 
 def test_an_algorithm_that_finds_nothing_is_undefined_and_says_so(run_of, stiffness_n_per_mm):
@@ -133,7 +133,7 @@ def test_an_algorithm_that_finds_nothing_is_undefined_and_says_so(run_of, stiffn
     assert np.isnan(at.algorithms["hexagon"].chosen.kappa)
     assert "undefined" in " ".join(at.algorithms["hexagon"].chosen.notes)
     assert at.algorithms["hexagon"].best_law == ""
-    assert np.isfinite(at.algorithms["edge"].chosen.kappa)
+    assert np.isfinite(at.algorithms["front"].chosen.kappa)
 
 
 def test_too_few_specimens_are_noted_and_no_new_specimen_is_refused(run_of, stiffness_n_per_mm):

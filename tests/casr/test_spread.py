@@ -77,7 +77,7 @@ def test_areas_refuse_what_they_cannot_use():
 def test_slope_of_a_line_is_exact_with_an_interval_of_nothing():
     force = np.linspace(0.5, 7, 40)
     rate = slope(3 + 2 * force, force, area_unit="px2")
-    assert (rate.value, rate.low, rate.high) == pytest.approx((2, 2, 2), rel=1e-9)
+    assert (rate.value, rate.scatter_low, rate.scatter_high) == pytest.approx((2, 2, 2), rel=1e-9)
     assert rate.unit == "px2/N"
 
 
@@ -94,7 +94,7 @@ def test_paper_rate_is_equation_2_and_doubles_with_the_frame_rate():
     rate = spread_rate(area, force, rule="paper")
     assert rate.value == pytest.approx(expected)
     assert rate.unit == "mm2/N summed over frames"
-    assert rate.low is None
+    assert rate.scatter_low is None
     assert spread_rate(area[::2], force[::2], rule="paper").value == pytest.approx(expected / 2, rel=0.05)
 
 
@@ -163,14 +163,14 @@ def test_interval_covers_the_noise_free_slope(frames, correlation, least):
     area, force = press(frames, 1.3)
     truth = slope(area, force).value
     rates = [slope(area + 3 * autoregressive(rng, frames, correlation), force) for _ in range(300)]
-    covered = np.mean([rate.low <= truth <= rate.high for rate in rates])
+    covered = np.mean([rate.scatter_low <= truth <= rate.scatter_high for rate in rates])
     assert least < covered < 0.99
     assert np.mean([rate.value for rate in rates]) == pytest.approx(truth, rel=0.01)
 
 
 def test_noise_free_bend_is_not_taken_for_noise():
     rate = slope(*press())
-    assert rate.high - rate.low < 0.005 * rate.value
+    assert rate.scatter_high - rate.scatter_low < 0.005 * rate.value
 
 
 def test_frames_without_force_are_left_out_and_counted():
@@ -191,7 +191,7 @@ def test_slope_scales_with_area_and_ignores_an_offset(scale, offset):
 def test_few_points_give_a_slope_without_interval():
     rate = slope([10.0, 14.0], [1.0, 3.0])
     assert rate.value == pytest.approx(2.0)
-    assert rate.low is None
+    assert rate.scatter_low is None
     assert "too few" in rate.notes[0]
 
 

@@ -63,7 +63,7 @@ def test_old_and_new_algorithm_beside_the_truth(runs, stiffness_n_per_mm):
     assert by_angle == pytest.approx([0.0, 0.15, 0.41], abs=0.03)
     assert compared.area_error[0] == pytest.approx(np.zeros(9), abs=0.01)
     assert compared.area_ratio[0].tolist() == [1.0] * 9
-    assert compared.area_ratio[3] == pytest.approx(np.full(9, 1.1))
+    assert compared.area_ratio[4] == pytest.approx(np.full(9, 1.1))
     assert (compared.casr_cv[1, :6] > 1.5 * compared.casr_cv[0, :6]).all()
     assert compared.gap(1, 2)[0] == pytest.approx(compared.gaps.gap[9 + 2])
     assert compared.pair == ("S1", "S_new")

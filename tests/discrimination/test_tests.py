@@ -28,7 +28,7 @@ def scores(runs):
 
     def of(quantity, condition, angle, specimen):
         run = next(r for r in runs if (r.condition, r.angle_deg, r.specimen) == (condition, angle, specimen))
-        return getattr(run, quantity)["edge"]
+        return getattr(run, quantity)["front"]
 
     return of
 

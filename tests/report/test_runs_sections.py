@@ -79,7 +79,7 @@ def test_the_papers_numbers_lie_beside_ours(numbers, tested):
     assert numbers["runs.constant-min.0.new.stiffer_p"] == tested.new.p[4, 0]
     assert numbers["runs.human_like_against.high-stiffness.45.verdict"] in ("better", "worse", "undecided")
     for condition, angle in (("high-stiffness", 45), ("modular", 0)):
-        for algorithm in ("edge", "circle"):
+        for algorithm in ("front", "circle"):
             assert abs(numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.error"]) < 1
 
 
@@ -87,7 +87,7 @@ def test_means_and_spreads_are_those_of_the_presses(numbers, some_runs):
     run = next(r for r in some_runs if r.name == "S3_45_modular")
     key = "runs.modular.45.S3.casr_mm2_per_n"
     assert numbers[f"{key}.mean"] == pytest.approx(run.casr["front"].mean(), rel=1e-12)
-    assert numbers[f"{key}.sd"] == pytest.approx(run.casr["edge"].std(ddof=1), rel=1e-12)
+    assert numbers[f"{key}.sd"] == pytest.approx(run.casr["front"].std(ddof=1), rel=1e-12)
 
 
 def test_table_one_has_the_errors_of_the_right_algorithm_and_actuator(written, whole):
@@ -96,28 +96,28 @@ def test_table_one_has_the_errors_of_the_right_algorithm_and_actuator(written, w
     of = {c: whole.calibration.find(45.0, c).algorithms for c in ("high-stiffness", "modular")}
     assert float(rows["45.0"]["old_vision"]) == of["high-stiffness"]["circle"].chosen.error
     assert float(rows["45.0"]["new_vision"]) == of["high-stiffness"]["front"].chosen.error
-    assert float(rows["45.0"]["human_like"]) == of["modular"]["edge"].chosen.error
+    assert float(rows["45.0"]["human_like"]) == of["modular"]["front"].chosen.error
     assert rows["30.0"]["human_like_paper"] == "0.03"
     assert rows["30.0"]["human_like"] == rows["0.0"]["new_vision_paper"] == ""
 
 
 def test_steps_of_table_one_are_counted_and_intervals_held_against_the_truth(whole):
     found = whole.calibration
-    said = kappa_conclusion(found, "edge", "circle")
+    said = kappa_conclusion(found, "front", "circle")
     errors = {a: [abs(found.find(x, "high-stiffness").algorithms[a].chosen.error) for x in (0.0, 45.0)]
-              for a in ("edge", "circle")}  # fmt: skip
-    better = sum(new < old for new, old in zip(errors["edge"], errors["circle"], strict=True))
+              for a in ("front", "circle")}  # fmt: skip
+    better = sum(new < old for new, old in zip(errors["front"], errors["circle"], strict=True))
     assert f"The new vision algorithm has the smaller error at {better} of 2 angles" in said
     truth = 5.32
-    inside = [each.algorithms["edge"].chosen for each in found.conditions]
+    inside = [each.algorithms["front"].chosen for each in found.conditions]
     held = sum(law.low <= truth <= law.high for law in inside)
     assert f"holds the known stiffness in {held} of 5 designs" in said
 
 
 def test_without_a_known_stiffness_no_error_is_stated(whole):
     unknown = replace(whole.calibration, known_kappa_new=float("nan"))
-    assert "no error can be stated" in kappa_conclusion(unknown, "edge", "circle")
-    rows = kappa_tables(unknown, "edge", "circle")["kappa_new"].rows
+    assert "no error can be stated" in kappa_conclusion(unknown, "front", "circle")
+    rows = kappa_tables(unknown, "front", "circle")["kappa_new"].rows
     assert {row[5] for row in rows} == {None}
 
 

@@ -11,7 +11,7 @@ from casr.contact_area import initial_area
 from casr.frames import FrameSequence
 from casr.score import score
 from casr.scored import ScoreSettings
-from casr.synthetic import PressSettings, SimulatedPress, simulate_press
+from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
 from emg2vsa.runs import ALGORITHMS, RunScores
 from emg2vsa.runs.press import Press
 from emg2vsa.runs.score_run import score_run
@@ -51,6 +51,23 @@ def test_a_good_press_has_casrs_own_numbers(run, sequence):
     assert run.a_c0["edge"][0] == pytest.approx(alone.skin.area[0], rel=1e-12)
     assert run.name == "S3_30_modular"
     assert run.area_unit == "mm2"
+
+
+def test_an_offset_of_the_force_is_taken_off_once(run, sequence):
+    force = 0.3 + np.linspace(0, 7, 40)
+    logged = Press(1, replace(sequence, force_n=sequence.force_n + 0.3), "", force, 5 + (force - 0.3) / 2)
+    found = scored(logged)
+    assert found.casr["edge"][0] == pytest.approx(run.casr["edge"][0], rel=1e-9)
+    np.testing.assert_allclose(found.curves[0].force_n, run.curves[0].force_n, atol=1e-9)
+    assert found.indent_n_per_mm[0] == pytest.approx(run.indent_n_per_mm[0])
+    assert any("which is taken off" in note for note in found.notes)
+
+
+def test_a_press_to_check_is_named_in_the_notes(simulated, sequence):
+    held = SimulatedFrames(simulated.scene, np.minimum(simulated.truth.force_n, 3.0))
+    found = scored(press(replace(sequence, source=held)))
+    assert found.verdicts == ("ok",)
+    assert found.notes[0].startswith(f"check {held.name}: the pins stand still from frame")
 
 
 @pytest.mark.parametrize("rule", ["hexagon", "circle", "paper"])

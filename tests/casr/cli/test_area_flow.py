@@ -22,6 +22,16 @@ def test_area_by_every_rule(presses: Path, capsys: Captured) -> None:
     assert hexagon["area_mm2"] == pytest.approx(hexagon["area_px2"] / 36)
 
 
+def test_a_threshold_no_pin_reaches_leaves_the_rules_that_need_none(presses: Path, capsys: Captured) -> None:
+    assert main(["area", str(presses / "S5_00deg_01"), "--threshold-px", "500"]) == 0
+    captured = capsys.readouterr()
+    lines = {line.split()[0]: line for line in captured.out.splitlines() if line.strip()}
+    assert float(lines["edge"].split()[1]) == pytest.approx(140.5, rel=0.02)
+    assert "no contact" in lines["hexagon"]
+    assert "no contact" in lines["paper"]
+    assert "pairs of pins of the two frames that are more than 500 px apart" in captured.err
+
+
 def test_area_decodes_two_frames_only(presses: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from casr.frames import FrameSequence
 

@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import tifffile
 
 from casr.cli import main
 
@@ -47,6 +48,54 @@ def test_the_papers_force_of_a_frame_is_that_of_half_a_frame_later(presses: Path
 def test_the_mean_rate_ends_at_the_forces_asked_for(presses: Path, capsys: Captured) -> None:
     assert main(["score", str(presses / "S5_00deg_01"), "--start-n", "1", "--stop-n", "5", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["rate"]["window_n"] == [1.0, 5.0]
+
+
+def late(presses: Path, tmp_path: Path, offset_n: float, lag_s: float) -> Path:
+    """A press whose force is off and whose frames are stamped too late."""
+    folder = tmp_path / "late"
+    shutil.copytree(presses / "S5_00deg_01", folder)
+    head, *rows = (folder / "force.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    first_s = {index: float(time) for time, _, index in reversed(cells)}
+    stamps = [f"{first_s[index] - 0.0025 + lag_s:.4f}" if index != "-1" else "" for _, _, index in cells]
+    lines = [f"{t},{float(f) + offset_n:.6f},{i},{s}" for (t, f, i), s in zip(cells, stamps, strict=True)]
+    (folder / "force.csv").write_text("\n".join([f"{head},frame_time_s", *lines]) + "\n")
+    return folder
+
+
+def test_zero_and_lag_are_said_and_taken_off(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    assert main(["score", str(presses / "S5_00deg_01"), "--json"]) == 0
+    wanted = json.loads(capsys.readouterr().out)
+    folder = late(presses, tmp_path, 0.4, 0.045)
+    assert main(["score", str(folder), "--camera-lag", "0.045"]) == 0
+    captured = capsys.readouterr()
+    assert "force zero  +0.40" in captured.out
+    assert "camera lag" in captured.out
+    assert "+45 ms taken off" in captured.out
+    assert "note: the force rests at 0.40" in captured.err
+    for options in (["--camera-lag", "0.045"], ["--correct-lag"]):
+        assert main(["score", str(folder), *options, "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["rate"]["value"] == pytest.approx(wanted["rate"]["value"], rel=0.02)
+        assert found["force_zero"]["level_n"] == pytest.approx(0.4, abs=0.01)
+    assert main(["score", str(folder), "--no-tare", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["rate"]["value"] < 0.98 * wanted["rate"]["value"]
+
+
+def test_a_press_to_check_says_so_first(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    folder = tmp_path / "both" / "backwards"
+    shutil.copytree(presses / "S5_00deg_01", folder)
+    frames = tifffile.imread(folder / "frames.tif")
+    tifffile.imwrite(folder / "frames.tif", frames[::-1], photometric="minisblack")
+    page = tmp_path / "page.html"
+    assert main(["score", str(folder), "--page", str(page)]) == 0
+    assert capsys.readouterr().out.splitlines()[1].startswith("  Check this press: the pins go back")
+    assert "Check this press:" in page.read_text(encoding="utf-8")
+    shutil.copytree(presses / "S5_00deg_02", tmp_path / "both" / "good")
+    assert main(["score", str(tmp_path / "both")]) == 0
+    captured = capsys.readouterr()
+    assert [line.split()[0] for line in captured.out.splitlines() if line.endswith("check this press")] == ["backwards"]
+    assert "note: backwards: check this press: the pins go back" in captured.err
 
 
 def test_growth_is_the_truth(presses: Path, capsys: Captured) -> None:
@@ -144,6 +193,9 @@ def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
         (["{presses}/S1_00deg_01", "--stop-n", "9"], "S1_00deg_01, force: wanted a load up to stop_n (--stop-n), 9 N"),
         (["{presses}/S1_00deg_01", "--region", "1,2"], "region"),
         (["{presses}/S1_00deg_01", "--force", "{presses}/none.csv"], "none.csv"),
+        (["{presses}/S1_00deg_01", "--camera-lag", "60"], "camera_lag_s: wanted seconds from -10 to 10"),
+        (["{presses}/S1_00deg_01", "--force-rule", "mean", "--camera-lag", "0.05"], "wanted a force log with time_s"),
+        (["{presses}/S1_00deg_01", "--force-rule", "mean", "--correct-lag"], "a force log without times"),
         (["{presses}", "--force", "{presses}/S1_00deg_01/force.csv"], "one press"),
     ],
 )

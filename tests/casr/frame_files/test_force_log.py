@@ -81,6 +81,26 @@ def test_of_raw_and_filtered_force_the_one_asked_for(tmp_path):
     np.testing.assert_array_equal(log_of(tmp_path, text, column="force_filtered_n").force_n, [2, 4])
 
 
+@pytest.mark.parametrize(
+    ("unit", "newtons"),
+    [("mn", 1e-3), ("cN", 1e-2), ("kN", 1e3), ("gf", 9.80665e-3), ("kgf", 9.80665), ("lbf", 4.44822)],
+)
+def test_a_force_in_another_unit_is_converted_by_its_name(tmp_path, unit, newtons):
+    log = log_of(tmp_path, PLAIN.replace("force_n", f"force_{unit}"))
+    np.testing.assert_allclose(log.force_n, newtons * np.array([0.1, 0.2, 0.3, -0.4]), rtol=1e-5)
+    assert f"force from column force_{unit.lower()}" in log.notes[0]
+    named = log_of(tmp_path, PLAIN.replace("force_n", f"load_{unit}"), column=f"load_{unit}")
+    np.testing.assert_array_equal(named.force_n, log.force_n)
+
+
+def test_of_two_units_none_is_guessed(tmp_path):
+    with pytest.raises(FramesError, match="a column force_n; found columns force_mn, force_kgf, frame_index"):
+        log_of(tmp_path, "force_mn,force_kgf,frame_index\n1,2,0\n3,4,1\n")
+    both = log_of(tmp_path, "force_mn,force_n,frame_index\n1,2,0\n3,4,1\n")
+    np.testing.assert_array_equal(both.force_n, [2, 4])
+    assert both.notes == ()
+
+
 def test_a_log_that_names_its_force_otherwise_gets_a_hint(tmp_path):
     with pytest.raises(
         FramesError, match=r"a column force_n; found columns force_raw_n, frame_index. Is it force_raw_n"

@@ -43,6 +43,44 @@ def test_a_press_folder_brings_its_force_and_camera(press, frames):
     np.testing.assert_array_equal(list(sequence), frames)
 
 
+def rows(force_n, times="{:.3f}"):
+    """A log of five rows a frame; the first five come before it."""
+    lines = "".join(f"{times.format(k / 100)},{force:.5f},{k // 5 - 1}\n" for k, force in enumerate(force_n))
+    return "time_s,force_n,frame_index\n" + lines
+
+
+def test_wild_rows_of_the_log_are_left_out(press):
+    force = np.linspace(0, 6, 65)
+    (press / "force.csv").write_text(rows(force))
+    clean = open_frames(press)
+    force[31:33] = 15
+    (press / "force.csv").write_text(rows(force))
+    found = open_frames(press)
+    # a ramp of 0.47 N a frame; two rows fewer move the mean of their frame along it
+    np.testing.assert_allclose(found.force_n, clean.force_n, atol=0.1)
+    assert found.notes == ("2 of 65 rows of the force log are spikes (up to 15 N) and left out",)
+
+
+def test_readings_with_times_go_along(press):
+    (press / "force.csv").write_text(rows(np.linspace(0, 6, 65)))
+    readings = open_frames(press).readings
+    assert readings is not None
+    np.testing.assert_allclose(readings.frame_time_s, 0.045 + 0.05 * np.arange(12))
+    np.testing.assert_allclose(readings.at_frames(0.05)[1:], readings.at_frames()[:-1], atol=1e-9)
+    assert open_frames(press, force_rule="mean").readings is None
+    (press / "force.csv").write_text(LOG)
+    assert open_frames(press).readings is None
+
+
+def test_a_log_in_millinewtons_is_refused_unless_it_says_so(press):
+    log = rows(np.linspace(0, 6000, 65))
+    (press / "force.csv").write_text(log)
+    with pytest.raises(FramesError, match=r"force.csv: wanted forces in N, 200 at most; found 6000. Which unit is it"):
+        open_frames(press)
+    (press / "force.csv").write_text(log.replace("force_n", "force_mN"))
+    assert np.nanmax(open_frames(press).force_n) == pytest.approx(5.578, abs=0.001)
+
+
 def test_a_press_of_a_run_has_the_camera_of_the_run(press, monkeypatch):
     (press / "camera.toml").rename(press.parent / "camera.toml")
     assert open_frames(press).camera == Camera(width_px=32, height_px=24)

@@ -1,0 +1,96 @@
+"""Presses of one session beside each other: which one's skin stretched otherwise than its contact grew.
+
+Skin in contact stretches as friction lets it; a contact grows by the shape of dome and specimen. Their ratio is much
+the same for all presses of a sensor, and other where the skin slips, friction differs, or pins were lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from casr.scored import Score
+from casr.spread.correlated_errors import normal_quantile
+
+Array = NDArray[np.float64]
+
+FEWEST_OTHERS = 3
+"Presses that one is compared with: the median of two is as wrong as either."
+FEWEST_FRAMES = 4
+LEAST_FORCE_RATIO = 1.5
+"Of the highest to the lowest common force; less, and hardly anything grows."
+CHANCE = 0.05
+"That any press of a session is named although all are alike."
+_MAD, _MEDIAN = 1.4826, 1.2533
+"Standard deviation over the median of absolute deviations; standard error of a median over that of a mean."
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """How the first contact's skin grew against the contact, over force, in one press.
+
+    force_n, log_ratio : (T,) of the frames whose front is determined: ln of skin growth over front growth since the
+    first of them. log_sd : standard error of its rise over all of them.
+    """
+
+    force_n: Array
+    log_ratio: Array
+    log_sd: float
+
+    def between(self, low_n: float, high_n: float) -> float:
+        """Rise of the logarithm between two forces, in a straight line from frame to frame in the order of forces."""
+        order = np.argsort(self.force_n, kind="stable")
+        low, high = np.interp([low_n, high_n], self.force_n[order], self.log_ratio[order])
+        return float(high - low)
+
+
+def stretch_of(score: Score) -> Stretch | None:
+    """None without forces, or where the front is not determined in four frames or more."""
+    found = score.front_spread
+    if found is None or score.force_n is None:
+        return None
+    skin = np.append(0.0, np.cumsum(score.log_growth))
+    kept = score.front.determined & (score.force_n > 0)
+    if kept.sum() < FEWEST_FRAMES:
+        return None
+    ratio = skin[kept] - np.log(score.front.area[kept])
+    _, low, high = found.skin_over_front
+    return Stretch(score.force_n[kept], ratio - ratio[0], float(np.log(high / low)) / 2 / normal_quantile(0.95))
+
+
+def unlike_others(stretches: Mapping[str, Stretch]) -> dict[str, str]:
+    """Press to the reason to check it, for those whose ratio differs from the others' at the same forces.
+
+    Each is compared with the median of at least three others, over the forces that it has in common with each of them;
+    its difference is held against its own error and that of the median, at 5 % for all presses together.
+    """
+    limit = normal_quantile(1 - CHANCE / max(len(stretches), 1))
+    found = {}
+    for name, own in stretches.items():
+        pairs = [_pair(own, other) for key, other in stretches.items() if key != name]
+        compared = np.array([pair for pair in pairs if pair is not None])
+        if len(compared) < FEWEST_OTHERS:
+            continue
+        apart = compared[:, 0] - compared[:, 1]
+        apart_by = float(np.median(apart))
+        scatter = _MAD * float(np.median(np.abs(apart - apart_by)))
+        sd = float(np.hypot(own.log_sd, _MEDIAN * scatter / np.sqrt(len(apart))))
+        if abs(apart_by) > limit * sd:
+            mine, theirs = np.exp(np.median(compared, axis=0))
+            found[name] = (
+                f"skin grew {mine:.2f} times as much as the contact, in the other presses {theirs:.2f} times at the "
+                f"same forces, {abs(apart_by) / sd:.1f} standard errors apart: slip, other friction, or lost pins"
+            )
+    return found
+
+
+def _pair(own: Stretch, other: Stretch) -> tuple[float, float] | None:
+    """Rise of both over their common forces; None where these are too few."""
+    low_n = max(own.force_n.min(), other.force_n.min())
+    high_n = min(own.force_n.max(), other.force_n.max())
+    if high_n < LEAST_FORCE_RATIO * low_n:
+        return None
+    return own.between(low_n, high_n), other.between(low_n, high_n)
