@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 OF_STEPS = ("force_n", "contact_radius_mm", "edge_arc_mm")
 OF_NODES = ("u_r_mm", "u_z_mm", "tilt_rad")
+LEAST_RADIUS_MM = 4.0
+"That a contact reaches at its last force: smaller ones tell nothing of a press."
 _NAME = re.compile(r"(?P<dome>[^_]+)_k(?P<stiffness>rigid|\d+(\.\d+)?)_(?P<friction>[^_]+)")
 _DO = "See the layout in docs/reference/dome-tables.md."
 
@@ -62,7 +64,7 @@ def read_table(path: Path) -> ContactTable:
     try:
         with np.load(path, allow_pickle=False) as kept:
             arrays = {key: np.asarray(kept[key], dtype=np.float64) for key in (*OF_STEPS, "s_mm", *OF_NODES)}
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise SettingError(str(path), wanted="a table of a dome's contact", found=str(error), do=_DO) from error
     _check(path, arrays)
     return ContactTable(
@@ -82,9 +84,13 @@ def _check(path: Path, arrays: dict[str, Array]) -> None:
     shapes = dict.fromkeys(OF_STEPS, steps) | dict.fromkeys(OF_NODES, steps + nodes) | {"s_mm": nodes}
     for key, shape in shapes.items():
         array = arrays[key]
-        if array.shape != shape or not np.isfinite(array).all() or min(array.shape) < 5:
+        if array.shape != shape or not np.isfinite(array).all() or min(array.shape, default=0) < 5:
             found = f"shape {array.shape}" + ("" if np.isfinite(array).all() else " with values that are not finite")
             raise SettingError(f"{path}, {key}", wanted=f"finite numbers of shape {shape}", found=found, do=_DO)
     for key in ("force_n", "s_mm"):
         if not (np.diff(arrays[key]) > 0).all():
             raise SettingError(f"{path}, {key}", wanted="rising values", found="values that do not rise", do=_DO)
+    reached_mm = float(arrays["contact_radius_mm"].max())
+    if reached_mm < LEAST_RADIUS_MM:
+        wanted = f"a contact that reaches {LEAST_RADIUS_MM:g} mm"
+        raise SettingError(f"{path}, contact_radius_mm", wanted=wanted, found=f"{reached_mm:.3g} mm", do=_DO)

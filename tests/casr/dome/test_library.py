@@ -1,0 +1,106 @@
+"""Many solutions on one grid: kept in a file, thinned, joined, and with a lab's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.tactile.worlds import without
+from casr.dome.library import DEFAULT_WORLD, FAMILY, SHIPPED, Library, gather, read_library, shipped, with_between, worlds
+from casr.dome.tables import read_table
+from casr.errors import SettingError
+from tests.casr.dome.conftest import arrays_of
+
+STEP = 2e-4
+"Of the motion in a file."
+MOST = 32767 * STEP
+"Of it; larger contacts than those that were computed may go beyond."
+
+
+def test_a_library_is_kept_to_a_tenth_of_a_micrometre(tmp_path: Path, lab: Path) -> None:
+    library = read_library(lab)
+    path = tmp_path / "kept.npz"
+    library.save(path)
+    with np.load(path, allow_pickle=False) as kept:
+        assert set(kept.files) == {field.name for field in fields(Library)}
+        fits = np.clip(library.motion, -MOST, MOST)
+        np.testing.assert_allclose(kept["motion"] * STEP, fits, rtol=0, atol=STEP / 2 * 1.001)
+        for name in ("dome", "stiffness_n_per_mm", "friction", "radius_mm", "arc_mm", "computed_mm"):
+            np.testing.assert_array_equal(kept[name], getattr(library, name))
+        np.testing.assert_allclose(kept["force_n"], library.force_n, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", [SHIPPED, DEFAULT_WORLD])
+def test_no_motion_that_was_computed_is_cut_off_in_the_file(name: str) -> None:
+    library = shipped(name)
+    computed = library.radius_mm <= library.computed_mm[:, None]
+    assert np.abs(library.motion[computed]).max() < MOST - STEP
+
+
+def test_tables_come_back_from_the_grid() -> None:
+    library = shipped(DEFAULT_WORLD)
+    (row,) = np.flatnonzero((library.stiffness_n_per_mm == 5.3) & (library.friction == "stick"))
+    arrays = arrays_of(5.3)
+    force = np.interp([3.0, 6.0, 9.0], arrays["contact_radius_mm"], arrays["force_n"])
+    np.testing.assert_allclose(np.interp([3.0, 6.0, 9.0], library.radius_mm, library.force_n[row]), force, rtol=1e-9)
+    motion = library.motion_at(np.array([5.0]), np.array([row]), slice(None))[:, 0, :, 0]
+    assert motion.shape == (3, library.radius_mm.size)
+
+
+def test_the_shipped_domes_are_the_whole_tables_thinned(shared_data: Callable[[str], Path]) -> None:
+    folder = shared_data("contact_fem/library")
+    names = [f"{dome}_k{stiffness}_stick" for dome, stiffness in (("C", "1.1"), ("E", "5.3"), ("G", "rigid"))]
+    again = gather([read_table(folder / f"{name}.npz") for name in names], radius_step_mm=0.25, arc_step_mm=0.5)
+    ours = shipped()
+    for k in range(3):
+        same = (ours.dome == again.dome[k]) & (ours.stiffness_n_per_mm == again.stiffness_n_per_mm[k])
+        (row,) = np.flatnonzero(same & (ours.friction == "stick"))
+        np.testing.assert_allclose(ours.motion[row], np.clip(again.motion[k], -MOST, MOST), rtol=0, atol=STEP / 2 * 1.01)
+        np.testing.assert_allclose(ours.force_n[row], again.force_n[k], rtol=1e-5)
+
+
+def test_between_lie_the_means_of_neighbours() -> None:
+    ours, all_of_them = shipped(), worlds()
+    assert ours.n_worlds == len(FAMILY) * 5 * 2
+    assert set(all_of_them.dome.tolist()) >= {"C+J", "J+H", "I+G"}
+
+    def row(library: Library, dome: str, stiffness: float) -> int:
+        these = (library.dome == dome) & np.isclose(library.stiffness_n_per_mm, stiffness)
+        return int(np.flatnonzero(these & (library.friction == "stick"))[0])
+
+    mean = (ours.motion[row(ours, "J", 5.3)] + ours.motion[row(ours, "H", 5.3)]) / 2
+    np.testing.assert_allclose(all_of_them.motion[row(all_of_them, "J+H", 5.3)], mean, rtol=0, atol=1e-6)
+    mean = (ours.motion[row(ours, "D", 1.1)] + ours.motion[row(ours, "D", 2.4)]) / 2
+    halfway = 2 / (1 / 1.1 + 1 / 2.4)
+    np.testing.assert_allclose(all_of_them.motion[row(all_of_them, "D", halfway)], mean, rtol=0, atol=1e-6)
+
+
+def test_where_a_dome_is_left_out_its_neighbours_are_joined() -> None:
+    left = without("H")
+    assert not any("H" in dome for dome in left.dome.tolist())
+    assert "J+D" in left.dome.tolist()
+    assert with_between(shipped()).n_worlds > left.n_worlds
+
+
+def test_a_lab_adds_its_own_dome(lab: Path) -> None:
+    both, ours = worlds(lab), worlds()
+    assert both.n_worlds == ours.n_worlds + 5, "three stiffnesses, and two halfway between them"
+    assert (both.dome == "mine").sum() == 5
+    np.testing.assert_array_equal(both.motion[: ours.n_worlds], ours.motion)
+
+
+def test_a_folder_without_tables_and_one_that_ends_too_early_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(SettingError, match="tables of domes"):
+        worlds(tmp_path)
+    arrays = arrays_of(5.3)
+    short = arrays["s_mm"] < 20
+    for key in ("u_r_mm", "u_z_mm", "tilt_rad"):
+        arrays[key] = arrays[key][:, short]
+    np.savez(tmp_path / "mine_k5.3_stick.npz", **arrays | {"s_mm": arrays["s_mm"][short]})
+    with pytest.raises(SettingError, match=r"reaches 29\.5 mm") as refused:
+        worlds(tmp_path / ".")
+    assert "19.5 mm" in refused.value.found
