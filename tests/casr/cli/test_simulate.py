@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -48,7 +49,13 @@ def test_json_names_every_press(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize(
     ("words", "complaint"),
-    [(["--specimens", "S9"], "S9"), (["--angles", "95"], "--angles"), (["--force-max-n", "0.1"], "0.5 N")],
+    [
+        (["--specimens", "S9"], "S9"),
+        (["--angles", "95"], "--angles"),
+        (["--force-max-n", "0.1"], "0.5 N"),
+        (["--stick-force-n", "1"], "--world stick"),
+        (["--world", "front", "--stick-force-n", "1"], "--world stick"),
+    ],
 )
 def test_what_cannot_be_simulated_is_said(
     words: list[str], complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -58,3 +65,43 @@ def test_what_cannot_be_simulated_is_said(
     assert error.startswith("casr: ")
     assert complaint in error
     assert not (tmp_path / "p").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--world", "moon"], ["--scatter", "some"], ["--mounting", "-1"], ["--world", "stick", "--stick-force-n", "0"]],
+)
+def test_words_that_no_option_knows(words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["simulate", str(tmp_path / "p"), *words])
+    assert words[-2] in capsys.readouterr().err
+
+
+def truth(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "S3_30deg_01" / "truth.json").read_text())
+    return found
+
+
+@pytest.mark.parametrize(
+    ("words", "world"),
+    [
+        ([], "tabulated, stick"),
+        (["--world", "tabulated-frictionless"], "tabulated, frictionless"),
+        (["--world", "stick"], "stick from 0.43 N"),
+        (["--world", "stick", "--stick-force-n", "2"], "stick from 2 N"),
+        (["--world", "front", "--force-max-n", "5"], "stick from 5 N"),
+    ],
+)
+def test_the_world_is_the_one_asked_for(words: list[str], world: str, tmp_path: Path) -> None:
+    assert main(["simulate", str(tmp_path), *SMALL, *words]) == 0
+    assert truth(tmp_path)["truth"]["world"] == world
+
+
+def test_scatter_is_realistic_unless_there_is_none(tmp_path: Path) -> None:
+    for name, words in (("usual", []), ("other", ["--mounting", "3"]), ("none", ["--scatter", "none"])):
+        assert main(["simulate", str(tmp_path / name), *SMALL, *words]) == 0
+    usual, other, none = (truth(tmp_path / name)["truth"]["drawn"] for name in ("usual", "other", "none"))
+    assert set(none.values()) == {0.0, 1.0}
+    assert 0 < abs(usual["depth"] - 1) < 0.05
+    assert usual["depth"] != other["depth"]
+    assert usual["latency_s"] == other["latency_s"], "which belongs to the press"

@@ -10,7 +10,17 @@ import numpy as np
 import pytest
 
 from benchmarks.tactile.worlds import without
-from casr.dome.library import DEFAULT_WORLD, FAMILY, SHIPPED, Library, gather, read_library, shipped, with_between, worlds
+from casr.dome.library import (
+    DEFAULT_WORLD,
+    FAMILY,
+    SHIPPED,
+    Library,
+    gather,
+    read_library,
+    shipped,
+    with_between,
+    worlds,
+)
 from casr.dome.tables import read_table
 from casr.errors import SettingError
 from tests.casr.dome.conftest import arrays_of
@@ -59,7 +69,9 @@ def test_the_shipped_domes_are_the_whole_tables_thinned(shared_data: Callable[[s
     for k in range(3):
         same = (ours.dome == again.dome[k]) & (ours.stiffness_n_per_mm == again.stiffness_n_per_mm[k])
         (row,) = np.flatnonzero(same & (ours.friction == "stick"))
-        np.testing.assert_allclose(ours.motion[row], np.clip(again.motion[k], -MOST, MOST), rtol=0, atol=STEP / 2 * 1.01)
+        np.testing.assert_allclose(
+            ours.motion[row], np.clip(again.motion[k], -MOST, MOST), rtol=0, atol=STEP / 2 * 1.01
+        )
         np.testing.assert_allclose(ours.force_n[row], again.force_n[k], rtol=1e-5)
 
 

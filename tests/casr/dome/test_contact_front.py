@@ -1,0 +1,263 @@
+"""The front by the library: against the truth of a dome that it does not hold, and what it says where it cannot know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchmarks.tactile.worlds import without
+from casr.camera import Camera, Sensor
+from casr.contact_area.follow import contact_front
+from casr.contact_area.front import PARTS, ContactFront
+from casr.contact_area.library_front import FREE_MISFIT, library_front
+from casr.dome.library import SHIPPED, Library, worlds
+from casr.errors import PinsError
+from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
+from casr.spread import SpreadRate, spread_rate
+from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, World, simulate_press
+
+Array = NDArray[np.float64]
+
+NOISE_PX = 0.07
+ROOT_PITCH_MM = 20 / 6 * 19 / 16
+"Of the roots of pins of 3 mm on a sphere of 19 mm, whose tips are 20 px apart at 6 px/mm."
+CAMERA = PressSettings().camera
+OF_FLOW_AND_MORE = ("scatter", "dome", "misfit", "pin length", "depth", "force zero")
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """Pins of T frames of loading with noise, and what is true."""
+
+    rest_px: Array
+    pins_px: Array
+    force_n: Array
+    area_mm2: Array
+    skin_log_growth: Array
+    casr: float
+
+    @property
+    def wide(self) -> NDArray[np.bool_]:
+        return np.asarray(self.area_mm2 >= np.pi * (2 * ROOT_PITCH_MM) ** 2)
+
+
+@cache
+def pressed(world: World, kappa: float = 3.35, angle_deg: float = 0.0, seed: int = 0) -> Pressed:
+    press = simulate_press(PressSettings(world=world, stiffness_n_per_mm=kappa, angle_deg=angle_deg, seed=seed))
+    truth, rng = press.truth, np.random.default_rng(seed)
+    force = truth.force_n[truth.loading_frames]
+    pins = np.array([press.scene.pins_px(each) for each in force.tolist()])
+    rest = press.scene.rest_px
+    return Pressed(
+        rest + NOISE_PX / 4 * rng.standard_normal(rest.shape),
+        pins + NOISE_PX * rng.standard_normal(pins.shape),
+        force,
+        truth.area_mm2[truth.loading_frames],
+        truth.skin_log_growth,
+        truth.casr_power_mm2_per_n,
+    )
+
+
+def front_of(press: Pressed, camera: Camera | None = CAMERA, library: Library | None = None) -> ContactFront:
+    return contact_front(press.rest_px, press.pins_px, camera, library or worlds())
+
+
+def rate_of(area: Array, force: Array) -> SpreadRate:
+    return spread_rate(area, force, rule="power")
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("kappa", "angle_deg"), [(1.11, 0.0), (3.35, 30.0), (5.32, 45.0), (7.63, 0.0)])
+def test_areas_of_a_dome_that_is_not_in_the_library(kappa: float, angle_deg: float, seed: int) -> None:
+    press = pressed(TabulatedWorld(), kappa, angle_deg, seed)
+    front = front_of(press)
+    np.testing.assert_allclose(front.area[press.wide], press.area_mm2[press.wide], rtol=0.08)
+    assert front.determined[press.wide].all()
+    away = np.log(front.area / press.area_mm2)[press.wide] / front.relative_sd[press.wide]
+    assert np.abs(away).max() < 2
+    assert front.misfit < 0.04
+    assert front.model == "finite elements"
+
+
+@pytest.mark.parametrize("dome", ["J", "D", "E"])
+def test_a_dome_left_out_of_the_library(dome: str) -> None:
+    press = pressed(TabulatedWorld(dome=dome, tables=SHIPPED), 3.35)
+    front = front_of(press, library=without(dome))
+    np.testing.assert_allclose(front.area[press.wide], press.area_mm2[press.wide], rtol=0.08)
+    assert dome not in front.log_misfit
+    with_it = front_of(press)
+    assert with_it.misfit < front.misfit
+    assert with_it.dome == dome
+
+
+def test_a_labs_own_dome_explains_its_presses(lab: Path) -> None:
+    press = pressed(TabulatedWorld(), 5.32)
+    ours, theirs = front_of(press), front_of(press, library=worlds(lab))
+    assert theirs.dome == "mine"
+    assert theirs.misfit < ours.misfit
+    np.testing.assert_allclose(theirs.area[press.wide], press.area_mm2[press.wide], rtol=0.04)
+
+
+def test_lost_pins_change_little() -> None:
+    press = pressed(TabulatedWorld())
+    pins, rng = press.pins_px.copy(), np.random.default_rng(5)
+    pins[:, rng.permutation(127)[:15]] = np.nan
+    pins[rng.random(pins.shape[:2]) < 0.1] = np.nan
+    front, whole = contact_front(press.rest_px, pins, CAMERA, worlds()), front_of(press)
+    np.testing.assert_allclose(front.area[press.wide], whole.area[press.wide], rtol=0.02)
+    assert np.isfinite(front.edge_px).all()
+
+
+def test_lens_distortion_is_taken_out() -> None:
+    press = pressed(TabulatedWorld())
+    bent = replace(CAMERA, distortion=(-0.25, 0.08, 0.0, 0.0))
+    grid = press.pins_px.reshape(-1, 2)
+    seen = replace(press, rest_px=_bent(press.rest_px, bent), pins_px=_bent(grid, bent).reshape(press.pins_px.shape))
+    assert np.abs(seen.rest_px - press.rest_px).max() > 1
+    straight, flat, ignored = front_of(press), front_of(seen, bent), front_of(seen)
+    np.testing.assert_allclose(flat.area, straight.area, rtol=2e-3)
+    assert np.abs(np.log(ignored.area / straight.area)[press.wide]).max() > 0.01
+
+
+def _bent(points_px: Array, camera: Camera) -> Array:
+    """By the model of OpenCV: a radius r of the normalised image becomes r (1 + k1 r^2 + k2 r^4)."""
+    centre, focal = np.array([camera.cx_px, camera.cy_px]), np.array([camera.fx_px, camera.fy_px])
+    flat = (points_px - centre) / focal
+    far = (flat**2).sum(axis=-1, keepdims=True)
+    k1, k2 = camera.distortion[:2]
+    return np.asarray(flat * (1 + k1 * far + k2 * far**2) * focal + centre)
+
+
+@pytest.mark.parametrize(("pins", "frames"), [(6, 20), (127, 1)])
+def test_too_few_pins_or_frames_are_refused(pins: int, frames: int) -> None:
+    press = pressed(TabulatedWorld())
+    with pytest.raises(PinsError, match="7 pins in every frame, and 2 frames") as refused:
+        contact_front(press.rest_px[:pins], press.pins_px[:frames, :pins], CAMERA, worlds())
+    assert refused.value.found == f"{pins} pins, {frames} frames"
+
+
+def test_without_the_length_of_pins_it_is_said_and_the_interval_is_wider() -> None:
+    press = pressed(TabulatedWorld())
+    known, unknown = front_of(press), front_of(press, replace(CAMERA, sensor=Sensor()))
+    assert any(note.startswith("Pin length is not known") for note in unknown.notes)
+    assert not any(note.startswith("Pin length") for note in known.notes)
+    assert (unknown.parts["dome"] > known.parts["dome"])[press.wide].all()
+    away = np.log(unknown.area / press.area_mm2)[press.wide] / unknown.relative_sd[press.wide]
+    assert np.abs(away).max() < 2
+
+
+def test_a_longer_pin_than_is_told_moves_the_area_by_what_its_part_says() -> None:
+    press = pressed(TabulatedWorld())
+    told = front_of(press)
+    longer = front_of(press, replace(CAMERA, sensor=Sensor(pin_length_mm=3.2, dome_radius_mm=20.0)))
+    moved = np.log(longer.area / told.area)[press.wide]
+    np.testing.assert_allclose(moved, told.parts["pin length"][press.wide], atol=0.03)
+
+
+def test_without_a_camera_areas_are_in_pixels_and_it_is_said() -> None:
+    press = pressed(TabulatedWorld())
+    front = front_of(press, None)
+    assert any(note.startswith("No camera.toml") for note in front.notes)
+    known = front_of(press)
+    growth = [np.log(each.area[-1] / each.area[press.wide][0]) for each in (front, known)]
+    assert growth[0] == pytest.approx(growth[1], abs=0.15)
+    assert (front.relative_sd > known.relative_sd)[press.wide].all()
+
+
+def test_a_wrong_dome_raises_the_misfit_and_the_error() -> None:
+    press = pressed(TabulatedWorld(dome="C", tables=SHIPPED), 1.11)
+    far = _only(("I", "G"))
+    wrong, right = (library_front(press.rest_px, press.pins_px, CAMERA, library) for library in (far, worlds()))
+    assert right.misfit < FREE_MISFIT < wrong.misfit
+    assert any("do not move as on any dome of the library" in note for note in wrong.notes)
+    assert not right.parts["misfit"].any()
+    assert (wrong.relative_sd > 2 * right.relative_sd).all()
+
+
+def _only(domes: tuple[str, ...]) -> Library:
+    library = worlds()
+    kept = np.isin(library.dome, domes)
+    arrays = ("dome", "stiffness_n_per_mm", "friction", "computed_mm", "force_n", "edge_arc_mm", "motion")
+    return replace(library, **{name: getattr(library, name)[kept] for name in arrays})
+
+
+def test_skin_that_stretches_is_told_by_the_analytic_field() -> None:
+    press = pressed(ContactWorld(), 1.11)
+    front = front_of(press)
+    assert front.model == "analytic"
+    np.testing.assert_allclose(front.area[press.wide], press.area_mm2[press.wide], rtol=0.08)
+    assert any("flattened and stretched evenly" in note for note in front.notes)
+
+
+def test_the_rate_has_a_total_interval_and_its_parts() -> None:
+    press = pressed(TabulatedWorld(), 5.32)
+    front = front_of(press)
+    assert front_doubt(front) == ""
+    assert tuple(front.parts) == PARTS
+    spread = front_spread(front, press.skin_log_growth, press.force_n, rate_of, 0.001)
+    assert spread.rate is not None
+    assert spread.interval is not None
+    assert tuple(spread.interval.parts) == OF_FLOW_AND_MORE
+    assert spread.interval.left_out
+    assert spread.interval.low < press.casr < spread.interval.high
+    assert spread.rate.value == pytest.approx(press.casr, rel=0.06)
+    low, high = spread.interval.low, spread.interval.high
+    assert np.sqrt(low * high) == pytest.approx(spread.rate.value, rel=1e-9)
+    total = np.sqrt(sum(part**2 for part in spread.interval.parts.values()))
+    assert np.log(high / low) / 2 == pytest.approx(1.96 * total, rel=1e-3)
+    assert spread.first_n == press.force_n[spread.first]
+    assert front.pitches[spread.first] >= 1.5 > (front.pitches[spread.first - 1] if spread.first else 0.0)
+
+
+def test_a_resting_level_that_nobody_measured_counts_for_more() -> None:
+    press = pressed(TabulatedWorld(), 5.32)
+    front = front_of(press)
+    exact, measured, unknown = (
+        front_spread(front, press.skin_log_growth, press.force_n, rate_of, sd_n) for sd_n in (0.0, 0.005, None)
+    )
+    parts = [each.interval.parts["force zero"] for each in (exact, measured, unknown) if each.interval]
+    assert parts[0] == 0
+    assert 0 < parts[1] < parts[2]
+    told = front_spread(front, press.skin_log_growth, press.force_n, rate_of, FORCE_ZERO_SD_N)
+    assert told.interval is not None
+    assert told.interval.parts["force zero"] == parts[2]
+
+
+@pytest.mark.parametrize(("world", "skin_too"), [(TabulatedWorld(), False), (ContactWorld(), True)])
+def test_the_ratio_of_skin_to_front_tells_the_worlds_apart(world: World, skin_too: bool) -> None:
+    press = pressed(world, 1.11)
+    ratio, low, high = front_spread(front_of(press), press.skin_log_growth, None, rate_of, None).skin_over_front
+    first = front_spread(front_of(press), press.skin_log_growth, None, rate_of, None).first
+    true = np.exp(press.skin_log_growth[first:].sum()) * press.area_mm2[first] / press.area_mm2[-1]
+    assert low < true < high
+    assert low < ratio < high
+    assert (low < 1 < high) == skin_too
+
+
+def test_without_forces_there_is_a_ratio_and_no_rate() -> None:
+    press = pressed(TabulatedWorld())
+    spread = front_spread(front_of(press), press.skin_log_growth, None, rate_of, None)
+    assert (spread.rate, spread.interval) == (None, None)
+    assert np.isnan(spread.first_n)
+
+
+def test_a_contact_that_stays_small_is_doubted() -> None:
+    press = pressed(TabulatedWorld(), 7.63)
+    light = press.force_n < 0.7
+    front = front_of(replace(press, pins_px=press.pins_px[light]))
+    assert "too small for the pitch of the pins" in front_doubt(front)
+    assert any("is not determined there" in note for note in front.notes)
+
+
+def test_pins_that_move_like_no_contact_are_doubted() -> None:
+    press = pressed(TabulatedWorld())
+    swirl = np.deg2rad(np.linspace(0.5, 8, 20))
+    about = press.rest_px - press.rest_px.mean(axis=0)
+    turned = [about @ np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]]) + 149.5 for a in swirl]
+    front = contact_front(press.rest_px, np.array(turned), CAMERA, worlds())
+    assert "do not move as on a dome" in front_doubt(front)
