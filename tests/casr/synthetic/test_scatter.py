@@ -1,4 +1,4 @@
-"""What differs between presses that were meant to be alike: of stated size, shared by a mounting where it is its own."""
+"""What differs between presses that were meant to be alike: its size, and what a mounting shares."""
 
 from __future__ import annotations
 
