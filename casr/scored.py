@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from dataclasses import dataclass, field, fields, is_dataclass
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -104,7 +103,7 @@ class ScoreSettings:
     """
 
     quantity: str = "front"
-    domes: Path | None = None
+    domes: str | None = None
     flow: FlowSettings = field(default_factory=FlowSettings)
     area_rule: str = "edge"
     area_law: str = "ode"
@@ -271,8 +270,6 @@ def _plain(value: Any) -> Any:
         return _plain(value.tolist())
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
-    if isinstance(value, Path):
-        return str(value)
     if isinstance(value, tuple | list):
         return [_plain(each) for each in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value

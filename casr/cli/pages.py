@@ -31,11 +31,16 @@ def write_press(sequence: FrameSequence, score: Score, page: Path | None, figure
         write_text_atomic(page, text)
 
 
+def pages_folder(index: Path) -> Path:
+    """Where the pages of the presses of an index go: beside it, never a folder that may hold the presses themselves."""
+    return index.with_name(f"{index.stem}_pages")
+
+
 def write_index(path: Path, title: str, scores: Mapping[str, Score], failures: Mapping[str, str]) -> None:
-    """The index of many presses; their pages are in the folder of the same name."""
+    """The index of many presses; their pages are in ``pages_folder``."""
     from casr.page import index_page
 
-    write_text_atomic(path, index_page(title, scores, failures, path.with_suffix("").name))
+    write_text_atomic(path, index_page(title, scores, failures, pages_folder(path).name))
 
 
 def write_pictures(folder: Path, pictures: Sequence[Picture]) -> None:

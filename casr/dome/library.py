@@ -205,12 +205,12 @@ def shipped(name: str = SHIPPED) -> Library:
 
 
 @cache
-def worlds(folder: Path | None = None) -> Library:
+def worlds(folder: str | None = None) -> Library:
     """What a press is held against: the shipped domes and those between them, and the domes of a lab's ``folder``."""
     ours = with_between(shipped())
     if folder is None:
         return ours
-    own = read_library(folder)
+    own = read_library(Path(folder))
     own = _joined(own, _next_in_stiffness(own))
     if own.radius_mm.shape != ours.radius_mm.shape or own.arc_mm.size < ours.arc_mm.size:
         raise SettingError(
