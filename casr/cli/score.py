@@ -59,9 +59,7 @@ def add_to(commands: Commands) -> None:
         help="which area is the result: front, the contact, whose edge is followed in every frame, or skin, that of "
         "the first contact as the flow stretches it, as in the paper; the other stands beside it (default %(default)s)",
     )  # fmt: skip
-    method.add_argument(
-        "--domes", type=Path, metavar="FOLDER", help="tables of your own domes, beside those that come with casr"
-    )
+    method.add_argument("--domes", metavar="FOLDER", help="tables of your own domes, beside those that come with casr")
     add_engine(method)
     method.add_argument("--area", choices=AREA_RULES, default=AREA_RULES[0], help="initial area (default %(default)s)")
     method.add_argument(
@@ -179,6 +177,7 @@ def _one(arguments: argparse.Namespace, path: Path) -> int:
 
 
 def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
+    from casr.cli.pages import pages_folder
 
     settings = settings_of(arguments)
     called = {_name(path, arguments.path): path for path in found}
@@ -202,7 +201,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
         for name, score in scores.items()
     }
     for name, scored in scores.items():
-        page = arguments.page and arguments.page.with_suffix("") / f"{name}.html"
+        page = arguments.page and pages_folder(arguments.page) / f"{name}.html"
         _write(arguments, called[name], scored, page, arguments.figures and arguments.figures / name)
         say_notes((*(f"check this press: {doubt}" for doubt in scored.doubts), *scored.notes), name)
     if arguments.page:
