@@ -121,7 +121,7 @@ def test_counted_pins_are_the_selected_ones(pressed: tuple[FrameSequence, Score]
 
 def test_no_force_no_curve_over_force(pressed: tuple[FrameSequence, Score]) -> None:
     sequence, scored = pressed
-    names = [p.name for p in press_pictures(sequence, dataclasses.replace(scored, force_n=None, rate=None))]
+    names = [p.name for p in press_pictures(sequence, dataclasses.replace(scored, force_n=None, front_spread=None))]
     assert "area_over_force" not in names
 
 

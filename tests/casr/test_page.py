@@ -76,8 +76,9 @@ def test_verdicts(scored: Score) -> None:
     assert verdict(scored)[0] == "good"
     assert "Softer specimens" in verdict(scored)[2]
     assert verdict(dataclasses.replace(scored, notes=("x",)))[0] == "usable"
-    assert verdict(dataclasses.replace(scored, rate=None, force_n=None))[1] == "No spread rate."
-    assert verdict(dataclasses.replace(scored, area=scored.area[::-1]))[0] == "bad"
+    assert verdict(dataclasses.replace(scored, front_spread=None, force_n=None))[1] == "No spread rate."
+    shrinking = dataclasses.replace(scored.front, area=scored.front.area[::-1])
+    assert verdict(dataclasses.replace(scored, front=shrinking))[0] == "bad"
     saturated = dataclasses.replace(scored.initial, saturated=True)
     assert verdict(dataclasses.replace(scored, initial=saturated))[0] == "bad"
 

@@ -57,8 +57,10 @@ def test_two_rest_frames_show_no_contact(presses: Path, capsys: Captured) -> Non
 
 
 @pytest.mark.parametrize(("engine", "tolerance"), [("pin-affine", 0.05), ("dis", 0.3)])
-def test_flow_over_twenty_steps_is_the_truth(engine: str, tolerance: float, presses: Path, capsys: Captured) -> None:
-    folder = presses / "S5_00deg_01"
+def test_flow_over_twenty_steps_is_the_truth(
+    engine: str, tolerance: float, stuck_press: Path, capsys: Captured
+) -> None:
+    folder = stuck_press
     truth = json.loads((folder / "truth.json").read_text())["truth"]
     i, j = truth["loading_frames"][10], truth["loading_frames"][30]
     x, y = truth["centre_px"]

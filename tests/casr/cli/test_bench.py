@@ -15,7 +15,21 @@ def test_options_reach_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     monkeypatch.setattr(benchmarks.tactile, "run", lambda *args, **kwargs: asked.append((args, kwargs)))
     assert main(["bench", "presses", "--out", "d", "--repetitions", "2", "--jobs", "3"]) == 0
-    assert asked == [(("presses", Path("d")), {"n_seeds": 6, "n_repetitions": 2, "n_jobs": 3})]
+    words = {"n_seeds": 6, "n_repetitions": 2, "n_jobs": 3}
+    assert main(["bench", "presses", "--world", "tabulated,front"]) == 0
+    assert asked == [
+        (("presses", Path("d")), words | {"worlds": ()}),
+        (("presses", None), {"n_seeds": 6, "n_repetitions": 10, "n_jobs": 1, "worlds": ("tabulated", "front")}),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [(["presses", "--world", "tabulated,moon"], "'moon'"), (["flow", "--world", "tabulated"], "with presses")],
+)
+def test_worlds_that_cannot_be(words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", *words]) == 2
+    assert complaint in capsys.readouterr().err
 
 
 def test_an_unknown_kind_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
