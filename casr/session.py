@@ -24,7 +24,7 @@ LEAST_FORCE_RATIO = 1.5
 "Of the highest to the lowest common force; less, and hardly anything grows."
 UNSHARED_SD = 0.05
 """Of the logarithm of the ratio from press to press of one sensor: specimens of 1.1 to 7.6 N/mm differ by 0.1 in
-finite elements, presses of one kind by 0.02 to 0.06; the error of the dome, the pins' length and the depth is shared."""
+finite elements, presses of one kind by 0.02 to 0.06; the error of dome, pin length and depth is shared."""
 CHANCE = 0.05
 "That any press of a session is named although all are alike."
 _MAD, _MEDIAN = 1.4826, 1.2533
