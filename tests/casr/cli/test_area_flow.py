@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from casr.cli import main
+from casr.synthetic import PressSettings, simulate_press, write_press
+from casr.synthetic.contact import ContactWorld
 
 Captured = pytest.CaptureFixture[str]
 
@@ -16,7 +18,8 @@ Captured = pytest.CaptureFixture[str]
 def test_area_by_every_rule(presses: Path, capsys: Captured) -> None:
     assert main(["area", str(presses / "S5_00deg_01"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found["areas"]) == {"hexagon", "edge", "circle", "paper"}
+    assert set(found["areas"]) == {"hexagon", "edge", "circle", "paper", "as-printed"}
+    assert found["areas"]["as-printed"] is None, "no contact is that large"
     assert found["pins"] == 127
     hexagon = found["areas"]["hexagon"]
     assert hexagon["area_mm2"] == pytest.approx(hexagon["area_px2"] / 36)
@@ -47,8 +50,10 @@ def test_two_rest_frames_show_no_contact(presses: Path, capsys: Captured) -> Non
 
 
 @pytest.mark.parametrize(("engine", "tolerance"), [("pin-affine", 0.05), ("dis", 0.3)])
-def test_flow_over_twenty_steps_is_the_truth(engine: str, tolerance: float, presses: Path, capsys: Captured) -> None:
-    folder = presses / "S5_00deg_01"
+def test_flow_over_twenty_steps_is_the_truth(engine: str, tolerance: float, tmp_path: Path, capsys: Captured) -> None:
+    """In the world in which a contact is a piece of skin, its area grows as the skin does."""
+    sticking = PressSettings(stiffness_n_per_mm=1.11, world=ContactWorld())
+    folder = write_press(simulate_press(sticking), tmp_path / "press", overwrite=False)
     truth = json.loads((folder / "truth.json").read_text())["truth"]
     i, j = truth["loading_frames"][10], truth["loading_frames"][30]
     x, y = truth["centre_px"]
@@ -71,7 +76,7 @@ def test_flow_step_by_step_adds_up(presses: Path, capsys: Captured) -> None:
 def test_flow_picture(engine: str, name: str, presses: Path, tmp_path: Path) -> None:
     words = ["flow", str(presses / "S5_00deg_01"), "--frames", "20,24", "--engine", engine, "--figures", str(tmp_path)]
     assert main(words) == 0
-    assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert (tmp_path / f"{name}.svg").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("engine", ["dis", "horn-schunck"])

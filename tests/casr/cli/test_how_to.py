@@ -34,4 +34,12 @@ def test_every_command_does_what_the_page_says(
         program, *words = shlex.split(command)
         assert (program, main(words)) == ("casr", 0), command
         assert shape(capsys.readouterr().out) == shape(output), command
-    assert {path.name for path in tmp_path.iterdir()} == {"presses", "scores.html", "scores", "press.html", "pictures"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "presses",
+        "scores.html",
+        "scores_pages",
+        "press.html",
+        "pictures",
+        "pins.csv",
+        "frames.csv",
+    }
