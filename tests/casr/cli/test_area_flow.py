@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 
 from casr.cli import main
-from casr.synthetic import PressSettings, simulate_press, write_press
-from casr.synthetic.contact import ContactWorld
 
 Captured = pytest.CaptureFixture[str]
 
@@ -50,10 +48,8 @@ def test_two_rest_frames_show_no_contact(presses: Path, capsys: Captured) -> Non
 
 
 @pytest.mark.parametrize(("engine", "tolerance"), [("pin-affine", 0.05), ("dis", 0.3)])
-def test_flow_over_twenty_steps_is_the_truth(engine: str, tolerance: float, tmp_path: Path, capsys: Captured) -> None:
-    """In the world in which a contact is a piece of skin, its area grows as the skin does."""
-    sticking = PressSettings(stiffness_n_per_mm=1.11, world=ContactWorld())
-    folder = write_press(simulate_press(sticking), tmp_path / "press", overwrite=False)
+def test_flow_over_twenty_steps_is_the_truth(engine: str, tolerance: float, presses: Path, capsys: Captured) -> None:
+    folder = presses / "S5_00deg_01"
     truth = json.loads((folder / "truth.json").read_text())["truth"]
     i, j = truth["loading_frames"][10], truth["loading_frames"][30]
     x, y = truth["centre_px"]
