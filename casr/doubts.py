@@ -24,10 +24,12 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
             f"the contact area shrank, from {known[0]:.4g} to {known[-1]:.4g} {unit}: do the frames run backwards?"
         )
     front = score.front
-    if score.settings.quantity == "front" and front.model != "analytic" and front.misfit > FREE_MISFIT:
+    by_library = front.model != "analytic" and not score.front_doubt
+    # without a camera the dome's place is a guess, and a misfit says nothing of the press
+    if score.settings.quantity == "front" and score.area_unit == "mm2" and by_library and front.misfit > FREE_MISFIT:
         found.append(
-            f"the pins do not move as on any dome of the library ({front.misfit:.0%} of the motion is left over; "
-            f"{FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed"
+            f"{front.misfit:.0%} of the motion of the pins is left over by every dome of the library, {FREE_MISFIT:.0%} "
+            "would be usual: another sensor (pin_length_mm, --domes), or not one contact"
         )
     rate = score.rate
     if rate is not None and rate.scatter_low is not None and rate.scatter_high is not None:

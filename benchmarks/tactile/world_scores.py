@@ -17,6 +17,7 @@ from casr.errors import CasrError
 from casr.front_spread import FrontSpread
 from casr.score import Score, score
 from casr.scored import SkinSpread
+from casr.session import Stretch, stretch_of
 from casr.synthetic.press import SimulatedPress, simulate_press
 from casr.synthetic.settings import PressSettings
 
@@ -43,7 +44,7 @@ class WorldScore:
 
     world : name. stiffness_n_mm, angle_deg, repetition : which press. refused : why there is no front; empty else.
     area_error_percent : by force, N, where the true radius is ``LEAST_PITCHES`` pitches or more.
-    true_casr : mm^2/N. front, skin : found. skin_over_front : ratio of growths with its 95 % interval.
+    true_casr : mm^2/N. front, skin : found. stretch : of skin over front.
     model, misfit : of the front.
     """
 
@@ -56,7 +57,7 @@ class WorldScore:
     area_error_percent: dict[float, float] = field(default_factory=dict)
     front: Found = Found()
     skin: Found = Found()
-    skin_over_front: Found = Found()
+    stretch: Stretch | None = None
     model: str = ""
     misfit: float = nan
 
@@ -82,7 +83,7 @@ def world_scored(name: str, settings: PressSettings) -> WorldScore:
         area_error_percent=_area_errors(found, press) if not found.front_doubt else {},
         front=_found(spread) if spread else Found(),
         skin=_found(found.skin),
-        skin_over_front=Found(*spread.skin_over_front) if spread else Found(),
+        stretch=stretch_of(found),
         model=found.front.model,
         misfit=found.front.misfit,
     )

@@ -15,6 +15,7 @@ from benchmarks.tactile.metrics import percent_error, sample_sd
 from benchmarks.tactile.table import Cell, Table
 from benchmarks.tactile.world_scores import FORCES_N, LEAST_PITCHES, Found, WorldScore, world_scored
 from benchmarks.tactile.worlds import named, world_named
+from casr.session import unlike_others
 from casr.specimens import SPECIMENS
 from casr.synthetic.settings import PressSettings
 from emg2vsa.calibration.laws import fit_law
@@ -137,8 +138,7 @@ def kappa_table(results: Sequence[WorldScore]) -> Table:
         f"kappa of {UNKNOWN} ({SPECIMENS[UNKNOWN]:g} N/mm) from one press each of {', '.join(CALIBRATION)}, at each",
         "  angle, by 1/kappa = a + b CASR^1.5 (decision 16): median, 5 and 95 % points of the error. none: no kappa.",
         "exact: true CASR of the same presses. held: kappa at the ends of the unknown press's total interval holds the",
-        "  truth. told apart: skin over front of the unknown press differs from that of the others' presses beyond the",
-        "  error of both.",
+        "  truth. told apart: `casr score` of all four presses says to check the unknown one.",
     )
     return Table("press_worlds_kappa", "Stiffness by world", tuple(columns), rows, notes)
 
@@ -173,8 +173,6 @@ def _value(result: WorldScore, quantity: str) -> Found:
 
 
 def _unlike(known: Sequence[WorldScore], unknown: WorldScore) -> bool:
-    """Whether the ratio of skin to front of the unknown press lies outside those of the others beyond its error."""
-    ratios = [np.log([r.value, r.low, r.high]) for r in (each.skin_over_front for each in (*known, unknown))]
-    values, errors = (np.array([ratio[0] for ratio in ratios]), np.array([ratio[2] - ratio[0] for ratio in ratios]))
-    away = max(values[:-1].min() - values[-1], values[-1] - values[:-1].max())
-    return bool(away > np.hypot(errors[-1], errors[:-1].mean()))
+    """Whether ``casr score`` of all of them would say to check the unknown press."""
+    stretches = {str(n): each.stretch for n, each in enumerate((*known, unknown)) if each.stretch is not None}
+    return str(len(known)) in unlike_others(stretches)

@@ -46,7 +46,7 @@ def add_to(commands: Commands) -> None:
     add_threshold(parser)
     add_pins(parser.add_argument_group("pins"))
     add_json(parser)
-    parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
+    parser.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as SVG")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -63,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     doubts = pins_in_doubt(rest.centroids_px, arguments.expect_pins)
     say_notes((*([] if sequence.camera else [NO_SCALE]), *notes, *rest.notes, *doubts, *tracker.notes))
     found: dict[str, InitialArea | None] = {}
+    why: dict[str, str] = {}
     for rule in (*AREA_RULES, AS_PRINTED):
         try:
             found[rule] = initial_area(
@@ -70,6 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
             )
         except (AreaError, NoContactError) as error:
             found[rule] = None
+            why[rule] = "no contact" if isinstance(error, NoContactError) else "no contact is that large"
             say_notes([str(error)], rule)
     report = {
         "name": sequence.name, "rest_frame": rest_frame, "contact_frame": contact_frame, "pins": len(rest),
@@ -78,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(report)
     else:
-        _print(report)
+        _print(report, why)
     chosen = next(filter(None, found.values()), None)
     if chosen and arguments.figures:
         from casr.cli.pages import write_pictures
@@ -121,13 +123,13 @@ def _facts(area: InitialArea | None) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def _print(report: dict[str, Any]) -> None:
+def _print(report: dict[str, Any], why: dict[str, str]) -> None:
     print(f"{report['name']}: rest frame {report['rest_frame']}, first contact {report['contact_frame']}", end="")
     print(f", {report['pins']} pins")
     print(f"  {'rule':<10} {'mm2':>10} {'px2':>10} {'pins':>5}")
     for rule, area in report["areas"].items():
         if area is None:
-            print(f"  {rule:<10} {'-':>10} {'-':>10} {'-':>5}  no area: see the note")
+            print(f"  {rule:<10} {'-':>10} {'-':>10} {'-':>5}  {why[rule]}")
             continue
         mm2 = f"{area['area_mm2']:.4g}" if area["area_mm2"] is not None else "-"
         remark = "  saturated" if area["saturated"] else ""

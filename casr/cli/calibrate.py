@@ -30,8 +30,10 @@ def add_to(commands: Commands) -> None:
         "boards over less than 40 % of the image, a focal length with a standard error above 1 %. "
         "Example: casr calibrate pictures --charuco 9x7 --square-mm 5 --marker-mm 3.75 --depth-mm 50 -o camera.toml",
     )
-    parser.add_argument("pictures", type=Path, nargs="+", metavar="PICTURES", help="image files, or folders of them")
-    parser.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help="camera file to write")
+    parser.add_argument("pictures", type=Path, nargs="*", metavar="PICTURES", help="image files, or folders of them")
+    parser.add_argument(
+        "-o", "--out", type=Path, metavar="FILE", help="camera file to write; with --plate the one to read"
+    )
     parser.add_argument(
         "--overwrite", action="store_true", help="replace a camera file that is there; its table [sensor] is kept"
     )
@@ -42,13 +44,19 @@ def add_to(commands: Commands) -> None:
         "--chessboard", type=_grid, metavar="COLUMNSxROWS",
         help="inner corners of a chessboard, where four squares meet: one less each way than squares",
     )  # fmt: skip
-    board.add_argument("--square-mm", type=positive, required=True, metavar="MM", help="side of a square, mm")
+    kind.add_argument(
+        "--plate", type=Path, metavar="PRESS",
+        help="no pictures: a press on a rigid plate, to see whether a dome that casr knows moves as this sensor does; "
+        "exit status 1: none does",
+    )  # fmt: skip
+    board.add_argument("--domes", metavar="FOLDER", help="tables of domes of your own, with --plate")
+    board.add_argument("--square-mm", type=positive, metavar="MM", help="side of a square, mm")
     board.add_argument("--marker-mm", type=positive, metavar="MM", help="side of a ChArUco marker's black border, mm")
     board.add_argument(
         "--dictionary", metavar="NAME", help="of the ChArUco markers, such as 5X5_100 or 6X6_250 (default 4X4_50)"
     )
     camera = parser.add_argument_group("camera")
-    depth = camera.add_mutually_exclusive_group(required=True)
+    depth = camera.add_mutually_exclusive_group()
     depth.add_argument(
         "--depth-mm", type=positive, metavar="MM",
         help="distance along the camera's axis from its pinhole to the pins at rest, mm; a pixel there is depth/fx "
@@ -69,6 +77,11 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    if arguments.plate:
+        from casr.cli.plate import check_plate
+
+        return check_plate(arguments)
+    _check(arguments)
     from casr.atomic import write_text_atomic
     from casr.camera import Camera
     from casr.camera_calibration import calibrate
@@ -93,6 +106,19 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _print(arguments.out, camera, found)
     return 0
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """What pictures of a board need, and a plate does not."""
+    needed = {
+        "PICTURES": arguments.pictures, "--out": arguments.out, "--square-mm": arguments.square_mm,
+        "--depth-mm or --depth-from": arguments.depth_mm or arguments.depth_from,
+    }  # fmt: skip
+    for name, value in needed.items():
+        if not value:
+            raise SettingError(name, wanted="it, with pictures of a board", found="none", do="Add it; see --help.")
+    if arguments.domes:
+        raise SettingError("--domes", wanted="--plate with it", found="pictures of a board", do="Leave it out.")
 
 
 def _board(arguments: argparse.Namespace) -> Board:

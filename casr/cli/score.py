@@ -59,9 +59,7 @@ def add_to(commands: Commands) -> None:
         help="which area is the result: front, the contact, whose edge is followed in every frame, or skin, that of "
         "the first contact as the flow stretches it, as in the paper; the other stands beside it (default %(default)s)",
     )  # fmt: skip
-    method.add_argument(
-        "--domes", type=Path, metavar="FOLDER", help="tables of your own domes, beside those that come with casr"
-    )
+    method.add_argument("--domes", metavar="FOLDER", help="tables of your own domes, beside those that come with casr")
     add_engine(method)
     method.add_argument("--area", choices=AREA_RULES, default=AREA_RULES[0], help="initial area (default %(default)s)")
     method.add_argument(
@@ -110,7 +108,7 @@ def add_to(commands: Commands) -> None:
         "--frames", type=csv_file, metavar="FILE.csv",
         help="write force, areas, shear and torsion of every frame, of one press",
     )  # fmt: skip
-    output.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as PNG and SVG")
+    output.add_argument("--figures", type=Path, metavar="DIR", help="write the pictures as SVG")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -179,6 +177,7 @@ def _one(arguments: argparse.Namespace, path: Path) -> int:
 
 
 def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
+    from casr.cli.pages import pages_folder
 
     settings = settings_of(arguments)
     called = {_name(path, arguments.path): path for path in found}
@@ -202,7 +201,7 @@ def _many(arguments: argparse.Namespace, found: list[Path]) -> int:
         for name, score in scores.items()
     }
     for name, scored in scores.items():
-        page = arguments.page and arguments.page.with_suffix("") / f"{name}.html"
+        page = arguments.page and pages_folder(arguments.page) / f"{name}.html"
         _write(arguments, called[name], scored, page, arguments.figures and arguments.figures / name)
         say_notes((*(f"check this press: {doubt}" for doubt in scored.doubts), *scored.notes), name)
     if arguments.page:
@@ -291,17 +290,18 @@ def _block(score: Score) -> str:
     span = f"{frames[0]} to {frames[-1]}"
     if score.force_n is not None:
         span += f", {score.force_n[0]:.2f} to {score.force_n[-1]:.2f} N"
-    facts = [(f"CASR ({spread.quantity})", _rate(score, spread)) for spread in (score.chosen, score.other)]
+    facts = [(f"CASR, {spread.quantity}", _rate(score, spread)) for spread in (score.chosen, score.other)]
     if score.front_spread is not None:
         ratio, low, high = score.front_spread.skin_over_front
         facts.append(("skin/front", f"{ratio:.3f} in growth, 95 %: {low:.3f} to {high:.3f}"))
-    facts += [(f"A_c0 ({quantity})", f"{area}, {of}") for quantity, area, of in first_areas(score)]
+    facts += [(f"A_c0, {quantity}", f"{area}, {of}") for quantity, area, of in first_areas(score)]
     facts.append(("growth", ", ".join(f"{quantity} {times}" for quantity, times in growths(score))))
     facts.append(("frames", f"{len(frames)} ({span}), rest frame {score.rest_frame}"))
     if score.force_n is not None:
         facts += [("force zero", force_zero(score)), ("camera lag", camera_lag(score))]
     if score.rate is not None:
-        facts.append(("error, 1 SD", ", ".join(f"{name} {share}" for name, share in error_parts(score.chosen))))
+        parts = ", ".join(f"{name} {share}" for name, share in error_parts(score.chosen))
+        facts.append(("error", f"standard errors: {parts}"))
         facts.append(("left out", left_out(score.chosen)))
     method = (
         settings.flow.engine,
@@ -314,7 +314,7 @@ def _block(score: Score) -> str:
         score.name + (", areas in px², not mm²" if score.area_unit == "px2" else ""),
         *([f"  Not determined: {not_determined(score)}"] if score.first is None else []),
         *(f"  Check this press: {doubt}" for doubt in score.doubts),
-        *(f"  {name:<13} {value}" for name, value in facts),
+        *(f"  {name:<11} {value}" for name, value in facts),
     ])  # fmt: skip
 
 

@@ -175,6 +175,11 @@ def _sensitivity(
 
 def _notes(front: ContactFront, fit: FrontFit, library: Library) -> tuple[str, ...]:
     notes: list[str] = []
+    if front.misfit > FREE_MISFIT:
+        notes.append(
+            f"The pins do not move as on any dome of the library: {front.misfit:.0%} of the motion is left over "
+            f"({FREE_MISFIT:.0%} would be usual), so the size of the contact depends on the dome assumed."
+        )
     beyond = int((fit.radius_mm[0] > BEYOND_COMPUTED * library.computed_mm[fit.worlds[0]]).sum())
     if beyond:
         notes.append(f"In {beyond} of {len(front.area)} frames the contact is far larger than any that was computed.")

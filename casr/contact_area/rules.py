@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.camera import Camera
+from casr.camera import Camera, undistorted
 from casr.contact_area.array import check_area
 from casr.contact_area.edge import ContactEdge, fit_edge
 from casr.contact_area.motion import PinMotion, contact_cluster, pin_motion
@@ -265,8 +265,8 @@ def initial_area(
     if rule == "circle":
         return _circle_rule(motion, camera)  # the array itself, and a trifle more than its hull
     found = _by_rule(motion, camera, rule, threshold_px)
-    flat_px = motion.contact_px if camera is None else camera.undistorted_px(motion.contact_px)
-    check_area(found.area_px2, flat_px, f"initial area by rule {found.rule}", camera)
+    pins_px = motion.contact_px if found.rule == "edge" else motion.rest_px  # hexagons are those of the rest frame
+    check_area(found.area_px2, undistorted(pins_px, camera), f"initial area by rule {found.rule}", camera)
     return found
 
 

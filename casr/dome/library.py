@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from itertools import pairwise
@@ -64,6 +64,11 @@ class Library:
     def n_worlds(self) -> int:
         """W."""
         return len(self.dome)
+
+    def only(self, worlds: Rows) -> Library:
+        """Some of the worlds."""
+        of_worlds = ("dome", "stiffness_n_per_mm", "friction", "computed_mm", "force_n", "edge_arc_mm", "motion")
+        return replace(self, **{name: getattr(self, name)[worlds] for name in of_worlds})
 
     def motion_at(self, arc_mm: Array, worlds: Rows, radii: slice) -> NDArray[np.float32]:
         """(3, W', R', N) motion at arcs (N,) of some worlds and radii; beyond the last arc that of the last."""

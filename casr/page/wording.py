@@ -37,7 +37,7 @@ def verdict(score: Score) -> tuple[str, str, str]:
     what = {"front": "contact area", "skin": "skin of the first contact"}[score.settings.quantity]
     grew = f"from {number(float(area[0]))} to {number(float(area[-1]))} {unit} ({growth:.2f} times)"
     if score.doubts:
-        return "bad", "Check this press:", f"{'; '.join(score.doubts)}. The {what} went {grew}."
+        return "bad", "Check this press:", f"{'; '.join(score.doubts)}. The {what} went {grew}.{_in_pixels(score)}"
     if score.rate is None:
         return (
             "usable",

@@ -251,7 +251,7 @@ _AREA = {
     "edge": "the ellipse at the fold of the pins' displacement field",
     "hexagon": "one hexagon for each pin that moved more than {threshold:g} px (Algorithm 1, pins matched one to one)",
     "circle": "the circle through the outermost pin (previous work)",
-    "paper": "Algorithm 1 to the letter, all pairs of pins",
+    "paper": "one hexagon for each pin whose whole-pixel centroid moved more than {threshold:g} px (Algorithm 1)",
 }
 _RATE = {
     "power": "the mean slope of a power law A = k Fᵐ through area and force from {low:g} to {high:g} N",

@@ -166,9 +166,10 @@ def _rates(found: Discrimination, tables: Mapping[str, Table], drawings: Mapping
 
 
 _TO_THE_LETTER = (
-    "The algorithm “paper” is Algorithm 1 with equations (1) and (2) as printed. It compares every pin with every "
-    "other, which nearly every pair passes: its area tells how many pins the sensor has. “Hexagon” pairs them one to "
-    "one, as it must be meant."
+    "The algorithm “paper” is Algorithm 1, whole-pixel centroids of pins that are paired one to one as it must be "
+    "meant, with equations (1) and (2) as printed. As printed, Algorithm 1 compares every pin with every other, which "
+    "nearly every pair passes: that area would tell how many pins the sensor has. “Hexagon” takes centroids to parts "
+    "of a pixel, counts the pins that those in contact enclose, and has the consistent area law."
 )
 
 

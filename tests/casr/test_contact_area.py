@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from casr.camera import Camera
-from casr.contact_area import RULES, initial_area
+from casr.contact_area import AS_PRINTED, RULES, initial_area
+from casr.contact_area.array import array_area_px2, check_area
 from casr.contact_area.edge import fit_edge
-from casr.errors import NoContactError, PinsError, SettingError
+from casr.errors import AreaError, NoContactError, PinsError, SettingError
 from casr.flow.region import Region
 from casr.pins import Pins, detect_pins, match_pins
+from casr.scored import ScoreSettings
 from casr.specimens import SPECIMENS
 from casr.synthetic.contact import ContactWorld
 from casr.synthetic.motion import lever, spread
@@ -177,18 +179,62 @@ def test_circle_goes_through_the_farthest_pin_of_all_and_knows_no_contact():
     assert still.selected.size == 127
 
 
-def test_paper_counts_every_pair_of_a_motionless_array():
-    found = initial_area(as_pins(REST), REST, rule="paper")
-    assert found.area_px2 == pytest.approx(127 * 126 * HEXAGON_PX2)
-    assert "16002 pairs" in found.notes[0]
-    assert "0 pins are that far" in found.notes[0]
+def algorithm_1(first, second, pitch_px, threshold_px=2.0):
+    """The paper's Algorithm 1 as it must be meant, written out: lists of whole pixels, each pin beside itself."""
+    signpin = []
+    for (x0, y0), (x1, y1) in zip(first, second, strict=True):
+        x0, y0, x1, y1 = int(x0), int(y0), int(x1), int(y1)
+        if ((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5 > threshold_px:
+            signpin.append((x0, y0))
+    apothem = pitch_px / 2
+    side = 2 * apothem / 3**0.5
+    return len(signpin) * 6 * side * apothem / 2
+
+
+@pytest.mark.parametrize("specimen", SPECIMENS)
+def test_paper_is_algorithm_1_with_pins_paired_one_to_one(specimen):
+    rest, contact, _ = first_contact(np.random.default_rng(3), specimen, force_n=1.0)
+    contact[5] = np.nan  # a lost pin is no pair
+    found = initial_area(rest, contact, rule="paper")
+    seen = np.isfinite(contact[:, 0])
+    pitch_px = np.median(np.sort(np.hypot(*(rest.centroids_px[:, None] - rest.centroids_px).transpose(2, 0, 1)))[:, 1])
+    written_out = algorithm_1(rest.centroids_px[seen].tolist(), contact[seen].tolist(), pitch_px)
+    assert written_out > 0
+    assert found.area_px2 == pytest.approx(written_out, rel=0.01)
+    assert found.selected.size == round(found.area_px2 / HEXAGON_PX2)
 
 
 def test_paper_cuts_centroids_to_whole_pixels():
     rest = np.floor(REST)
-    moved = rest + np.array([2.0, 0.0])
-    assert "0 pins are that far" in initial_area(as_pins(rest), moved + 0.9, rule="paper").notes[-1]
-    assert "127 pins are that far" in initial_area(as_pins(rest), moved + 1.0, rule="paper").notes[-1]
+    moved = np.array(rest)
+    moved[40:50] += np.array([2.9, 0.0])
+    with pytest.raises(NoContactError, match=r"in whole pixels; found at most 2\.00 px"):
+        initial_area(as_pins(rest), moved, rule="paper")
+    moved[40:50] += np.array([0.1, 0.0])
+    assert initial_area(as_pins(rest), moved, rule="paper").selected.tolist() == list(range(40, 50))
+
+
+def test_as_printed_is_larger_than_the_pin_array_and_refused():
+    with pytest.raises(AreaError, match=r"as-printed: wanted at most .* 44926 px²; found 5\.54\d*e\+06 px²"):
+        initial_area(as_pins(REST), REST, rule=AS_PRINTED)
+    with pytest.raises(SettingError, match="area_rule"):
+        ScoreSettings(area_rule=AS_PRINTED)
+
+
+def test_the_pin_array_is_the_hull_and_half_a_pitch():
+    side, half = 120.0, 10.0
+    hexagon = 3 * np.sqrt(3) / 2 * side**2 + 6 * side * half + np.pi * half**2
+    assert array_area_px2(REST) == pytest.approx(hexagon, rel=1e-4)
+    lost = np.vstack([REST, [np.nan, np.nan]])
+    assert array_area_px2(lost) == pytest.approx(hexagon, rel=1e-4)
+
+
+@pytest.mark.parametrize(("camera", "unit"), [(None, "px²"), (Camera(), "mm²")])
+def test_an_area_above_that_of_the_array_is_an_error_that_says_so(camera, unit):
+    array_px2 = array_area_px2(REST)
+    check_area(0.999 * array_px2, REST, "area", camera)
+    with pytest.raises(AreaError, match=f"at most the area of the pin array, .* {unit}"):
+        check_area(1.001 * array_px2, REST, "area", camera)
 
 
 def test_bad_settings_and_pins_are_refused():

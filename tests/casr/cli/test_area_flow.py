@@ -16,7 +16,8 @@ Captured = pytest.CaptureFixture[str]
 def test_area_by_every_rule(presses: Path, capsys: Captured) -> None:
     assert main(["area", str(presses / "S5_00deg_01"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found["areas"]) == {"hexagon", "edge", "circle", "paper"}
+    assert set(found["areas"]) == {"hexagon", "edge", "circle", "paper", "as-printed"}
+    assert found["areas"]["as-printed"] is None, "no contact is that large"
     assert found["pins"] == 127
     hexagon = found["areas"]["hexagon"]
     assert hexagon["area_mm2"] == pytest.approx(hexagon["area_px2"] / 36)
@@ -83,7 +84,7 @@ def test_flow_step_by_step_adds_up(presses: Path, capsys: Captured) -> None:
 def test_flow_picture(engine: str, name: str, presses: Path, tmp_path: Path) -> None:
     words = ["flow", str(presses / "S5_00deg_01"), "--frames", "20,24", "--engine", engine, "--figures", str(tmp_path)]
     assert main(words) == 0
-    assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert (tmp_path / f"{name}.svg").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("engine", ["dis", "horn-schunck"])

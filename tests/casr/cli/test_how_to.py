@@ -40,4 +40,6 @@ def test_every_command_does_what_the_page_says(
         "scores_pages",
         "press.html",
         "pictures",
+        "pins.csv",
+        "frames.csv",
     }

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from time import process_time
 
 import pytest
 import tifffile
 
 from casr.cli import main
+from casr.synthetic import PressSettings, TimelineSettings, simulate_press, write_press
+from casr.synthetic.contact import ContactWorld
 
 Captured = pytest.CaptureFixture[str]
 
@@ -17,8 +21,87 @@ Captured = pytest.CaptureFixture[str]
 def test_one_press_for_people(presses: Path, capsys: Captured) -> None:
     assert main(["score", str(presses / "S5_00deg_01")]) == 0
     out = capsys.readouterr().out
-    for word in ("S5_00deg_01", "A_c0", "growth", "CASR", "mm2/N", "pin-affine"):
+    for word in ("S5_00deg_01", "A_c0, front", "growth", "CASR, skin", "skin/front", "mm2/N", "left out", "pin-affine"):
         assert word in out
+    lines = out.splitlines()
+    assert lines[1].startswith("  CASR, front")
+    for said in ("95 %: ", "over 0.5 to 7 N", "frames from 0.57 to 6.95 N", "front determined from"):
+        assert said in lines[1]
+
+
+def test_the_quantity_asked_for_is_the_result(presses: Path, capsys: Captured) -> None:
+    rates = {}
+    for quantity in ("front", "skin"):
+        assert main(["score", str(presses / "S5_00deg_01"), "--quantity", quantity, "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        rates[quantity] = found["rate"]["value"]
+        assert found["settings"]["quantity"] == quantity
+        assert found["interval"]["low"] < found["rate"]["value"] < found["interval"]["high"]
+        assert found["skin"]["rate"]["value"] != found["front_spread"]["rate"]["value"]
+    assert rates["front"] == found["front_spread"]["rate"]["value"]
+    assert rates["skin"] == found["skin"]["rate"]["value"]
+    assert main(["score", str(presses / "S5_00deg_01"), "--quantity", "skin"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].startswith("  CASR, skin")
+
+
+def test_a_front_that_is_not_determined_heads_the_press(tmp_path: Path, capsys: Captured) -> None:
+    timeline = TimelineSettings(peak_n=0.62, start_n=0.45)
+    hard = PressSettings(stiffness_n_per_mm=7.63, timeline=timeline)
+    folder = write_press(simulate_press(hard), tmp_path / "run" / "small", overwrite=False)
+    assert main(["score", str(folder), "--start-n", "0.4"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("  Not determined: the contact is too small")
+    assert "--quantity skin" in lines[1]
+    assert not any(line.startswith("  A_c0, front") for line in lines)
+    assert main(["score", str(folder), "--start-n", "0.4", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["rate"] is None
+    assert set(found["area"]) == {None}
+    assert main(["score", str(tmp_path / "run"), "--start-n", "0.4"]) == 0
+    assert "not determined" in capsys.readouterr().out.splitlines()[1]
+
+
+def test_a_press_unlike_the_others_is_named(presses: Path, tmp_path: Path, capsys: Captured) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(presses, run)
+    odd = PressSettings(stiffness_n_per_mm=3.35, world=ContactWorld(stick_force_n=0.5))
+    write_press(simulate_press(odd), run / "odd", overwrite=False)
+    page = tmp_path / "pages.html"
+    assert main(["score", str(run), "--page", str(page)]) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("check this press:")]
+    assert len(said) == 1
+    assert said[0].startswith("check this press: odd: skin grew")
+    assert "Check odd: skin grew" in page.read_text(encoding="utf-8")
+    assert "Check this press:" in (tmp_path / "pages_pages" / "odd.html").read_text(encoding="utf-8")
+    assert "Check this press:" not in (tmp_path / "pages_pages" / "S1_00deg_01.html").read_text(encoding="utf-8")
+    assert main(["score", str(run), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["presses"]
+    assert [name for name, press in found.items() if press["doubts"]] == ["odd"]
+
+
+def test_tables_of_pins_and_frames(presses: Path, tmp_path: Path) -> None:
+    words = ["--pins", str(tmp_path / "new" / "pins.csv"), "--frames", str(tmp_path / "frames.csv")]
+    assert main(["score", str(presses / "S5_00deg_01"), *words]) == 0
+    assert (tmp_path / "new" / "pins.csv").read_text().startswith("frame,pin,x_px,y_px,inside\n")
+    assert (tmp_path / "frames.csv").read_text().startswith("frame,force_n,front_area_mm2,")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.csv", "new"]
+
+
+def test_the_whole_image_as_region(presses: Path, capsys: Captured) -> None:
+    words = ["--engine", "dis", "--region", "image", "--quantity", "skin"]
+    assert main(["score", str(presses / "S5_00deg_01"), *words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["settings"]["region"] == "image"
+    assert found["log_growth"] == found["divergence"]
+
+
+def test_domes_of_a_lab_are_taken(
+    presses: Path, tmp_path: Path, shared_data: Callable[[str], Path], capsys: Captured
+) -> None:
+    for table in sorted(shared_data("contact_fem").glob("A_*.npz")):
+        shutil.copy(table, tmp_path)
+    assert main(["score", str(presses / "S5_00deg_01"), "--domes", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["front"]["dome"] == "A"
 
 
 def test_many_presses_are_a_line_each(presses: Path, capsys: Captured) -> None:
@@ -160,7 +243,9 @@ def test_without_a_camera_the_headline_says_px2(presses: Path, tmp_path: Path, c
     note = "areas are in px², not mm²: no camera.toml in the folder of the press or the folder above it, and none given"
     assert both.err.count(note) == 2
     assert "No camera file for 2: their areas are in px², not mm²." in page.read_text(encoding="utf-8")
-    assert "No camera file: areas are in px²" in (tmp_path / "pages" / "S5_00deg_01.html").read_text(encoding="utf-8")
+    assert "No camera file: areas are in px²" in (tmp_path / "pages_pages" / "S5_00deg_01.html").read_text(
+        encoding="utf-8"
+    )
     assert main(["score", str(run / "S5_00deg_01")]) == 0
     assert capsys.readouterr().out.startswith("S5_00deg_01, areas in px², not mm²\n")
     assert main(["area", str(run / "S5_00deg_01")]) == 0
@@ -176,8 +261,8 @@ def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
     page = (tmp_path / "a" / "one.html").read_text(encoding="utf-8")
     assert page.count("<img") == 6
     assert "http" not in page.replace("http://www.w3.org", "")
-    names = {path.stem for path in (tmp_path / "pictures").iterdir()}
-    assert names == {"area_over_force", "growth", "pins", "area", "region", "spreading"}
+    names = {path.name for path in (tmp_path / "pictures").iterdir()}
+    assert names == {f"{name}.svg" for name in ("area_curve", "edges", "growth", "pins", "area", "spreading")}
 
 
 @pytest.mark.parametrize(
@@ -197,6 +282,15 @@ def test_pictures_and_page_of_one_press(presses: Path, tmp_path: Path) -> None:
         (["{presses}/S1_00deg_01", "--force-rule", "mean", "--camera-lag", "0.05"], "wanted a force log with time_s"),
         (["{presses}/S1_00deg_01", "--force-rule", "mean", "--correct-lag"], "a force log without times"),
         (["{presses}", "--force", "{presses}/S1_00deg_01/force.csv"], "one press"),
+        (["{presses}/S1_00deg_01", "--domes", "{presses}"], "tables of domes"),
+        (["{presses}/S1_00deg_01", "--region", "image"], "a dense engine"),
+        (["{presses}/S1_00deg_01", "--region", "150,150,140"], "at most the area of the pin array"),
+        (["{presses}/S1_00deg_01", "--pins", "{presses}/S1_00deg_01/p.csv"], "--pins: wanted a place outside"),
+        (["{presses}/S1_00deg_01", "--frames", "{presses}/S1_00deg_01/new/p.csv"], "--frames: wanted a place outside"),
+        (["{presses}", "--page", "{presses}/p.html"], "--page: wanted a place outside"),
+        (["{presses}/S1_00deg_01", "--figures", "{presses}/S1_00deg_01"], "--figures: wanted a place outside"),
+        (["{presses}", "--pins", "p.csv"], "--pins: wanted one press; found 4 presses"),
+        (["{presses}/S1_00deg_01", "--pins", "p.csv", "--frames", "p.csv"], "wanted two files"),
     ],
 )
 def test_unusable_input_is_said_in_one_line(words: list[str], complaint: str, presses: Path, capsys: Captured) -> None:
@@ -205,3 +299,29 @@ def test_unusable_input_is_said_in_one_line(words: list[str], complaint: str, pr
     assert error.startswith("casr: ")
     assert complaint in error
     assert len(error.splitlines()) == 1
+
+
+@pytest.mark.parametrize("words", [["--pins", "p.txt"], ["--frames", "p"], ["--quantity", "both"]])
+def test_options_that_take_no_such_value(words: list[str], presses: Path, capsys: Captured) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["score", str(presses / "S1_00deg_01"), *words])
+    assert left.value.code == 2
+    assert words[1] in capsys.readouterr().err
+
+
+def test_a_page_costs_less_than_its_score(presses: Path, tmp_path: Path) -> None:
+    """The median of three, of processor time: the score of a press, and its page."""
+    from casr.cli.pages import write_press as write_page
+    from casr.frame_files import open_frames
+    from casr.score import score
+
+    spent: list[tuple[float, float]] = []
+    for _ in range(3):
+        sequence = open_frames(presses / "S5_00deg_01")
+        start = process_time()
+        scored = score(sequence)
+        between = process_time()
+        write_page(sequence, scored, tmp_path / "page.html", None)
+        spent.append((between - start, process_time() - between))
+    scoring, page = (sorted(times)[1] for times in zip(*spent, strict=True))
+    assert page < scoring
