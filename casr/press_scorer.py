@@ -228,8 +228,8 @@ class PressScorer:
                 *_skipped(skipped),
                 *self._notes,
                 *of_steps,
-                *front.notes,
-                *_notes_of(skin, spread),
+                *(front.notes if self._settings.quantity == "front" else ()),
+                *_notes_of(skin, spread if self._settings.quantity == "front" else None),
             ),
         )
 

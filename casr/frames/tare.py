@@ -37,7 +37,7 @@ class RestingForce:
 
     Until then the zero is that of the frames so far: of their densest band, 0.1 ``start_n`` wide, those up to the last
     at or below its median, so that the ramp up to contact is not in it. Three or more tell it; before, 0 N counts, or
-    the first reading where that is ``start_n`` or more, as of a sensor that was never zeroed.
+    the first reading where that is half of ``start_n`` or more, as of a sensor that was never zeroed.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class RestingForce:
         if self.zero is not None:
             return self.zero.level_n
         first_n = self._rest_n[0] if self._rest_n and not self._touched else 0.0
-        return first_n if first_n >= self._start_n else 0.0
+        return first_n if first_n >= self._start_n / 2 else 0.0
 
     def touches(self, force_n: float) -> bool:
         """Whether the next frame, of this force as logged, is in contact. NaN is not."""

@@ -23,16 +23,19 @@ from casr.pins import Pins, PinSettings
 from casr.score import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import SKIPPED, StreamScorer
-from casr.synthetic import PressSettings, Skin, simulate_press
+from casr.synthetic import ContactWorld, PressSettings, Skin, simulate_press
 
 Images = NDArray[np.uint8]
+SKIN = ScoreSettings(quantity="skin")
 Frames = tuple[Images, NDArray[np.float64]]
 
 
 @cache
 def press(specimen: str = "S3", skin: Skin | None = None) -> Frames:
     """Frames from rest to a little after the peak, and their force."""
-    settings = PressSettings(stiffness_n_per_mm=SPECIMENS[specimen], **({} if skin is None else {"skin": skin}))  # type: ignore[arg-type]
+    settings = PressSettings(
+        stiffness_n_per_mm=SPECIMENS[specimen], world=ContactWorld(), **({} if skin is None else {"skin": skin})
+    )  # type: ignore[arg-type]
     made = simulate_press(settings)
     last = int(made.truth.loading_frames[-1]) + 3
     force = force_per_frame(made.timeline.log_force_n, made.timeline.log_frame_index, len(made.frames))
@@ -40,11 +43,11 @@ def press(specimen: str = "S3", skin: Skin | None = None) -> Frames:
 
 
 def scored(images: Images, force: NDArray[np.float64], settings: ScoreSettings | None = None) -> Score:
-    return score(FrameSequence(ArrayFrames(images), None, force), settings)
+    return score(FrameSequence(ArrayFrames(images), None, force), settings or SKIN)
 
 
 def streamed(images: Images, force: NDArray[np.float64]) -> Score:
-    stream = StreamScorer()
+    stream = StreamScorer(settings=SKIN)
     for image, f in zip(images, force, strict=True):
         stream.push(image, float(f))
     return stream.finish()
@@ -112,7 +115,7 @@ def test_the_stream_says_which_frame_it_skips_and_goes_on() -> None:
     images, force = press()
     bad = images.copy()
     bad[30] = 0
-    stream = StreamScorer()
+    stream = StreamScorer(settings=SKIN)
     states = [stream.push(image, float(f)) for image, f in zip(bad[:40], force, strict=False)]
     assert (states[30].area, states[30].notes) == (None, (SKIPPED,))
     assert states[29].area is not None
@@ -151,7 +154,7 @@ def test_one_lost_pin_of_three_does_not_end_a_press() -> None:
     a, b = pins[nearest[:2]]
     third = pins[min(nearest[2:], key=lambda row: float(np.hypot(*(pins[row] - a)) + np.hypot(*(pins[row] - b))))]
     x, y = (a + b + third) / 3
-    settings = ScoreSettings(region=Region.circle(float(x), float(y), 14.0))
+    settings = ScoreSettings(quantity="skin", region=Region.circle(float(x), float(y), 14.0))
     whole = scored(images, force, settings)
     assert whole.initial.selected.size == 3
     lost = whole.initial.selected[0]
@@ -168,7 +171,7 @@ def test_one_lost_pin_of_three_does_not_end_a_press() -> None:
 
 def test_a_given_region_needs_three_pins() -> None:
     images, force = press()
-    settings = ScoreSettings(region=Region.circle(150, 150, 2))
+    settings = ScoreSettings(quantity="skin", region=Region.circle(150, 150, 2))
     with pytest.raises(SettingError, match="wanted 3 or more pins inside it; found 1 "):
         scored(images, force, settings)
 
@@ -191,7 +194,7 @@ def test_large_noisy_and_dark_frames_are_scored_as_the_clean_ones(appearance: st
     first = int(scored(images, force).frames[0])
     rows = np.r_[0:4, first : first + 8]
     images, force = images[rows], force[rows]
-    clean, settings, scale, within = scored(images, force), ScoreSettings(), 1, 0.01
+    clean, settings, scale, within = scored(images, force), SKIN, 1, 0.01
     if appearance == "large":
         scale = 10
         images = np.stack([cv2.resize(image, (3000, 3000), interpolation=cv2.INTER_CUBIC) for image in images])
@@ -199,7 +202,10 @@ def test_large_noisy_and_dark_frames_are_scored_as_the_clean_ones(appearance: st
         noise = np.random.default_rng(4).normal(0, 15, images.shape)
         images, within = np.clip(images + noise, 0, 255).astype(np.uint8), 0.12
     else:
-        images, settings = 255 - images, ScoreSettings(flow=FlowSettings(pins=PinSettings(dark_pins=True)))
+        images, settings = (
+            255 - images,
+            ScoreSettings(quantity="skin", flow=FlowSettings(pins=PinSettings(dark_pins=True))),
+        )
     found = scored(images, force, settings)
     assert len(found.rest) == 127
     assert found.area[0] / scale**2 == pytest.approx(clean.area[0], rel=within)
@@ -222,10 +228,12 @@ class SquareSkin(Skin):
 
 
 def test_a_square_grid_of_pins_is_scored() -> None:
-    made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S5"], skin=SquareSkin(pitch_px=23.0)))
+    made = simulate_press(
+        PressSettings(stiffness_n_per_mm=SPECIMENS["S5"], skin=SquareSkin(pitch_px=23.0), world=ContactWorld())
+    )
     force = force_per_frame(made.timeline.log_force_n, made.timeline.log_frame_index, len(made.frames))
     images = np.stack([made.frames.read(index) for index in range(len(made.frames))])
-    found = score(FrameSequence(ArrayFrames(images), made.settings.camera, force))
+    found = score(FrameSequence(ArrayFrames(images), made.settings.camera, force), SKIN)
     assert len(found.rest) == 81
     assert not found.notes
     truth = made.truth.area_mm2[found.frames]
