@@ -28,8 +28,8 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
     # without a camera the dome's place is a guess, and a misfit says nothing of the press
     if score.settings.quantity == "front" and score.area_unit == "mm2" and by_library and front.misfit > FREE_MISFIT:
         found.append(
-            f"{front.misfit:.0%} of the motion of the pins is left over by every dome of the library, {FREE_MISFIT:.0%} "
-            "would be usual: another sensor (pin_length_mm, --domes), or not one contact"
+            f"{front.misfit:.0%} of the motion of the pins is left over by every dome of the library, "
+            f"{FREE_MISFIT:.0%} would be usual: another sensor (pin_length_mm, --domes), or not one contact"
         )
     rate = score.rate
     if rate is not None and rate.scatter_low is not None and rate.scatter_high is not None:
