@@ -274,7 +274,7 @@ class RunSettings:
 
     algorithm: Literal["front", "edge", "hexagon", "circle", "paper"] = "front"
     """Contact area: its front in every frame; or the growth of the first contact's skin with the initial area by its
-    edge, hexagons (the paper's new one) or a circle (previous work); paper: to the letter."""
+    edge, hexagons (the paper's new one) or a circle (previous work); paper: as the paper means it."""
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
     "Loading phase that is scored, in newtons: CASR is the mean rate between the two (paper: over the frames between)."
     threshold_px: Positive = 2.0

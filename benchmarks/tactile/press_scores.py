@@ -70,7 +70,7 @@ def scored(settings: PressSettings) -> PressScores:
     for engine in ENGINES:
         start = time.process_time()
         try:
-            found = score(sequence, ScoreSettings(flow=FlowSettings(engine=engine)))
+            found = score(sequence, ScoreSettings(quantity="skin", flow=FlowSettings(engine=engine)))
         except CasrError as error:
             result.failures[engine] = str(error)
             continue

@@ -20,6 +20,7 @@ from benchmarks.tactile.press_scores import CHAINS, PressScores, scored
 from benchmarks.tactile.table import Cell, Table
 from casr.contact_area import RULES
 from casr.flow.estimate import ENGINES
+from casr.synthetic.contact import ContactWorld
 from casr.synthetic.settings import PressSettings
 
 
@@ -31,7 +32,7 @@ def run_presses(n_repetitions: int, n_jobs: int) -> list[Table]:
 def score_all(n_repetitions: int, n_jobs: int = 1) -> list[PressScores]:
     """Four specimens, three angles and so many repetitions, on ``n_jobs`` processes."""
     presses = [
-        PressSettings(stiffness_n_per_mm=stiffness, angle_deg=angle, repetition=repetition)
+        PressSettings(stiffness_n_per_mm=stiffness, angle_deg=angle, repetition=repetition, world=ContactWorld())
         for angle in ANGLES_DEG
         for stiffness in STIFFNESS_N_MM.tolist()
         for repetition in range(n_repetitions)

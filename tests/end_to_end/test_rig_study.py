@@ -83,7 +83,7 @@ def test_every_run_is_scored_and_the_softer_spreads_faster(pressed):
     assert sorted(found) == sorted(RUNS)
     assert all(one.simulated and set(one.verdicts) == {"ok"} for one in found.values())
     for condition in ("high-stiffness", "modular"):
-        rates = [np.mean(found[f"{name}_0_{condition}"].casr["edge"]) for name in ("S1", "S3", "S5")]
+        rates = [np.mean(found[f"{name}_0_{condition}"].casr["front"]) for name in ("S1", "S3", "S5")]
         cues = [np.mean(found[f"{name}_0_{condition}"].indent_n_per_mm) for name in ("S1", "S3", "S5")]
         assert rates == sorted(rates)
         assert cues == sorted(cues, reverse=True)
@@ -154,7 +154,7 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated,
     assert sorted(found) == sorted(RUNS)
     for name in RUNS:
         assert not found[name].simulated
-        np.testing.assert_allclose(found[name].casr["edge"], emulated[name].casr["edge"], rtol=1e-12)
+        np.testing.assert_allclose(found[name].casr["front"], emulated[name].casr["front"], rtol=1e-12)
         assert np.isnan(found[name].indent_n_per_mm).all()
     page = (tmp_path / "reports" / "small" / "index.html").read_text()
     assert "emulated rig" not in page
@@ -299,4 +299,4 @@ def test_killed_halfway_and_run_again(simulated, pressed, tmp_path, capsys):
     assert again["failures"] == []
     assert sorted(p.name for p in folder.glob("runs-virtual/[!.]*")) == sorted(RUNS)
     for name, found in scores(study).items():
-        np.testing.assert_array_equal(found.casr["edge"], scores(pressed / "study.toml")[name].casr["edge"])
+        np.testing.assert_array_equal(found.casr["front"], scores(pressed / "study.toml")[name].casr["front"])

@@ -14,6 +14,7 @@ from benchmarks.tactile.presses import failures, tables
 from casr.contact_area import RULES
 from casr.errors import SettingError
 from casr.flow.estimate import ENGINES
+from casr.synthetic.contact import ContactWorld
 from casr.synthetic.settings import PressSettings, TimelineSettings
 
 BEST = ("pin-affine", TRUE_AREA, "ode", "power")
@@ -21,7 +22,7 @@ BEST = ("pin-affine", TRUE_AREA, "ode", "power")
 
 @pytest.fixture(scope="module")
 def press() -> PressScores:
-    return scored(PressSettings(repetition=1, timeline=TimelineSettings(loading_s=1.0)))
+    return scored(PressSettings(repetition=1, world=ContactWorld(), timeline=TimelineSettings(loading_s=1.0)))
 
 
 def test_every_chain_of_a_press_is_scored(press: PressScores) -> None:

@@ -116,9 +116,8 @@ def test_depth_from_a_picture_without_a_board(folder, tmp_path, capsys):
     [
         (["--charuco", "7by5"], "wanted columns and rows such as 9x7; found '7by5'"),
         (["--charuco", "7x5", "--chessboard", "7x5"], "not allowed with"),
-        (["--square-mm", "6"], "one of the arguments --charuco --chessboard is required"),
+        (["--square-mm", "6"], "one of the arguments --charuco --chessboard --plate is required"),
         (["--charuco", "7x5", "--square-mm", "0"], "above 0"),
-        (["--charuco", "7x5", "--square-mm", "6"], "one of the arguments --depth-mm --depth-from is required"),
         (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "-3"], "above 0"),
         (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "3", "--distortion", "3"], "invalid choice"),
         (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "3", "--frame-rate-hz", "nan"], "wanted 1 number"),

@@ -13,7 +13,23 @@ from casr.cli import main
 def presses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A hard and a soft specimen, two presses each, written by the command."""
     folder = tmp_path_factory.mktemp("simulated") / "presses"
-    assert main(["simulate", str(folder), "--specimens", "S1,S5", "--angles", "0", "--repetitions", "2"]) == 0
+    assert (
+        main(
+            [
+                "simulate",
+                str(folder),
+                "--specimens",
+                "S1,S5",
+                "--angles",
+                "0",
+                "--repetitions",
+                "2",
+                "--scatter",
+                "none",
+            ]
+        )
+        == 0
+    )
     return folder
 
 
@@ -21,6 +37,6 @@ def presses(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def stuck_press(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A press in the world in which the skin inside the contact grows as the contact does."""
     folder = tmp_path_factory.mktemp("simulated") / "stuck"
-    words = ["--world", "stick", "--specimens", "S5", "--angles", "0", "--repetitions", "1"]
+    words = ["--world", "stick", "--scatter", "none", "--specimens", "S5", "--angles", "0", "--repetitions", "1"]
     assert main(["simulate", str(folder), *words]) == 0
     return folder / "S5_00deg_01"

@@ -163,7 +163,7 @@ def test_zero_and_lag_are_said_and_taken_off(presses: Path, tmp_path: Path, caps
         assert found["rate"]["value"] == pytest.approx(wanted["rate"]["value"], rel=0.02)
         assert found["force_zero"]["level_n"] == pytest.approx(0.4, abs=0.01)
     assert main(["score", str(folder), "--no-tare", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["rate"]["value"] < 0.98 * wanted["rate"]["value"]
+    assert abs(json.loads(capsys.readouterr().out)["rate"]["value"] / wanted["rate"]["value"] - 1) > 0.02
 
 
 def test_a_press_to_check_says_so_first(presses: Path, tmp_path: Path, capsys: Captured) -> None:
@@ -173,7 +173,8 @@ def test_a_press_to_check_says_so_first(presses: Path, tmp_path: Path, capsys: C
     tifffile.imwrite(folder / "frames.tif", frames[::-1], photometric="minisblack")
     page = tmp_path / "page.html"
     assert main(["score", str(folder), "--page", str(page)]) == 0
-    assert capsys.readouterr().out.splitlines()[1].startswith("  Check this press: the pins go back")
+    said = capsys.readouterr().out.splitlines()[1:4]
+    assert any(line.startswith("  Check this press: the pins go back") for line in said)
     assert "Check this press:" in page.read_text(encoding="utf-8")
     shutil.copytree(presses / "S5_00deg_02", tmp_path / "both" / "good")
     assert main(["score", str(tmp_path / "both")]) == 0
