@@ -67,13 +67,13 @@ def test_interval_covers_the_rate_for_errors_of_area_and_force(frames, least):
         force = few_frames(rng, frames)
         area = 60 * force ** (2 / 3) * np.exp(0.01 * rng.standard_normal(frames))
         rate = spread_rate(area, force + 0.01 * rng.standard_normal(frames))
-        covered += rate.low <= true <= rate.high
+        covered += rate.scatter_low <= true <= rate.scatter_high
     assert least < covered / 400 < 0.985
 
 
 def test_four_frames_have_a_rate_and_no_interval():
     rate = rate_of(CURVES["Hertz"], np.array([0.6, 2.0, 4.0, 6.5]))
-    assert rate.low is None
+    assert rate.scatter_low is None
     assert rate.notes == ("No interval: 4 points are too few to judge their error.",)
 
 

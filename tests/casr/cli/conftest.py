@@ -13,7 +13,8 @@ from casr.cli import main
 def presses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A hard and a soft specimen, two presses each, written by the command."""
     folder = tmp_path_factory.mktemp("simulated") / "presses"
-    assert main(["simulate", str(folder), "--specimens", "S1,S5", "--angles", "0", "--repetitions", "2"]) == 0
+    words = ["--specimens", "S1,S5", "--angles", "0", "--repetitions", "2", "--scatter", "none"]
+    assert main(["simulate", str(folder), *words]) == 0
     return folder
 
 
