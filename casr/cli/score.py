@@ -312,8 +312,8 @@ def _block(score: Score) -> str:
     facts.append(("method", ", ".join(method)))
     return "\n".join([
         score.name + (", areas in px², not mm²" if score.area_unit == "px2" else ""),
-        *([f"  Not determined: {not_determined(score)}"] if score.first is None else []),
         *(f"  Check this press: {doubt}" for doubt in score.doubts),
+        *([f"  Not determined: {not_determined(score)}"] if score.first is None else []),
         *(f"  {name:<11} {value}" for name, value in facts),
     ])  # fmt: skip
 

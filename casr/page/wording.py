@@ -29,8 +29,10 @@ def number(value: float | None, digits: int = 4) -> str:
 
 def verdict(score: Score) -> tuple[str, str, str]:
     """Kind (good, usable or bad), the word for it and what was seen."""
+    if score.first is None and score.doubts:
+        return "bad", "Check this press:", f"{'; '.join(score.doubts)}. Not determined: {not_determined(score)}"
     if score.first is None:
-        return "bad", "Not determined:", f"{not_determined(score)}{_also(score)}"
+        return "bad", "Not determined:", not_determined(score)
     area = score.area[score.first :]
     growth = float(area[-1] / area[0])
     unit = readable(score.area_unit)
@@ -64,10 +66,6 @@ def not_determined(score: Score) -> str:
         f"{score.front_doubt}. Press a larger contact (harder, or on a flatter or softer specimen), see that "
         "camera.toml is there and holds pin_length_mm under [sensor], or take the growth of skin: --quantity skin."
     )
-
-
-def _also(score: Score) -> str:
-    return f" Also: {'; '.join(score.doubts)}." if score.doubts else ""
 
 
 def headline(score: Score) -> list[tuple[str, str, str]]:
