@@ -24,7 +24,8 @@ FREE_MISFIT = 0.03
 "Share of the motion that a dome of the library leaves over; more, and the sensor is none of them."
 SD_PER_MISFIT = 4.0
 "Relative standard error of an area per misfit above that: 0.05 more came with areas 20 % off on a wrong dome."
-PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.2, 0.01
+PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.1, 0.01
+"Of a length that is known to 0.2 mm, and of a depth."
 BEYOND_COMPUTED = 1.25
 "Times the largest radius of a table: presses to 7 N reach 1.15 of it."
 USUAL_PIN_LENGTHS_MM = (1.5, 2.5, 3.5, 4.5)
