@@ -183,7 +183,10 @@ def _notes(front: ContactFront, fit: FrontFit, library: Library) -> tuple[str, .
         )
     beyond = int((fit.radius_mm[0] > BEYOND_COMPUTED * library.computed_mm[fit.worlds[0]]).sum())
     if beyond:
-        notes.append(f"In {beyond} of {len(front.area)} frames the contact is far larger than any that was computed.")
+        notes.append(
+            f"In {beyond} of {len(front.area)} frames the contact is larger by a quarter than any that "
+            "was computed: the tables are continued there."
+        )
     return tuple(notes)
 
 
