@@ -62,7 +62,7 @@ def fit_edge(rest_px: Array, displacement_px: Array, pitch_px: float, near: Cont
     middle = rest.mean()
     rim = np.log(np.abs(rest - middle).max() + pitch_px)
     moved = np.abs(displacement) ** 3
-    centre = moved @ rest / moved.sum()
+    centre = moved @ rest / moved.sum() if moved.any() else middle
     field = DisplacementField(rest, displacement, middle, np.ones(rest.size))
     if near is None:
         starts = [np.array([centre.real, centre.imag, np.log(n * pitch_px), 0.0, 0.0, rim]) for n in START_PITCHES]
