@@ -26,8 +26,6 @@ class Sensor:
     ----------
     pin_length_mm : from the inner face of the skin to the tip of a pin.
     dome_radius_mm : outer radius of the dome.
-    skin_mm : thickness of the skin.
-    flange_mm : how far behind the flange the pinhole of the camera lies, along the axis; negative in front of it.
 
     Raises
     ------
@@ -36,12 +34,10 @@ class Sensor:
 
     pin_length_mm: float | None = None
     dome_radius_mm: float | None = None
-    skin_mm: float | None = None
-    flange_mm: float | None = None
 
     def __post_init__(self) -> None:
         for name, value in self.known().items():
-            object.__setattr__(self, name, _number(f"sensor.{name}", value, above_zero=name != "flange_mm"))
+            object.__setattr__(self, name, _number(f"sensor.{name}", value, above_zero=True))
 
     def known(self) -> dict[str, float]:
         """Names and values of what is set."""

@@ -13,6 +13,7 @@ from casr.contact_area.front_edge import FrontEdge, as_a_whole
 from casr.contact_area.front_fit import FrontFit, fit_front
 from casr.dome.library import Library
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
+from casr.errors import CameraError
 
 Array = NDArray[np.float64]
 
@@ -29,6 +30,8 @@ PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.1, 0.01
 BEYOND_COMPUTED = 1.25
 "Times the largest radius of a table: presses to 7 N reach 1.15 of it."
 USUAL_PIN_LENGTHS_MM = (1.5, 2.5, 3.5, 4.5)
+LONGEST_PIN = 0.5
+"Of the radius on which pins stand: longer ones would meet."
 UNKNOWN_REACH_DEG = (40.0, 55.0, 70.0)
 "Of the outermost pins from the pole, where no camera says how large the dome is."
 _UNKNOWN_DEPTH_MM = 50.0
@@ -100,6 +103,14 @@ def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple
     known_mm = None if sensor is None else sensor.pin_length_mm
     lengths = USUAL_PIN_LENGTHS_MM if known_mm is None else (known_mm / scale,)
     said: tuple[str, ...] = ()
+    longest_mm = LONGEST_PIN * INNER_RADIUS_MM * scale
+    if known_mm is not None and known_mm > longest_mm:
+        raise CameraError(
+            "sensor.pin_length_mm",
+            wanted=f"{longest_mm:.3g} mm or less in a dome of {OUTER_RADIUS_MM * scale:g} mm",
+            found=f"{known_mm:g}",
+            do="Measure from the skin to the tip of a pin; give dome_radius_mm if the dome is not of 20 mm.",
+        )
     if known_mm is None:
         tried = ", ".join(f"{each:g}" for each in lengths)
         said = (

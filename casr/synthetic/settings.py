@@ -67,7 +67,7 @@ class TimelineSettings:
             )
 
 
-SIMULATED_SENSOR = Sensor(pin_length_mm=3.0, dome_radius_mm=20.0, skin_mm=1.0)
+SIMULATED_SENSOR = Sensor(pin_length_mm=3.0, dome_radius_mm=20.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from casr.contact_area.follow import contact_front
 from casr.contact_area.front import PARTS, ContactFront
 from casr.contact_area.library_front import FREE_MISFIT, library_front
 from casr.dome.library import SHIPPED, Library, worlds
-from casr.errors import PinsError
+from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
 from casr.spread import SpreadRate, spread_rate
 from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, World, simulate_press
@@ -260,3 +260,9 @@ def test_pins_that_move_like_no_contact_are_doubted() -> None:
     turned = [about @ np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]]) + 149.5 for a in swirl]
     front = contact_front(press.rest_px, np.array(turned), CAMERA, worlds())
     assert "do not move as on a dome" in front_doubt(front)
+
+
+def test_pins_that_would_meet_are_refused() -> None:
+    camera = replace(CAMERA, sensor=Sensor(pin_length_mm=12.0, dome_radius_mm=20.0))
+    with pytest.raises(CameraError, match=r"sensor.pin_length_mm: wanted 9.5 mm or less in a dome of 20 mm; found 12"):
+        front_of(pressed(TabulatedWorld()), camera)

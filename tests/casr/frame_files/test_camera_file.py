@@ -40,8 +40,6 @@ ANY = st.floats(allow_nan=False, allow_infinity=False)
             Sensor,
             pin_length_mm=st.none() | ABOVE_ZERO,
             dome_radius_mm=st.none() | ABOVE_ZERO,
-            skin_mm=st.none() | ABOVE_ZERO,
-            flange_mm=st.none() | ANY,
         ),
     )
 )
@@ -57,13 +55,13 @@ def test_distortion_and_frame_rate_may_be_left_out(tmp_path):
 
 
 def test_what_is_known_of_the_sensor_is_read(tmp_path):
-    (tmp_path / "camera.toml").write_text(REQUIRED + "[sensor]\npin_length_mm = 2\nskin_mm = 1.0\n")
-    assert read_camera(tmp_path / "camera.toml").sensor == Sensor(pin_length_mm=2.0, skin_mm=1.0)
+    (tmp_path / "camera.toml").write_text(REQUIRED + "[sensor]\npin_length_mm = 2\ndome_radius_mm = 20.0\n")
+    assert read_camera(tmp_path / "camera.toml").sensor == Sensor(pin_length_mm=2.0, dome_radius_mm=20.0)
 
 
 def test_a_table_sensor_is_written_only_when_something_is_known():
     assert "sensor" not in Camera().to_toml()
-    assert Camera(sensor=Sensor(skin_mm=1.0)).to_toml().endswith("\n\n[sensor]\nskin_mm = 1.0\n")
+    assert Camera(sensor=Sensor(pin_length_mm=1.0)).to_toml().endswith("\n\n[sensor]\npin_length_mm = 1.0\n")
 
 
 @pytest.mark.parametrize(
@@ -82,7 +80,7 @@ def test_a_table_sensor_is_written_only_when_something_is_known():
         ("sensor = 2\n" + REQUIRED, r"wanted a table \[sensor\]; found sensor = 2"),
         (REQUIRED + "[sensor]\npin_length = 2\n", r"\[sensor\] pin_length: .* Did you mean pin_length_mm\?"),
         (REQUIRED + "[sensor]\npin_length_mm = 0\n", r"camera.toml, sensor.pin_length_mm: wanted a number above 0"),
-        (REQUIRED + "[sensor]\nflange_mm = nan\n", r"sensor.flange_mm: wanted a finite number; found nan"),
+        (REQUIRED + "[sensor]\ndome_radius_mm = nan\n", r"sensor.dome_radius_mm: wanted a number above 0; found nan"),
         (REQUIRED.replace("[camera]\n", ""), r"wanted a table \[camera\]; found the keys width_px"),
         ("camera = 3\n", r"wanted a table \[camera\]"),
         ("", r"found no keys"),
