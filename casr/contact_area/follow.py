@@ -34,7 +34,7 @@ def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
 
     Raises
     ------
-    PinsError : fewer than seven pins in some frame, or fewer than two frames.
+    PinsError : fewer than seven pins in some frame, or fewer than two frames. CameraError : pins longer than can be.
     """
     rest_px, pins_px = np.asarray(rest_px, dtype=np.float64), np.asarray(pins_px, dtype=np.float64)
     fewest = int(np.isfinite(pins_px[..., 0]).sum(axis=1).min(initial=len(rest_px)))
