@@ -24,11 +24,15 @@ def doubts_on_score(score: Score) -> tuple[str, ...]:
             f"the contact area shrank, from {known[0]:.4g} to {known[-1]:.4g} {unit}: do the frames run backwards?"
         )
     front = score.front
-    by_library = front.model != "analytic" and not score.front_doubt
     # without a camera the dome's place is a guess, and a misfit says nothing of the press
-    if score.settings.quantity == "front" and score.area_unit == "mm2" and by_library and front.misfit > FREE_MISFIT:
+    if (
+        score.settings.quantity == "front"
+        and score.area_unit == "mm2"
+        and not score.front_doubt
+        and front.off_library > FREE_MISFIT
+    ):
         found.append(
-            f"{front.misfit:.0%} of the motion of the pins is left over by every dome of the library, "
+            f"{front.off_library:.0%} of the motion of the pins is left over by every dome of the library, "
             f"{FREE_MISFIT:.0%} would be usual: another sensor (pin_length_mm, --domes), or not one contact"
         )
     rate = score.rate

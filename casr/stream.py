@@ -115,7 +115,8 @@ class StreamScorer:
                 found=f"contact from frame {phase.frames[0]}, by the rest after it",
                 do="Let the sensor rest longer before the touch.",
             )
-        scored = press.result(phase, force_n[phase.frames])
+        zero_sd_n = zero.sd_n if zero is not None and settings.tare else None
+        scored = press.result(phase, force_n[phase.frames], zero_sd_n)
         notes = notes_on_zero(zero, settings.force_start_n) if settings.tare else ()
         zero = None if zero is None else replace(zero, taken_off=settings.tare)
         doubts = (*scored.doubts, *_spikes_scored(phase, force_n), *doubts_on_score(scored))
@@ -207,10 +208,10 @@ class _Contact:
             raise FramesError("stream", wanted="a frame in contact with pins", found="none yet", do="Ask again later.")
         return self._scorer.rate(np.array(self._force_n))
 
-    def result(self, phase: LoadingPhase, force_n: NDArray[np.float64]) -> Score:
+    def result(self, phase: LoadingPhase, force_n: NDArray[np.float64], zero_sd_n: float | None) -> Score:
         if self._trouble is not None and self._n_taken < len(phase.frames):
             raise self._trouble
-        scored, n = self._scorer.result("stream", phase, force_n), len(phase.frames)
+        scored, n = self._scorer.result("stream", phase, force_n, zero_sd_n), len(phase.frames)
         moved_px, same = (np.array(of_frame)[1 : n + 1] for of_frame in (self._motion.moved_px, self._motion.same))
         notes = (*scored.notes, *note_on_repeats(phase.frames[1:], same[1:] > 0))
         return replace(scored, notes=notes, doubts=doubts_on_motion(phase.frames, force_n, moved_px))

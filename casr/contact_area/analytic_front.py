@@ -9,6 +9,7 @@ from casr.camera import Camera, undistorted
 from casr.contact_area.edge import ContactEdge, fit_edge
 from casr.contact_area.front import PARTS, ContactFront
 from casr.contact_area.front_edge import as_a_whole
+from casr.contact_area.library_front import DEPTH_SHARE_SD, FREE_MISFIT, SD_PER_MISFIT
 from casr.contact_area.motion import pin_motion
 from casr.flow.region import Region
 from casr.pins import pin_pitch_px
@@ -52,20 +53,28 @@ def analytic_front(rest_px: Array, pins_px: Array, camera: Camera | None) -> Con
     left = np.array([1 - edge.explained for edge in edges])
     moved = np.array([float(np.nansum((pins_px[frame] - rest_px) ** 2)) for frame in fitted])
     shear, torsion = as_a_whole(rest_px, pins_px, inside)
-    zero = np.zeros(n_frames)
     scatter = np.interp(np.arange(n_frames), fitted, [edge.area_error for edge in edges])
+    misfit = float(np.sqrt(max(left @ moved, 0.0) / max(moved.sum(), 1e-12)))
+    parts = (
+        scatter,
+        np.full(n_frames, ANALYTIC_SD),
+        np.full(n_frames, SD_PER_MISFIT * max(misfit - FREE_MISFIT, 0.0)),
+        np.zeros(n_frames),
+        np.full(n_frames, 0.0 if camera is None else 2 * DEPTH_SHARE_SD),
+    )
     return ContactFront(
         area=area,
         candidates=area[None],
         weight=np.ones(1),
         spread_weight=np.ones(1),
-        parts=dict(zip(PARTS, (scatter, np.full(n_frames, ANALYTIC_SD), zero, zero, zero), strict=True)),
+        parts=dict(zip(PARTS, parts, strict=True)),
         centre_px=centre,
         edge_px=outline_px,
         inside=inside,
         pins_inside=inside.sum(axis=1),
         pitches=size * grown / pin_pitch_px(rest_px),
-        misfit=float(np.sqrt(max(left @ moved, 0.0) / max(moved.sum(), 1e-12))),
+        misfit=misfit,
+        off_library=np.nan,
         model="analytic",
         model_sd=ANALYTIC_SD,
         dome="",

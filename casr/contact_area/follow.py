@@ -21,6 +21,8 @@ ELSEWHERE = 0.06
 "Misfit of the library from which on the analytic field is fitted, too."
 FAR_BETTER = 0.5
 "Alone it is taken where its misfit is less than this share of the library's; else both count."
+EXPLAINED, MOST_SHARE = 0.05, 0.5
+"Misfit of the analytic field from which on so much of its distance to the library's areas is a standard error."
 
 
 def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library: Library) -> ContactFront:
@@ -48,11 +50,24 @@ def contact_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
     front = library_front(rest_px, pins_px, camera, library)
     if front.misfit > ELSEWHERE:
         other = analytic_front(rest_px, pins_px, camera)
-        if other.misfit < FAR_BETTER * front.misfit:
-            front = replace(other, notes=(_said(other, front),))
-        else:
-            front = _both(front, other)
+        front = _analytic(other, front) if other.misfit < FAR_BETTER * front.misfit else _both(front, other)
     return front.with_note_on_size()
+
+
+def _analytic(analytic: ContactFront, library: ContactFront) -> ContactFront:
+    """The analytic model's areas; the less it explains, the more of their distance to the library's is in the error."""
+    share = MOST_SHARE * min(analytic.misfit / EXPLAINED, 1.0)
+    parts = dict(analytic.parts)
+    parts["dome"] = np.hypot(parts["dome"], share * np.abs(np.log(analytic.area / library.area)))
+    return replace(
+        analytic,
+        candidates=np.stack([analytic.area, library.area]),
+        weight=np.array([1.0, 0.0]),
+        spread_weight=np.array([1 - share**2, share**2]),
+        parts=parts,
+        off_library=library.misfit,
+        notes=(_said(analytic, library),),
+    )
 
 
 def _both(library: ContactFront, analytic: ContactFront) -> ContactFront:

@@ -26,7 +26,8 @@ class ContactFront:
     centre_px : (2,) middle of the contact in the rest frame. edge_px : (T, M, 2) its edge in each frame.
     inside : (T, N) whether the root of each pin is inside the edge. pins_inside : (T,) how many are.
     pitches : (T,) radius of the contact over the pins' pitch.
-    misfit : share of the motion that the best world leaves over beyond the scatter of the pins.
+    misfit : share of the motion that the best world leaves over beyond the scatter of the pins. off_library : the same
+    of the library's best world, whatever model is taken.
     model_sd : relative standard error of an area although the model explains the motion; within "dome".
     model : ``finite elements``, ``analytic`` or ``both``. dome, stiffness_n_per_mm : of the best world.
     log_misfit : name of each dome to the logarithm of its least misfit.
@@ -45,6 +46,7 @@ class ContactFront:
     pins_inside: NDArray[np.intp]
     pitches: Array
     misfit: float
+    off_library: float
     model: str
     model_sd: float
     dome: str

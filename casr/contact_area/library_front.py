@@ -82,6 +82,7 @@ def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
         pins_inside=edge.pins_inside,
         pitches=edge.pitches,
         misfit=misfit,
+        off_library=misfit,
         model="finite elements",
         model_sd=DOME_SD,
         dome=str(library.dome[best.worlds[0]]),

@@ -21,6 +21,7 @@ import re
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,12 @@ OF_STEPS = ("force_n", "contact_radius_mm", "edge_arc_mm")
 OF_NODES = ("u_r_mm", "u_z_mm", "tilt_rad")
 LEAST_RADIUS_MM = 4.0
 "That a contact reaches at its last force: smaller ones tell nothing of a press."
+RANGES = {
+    "force_n": (0.0, 1000.0), "contact_radius_mm": (0.0, 20.0), "edge_arc_mm": (0.0, 32.0), "s_mm": (0.0, 30.0),
+    "u_r_mm": (-20.0, 20.0), "u_z_mm": (-20.0, 20.0), "tilt_rad": (-3.2, 3.2),
+}  # fmt: skip
+"Values that a table can hold."
+FALL_MM, FIRST_ARC_MM = 0.5, 0.5
 _NAME = re.compile(r"(?P<dome>[^_]+)_k(?P<stiffness>rigid|\d+(\.\d+)?)_(?P<friction>[^_]+)")
 _DO = "See the layout in docs/reference/dome-tables.md."
 
@@ -62,14 +69,20 @@ def read_table(path: Path) -> ContactTable:
         wanted = "a name like A_k5.3_stick.npz: dome, stiffness in N/mm or 'rigid', friction"
         raise SettingError(str(path), wanted=wanted, found=path.name, do=_DO)
     try:
-        with np.load(path, allow_pickle=False) as kept:
-            arrays = {key: np.asarray(kept[key], dtype=np.float64) for key in (*OF_STEPS, "s_mm", *OF_NODES)}
-    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        kept = np.load(path, allow_pickle=False)
+        if not isinstance(kept, np.lib.npyio.NpzFile):
+            raise ValueError("one array, and no archive of several")
+        with kept:
+            arrays = {key: _real(kept[key]) for key in (*OF_STEPS, "s_mm", *OF_NODES)}
+    except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
         raise SettingError(str(path), wanted="a table of a dome's contact", found=str(error), do=_DO) from error
     _check(path, arrays)
+    stiffness = np.inf if named["stiffness"] == "rigid" else float(named["stiffness"])
+    if not stiffness > 0:
+        raise SettingError(str(path), wanted="a stiffness above 0 in its name", found=named["stiffness"], do=_DO)
     return ContactTable(
         dome=named["dome"],
-        stiffness_n_per_mm=np.inf if named["stiffness"] == "rigid" else float(named["stiffness"]),
+        stiffness_n_per_mm=stiffness,
         friction=named["friction"],
         force_n=arrays["force_n"],
         contact_radius_mm=arrays["contact_radius_mm"],
@@ -77,6 +90,12 @@ def read_table(path: Path) -> ContactTable:
         s_mm=arrays["s_mm"],
         motion=np.stack([arrays[key] for key in OF_NODES], axis=-1),
     )
+
+
+def _real(array: NDArray[Any]) -> Array:
+    if np.iscomplexobj(array):
+        raise ValueError("complex numbers")
+    return np.asarray(array, dtype=np.float64)
 
 
 def _check(path: Path, arrays: dict[str, Array]) -> None:
@@ -90,6 +109,17 @@ def _check(path: Path, arrays: dict[str, Array]) -> None:
     for key in ("force_n", "s_mm"):
         if not (np.diff(arrays[key]) > 0).all():
             raise SettingError(f"{path}, {key}", wanted="rising values", found="values that do not rise", do=_DO)
+    if not (np.diff(arrays["contact_radius_mm"]) >= -FALL_MM).all():
+        wanted = "a contact that grows with the force"
+        raise SettingError(f"{path}, contact_radius_mm", wanted=wanted, found="values that fall", do=_DO)
+    for key, (low, high) in RANGES.items():
+        found_low, found_high = float(arrays[key].min()), float(arrays[key].max())
+        if found_low < low or found_high > high:
+            wanted = f"values from {low:g} to {high:g}, as in a dome of 20 mm"
+            raise SettingError(f"{path}, {key}", wanted=wanted, found=f"{found_low:.3g} to {found_high:.3g}", do=_DO)
+    if arrays["s_mm"][0] > FIRST_ARC_MM:
+        wanted = f"arcs from the pole on, {FIRST_ARC_MM:g} mm at most"
+        raise SettingError(f"{path}, s_mm", wanted=wanted, found=f"{arrays['s_mm'][0]:.3g}", do=_DO)
     reached_mm = float(arrays["contact_radius_mm"].max())
     if reached_mm < LEAST_RADIUS_MM:
         wanted = f"a contact that reaches {LEAST_RADIUS_MM:g} mm"

@@ -18,8 +18,9 @@ from casr.contact_area.library_front import FREE_MISFIT, library_front
 from casr.dome.library import SHIPPED, Library, worlds
 from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
+from casr.score import score
 from casr.spread import SpreadRate, spread_rate
-from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, World, simulate_press
+from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, TimelineSettings, World, simulate_press
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ NOISE_PX = 0.07
 ROOT_PITCH_MM = 20 / 6 * 19 / 16
 "Of the roots of pins of 3 mm on a sphere of 19 mm, whose tips are 20 px apart at 6 px/mm."
 CAMERA = PressSettings().camera
-OF_RATE = ("scatter", "dome", "misfit", "pin length", "depth", "force zero")
+OF_RATE = ("scatter", "dome", "misfit", "pin length", "depth", "beyond the frames", "narrow window", "force zero")
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,3 +267,20 @@ def test_pins_that_would_meet_are_refused() -> None:
     camera = replace(CAMERA, sensor=Sensor(pin_length_mm=12.0, dome_radius_mm=20.0))
     with pytest.raises(CameraError, match=r"sensor.pin_length_mm: wanted 9.5 mm or less in a dome of 20 mm; found 12"):
         front_of(pressed(TabulatedWorld()), camera)
+
+
+@pytest.mark.parametrize("peak_n", [1.3, 2.0, 3.0])
+def test_a_press_that_ends_early_has_an_interval_that_holds_the_rate_of_the_whole_window(peak_n: float) -> None:
+    made = simulate_press(PressSettings(stiffness_n_per_mm=1.11, timeline=TimelineSettings(peak_n=peak_n)))
+    found = score(made.sequence())
+    assert found.interval is not None
+    assert found.interval.parts["beyond the frames"] > 0.05
+    assert found.interval.low < made.truth.casr_power_mm2_per_n < found.interval.high
+
+
+@pytest.mark.parametrize("depth_mm", [40.0, 55.0, 75.0])
+def test_a_camera_at_another_depth_is_doubted(depth_mm: float) -> None:
+    made = simulate_press(PressSettings(stiffness_n_per_mm=1.11))
+    wrong = replace(made.sequence(), camera=replace(made.settings.camera, depth_mm=depth_mm))
+    found = score(wrong)
+    assert found.doubts or found.front_doubt

@@ -50,6 +50,15 @@ SPOILT: dict[str, tuple[str, Callable[[Arrays], object]]] = {
     "infinite": ("u_r_mm", _set("u_r_mm", (2, 2), np.inf)),
     "force falls": ("force_n", _set("force_n", 9, 0.0)),
     "nodes fall back": ("s_mm", _set("s_mm", 9, 0.0)),
+    "radius falls": (
+        "contact_radius_mm",
+        lambda arrays: arrays.update(contact_radius_mm=arrays["contact_radius_mm"][::-1]),
+    ),
+    "metres": ("s_mm", lambda arrays: arrays.update(s_mm=arrays["s_mm"] * 1000)),
+    "no pole": ("s_mm", lambda arrays: arrays.update(s_mm=np.linspace(5, 29, arrays["s_mm"].size))),
+    "huge": ("u_r_mm", lambda arrays: arrays.update(u_r_mm=arrays["u_r_mm"] + 1e30)),
+    "negative force": ("force_n", lambda arrays: arrays.update(force_n=arrays["force_n"] - 1)),
+    "complex": ("complex numbers", lambda arrays: arrays.update(tilt_rad=arrays["tilt_rad"] + 1j)),
     "never touches": ("contact_radius_mm", _set("contact_radius_mm", slice(None), 0.0)),
 }
 
@@ -62,6 +71,15 @@ def test_a_table_that_cannot_be_is_refused_by_its_key(tmp_path: Path, what: str)
     with pytest.raises(SettingError, match=key) as refused:
         read_table(write(tmp_path, arrays))
     assert "docs/reference/dome-tables.md" in refused.value.do
+
+
+def test_one_array_is_no_table_and_no_specimen_has_no_stiffness(tmp_path: Path) -> None:
+    np.save(tmp_path / "one.npy", np.zeros(9))
+    (tmp_path / "one.npy").rename(tmp_path / "mine_k5.3_stick.npz")
+    with pytest.raises(SettingError, match="one array, and no archive"):
+        read_table(tmp_path / "mine_k5.3_stick.npz")
+    with pytest.raises(SettingError, match="a stiffness above 0 in its name"):
+        read_table(write(tmp_path, arrays_of(5.3), "mine_k0_stick.npz"))
 
 
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 cut off", b"force_n,3"])
