@@ -7,7 +7,6 @@ import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from time import process_time
 
 import pytest
 import tifffile
@@ -317,21 +316,3 @@ def test_options_that_take_no_such_value(words: list[str], presses: Path, capsys
         main(["score", str(presses / "S1_00deg_01"), *words])
     assert left.value.code == 2
     assert words[1] in capsys.readouterr().err
-
-
-def test_a_page_costs_less_than_its_score(presses: Path, tmp_path: Path) -> None:
-    """The median of three, of processor time: the score of a press, and its page."""
-    from casr.cli.pages import write_press as write_page
-    from casr.frame_files import open_frames
-    from casr.score import score
-
-    spent: list[tuple[float, float]] = []
-    for _ in range(3):
-        sequence = open_frames(presses / "S5_00deg_01")
-        start = process_time()
-        scored = score(sequence)
-        between = process_time()
-        write_page(sequence, scored, tmp_path / "page.html", None)
-        spent.append((between - start, process_time() - between))
-    scoring, page = (sorted(times)[1] for times in zip(*spent, strict=True))
-    assert page < scoring
