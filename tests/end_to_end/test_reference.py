@@ -105,8 +105,8 @@ def test_the_truth_of_people_is_found(people: Path) -> None:
 def test_the_reference_finds_the_stiffness_of_the_new_specimen() -> None:
     """Every design's interval holds it.
 
-    The law is not that of the world, and 1 % of CASR is 7 % of this stiffness: a median error of at most 3 % was reached
-    in the world that the law came from; in that of finite elements it is 9 %.
+    The law is not that of the world, and 1 % of CASR is 7 % of this stiffness. A median error of 3 % at most was
+    reached in the world that the law came from; with finite elements it is 9 %.
     """
     found = results(REFERENCE)
     designs = [key.removesuffix(".error") for key in found if re.fullmatch(r"runs\..*\.front\.kappa\.error", key)]
