@@ -19,12 +19,12 @@ from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
 from emg2vsa.rig.emulated.camera import CameraFaults
 from emg2vsa.rig.emulated.rdt_box import BoxFaults
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.ended import Ended
-from emg2vsa.rig.execute import execute
+from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove import Qbmove
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.transport import LoopbackLine
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.transport import LoopbackLine
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 WATCH_S = 0.005

@@ -16,8 +16,8 @@ from benchmarks.rig.faults import FAULTS, End
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
 from benchmarks.rig.plans import modular_plan
-from emg2vsa.rig.ended import Ended
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 
 PHASES = ("activation", "home", "approach", "contact", "load", "retract", "pause", "escape")

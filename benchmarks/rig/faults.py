@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from benchmarks.rig.fault_bench import FaultBench, Strike
-from emg2vsa.rig.rdt import Command, request_bytes
+from emg2vsa.rig.force.rdt import Command, request_bytes
 
 
 class End(NamedTuple):

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from emg2vsa.live.log_tail import LogTail
-from emg2vsa.rig.run_log import Row
+from emg2vsa.rig.record.run_log import Row
 
 
 def read_log(path: Path) -> list[Row]:

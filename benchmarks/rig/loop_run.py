@@ -19,10 +19,10 @@ from benchmarks.rig.step_latency import StepLatency, TimedActuator, step_latency
 from emg2vsa.rig.clock import LoopTiming, WallClock, undisturbed
 from emg2vsa.rig.device_settings import DeviceSettings
 from emg2vsa.rig.devices import Devices
-from emg2vsa.rig.execute import execute
+from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.open_rig import open_rig
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.run_log import Row
 
 PATIENT = GuardSettings(stale_s=1.0, camera_s=2.0, late_s=1.0)
 """What is measured must not end the measurement; the run of a rig is ended by a turn that is 50 ms late."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
 
 LOADING = ("approach", "contact", "load")
 

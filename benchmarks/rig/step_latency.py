@@ -9,7 +9,7 @@ import numpy as np
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Actuator, Measurements
-from emg2vsa.rig.run_log import Row
+from emg2vsa.rig.record.run_log import Row
 
 SETTLED = 0.9
 "Part of a step at which the motors count as there."

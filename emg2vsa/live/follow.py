@@ -11,10 +11,10 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.live.log_tail import LogTail
 from emg2vsa.live.run_facts import RunFacts, read_ending, read_run
 from emg2vsa.live.snapshot import Curves, Snapshot, curves_of
-from emg2vsa.rig.new_folder import PLAN_FILE
+from emg2vsa.rig.executor.stop_requests import stop_requested
+from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
-from emg2vsa.rig.stop_requests import stop_requested
 
 
 def newest_run(folder: Path) -> Path | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.run_log import HEADER, Row, row_of
+from emg2vsa.rig.record.run_log import HEADER, Row, row_of
 
 _HEAD = f"{HEADER}\n".encode()
 _NEWEST_BYTES = 400_000

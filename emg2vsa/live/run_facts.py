@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from emg2vsa.live.run_facts import Ending, RunFacts
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
 
 WINDOW_S = 15.0
 """Length of the curves."""

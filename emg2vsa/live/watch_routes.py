@@ -18,8 +18,8 @@ from starlette.staticfiles import StaticFiles
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.live.follow import Follower, newest_run
 from emg2vsa.live.run_facts import read_ending
-from emg2vsa.rig.stop_requests import request_stop
-from emg2vsa.rig.tiff_pages import newest_page
+from emg2vsa.rig.executor.stop_requests import request_stop
+from emg2vsa.rig.record.tiff_pages import newest_page
 
 STOP_REASON = "STOP on the live page"
 _PERIOD_S = 0.05

@@ -7,21 +7,21 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 
 from emg2vsa.errors import DeviceError, SettingError
-from emg2vsa.rig.cal_file import read_calibration
+from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.daq_ft import DaqFt
 from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
 from emg2vsa.rig.devices import Devices, ForceSensor
-from emg2vsa.rig.net_ft import open_net_ft
-from emg2vsa.rig.ni_volts import NiVolts
-from emg2vsa.rig.opencv_camera import OpenCvCamera
+from emg2vsa.rig.force.cal_file import read_calibration
+from emg2vsa.rig.force.daq_ft import DaqFt
+from emg2vsa.rig.force.net_ft import open_net_ft
+from emg2vsa.rig.force.ni_volts import NiVolts
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig.qbmove import BAUD, Qbmove
-from emg2vsa.rig.qbmove_info import QbmoveInfo
-from emg2vsa.rig.qbmove_limits import roomy_positions
+from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
+from emg2vsa.rig.qbmove.info import QbmoveInfo
+from emg2vsa.rig.qbmove.limits import roomy_positions
+from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
+from emg2vsa.rig.qbmove.transport import SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.rigid_motor import RigidMotor
-from emg2vsa.rig.transport import SerialLine
 
 
 @dataclass(frozen=True)

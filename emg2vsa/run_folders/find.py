@@ -13,7 +13,7 @@ from typing import get_args
 
 from casr.errors import CasrError
 from emg2vsa.errors import DataError
-from emg2vsa.rig.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.settings import Condition
 from emg2vsa.study import RunEntry
 

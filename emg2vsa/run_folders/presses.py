@@ -18,7 +18,7 @@ from casr.frame_files import find_presses, open_frames, read_camera
 from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
-from emg2vsa.rig.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.runs.press import Press
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from emg2vsa.rig.ended import Ended
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.record.run_log import Row
+from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
-from emg2vsa.rig.run_record import RunRecord
 
 PLAN = RunPlan("S1", 30.0, "high-stiffness", repetitions=3, schedule=None, f_max_n=7.0)
 RIG = RigSettings(home_ticks=100)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.live.follow import Follower, newest_run
-from emg2vsa.rig.stop_requests import request_stop
+from emg2vsa.rig.executor.stop_requests import request_stop
 
 
 @pytest.fixture

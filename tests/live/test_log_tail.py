@@ -7,7 +7,7 @@ import pytest
 from benchmarks.rig.logs import read_log
 from emg2vsa.errors import RecordingError
 from emg2vsa.live.log_tail import LogTail
-from emg2vsa.rig.run_log import RunLog
+from emg2vsa.rig.record.run_log import RunLog
 
 
 @pytest.fixture

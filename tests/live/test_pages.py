@@ -14,8 +14,8 @@ from starlette.testclient import TestClient
 from emg2vsa.live.follow import Follower
 from emg2vsa.live.server import TOKEN_HEADER, application
 from emg2vsa.live.watch_routes import moments, watch_routes
-from emg2vsa.rig.press_recorder import PressRecorder
-from emg2vsa.rig.stop_requests import StopRequests
+from emg2vsa.rig.executor.stop_requests import StopRequests
+from emg2vsa.rig.record.press_recorder import PressRecorder
 
 TOKEN = "a-token"
 IN = f"/{TOKEN}/watch"
@@ -84,7 +84,7 @@ def test_a_stop_that_cannot_be_written_is_said(client, begin, monkeypatch):
     def full(path, text):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("emg2vsa.rig.stop_requests.write_text_atomic", full)
+    monkeypatch.setattr("emg2vsa.rig.executor.stop_requests.write_text_atomic", full)
     answer = client.post(f"{IN}/stop", headers=HEADER)
     assert (answer.status_code, answer.text) == (500, "No space left on device")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.rig.stop_requests import StopRequests, request_stop, stop_requested
+from emg2vsa.rig.executor.stop_requests import StopRequests, request_stop, stop_requested
 
 REASON = "STOP on the live page"
 

@@ -17,7 +17,7 @@ from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.pipeline.stages import emulation, runs
 from emg2vsa.pipeline.store import WrittenFiles, remove_left_files
 from emg2vsa.rig.emulated import virtual_run
-from emg2vsa.rig.ended import Ended
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.study_file import load_study
 
 MEASURED = """

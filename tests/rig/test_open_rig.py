@@ -16,9 +16,9 @@ from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.open_rig import open_force, open_rig, within_device
-from emg2vsa.rig.qbmove_info import QbmoveInfo
+from emg2vsa.rig.qbmove.info import QbmoveInfo
+from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.rigid_motor import RigidMotor
 
 PATIENT = RigSettings(guards=GuardSettings(stale_s=2.0, camera_s=5.0))
 INFO = QbmoveInfo(

@@ -10,7 +10,7 @@ from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
 
 if TYPE_CHECKING:
-    from emg2vsa.rig.dry_run import DryRun, Leg
+    from emg2vsa.rig.executor.dry_run import DryRun, Leg
     from emg2vsa.rig.plan import RunPlan
     from emg2vsa.rig.rig_settings import RigSettings
 
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _tried(plan: RunPlan, rig: RigSettings) -> DryRun | str:
     from emg2vsa.errors import InputError
-    from emg2vsa.rig.dry_run import dry_run
+    from emg2vsa.rig.executor.dry_run import dry_run
 
     try:
         return dry_run(plan, rig)

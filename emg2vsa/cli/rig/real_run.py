@@ -16,14 +16,14 @@ from casr.atomic import write_text_atomic
 from emg2vsa.cli.rig.ending import told
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.clock import WallClock, undisturbed
-from emg2vsa.rig.execute import execute
+from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.experiment import run_name
-from emg2vsa.rig.moving_average import MovingAverage
-from emg2vsa.rig.new_folder import EMULATED_FILE, completed_folder, how_ended, new_folder, presses_done
+from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.open_rig import OpenRig, open_rig
 from emg2vsa.rig.plan import RIGID, RunPlan
-from emg2vsa.rig.plan_limits import check_plan
-from emg2vsa.rig.stop_requests import StopRequests
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, completed_folder, how_ended, new_folder, presses_done
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
 from emg2vsa.run_folders.find import left_by_emulator

@@ -34,7 +34,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.rig.states import camera_lines, force_lines, said
     from emg2vsa.rig.clock import WallClock
-    from emg2vsa.rig.qbmove_scan import qbmove_ports
+    from emg2vsa.rig.qbmove.scan import qbmove_ports
     from emg2vsa.rig_file import load_rig
 
     clock, file = WallClock(), load_rig(arguments.rig) if arguments.rig else None
@@ -53,9 +53,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _answers(port: str, ids: Sequence[int], wait_s: float, clock: Clock) -> Iterator[str]:
     from emg2vsa.errors import DeviceError
-    from emg2vsa.rig.qbmove import BAUD
-    from emg2vsa.rig.qbmove_scan import scan
-    from emg2vsa.rig.transport import SerialLine
+    from emg2vsa.rig.qbmove.driver import BAUD
+    from emg2vsa.rig.qbmove.scan import scan
+    from emg2vsa.rig.qbmove.transport import SerialLine
 
     line = SerialLine(port, BAUD)
     try:

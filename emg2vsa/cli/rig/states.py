@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from emg2vsa.errors import DeviceError, InputError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
-from emg2vsa.rig.net_ft import NetFt
+from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.open_rig import open_board, open_camera, open_force, within_device
-from emg2vsa.rig.qbmove import Qbmove
-from emg2vsa.rig.qbmove_info import QbmoveInfo
-from emg2vsa.rig.qbmove_limits import QbmoveLimits
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.info import QbmoveInfo
+from emg2vsa.rig.qbmove.limits import QbmoveLimits
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 _WATCH_S = 1.0

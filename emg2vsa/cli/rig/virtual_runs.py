@@ -17,11 +17,11 @@ from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
-from emg2vsa.rig.ended import Ended
+from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
-from emg2vsa.rig.new_folder import completed_folder, new_folder
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.plan_limits import check_plan
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.record.new_folder import completed_folder, new_folder
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of

@@ -53,7 +53,7 @@ def run(given: Given) -> list[Path]:
 
     from emg2vsa.errors import DataError
     from emg2vsa.rig.experiment import plan_of
-    from emg2vsa.rig.new_folder import EMULATED_FILE
+    from emg2vsa.rig.record.new_folder import EMULATED_FILE
 
     assert given.folder is not None
     made, unfinished = given.folder / given.item, given.folder / f".{given.item}.{os.getpid()}.unfinished"
@@ -85,7 +85,7 @@ def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder:
 
     from emg2vsa.errors import DeviceError
     from emg2vsa.rig.emulated.virtual_run import run_virtual
-    from emg2vsa.rig.new_folder import how_ended
+    from emg2vsa.rig.record.new_folder import how_ended
 
     try:
         ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED))

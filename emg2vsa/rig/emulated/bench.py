@@ -10,7 +10,6 @@ import numpy as np
 from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.datagrams import LoopbackDatagrams
 from emg2vsa.rig.device_settings import Model
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.camera import EmulatedCamera
@@ -21,12 +20,13 @@ from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
 from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world import World
-from emg2vsa.rig.net_ft import NetFt
-from emg2vsa.rig.netft_config import parse_config
-from emg2vsa.rig.qbmove import Qbmove
+from emg2vsa.rig.force.datagrams import LoopbackDatagrams
+from emg2vsa.rig.force.net_ft import NetFt
+from emg2vsa.rig.force.netft_config import parse_config
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
+from emg2vsa.rig.qbmove.transport import LoopbackLine
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.rigid_motor import RigidMotor
-from emg2vsa.rig.transport import LoopbackLine
 
 MOTOR_SPEED_RAD_PER_S = 3.0
 """Of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V) without it."""

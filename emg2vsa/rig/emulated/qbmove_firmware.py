@@ -21,7 +21,7 @@ from emg2vsa.rig.emulated.qbmove_memory import Memory, set_slot, slots
 from emg2vsa.rig.emulated.qbmove_parser import INFO_REQUEST, FrameParser
 from emg2vsa.rig.emulated.qbmove_switches import Switches
 from emg2vsa.rig.emulated.qbmove_texts import Now, info_text, parameter_list
-from emg2vsa.rig.qbmove_packets import Command, frame, lrc
+from emg2vsa.rig.qbmove.packets import Command, frame, lrc
 
 START_LIMIT = 26000
 """Internal ticks beyond which ACTIVATE is refused: a rotation may have been lost."""

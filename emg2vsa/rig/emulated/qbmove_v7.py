@@ -14,7 +14,7 @@ from emg2vsa.rig.emulated.qbmove_loop import Shaft
 from emg2vsa.rig.emulated.qbmove_memory import Memory
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO, Switches
 from emg2vsa.rig.emulated.qbmove_texts import parameter_list
-from emg2vsa.rig.qbmove_packets import Command, frame, lrc
+from emg2vsa.rig.qbmove.packets import Command, frame, lrc
 
 # a PWM rate at which motors do move is a guess
 MAKER_PRO_V7 = replace(MAKER_PRO, version="QBMMP v7.1.0", parameters=14, max_pwm_rate=10)

@@ -14,7 +14,7 @@ from operator import add, gt, mul, sub, truediv
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.rig.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
+from emg2vsa.rig.force.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
 INTERNAL_RATE_HZ = 7000
 NETBOX_SATURATED = 0x80020000

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.rdt_box import RdtBox, configuration_page
-from emg2vsa.rig.netft_config import PATH
+from emg2vsa.rig.force.netft_config import PATH
 
 HOST = "127.0.0.1"
 IDLE_S = 0.05

@@ -14,12 +14,12 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.ended import Ended
-from emg2vsa.rig.execute import execute
+from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
-from emg2vsa.rig.new_folder import EMULATED_FILE
 from emg2vsa.rig.plan import RIGID, RunPlan
-from emg2vsa.rig.plan_limits import check_plan
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.record.new_folder import EMULATED_FILE
 from emg2vsa.rig.rig_settings import RigSettings
 
 

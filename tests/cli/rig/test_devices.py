@@ -36,7 +36,7 @@ def test_scan_of_a_silent_line(rig: Rig, served: SimpleNamespace) -> None:
 
 
 def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("emg2vsa.rig.qbmove_scan.list_ports.comports", list)
+    monkeypatch.setattr("emg2vsa.rig.qbmove.scan.list_ports.comports", list)
     assert rig("scan")[:2] == (1, "no serial port with a qbmove's adapter; name another with --port\n")
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from emg2vsa.cli.rig import virtual_runs
-from emg2vsa.rig.new_folder import how_ended
+from emg2vsa.rig.record.new_folder import how_ended
 
 Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import VirtualClock, WallClock
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
@@ -17,14 +18,13 @@ from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.servers import EmulatedServers
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.execute import execute
-from emg2vsa.rig.net_ft import open_net_ft
-from emg2vsa.rig.opencv_camera import OpenCvCamera
+from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove import BAUD, Qbmove
+from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
+from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
+from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
-from emg2vsa.rig.rigid_motor import RigidMotor
-from emg2vsa.rig.transport import LoopbackLine, SerialLine
 
 
 @pytest.fixture

@@ -15,11 +15,11 @@ from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.ended import Ended
-from emg2vsa.rig.execute import execute
+from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
 
 ENCODER_MM = 8 * 360 / 32768 * 0.2
 """A step of the 12 bits, at the probe."""

@@ -20,8 +20,8 @@ from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 RIG = RigSettings()

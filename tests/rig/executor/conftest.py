@@ -16,9 +16,9 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.devices import Devices, ForceSample, Frame, Measurements, SensorStatus
-from emg2vsa.rig.ended import Ended
-from emg2vsa.rig.execute import execute
+from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules

@@ -17,8 +17,8 @@ from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.run_log import Row
 
 PRESS = ["approach", "contact", "load", "retract", "pause"]
 
@@ -128,7 +128,7 @@ def test_the_end_is_on_disk(bench: Any, tmp_path: Path) -> None:
 
 
 def test_a_killed_run_says_so_by_itself(bench: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("emg2vsa.rig.execute._finish", lambda *_: None)  # kill -9 comes before the way out
+    monkeypatch.setattr("emg2vsa.rig.executor.execute._finish", lambda *_: None)  # kill -9 comes before the way out
     bench.run(tmp_path)
     assert json.loads((tmp_path / "ended.json").read_text())["how"] == "killed"
 

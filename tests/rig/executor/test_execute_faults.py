@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.append_file import AppendFile
+from emg2vsa.rig.record.append_file import AppendFile
 
 PHASES = ("home", "approach", "contact", "load", "retract", "pause")
 FAULTS = {

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from emg2vsa.rig.clock import Beat, VirtualClock
-from emg2vsa.rig.guards import GUARDS, Moment, tripped
+from emg2vsa.rig.executor.guards import GUARDS, Moment, tripped
 from emg2vsa.rig.rig_settings import GuardSettings
 
 LIMITS = GuardSettings(force_n=10, force_rate_n_per_s=200, stale_s=0.02, camera_s=0.5, late_s=0.05)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import InputError
-from emg2vsa.rig.dry_run import dry_run
+from emg2vsa.rig.executor.dry_run import dry_run
+from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.plan_limits import check_plan
 from emg2vsa.rig.rig_settings import RigSettings
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.run_log import Row, RunLog
+from emg2vsa.rig.record.run_log import Row, RunLog
 
 ROWS = [
     Row(n / 200, 1, "load", n / 200, 0.25 * n, None, 100 + n, 600, None, None, n, -3, None, n // 10 - 1)

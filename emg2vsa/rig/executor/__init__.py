@@ -1,0 +1,1 @@
+"""The control loop: one turn, its guards, and the way out."""

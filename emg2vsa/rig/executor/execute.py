@@ -1,0 +1,99 @@
+"""Carry out a plan: loop at 200 Hz, guards in every turn, and one way out for every end (paper, section V)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+
+from emg2vsa.rig.clock import Beat, Clock
+from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.executor.control_cycle import ControlCycle
+from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.executor.safe_end import make_safe
+from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.ended import Ended, EndRun
+from emg2vsa.rig.record.run_record import RunRecord
+from emg2vsa.rig.rig_settings import RigSettings
+
+
+def execute(
+    plan: RunPlan,
+    rig: RigSettings,
+    devices: Devices,
+    folder: Path,
+    clock: Clock,
+    *,
+    started: datetime,
+    stop: Callable[[], str | None] = lambda: None,
+) -> Ended:
+    """Run ``plan`` and record it in ``folder``; how it ended.
+
+    Whatever the end, the probe is retracted, the motors are switched off, and ended.json says how, when and why.
+    ``stop`` is asked in every turn, and ends the run by naming a reason: a signal that has come, a button. ``started``
+    is the date and time at 0 s of ``clock``.
+
+    Raises
+    ------
+    SettingError, ScheduleError : the plan breaks a limit; nothing has been sent.
+    DeviceError : ``folder`` cannot be recorded to, or holds a run; nothing has been sent.
+    Any error of the program itself, after the safe end.
+    """
+    check_plan(plan, rig)
+    seen = devices.camera
+    record = RunRecord(folder, started, seen.shape if seen else None, delay_s=seen.delay_s if seen else 0.0)
+    record.plan(plan, rig)
+    cycle = ControlCycle(plan, rig, devices, record, clock)
+    beat = Beat(clock, rig.period_s)
+    end = EndRun("interrupted", "Ctrl-C", "interrupted at the keyboard")
+    try:
+        _press_all(cycle, beat, record, stop)
+        end = EndRun("completed", "", "")
+    except EndRun as reason:
+        end = reason
+    except KeyboardInterrupt:
+        pass
+    except BaseException as error:
+        end = EndRun("failed", type(error).__name__, str(error))
+        raise
+    finally:
+        ended = _finish(end, plan, rig, devices, cycle, record, beat, clock)
+    return ended
+
+
+def _press_all(cycle: ControlCycle, beat: Beat, record: RunRecord, stop: Callable[[], str | None]) -> None:
+    cycle.start()
+    beat.restart()
+    while True:
+        if reason := stop():
+            raise EndRun("stopped", reason, "asked to stop")
+        now_s, late_s = beat.wait()
+        motion = cycle.turn(now_s, late_s)
+        if motion.phase == "done":
+            return
+        if motion.since_s == now_s and motion.phase == "retract":
+            record.end_loading(now_s)
+        elif motion.since_s == now_s and motion.phase == "pause":
+            record.end_press()
+
+
+def _finish(
+    end: EndRun,
+    plan: RunPlan,
+    rig: RigSettings,
+    devices: Devices,
+    cycle: ControlCycle,
+    record: RunRecord,
+    beat: Beat,
+    clock: Clock,
+) -> Ended:
+    motion, time_s = cycle.motion, clock.now_s()
+    start = None if motion is None else (motion.depth_mm, plan.preset_ticks(motion.step))
+    safe = make_safe(devices.actuator, rig, clock, start, cycle.log_escape)
+    return record.end(
+        Ended(
+            end.how, end.cause, end.why, "activation" if motion is None else motion.phase,
+            0 if motion is None else motion.repetition, time_s, "",
+            retracted=safe.retracted, deactivated=safe.deactivated, notes=safe.notes, timing=beat.timing(),
+        )
+    )  # fmt: skip

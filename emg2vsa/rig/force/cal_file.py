@@ -1,0 +1,149 @@
+"""ATI .cal files: from the six gauge voltages of a DAQ transducer to force and torque."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.force.ati_units import FORCE_N, LENGTH_M, TORQUE_NM, unit_in_si
+
+AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
+
+
+@dataclass(frozen=True, eq=False)
+class GaugeCalibration:
+    """A transducer's calibration.
+
+    serial : as in the file.
+    wrench_per_volt : (6, 6) Fx, Fy, Fz in N and Tx, Ty, Tz in N·m for a volt on each gauge.
+    range_v : (least, greatest) voltage of a gauge, V.
+    """
+
+    serial: str
+    wrench_per_volt: NDArray[np.float64]
+    range_v: tuple[float, float]
+
+
+def read_calibration(path: Path | str) -> GaugeCalibration:
+    """The calibration in a .cal file of version 1.0 or 1.1, in N and N·m whatever its units.
+
+    Version 1.1 gives the matrix (``UserAxis``). Version 1.0 gives ``Axis`` rows to be divided by their ``scale`` and
+    moved by ``BasicTransform`` to the transducer's origin, T - D x F; the version 1.1 files that carry both agree to
+    their last digit.
+
+    Raises
+    ------
+    DeviceError : not readable, not such a file, a number or unit missing, six gauges not, a rotated basic transform in
+        a file of version 1.0 (none is known to exist, so its sense of rotation is not either).
+    """
+    path = Path(path)
+    sensor = _root(path)
+    calibration = _child(sensor, "Calibration", path)
+    size = np.repeat(
+        [
+            unit_in_si(FORCE_N, _text(calibration, "ForceUnits", path), path),
+            unit_in_si(TORQUE_NM, _text(calibration, "TorqueUnits", path), path),
+        ],
+        3,
+    )
+    kind = "UserAxis" if calibration.find("UserAxis") is not None else "Axis"
+    axes = [_axis(calibration, kind, name, path) for name in AXES]
+    matrix = np.array([_values(axis, path) for axis in axes]) * size[:, None]
+    if kind == "Axis":
+        matrix = _to_origin(matrix / [[_number(axis, "scale", path)] for axis in axes], calibration, path)
+    span_v = _number(calibration, "OutputRange", path)
+    bipolar = _text(calibration, "OutputBipolar", path).lower() == "true"
+    return GaugeCalibration(
+        serial=_text(sensor, "Serial", path),
+        wrench_per_volt=matrix,
+        range_v=(-span_v / 2, span_v / 2) if bipolar else (0.0, span_v),
+    )
+
+
+def _to_origin(matrix: NDArray[np.float64], calibration: ElementTree.Element, path: Path) -> NDArray[np.float64]:
+    transform = _child(calibration, "BasicTransform", path)
+    if any(_number(transform, turn, path) for turn in ("Rx", "Ry", "Rz")):
+        raise DeviceError(
+            f"{path}, BasicTransform",
+            wanted="no rotation",
+            found=f"Rx, Ry, Rz = {', '.join(transform.get(turn, '') for turn in ('Rx', 'Ry', 'Rz'))}",
+            do="Ask ATI for the calibration as a file of version 1.1.",
+        )
+    metre = unit_in_si(LENGTH_M, _text(calibration, "DistUnits", path), path)
+    offset_m = metre * np.array([_number(transform, name, path) for name in ("Dx", "Dy", "Dz")])
+    force, torque = matrix[:3], matrix[3:]
+    return np.vstack([force, torque - np.cross(offset_m, force, axisb=0, axisc=0)])
+
+
+def _root(path: Path) -> ElementTree.Element:
+    try:
+        root = ElementTree.parse(path).getroot()
+    except OSError as error:
+        raise DeviceError(
+            path, wanted="a calibration file", found=error.strerror or str(error), do="Check the path."
+        ) from error
+    except ElementTree.ParseError as error:
+        raise DeviceError(
+            path, wanted="a .cal file of ATI", found=str(error), do="Give the file that came with the transducer."
+        ) from error
+    if root.tag != "FTSensor" or root.get("NumGages") != "6":
+        raise DeviceError(
+            path,
+            wanted="an FTSensor with six gauges",
+            found=f"{root.tag} with NumGages {root.get('NumGages')}",
+            do="Give the file that came with the transducer.",
+        )
+    return root
+
+
+def _axis(calibration: ElementTree.Element, kind: str, name: str, path: Path) -> ElementTree.Element:
+    for axis in calibration.iter(kind):
+        if axis.get("Name") == name:
+            return axis
+    raise _missing(f"{kind} {name}", path)
+
+
+def _child(parent: ElementTree.Element, tag: str, path: Path) -> ElementTree.Element:
+    child = parent.find(tag)
+    if child is None:
+        raise _missing(tag, path)
+    return child
+
+
+def _text(element: ElementTree.Element, key: str, path: Path) -> str:
+    text = element.get(key)
+    if text is None:
+        raise _missing(f"{element.tag} {key}", path)
+    return text
+
+
+def _number(element: ElementTree.Element, key: str, path: Path) -> float:
+    return _finite(_text(element, key, path), f"{path}, {element.tag} {element.get('Name', '')} {key}")
+
+
+def _values(axis: ElementTree.Element, path: Path) -> list[float]:
+    where = f"{path}, {axis.tag} {axis.get('Name')} values"
+    values = [_finite(value, where) for value in _text(axis, "values", path).split()]
+    if len(values) != 6:
+        raise DeviceError(where, wanted="six numbers", found=f"{len(values)}", do="Give the file as ATI made it.")
+    return values
+
+
+def _finite(text: str, where: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise DeviceError(where, wanted="a number", found=repr(text), do="Give the file as ATI made it.")
+    return value
+
+
+def _missing(what: str, path: Path) -> DeviceError:
+    return DeviceError(path, wanted=what, found="none", do="Give the file as ATI made it.")

@@ -1,0 +1,210 @@
+"""Driver of a qbmove: variable stiffness actuator on a serial line, generations 6 and 7, Maker Pro and Advanced.
+
+Ticks are wire ticks, 32768 to a turn of the shaft at the default resolution (``emg2vsa.settings.TICKS_PER_TURN``).
+Silence is read back: a command that the firmware does not answer is followed by a question, where one exists.
+"""
+
+from __future__ import annotations
+
+import struct
+from types import TracebackType
+from typing import Self
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.device_settings import Generation, Model
+from emg2vsa.rig.devices import Measurements
+from emg2vsa.rig.qbmove.conversation import Conversation
+from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo, decode_parameters, parse_info
+from emg2vsa.rig.qbmove.limits import START_LIMIT_TICKS, QbmoveLimits, stiffness_on_wire, watchdog_on_wire
+from emg2vsa.rig.qbmove.packets import (
+    Command,
+    Wanted,
+    frame,
+    info_frame,
+    parameter_list,
+    ping_reply,
+    wanted,
+)
+from emg2vsa.rig.qbmove.transport import ByteLine
+
+BAUD = 2_000_000
+ON, OFF = 3, 0
+_LONG_REPLY_S = 0.2
+_SETTLE_S = 0.005
+"""From ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
+_ATTEMPTS = 3
+_READINGS = 5
+_OFF_ATTEMPTS = 10
+
+
+class Qbmove:
+    """One device. As a context manager it switches the motors off at the end, however that comes."""
+
+    def __init__(
+        self,
+        line: ByteLine,
+        device_id: int,
+        *,
+        generation: Generation = "v6",
+        model: Model = "maker-pro",
+        clock: Clock,
+        stiffness_percent: tuple[float, float] = (20.0, 80.0),
+        watchdog_s: float = 0.5,
+        reply_s: float = 0.02,
+    ) -> None:
+        """``stiffness_percent``: the study's range, of the maximum preset.
+
+        ``watchdog_s``: how long the device waits for a word before it lets go. ``reply_s``: how long each of three
+        attempts waits for a short reply.
+        """
+        self.device_id, self.generation, self.model = device_id, generation, model
+        self.where = f"{line.name}, qbmove {device_id}"
+        self._talk = Conversation(line, clock)
+        self.counts = self._talk.counts
+        self._clock, self._stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
+        self._watchdog = watchdog_on_wire(watchdog_s)
+        self._limits: QbmoveLimits | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            self.deactivate()
+        except DeviceError as failure:
+            if error is None:
+                raise
+            error.add_note(str(failure))
+
+    def ping(self) -> bool:
+        """True when the device answers."""
+        return self._hear(Command.PING, ping_reply(self.device_id)) is not None
+
+    def info(self) -> QbmoveInfo:
+        """What the device says about itself. Generation 6 has no checksum here: two equal readings count."""
+        if self.generation == "v7":
+            payload = self._ask(Command.GET_INFO, info_frame(self.device_id), b"\0\0", _LONG_REPLY_S)
+            return parse_info(payload.rstrip(b"\0").decode("ascii", "replace"), self.where)
+        request = frame(self.device_id, Command.GET_INFO, b"\0\0")
+        seen: list[QbmoveInfo] = []
+        for reading in range(_READINGS):
+            text = self._talk.ask_text(request, timeout_s=_LONG_REPLY_S, again=reading > 0)
+            try:
+                info = parse_info(text, self.where)
+            except DeviceError:
+                if reading == _READINGS - 1 and not seen:
+                    raise
+                continue
+            if info in seen:
+                return info
+            seen.append(info)
+        raise self._trouble("info that reads the same twice", "different readings", "Check cable and baud rate.")
+
+    def activate(self) -> None:
+        """Watchdog on, motors on, read back. DeviceError with the reason when the device refuses.
+
+        The motors start at their references, which the firmware sets to where they are.
+        """
+        info = self.info()
+        self._limits = QbmoveLimits(self.where, info, self._stiffness_percent)
+        self._limits.check_ready()
+        for _ in range(_ATTEMPTS):
+            self._talk.tell(frame(self.device_id, Command.SET_WATCHDOG, bytes((self._watchdog,))))
+            if self._switch(ON) == ON:
+                return
+        raise self._refusal()
+
+    def deactivate(self) -> None:
+        """Motors off, read back. DeviceError only when the device does not confirm after many attempts."""
+        for _ in range(_OFF_ATTEMPTS):
+            if self._switch(OFF) == OFF:
+                return
+        raise self._trouble("motors off", "no confirmation", "Switch the power off.")
+
+    def is_active(self) -> bool:
+        """Both motors on? The question also feeds the watchdog. A device whose watchdog has run out says no."""
+        return self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] == ON
+
+    def set_inputs(self, motor_1_ticks: int, motor_2_ticks: int) -> None:
+        """References of the two motors. DeviceError outside the device's limits."""
+        limits = self._ready_limits()
+        limits.check_motor(1, motor_1_ticks)
+        limits.check_motor(2, motor_2_ticks)
+        self._tell_ticks(Command.SET_INPUTS, motor_1_ticks, motor_2_ticks)
+
+    def set_position_stiffness(self, position_ticks: int, preset_ticks: int) -> None:
+        """Equilibrium (q1 + q2)/2 and preset (q1 - q2)/2. DeviceError outside the device's or the study's limits."""
+        limits = self._ready_limits()
+        limits.check_position(position_ticks)
+        limits.check_preset(preset_ticks)
+        stiffness = stiffness_on_wire(preset_ticks, limits.info.max_stiffness_ticks)
+        if stiffness > 0x7FFF:
+            raise self._trouble(
+                "a preset below the device's maximum", f"{preset_ticks} ticks", "Ask for one tick less."
+            )
+        self._tell_ticks(Command.SET_POS_STIFF, position_ticks, stiffness)
+
+    def position_ticks(self) -> float:
+        """Equilibrium (q1 + q2)/2 of the motors where they stand, ticks."""
+        at = self.measurements()
+        return (at.motor_1 + at.motor_2) / 2
+
+    def measurements(self) -> Measurements:
+        """Motors and shaft."""
+        return Measurements(*self._ask_words(Command.GET_MEASUREMENTS, 3))
+
+    def currents_ma(self) -> tuple[int, int]:
+        """Motor currents, mA, with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
+        first, second = self._ask_words(Command.GET_CURRENTS, 2)
+        return first, second
+
+    def parameters(self) -> dict[int, Parameter]:
+        """All parameters by number. Generation 6 shows what is stored, not what has been set since."""
+        reply = parameter_list(self.generation, self.device_id)
+        return decode_parameters(self._ask(Command.GET_PARAM_LIST, reply, b"\0\0", _LONG_REPLY_S), self.where)
+
+    def _switch(self, state: int) -> int | None:
+        self._talk.tell(frame(self.device_id, Command.ACTIVATE, bytes((state,))))
+        self._clock.sleep_until(self._clock.now_s() + _SETTLE_S)
+        reply = self._hear(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))
+        return reply[0] if reply else None
+
+    def _refusal(self) -> DeviceError:
+        at = self.measurements()
+        beyond = [f"{name} at {ticks}" for name, ticks in at._asdict().items() if abs(ticks) > START_LIMIT_TICKS]
+        wanted_text = f"motors on, which needs every encoder within {START_LIMIT_TICKS} ticks of zero"
+        if beyond:
+            return self._trouble(wanted_text, ", ".join(beyond), "Turn it back by hand, or set the zeros anew.")
+        return self._trouble("motors on", "a silent refusal, all encoders in range", "Check the motors' supply.")
+
+    def _ready_limits(self) -> QbmoveLimits:
+        if self._limits is None:
+            raise self._trouble("known limits", "motors not activated yet", "Call activate first.")
+        return self._limits
+
+    def _tell_ticks(self, command: Command, first: int, second: int) -> None:
+        self._talk.tell(frame(self.device_id, command, struct.pack(">hh", first, second)))
+
+    def _ask_words(self, command: Command, count: int) -> tuple[int, ...]:
+        return struct.unpack(f">{count}h", self._ask(command, self._wanted(command, 2 * count)))
+
+    def _wanted(self, command: Command, payload_bytes: int) -> Wanted:
+        return wanted(self.device_id, command, payload_bytes)
+
+    def _ask(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes:
+        reply = self._hear(command, expected, payload, least_s)
+        if reply is None:
+            found = f"none in {_ATTEMPTS} attempts of {max(least_s, self._reply_s):g} s"
+            raise self._trouble(f"a reply to {command.name}", found, "Check power, cable, id and baud rate.")
+        return reply
+
+    def _hear(self, command: Command, expected: Wanted, payload: bytes = b"", least_s: float = 0.0) -> bytes | None:
+        request = frame(self.device_id, command, payload)
+        reply = self._talk.ask(request, expected, timeout_s=max(least_s, self._reply_s), attempts=_ATTEMPTS)
+        return None if reply is None else reply.payload
+
+    def _trouble(self, wanted_text: str, found: str, do: str) -> DeviceError:
+        return DeviceError(self.where, wanted=wanted_text, found=found, do=do)

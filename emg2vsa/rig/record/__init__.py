@@ -1,0 +1,1 @@
+"""The folder of a run: plan, log, presses and how it ended."""
