@@ -45,7 +45,8 @@ class SpecimenVerdict:
             return "unreadable"
         if self.usable < MIN_USABLE_SHARE * max(self.wanted or self.found, 1):
             return "repeat"
-        return "good" if self.ok == (self.wanted or self.found) == self.found else "usable"
+        clean = self.ok == (self.wanted or self.found) == self.found and not self.problems
+        return "good" if clean else "usable"
 
     @property
     def advice(self) -> tuple[str, ...]:
@@ -97,6 +98,7 @@ def _judge_recording(trials: Trials, wanted: int | None) -> SpecimenVerdict:
     problems = grouped(zip(trials.repetition.tolist(), trials.verdict.tolist(), trials.reasons, strict=True))
     if wanted is not None and found != wanted:
         problems.insert(0, f"{found} presses found, {wanted} wanted")
+    problems += [note for note in trials.notes if note.startswith("recording not used: ")]
     if not found:
         problems += [note for note in trials.notes if note.startswith("presses: none")]
     return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, trials.sign_doubt, tuple(problems))
