@@ -18,6 +18,7 @@ from casr.decoder_process import DecoderFailed, InChild
 from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, said_by, to_si, usable
+from emg2vsa.readers.refused import refused
 from emg2vsa.recordings import ChannelInfo, Recording, no_such_channel
 from emg2vsa.settings import ReadingSettings
 
@@ -44,6 +45,8 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
         raise RecordingError(path, wanted="a file", found="a pipe or a device", do="Copy what it gives into a file.")
     if not head:
         raise RecordingError(path, wanted="a recording", found="an empty file", do="Export or copy it again.")
+    if (not_read := refused(path, head)) is not None:
+        raise RecordingError(path, wanted="a recording in a format that is read", found=not_read[0], do=not_read[1])
     reader = reader_of(path, head)
     if reader is None:
         raise RecordingError(
@@ -91,6 +94,11 @@ class _OpenInChild:
             ) from error  # fmt: skip
         except Emg2vsaError:
             raise
+        except ImportError as error:
+            raise RecordingError(
+                self.path, wanted=f"the package {self._reader.library}, which reads {self._reader.format}",
+                found=f"that it is not installed ({error})", do="Install it: pip install 'emg2vsa[formats]'.",
+            ) from error  # fmt: skip
         except Exception as error:  # a decoder may stumble over anything that a damaged file holds
             raise RecordingError(
                 self.path, wanted=wanted, found=f"that its reader failed ({said_by(error)})",

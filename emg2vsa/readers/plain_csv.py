@@ -15,7 +15,7 @@ from pathlib import Path
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff
+from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff, without_cut_line
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import is_glued, seconds_per, split_unit
 
@@ -26,7 +26,7 @@ _TIME = re.compile(r"(time|times|t|x|timestamps?|elapsed[ _]time)(?:_(s|ms|us|mi
 
 def open_recording(path: Path) -> TimedColumns:
     """Validate header, dialect and time column. Raises RecordingError; cells are checked when they are read."""
-    text = open_text(path)
+    text, cut = without_cut_line(open_text(path))
     header, rows = header_and_rows(text)
     body_data = text.data[header.end :]
     dialect = sniff(path, header, rows, body_data)
@@ -37,7 +37,7 @@ def open_recording(path: Path) -> TimedColumns:
     contents = Contents(
         tuple(c.name for c in channels),
         {labels[c.index]: i for i, c in reversed(list(enumerate(channels)))},
-        tuple(filter(None, [dialect.note])),
+        (*cut, *filter(None, [dialect.note])),
     )
     body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, channels, shared_length=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, StoredChannel
-from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff
+from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff, without_cut_line
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.recordings import ChannelInfo
 
@@ -50,15 +50,24 @@ def open_recording(path: Path) -> TextMatrix:
     dialect = sniff(path, None, lines[:200], text.data)
     width = len(dialect.split(lines[0].text))
     by_rows = len(lines) <= _MOST_ROWS and len(lines) < width
-    matrix = _from_rows(path, dialect, lines) if by_rows else _from_columns(text, dialect, lines)
+    whole, cut = without_cut_line(text)
+    if not by_rows:
+        matrix = _from_columns(whole, dialect, lines)
+    else:
+        matrix = _from_rows(path, dialect, lines)
+        if cut:
+            matrix = matrix[:, :-1]
+            cut = (
+                "The last row has no line end and may be cut in the middle of a number; its last value was left out.",
+            )
     word = "row" if by_rows else "column"
     time = next((i for i, values in enumerate(matrix) if _is_clock(values)), None)
     names = tuple(f"{word} {i + 1}" for i in range(matrix.shape[0]) if i != time)
     if time is None or not names:
-        notes = ("The file has no header and no time.", *filter(None, [dialect.note]))
+        notes = ("The file has no header and no time.", *cut, *filter(None, [dialect.note]))
         return TextMatrix(path, Contents(names, {}, notes), matrix, float("nan"), 0.0)
     fs_hz, start_s = even_clock(matrix[time], f"{path}, {word} {time + 1}", lambda i: f"value {i + 1}")
-    notes = (*_TIMED, *filter(None, [dialect.note]))
+    notes = (*_TIMED, *cut, *filter(None, [dialect.note]))
     return TextMatrix(path, Contents(names, {}, notes), np.delete(matrix, time, axis=0), fs_hz, start_s)
 
 
