@@ -68,5 +68,7 @@ class Trials:
     delay: DelayBudget
     notes: tuple[str, ...]
     "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
-    sign_doubt: str = ""
-    "Why the sign of the force seems wrong, which rejects every press; empty if it does not."
+    fault: str = ""
+    "A mistake in the file or the study file that rejects every press, such as a wrong sign or unit; empty if none."
+    remarks: tuple[str, ...] = ()
+    "What is doubtful about the recording as a whole; its presses are used."

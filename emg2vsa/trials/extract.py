@@ -18,7 +18,9 @@ from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoothe
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants
+from emg2vsa.signals.plausibility import Plausibility, Signals, force_unit_doubt, plausibility
 from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
+from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.verdicts import Evidence, judge
 from emg2vsa.trials import Trials
 
@@ -116,9 +118,14 @@ def extract_trials(
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, envelopes_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt)
+    doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
+    seen = _plausibility(
+        record, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, envelopes_v
+    )
+    fault = doubt or seen.fault
+    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, seen)
     verdicts = [judge(trial, window) for trial in evidence]
-    said += (doubt,) if doubt else ()
+    said += (fault,) if fault else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
     conversions = (f"{role}: {channel.conversion}" for role, channel in (*emg.items(), ("force", force)))
     return Trials(
@@ -148,7 +155,8 @@ def extract_trials(
         overview_force_n=conditioned.force_n[::every].copy(),
         delay=delay,
         notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *said),
-        sign_doubt=doubt,
+        fault=fault,
+        remarks=() if fault else seen.remarks,
     )
 
 
@@ -195,6 +203,36 @@ def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother
     ]
 
 
+def _plausibility(
+    record: _EmgRecord,
+    chain: Chain,
+    instants: Instants,
+    rest: Rest,
+    emg_clock: Clock,
+    force_clock: Clock,
+    rest_v: Floats,
+    force_n: Floats,
+    envelopes_v: Floats,
+) -> Plausibility:
+    """Whether the EMG is what it is said to be; arrays as in ``extract_trials``."""
+    bounds_s = np.stack((force_clock.time_s(rest.start), force_clock.time_s(rest.stop)), axis=-1)
+    rests = np.clip(emg_clock.index(bounds_s), 0, emg_clock.n_samples).astype(np.int64)
+    return plausibility(
+        Signals(
+            muscles=record.muscles,
+            samples=record.samples,
+            fs_hz=record.fs_hz,
+            presses=np.stack((instants.first, instants.last + 1), axis=-1),
+            rests=rests,
+            rest_v=rest_v,
+            force_n=force_n,
+            envelopes_v=envelopes_v,
+            envelope_fs_hz=record.fs_hz / chain.step,
+            offsets=instants.offsets,
+        )
+    )
+
+
 def _gather_evidence(
     force: ForceRecord,
     instants: Instants,
@@ -203,7 +241,8 @@ def _gather_evidence(
     quality: list[list[RawQuality]],
     snr_db: Floats,
     record: _EmgRecord,
-    sign_doubt: str,
+    fault: str,
+    seen: Plausibility,
 ) -> list[Evidence]:
     """What is known of each press of a record; arrays as in ``extract_trials``."""
     presses, offsets = force.presses, instants.offsets
@@ -214,7 +253,8 @@ def _gather_evidence(
         begin, end = int(start_s * fs_hz), min(int(np.ceil(stop_s * fs_hz)) + 1, force_missing.size)
         evidence.append(
             Evidence(
-                sign_doubt=sign_doubt,
+                fault=fault,
+                signs=seen.of_press[i],
                 duration_s=float(stop_s - start_s),
                 peak_force_n=float(presses.peak_n[i]),
                 reached=bool(presses.reached[i]),
