@@ -23,6 +23,7 @@ class Evidence:
     """What is known of one trial. rest_gap_n : tared force before contact, NaN if unknown. emg : by muscle.
 
     sign_doubt : why the force of the whole record seems reversed, so that this is a release; empty if it does not.
+    said : further reasons, each with whether it rejects the trial.
     """
 
     sign_doubt: str
@@ -38,13 +39,14 @@ class Evidence:
     emg_fs_hz: float
     emg: Mapping[str, RawQuality]
     snr_db: Mapping[str, float]
+    said: tuple[tuple[bool, str], ...] = ()
 
 
 def judge(trial: Evidence, window: WindowSettings) -> tuple[str, str]:
     """Verdict and reasons, the rejecting ones first, joined by "; "."""
     if trial.sign_doubt:
         return "rejected", trial.sign_doubt
-    said = [*_on_force(trial, window), *_on_signals(trial, window)]
+    said = [*_on_force(trial, window), *_on_signals(trial, window), *trial.said]
     rejecting = [reason for rejects, reason in said if rejects]
     warning = [reason for rejects, reason in said if not rejects]
     verdict = "rejected" if rejecting else "warned" if warning else "ok"
