@@ -31,7 +31,7 @@ from emg2vsa.settings import (
 )
 from emg2vsa.synthetic.recording import make_recording
 from emg2vsa.trials.extract import extract_trials
-from emg2vsa.trials.reasons import remedy_of
+from emg2vsa.trials.remedies import remedy_of
 
 Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "results" / "mishaps.md"
@@ -271,9 +271,9 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "EMG an envelope already": (_all(_envelope(100, False)), "envelope"),
     "EMG an RMS over 100 ms already": (_all(_envelope(100, True)), "envelope"),
     "mains 30 uV on one channel": (_mains({50.0: 30e-6}, "EDC"), "mains"),
-    "150 and 250 Hz, 15 uV each": (_mains({150.0: 15e-6, 250.0: 15e-6}), "mains"),
-    "10 uV noise": (_added(10e-6), "noise"),
-    "10 uV mains": (_mains({50.0: 10e-6}), "mains"),
+    "150 and 250 Hz, 15 uV each": (_mains({150.0: 15e-6, 250.0: 15e-6}), ""),
+    "10 uV noise": (_added(10e-6), "rest level"),
+    "10 uV mains": (_mains({50.0: 10e-6}), ""),
     "force sign reversed": (_force(lambda f, t: -f), "sign"),
     "lbf labelled N": (_force(lambda f, t: f / 4.448222), "lbf"),
     "kgf labelled N": (_force(lambda f, t: f / 9.80665), "kgf"),
@@ -284,12 +284,12 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "wander 0.3 N in 20 s": (_force(_wander), "rest"),
     "offset step 0.4 N": (_force(_step), "rest"),
     "force clock +1000 ppm": (_force(lambda f, t: np.interp(t * 1.001, t, f)), ""),
-    "force 50 ms late": (_start(0.05), "clock"),
-    "force 200 ms late": (_start(0.2), "clock"),
-    "force 0.5 s late": (_start(0.5), "clock"),
-    "force 0.5 s early": (_start(-0.5), "clock"),
-    "force 2 s late": (_start(2.0), "clock"),
-    "causal 1.5 Hz filter in the sensor": (_sensor_filter, "clock"),
+    "force 50 ms late": (_start(0.05), "follows EMG"),
+    "force 200 ms late": (_start(0.2), "follows EMG"),
+    "force 0.5 s late": (_start(0.5), "follows EMG"),
+    "force 0.5 s early": (_start(-0.5), "follows EMG"),
+    "force 2 s late": (_start(2.0), "follows EMG"),
+    "causal 1.5 Hz filter in the sensor": (_sensor_filter, "follows EMG"),
     "TTL as EMG": (_other_signal("TTL"), "FDS"),
     "acceleration as EMG": (_other_signal("acceleration"), "FDS"),
     "force as EMG": (_other_signal("force"), "another signal"),
@@ -312,6 +312,11 @@ class Outcome:
     @property
     def word(self) -> str:
         return self.verdict.verdict if self.verdict else "unreadable"
+
+    @property
+    def remedies(self) -> tuple[str, ...]:
+        told = (self.verdict.fault, *self.verdict.problems) if self.verdict else ()
+        return tuple(dict.fromkeys(filter(None, map(remedy_of, told))))
 
     @property
     def said(self) -> str:
@@ -359,7 +364,7 @@ def table(seeds: range) -> list[str]:
                              if (n := sum(one.word == w for one in found)))  # fmt: skip
         right = sum(word in one.said and one.word != "good" for one in found) if word else len(found)
         said = found[0].said.replace("|", "/")
-        remedies = "; ".join(dict.fromkeys(filter(None, map(remedy_of, found[0].said.split("; ")))))
+        remedies = "; ".join(found[0].remedies)
         needs = "as it should be" if not word else f"{right} of {len(found)}"
         lines.append(f"| {name} | {verdicts} | {ratio} | {said[:300]} | {remedies[:300]} | {needs} |")
     return lines

@@ -110,6 +110,12 @@ class FilterSettings:
     "Butterworth order of the force low-pass."
     output_fs_hz: Positive | Literal["native"] = 100.0
     "Rate of the conditioned curves; the nearest whole divisor of the EMG rate is used. native: the EMG rate itself."
+    mains: Literal["remove", "keep"] = "remove"
+    "remove: hum of 50 or 60 Hz and its harmonics, fitted in the rests, is subtracted from the EMG; keep: it stays."
+    rest_level: Literal["subtract", "keep"] = "subtract"
+    "subtract: the envelope's lowest level at rest is taken as noise and subtracted in power; keep: it stays."
+    align: Literal["stated", "lag"] = "stated"
+    "stated: EMG and force share the clock of their files; lag: force is moved by the lag that is estimated."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -371,7 +377,13 @@ class StageSettings:
 
 
 PAPER: dict[str, dict[str, Any]] = {
-    "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": "native"},
+    "filters": {
+        "band_hz": (10.0, 500.0),
+        "phase": "causal",
+        "output_fs_hz": "native",
+        "mains": "keep",
+        "rest_level": "keep",
+    },
     "window": {"max_missed_n": 1000.0},
     "fit": {
         "points": "samples",

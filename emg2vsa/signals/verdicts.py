@@ -22,12 +22,11 @@ HELD_SHARE = 0.1
 class Evidence:
     """What is known of one trial. rest_gap_n : tared force before contact, NaN if unknown. emg : by muscle.
 
-    fault : a mistake that spoils the whole record, such as a reversed force; empty if none. signs : what else is
-    doubtful about the trial, which warns.
+    fault : a mistake that spoils the whole record, such as a reversed force; empty if none.
+    said : further reasons, each with whether it rejects the trial.
     """
 
     fault: str
-    signs: tuple[str, ...]
     duration_s: float
     peak_force_n: float
     reached: bool
@@ -40,13 +39,14 @@ class Evidence:
     emg_fs_hz: float
     emg: Mapping[str, RawQuality]
     snr_db: Mapping[str, float]
+    said: tuple[tuple[bool, str], ...] = ()
 
 
 def judge(trial: Evidence, window: WindowSettings) -> tuple[str, str]:
     """Verdict and reasons, the rejecting ones first, joined by "; "."""
     if trial.fault:
         return "rejected", trial.fault
-    said = [*_on_force(trial, window), *_on_signals(trial, window), *((False, sign) for sign in trial.signs)]
+    said = [*_on_force(trial, window), *_on_signals(trial, window), *trial.said]
     rejecting = [reason for rejects, reason in said if rejects]
     warning = [reason for rejects, reason in said if not rejects]
     verdict = "rejected" if rejecting else "warned" if warning else "ok"

@@ -50,7 +50,3 @@ def _merged(reasons: Sequence[str]) -> str:
 def _range(numbers: Sequence[str]) -> str:
     least, largest = min(numbers, key=float), max(numbers, key=float)
     return least if float(least) == float(largest) else f"{least} to {largest}"
-
-
-def remedy_of(reason: str) -> str:
-    return ""

@@ -186,7 +186,8 @@ def test_a_record_that_begins_in_its_only_ramp(recorded, extract):
     trials = extract(emg, force)
     assert trials.verdict.tolist() == ["rejected"]
     assert "record begins at 1.5" in trials.reasons[0]
-    assert extract(emg, force, window=WindowSettings(max_missed_n=1.1)).verdict.tolist() == ["warned"]
+    zeroed, wide = ForceChannelSettings(name="Fz", tare="none"), WindowSettings(max_missed_n=1.1)
+    assert extract(emg, force, window=wide, force_channel=zeroed).verdict.tolist() == ["warned"]
     assert trials.start_s.tolist() == [0.0]
     assert trials.rest_force_n == 0
     assert np.isnan(trials.snr_db).all()
