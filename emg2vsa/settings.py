@@ -123,6 +123,12 @@ class FilterSettings:
     "Butterworth order of the force low-pass."
     output_fs_hz: Positive | Literal["native"] = 100.0
     "Rate of the conditioned curves; the nearest whole divisor of the EMG rate is used. native: the EMG rate itself."
+    mains: Literal["remove", "keep"] = "remove"
+    "remove: hum of 50 or 60 Hz and its harmonics, fitted in the rests, is subtracted from the EMG; keep: it stays."
+    rest_level: Literal["subtract", "keep"] = "subtract"
+    "subtract: the envelope's lowest level at rest is taken as noise and subtracted in power; keep: it stays."
+    align: Literal["stated", "lag"] = "stated"
+    "stated: EMG and force share the clock of their files; lag: force is moved by the lag that is estimated."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,6 +168,8 @@ class WindowSettings:
     "EMG of the loading phase over EMG of the rest; below it the trial is warned."
     clip_share: Fraction = 0.001
     "Share of samples at the extreme value above which a channel counts as clipped and the trial is rejected."
+    max_missed_n: Positive = 0.3
+    "A press whose record begins further than this above the lower force is rejected; a bin of the fit by default."
     expected_trials: Annotated[int, Ge(1)] | None = None
     "Number of presses a recording should hold; another number is reported."
 
@@ -178,8 +186,25 @@ class FitSettings:
     "inverse-variance: samples over v^2 of the fit itself (noise grows with the level); none: ordinary least squares."
     robust: bool = False
     "Huber weights on top, for bursts and artefacts."
+    min_adj_r2: Annotated[float, Ge(-1), Lt(1)] = 0.3
+    "A press whose bins fit worse (adjusted R squared, least squares) is rejected; -1: none is."
+    max_b_error: NonNegative = 1.0
+    "A press whose interval of b reaches further than so many times b to either side is rejected; 0: none is."
+    max_b_error_ratio: NonNegative = 10.0
+    "... and one whose interval is so many times wider than the median of its recording; 0: none is."
     confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
     "Level of the intervals."
+
+
+@dataclass(frozen=True)
+class PressJudgement:
+    """A person's word on a press, or without ``repetition`` on all of a recording: excluded, or else accepted."""
+
+    participant: str
+    specimen: str
+    repetition: int | None
+    reason: str
+    excludes: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -365,8 +390,22 @@ class StageSettings:
 
 
 PAPER: dict[str, dict[str, Any]] = {
-    "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": "native"},
-    "fit": {"points": "samples", "weights": "none", "robust": False},
+    "filters": {
+        "band_hz": (10.0, 500.0),
+        "phase": "causal",
+        "output_fs_hz": "native",
+        "mains": "keep",
+        "rest_level": "keep",
+    },
+    "window": {"max_missed_n": 1000.0},
+    "fit": {
+        "points": "samples",
+        "weights": "none",
+        "robust": False,
+        "min_adj_r2": -1.0,
+        "max_b_error": 0.0,
+        "max_b_error_ratio": 0.0,
+    },
     "profile": {"interpolation": "paper"},
     "runs": {"algorithm": "paper"},
     "calibration": {"law": "exponential", "minimise": "kappa", "outlier_mads": 0.0},

@@ -18,8 +18,9 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
     """The presses of all ``parts``, numbered on; ``files``: the name of each, as notes give it.
 
     Times run on: each recording begins at the whole second after the end of the one before it. Levels of rest are
-    medians of the recordings, shares of clipped samples and of mains the largest. A doubt about the sign of the force
-    is one of the whole only where every recording has it; the presses that it rejects stay rejected.
+    medians of the recordings, shares of clipped samples and of mains the largest, the lag their mean weighted by its
+    certainty. A fault is one of the whole only where every recording has it; else it is a remark, and the presses that
+    it rejects stay rejected.
 
     Raises SignalError where muscles, unit or rate differ from those of the first.
     """
@@ -39,9 +40,13 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
                for name in ("start_s", "stop_s", "overview_time_s")}  # fmt: skip
     joined: dict[str, Any] = {name: np.concatenate(values) for name, values in shifted.items()}
     for field in fields(Trials):
-        if field.name not in joined:
+        if field.name in _JOINED:
             joined[field.name] = _JOINED[field.name]([getattr(part, field.name) for part in parts])
     joined["notes"] = (_said(parts, files, starts_s), *joined["notes"])
+    joined["lag_s"], joined["lag_se_s"] = _lag(parts)
+    if not joined["fault"]:
+        faults = [f"{PurePath(file).name}: {part.fault}" for part, file in zip(parts, files, strict=True) if part.fault]
+        joined["remarks"] = (*joined["remarks"], *faults)
     return Trials(**joined)
 
 
@@ -64,6 +69,15 @@ def _said(parts: Sequence[Trials], files: Sequence[str], starts_s: Sequence[floa
     return f"{len(parts)} recordings joined: {', '.join(told)}"
 
 
+def _lag(parts: Sequence[Trials]) -> tuple[float, float]:
+    """Mean of the lags that are known, weighted by the inverse of their variances, and its standard error."""
+    known = [(part.lag_s, part.lag_se_s**-2) for part in parts if part.lag_se_s > 0 and np.isfinite(part.lag_s)]
+    if not known:
+        return next((part.lag_s for part in parts if np.isfinite(part.lag_s)), np.nan), np.nan
+    weight = sum(weight for _, weight in known)
+    return sum(lag * own for lag, own in known) / weight, weight**-0.5
+
+
 def _offsets(values: Sequence[Any]) -> Any:
     lengths = np.concatenate([np.diff(value) for value in values])
     return np.concatenate((np.zeros(1, np.int64), np.cumsum(lengths)))
@@ -80,7 +94,19 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
         ("participant", "specimen", "muscles", "activity_unit", "fs_hz", "delay"), lambda values: values[0]
     ),
     **dict.fromkeys(
-        ("duration_s", "peak_force_n", "falling_share", "snr_db", "verdict", "force_n", "activity", "overview_force_n"),
+        (
+            "duration_s",
+            "peak_force_n",
+            "falling_share",
+            "snr_db",
+            "verdict",
+            "force_n",
+            "activity",
+            "overview_force_n",
+            "lag_bias",
+            "floor_bias",
+            "zero_shift_n",
+        ),
         np.concatenate,
     ),
     "repetition": lambda values: np.arange(1, sum(map(len, values)) + 1),
@@ -92,6 +118,9 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     "clip_share": lambda values: np.max(values, axis=0),
     "reasons": lambda values: tuple(reason for value in values for reason in value),
     "notes": lambda values: tuple(dict.fromkeys(note for value in values for note in value)),
-    "sign_doubt": lambda values: values[0] if all(values) else "",
+    "fault": lambda values: values[0] if all(values) else "",
+    "remarks": lambda values: tuple(dict.fromkeys(remark for value in values for remark in value)),
+    "floor_subtracted": all,
+    "tare": lambda values: next((value for value in values if value != "impossible"), "impossible"),
 }
-"""Field of ``Trials`` to what becomes of its values; every field that is not a time has one."""
+"""Field of ``Trials`` to what becomes of its values; times and lags are joined above."""

@@ -15,8 +15,8 @@ RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
 
 
 def test_every_field_is_joined_somehow():
-    times = {"start_s", "stop_s", "overview_time_s"}
-    assert {field.name for field in fields(Trials)} == times | set(_JOINED)
+    by_hand = {"start_s", "stop_s", "overview_time_s", "lag_s", "lag_se_s"}
+    assert {field.name for field in fields(Trials)} == by_hand | set(_JOINED)
 
 
 def test_presses_follow_each_other(force_of, recorded, extract):
@@ -51,11 +51,22 @@ def test_unlike_recordings_are_refused(force_of, recorded, extract):
         join_trials([part, replace(part, fs_hz=50)], ["a", "b"])
 
 
-def test_a_doubt_of_one_is_not_a_doubt_of_all(force_of, recorded, extract):
+def test_a_fault_of_one_is_not_a_fault_of_all(force_of, recorded, extract):
+    part = replace(extract(*recorded(force_of(RISE))), fault="", remarks=())
+    faulty = replace(part, fault="is its sign -1?")
+    joined = join_trials([part, faulty], ["x/a", "x/b"])
+    assert (joined.fault, joined.remarks) == ("", ("b: is its sign -1?",))
+    assert join_trials([faulty, faulty], ["a", "b"]).fault == "is its sign -1?"
+
+
+def test_the_lag_is_the_mean_by_certainty(force_of, recorded, extract):
     part = extract(*recorded(force_of(RISE)))
-    doubted = replace(part, sign_doubt="is its sign -1?")
-    assert join_trials([part, doubted], ["a", "b"]).sign_doubt == ""
-    assert join_trials([doubted, doubted], ["a", "b"]).sign_doubt == "is its sign -1?"
+    sure, unsure = replace(part, lag_s=0.05, lag_se_s=0.01), replace(part, lag_s=0.1, lag_se_s=0.02)
+    unknown = replace(part, lag_s=np.nan, lag_se_s=np.nan)
+    joined = join_trials([sure, unsure, unknown], ["a", "b", "c"])
+    assert joined.lag_s == pytest.approx((0.05 * 4 + 0.1) / 5)
+    assert joined.lag_se_s == pytest.approx(0.01 * 0.8**0.5)
+    assert np.isnan(join_trials([unknown, unknown], ["a", "b"]).lag_s)
 
 
 def test_rest_that_only_one_recording_has(force_of, recorded, extract):

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from emg2vsa.settings import ChannelSettings, CocontractionSettings, FilterSettings, ReadingSettings, WindowSettings
     from emg2vsa.trials import Trials
 
+LOUD = "NYQUIST RULE"
+"""Notes that begin so are said on screen, not only recorded: the study asked for a filter that cannot be built."""
 NOT_USED = "recording not used: "
-"""Begins the note on each of several recordings that could not be used."""
-LOUD = ("NYQUIST RULE", NOT_USED)
-"""Notes that begin so are said on screen, not only recorded: a filter that cannot be built, a recording left out."""
+"""Begins the remark on each of several recordings that could not be used; said on screen too."""
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
@@ -80,7 +80,7 @@ def run(given: Given) -> Trials:
     if not made:
         raise faults[0]
     joined = join_trials(made, names)
-    return replace(joined, notes=(*joined.notes, *(f"{NOT_USED}{fault}" for fault in faults)))
+    return replace(joined, remarks=(*joined.remarks, *(f"{NOT_USED}{fault}" for fault in faults)))
 
 
 def _part(given: Given, number: int, channels: ChannelSettings, fault: str, shared: dict[str, Any]) -> Trials:
@@ -134,7 +134,8 @@ def trials_of(
 
 
 def says(trials: Trials) -> str:
-    return "; ".join(note for note in trials.notes if note.startswith(LOUD))
+    loud = [note for note in trials.notes if note.startswith(LOUD)]
+    return "; ".join([*loud, *(remark for remark in trials.remarks if remark.startswith(NOT_USED))])
 
 
 STAGE = Stage(per="recording", of="people", run=run, settings=settings, files=files, says=says, alone=8)
