@@ -246,10 +246,8 @@ def _write_group(
         stored.append(BdfChannel(label, filled * scale, unit, fs_hz, transducer))
         rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before))
         first, stop = runs_of(missing)
-        gaps += [
-            (before / fs_hz + i / fs_hz, (j - i + 1) / fs_hz)
-            for i, j in zip(first.tolist(), last.tolist(), strict=True)
-        ]
+        lost = zip(first.tolist(), stop.tolist(), strict=True)
+        gaps += [((before + i) / fs_hz, (j - i) / fs_hz) for i, j in lost]
     events = _events(trials, start_s, gaps)
     annotations = [(onset, duration, kind) for onset, duration, kind, *_ in events]
     content = bdf_bytes(
