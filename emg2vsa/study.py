@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from emg2vsa.settings import ChannelSettings, FilterSettings, RunSettings, StageSettings, WindowSettings
+from emg2vsa.settings import (
+    ChannelSettings,
+    FilterSettings,
+    PressJudgement,
+    RunSettings,
+    StageSettings,
+    WindowSettings,
+)
 
 
 @dataclass(frozen=True)
@@ -28,10 +35,22 @@ class RecordingEntry:
     channels: ChannelSettings
     filters: FilterSettings
     window: WindowSettings
+    mvc_files: tuple[Path, ...] = ()
+    "Recordings of the participant's maximum voluntary contractions."
 
     @property
     def key(self) -> str:
         return f"{self.participant}/{self.specimen}"
+
+
+@dataclass(frozen=True)
+class Person:
+    """What participants.tsv says of a participant, as it is written there; "" where nothing is said."""
+
+    participant: str
+    age: str = ""
+    sex: str = ""
+    handedness: str = ""
 
 
 @dataclass(frozen=True)
@@ -75,6 +94,10 @@ class Study(StageSettings):
     reports: Path
     data: Path
     "Folder of the recordings; a simulation writes there."
+    judgements: tuple[PressJudgement, ...] = ()
+    "What people said of presses; a later one has the last word."
+    people: tuple[Person, ...] = ()
+    "What is known of the participants, in their order; empty where they have no table."
     scoring: RunSettings = field(default_factory=RunSettings)
     "How the rig's presses are scored."
     runs_source: RunsSource | None = None

@@ -60,6 +60,19 @@ def read_roles(
     return RoleChannels(emg, force, name, _notes(emg_open, force_open, [*emg_stored, force_stored]))
 
 
+def read_emg(emg_file: Path, channels: ChannelSettings, reading: ReadingSettings | None = None) -> dict[str, Channel]:
+    """The EMG of a recording without force, such as of maximum contractions: muscle role to channel in V.
+
+    Raises RecordingError as ``read_roles``.
+    """
+    _, opened = open_recording(emg_file, reading or ReadingSettings())
+    stored = load_named(opened, [settings.name for settings in channels.emg.values()])
+    return {
+        role: _emg_in_v(opened.path, one, settings)
+        for (role, settings), one in zip(channels.emg.items(), stored, strict=True)
+    }
+
+
 def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:
     known = si_factor(settings.unit or stored.unit)
     if known is None or known[0] != "V":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
@@ -13,12 +13,12 @@ from casr import html
 from casr.atomic import write_text_atomic
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.figures.palette import INK, looks
-from emg2vsa.fits import Fits
+from emg2vsa.fits import Fits, rows_of
 from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
 from emg2vsa.report.table import Column, Table, activity_column
 from emg2vsa.report.wording import NO_BREAK, number, percent
-from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict, judge_session
+from emg2vsa.session_verdict import Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
 
@@ -49,11 +49,26 @@ def write_session_page(
 
 
 def session_verdict(
-    participant: str, entries: Sequence[RecordingEntry], trials: Sequence[Trials], failures: Sequence[Failure]
+    participant: str,
+    entries: Sequence[RecordingEntry],
+    trials: Sequence[Trials],
+    fits: Fits | None,
+    failures: Sequence[Failure],
+    doubts: Doubts,
 ) -> SessionVerdict:
-    """The verdict on one participant's recordings; all arguments are this participant's."""
+    """The verdict on one participant's recordings; entries, trials and failures are this participant's."""
+    own = (
+        {}
+        if fits is None
+        else {
+            entry.specimen: rows_of(fits, (fits.participant == participant) & (fits.specimen == entry.specimen))
+            for entry in entries
+        }
+    )
+    beside = {specimen: said for (who, specimen), said in doubts.items() if who == participant}
     missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
-    return judge_session(participant, trials, {}, {e.specimen: e.window.expected_trials for e in entries}, missed)
+    wanted = {e.specimen: e.window.expected_trials for e in entries}
+    return judge_session(participant, trials, own, wanted, missed, beside)
 
 
 def _page(
@@ -63,14 +78,16 @@ def _page(
     short = ShortPaths(replace(study, recordings=tuple(entries.values())))
     failures = short.failures(failure for failure in failures if failure.participant == participant)
     by_specimen = {t.specimen: t for t in trials}
-    verdict = session_verdict(participant, list(entries.values()), trials, failures)
+    parts = [rows_of(fits, fits.specimen == t.specimen) for t in trials] if fits else []
+    doubts = doubts_between(trials, parts, study.judgements)
+    verdict = session_verdict(participant, list(entries.values()), trials, fits, failures, doubts)
     look = looks([specimen.name for specimen in study.specimens])
     scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
     sections = []
     for place, judged in enumerate(verdict.specimens):
         body = ""
         if recording := by_specimen.get(judged.specimen):
-            own = _rows(fits, fits.specimen == judged.specimen) if fits else None
+            own = rows_of(fits, fits.specimen == judged.specimen) if fits else None
             colour = look[judged.specimen].colour if judged.specimen in look else INK
             body = _recording(recording, own, entries[judged.specimen].window.force_n, colour, scale, f"r{place}")
             body += html.details("Signal quality and processing", _quality(recording, short))
@@ -82,7 +99,7 @@ def _page(
     )
     header = f'<h1>{escape(participant)}</h1><p class="sub">{escape(study.title)}</p>'
     nav = [("../index.html", "Study report"), *((f"#r{i}", s.specimen) for i, s in enumerate(verdict.specimens))]
-    body = top + html.bullets(verdict.advice) + steps + PATTERNS + LEGEND + "".join(sections)
+    body = top + html.bullets(map(str, verdict.advice)) + steps + PATTERNS + LEGEND + "".join(sections)
     return html.page(f"{participant}: {study.title}", header, nav, body, "<p></p>")
 
 
@@ -107,11 +124,6 @@ def _recording(
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
     return body
-
-
-def _rows(fits: Fits, of: np.ndarray) -> Fits:
-    per_trial = {f.name: getattr(fits, f.name) for f in fields(fits)}
-    return replace(fits, **{k: v[of] for k, v in per_trial.items() if isinstance(v, np.ndarray) and k != "bin_edges_n"})
 
 
 def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:

@@ -8,8 +8,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.settings import ChannelSettings, RunSettings, StageSettings
-from emg2vsa.study import RecordingEntry, RunsSource, Specimen, Study
+from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
+from emg2vsa.study import Person, RecordingEntry, RunsSource, Specimen, Study
 from emg2vsa.study_file.tables import (
     FileChannels,
     FileTable,
@@ -21,8 +21,9 @@ from emg2vsa.study_file.tables import (
 from emg2vsa.study_file.toml_file import beside, reports_beside
 
 
-def study_of(path: str, file: StudyFile, ids: tuple[str, ...], raw: Mapping[str, Any]) -> Study:
-    """The study of a file without problems. ``ids``: the participants. ``raw``: tells which keys a recording sets."""
+def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mapping[str, Any]) -> Study:
+    """The study of a file without problems. ``people`` took part. ``raw``: tells which keys a recording sets."""
+    ids = tuple(person.participant for person in people)
     folder, about = Path(os.path.dirname(path)), file.study
     given = raw["recordings"].get("files", []) if file.recordings else []
     recordings = _entries(folder, file, file.recordings, ids, given) if file.recordings else ()
@@ -38,6 +39,12 @@ def study_of(path: str, file: StudyFile, ids: tuple[str, ...], raw: Mapping[str,
         results=beside(folder, about.results or f".emg2vsa/{about.name}"),
         reports=beside(folder, about.reports) if about.reports else reports_beside(folder, about.name),
         data=_data_folder(folder, file.recordings, recordings),
+        judgements=tuple(
+            PressJudgement(own.participant, own.specimen, own.repetition, own.reason, excludes)
+            for excludes, listed in ((True, file.exclude), (False, file.accept))
+            for own in listed
+        ),
+        people=people if any(person.age or person.sex or person.handedness for person in people) else (),
         scoring=RunSettings(**{each.name: getattr(file.runs, each.name) for each in fields(RunSettings)})
         if file.runs
         else RunSettings(),
@@ -75,6 +82,7 @@ def _entries(
     """
     listed = {(own.participant, own.specimen): (own, keys) for own, keys in zip(table.files, given, strict=True)}
     cells = list(listed) if table.layout == "files" else [(p, s.name) for p in ids for s in file.specimens]
+    mvc = {one: tuple(beside(folder, m.emg) for m in file.mvc if m.participant == one) for one in ids}
     entries = []
     for cell in cells:
         own, keys = listed.get(cell, (None, {}))
@@ -88,6 +96,7 @@ def _entries(
                 channels=_channels(file.channels, own.channels if own else None),
                 filters=overlaid(file.filters, own.filters, keys["filters"]) if own and own.filters else file.filters,
                 window=overlaid(file.window, own.window, keys["window"]) if own and own.window else file.window,
+                mvc_files=mvc.get(cell[0], ()),
             )
         )
     return tuple(entries)

@@ -50,7 +50,7 @@ def _where_of(channel: Channel) -> str:
     return f"channel {channel.name!r}"
 
 
-def _emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
+def emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
     """All channels at the rate and start of the first, cut to the shortest."""
     if not emg:
         raise SignalError("EMG", wanted="at least one channel", found="none", do="Name the channel of a muscle.")
@@ -85,6 +85,11 @@ class Chain:
         n_pressing = pressing.offsets[-1]
         return both[:, :n_pressing].copy(), both[:, n_pressing:]
 
+    def whole(self, record: _EmgRecord) -> Floats:
+        """Envelopes (m, N) in volts of the whole record."""
+        counts = np.array([(record.samples[0].size - 1) // self.step + 1])
+        return envelopes_at(record.samples, np.zeros(1, np.int64), counts, self.step, self.band, self.envelope)
+
 
 def extract_trials(
     emg: Mapping[str, Channel],
@@ -105,8 +110,8 @@ def extract_trials(
     Force is interpolated onto the instants of the envelopes. Missing samples are interpolated, and reject the trials
     that hold them. SignalError, SettingError: channels too short, of unequal rates, or filters that cannot be built.
     """
-    record = _emg_record(emg)
-    chain = _chain(filters, record, force.fs_hz)
+    record = emg_record(emg)
+    chain = filter_chain(filters, record, force.fs_hz)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
     record, lag, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
@@ -138,7 +143,9 @@ def extract_trials(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
     doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
-    seen = _plausibility(raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v)
+    seen = _plausibility(
+        raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
+    )
     fault = doubt or seen.fault
     biased = _said_of_bias(conditioned, floor, subtract, left, lagging)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
@@ -186,7 +193,7 @@ def extract_trials(
     )
 
 
-def _chain(filters: FilterSettings, record: _EmgRecord, force_fs_hz: float) -> Chain:
+def filter_chain(filters: FilterSettings, record: _EmgRecord, force_fs_hz: float) -> Chain:
     """The filters, designed for these rates; SignalError where the EMG is too short for them."""
     step = decimation(record.fs_hz, filters.output_fs_hz)
     band, envelope = band_pass(filters, record.fs_hz), smoother(filters, record.fs_hz, step)
@@ -275,6 +282,7 @@ def _plausibility(
     rest_v: Floats,
     force_n: Floats,
     envelopes_v: Floats,
+    lag_s: float,
 ) -> Plausibility:
     """Whether the EMG is what it is said to be; arrays as in ``extract_trials``."""
     bounds_s = np.stack((force_clock.time_s(rest.start), force_clock.time_s(rest.stop)), axis=-1)
@@ -291,6 +299,7 @@ def _plausibility(
             envelopes_v=envelopes_v,
             envelope_fs_hz=record.fs_hz / chain.step,
             offsets=instants.offsets,
+            lag_s=lag_s,
         )
     )
 

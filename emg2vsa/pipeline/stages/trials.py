@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,13 +34,33 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     entry = campaign.recordings[item]
     own = (entry.emg_file, entry.force_file) if entry.force_file else (entry.emg_file,)
     sides = [side for path in own for side in side_file_paths(path, campaign.side_files)]
-    return {"emg": own[:1], "force": own[1:], "beside": sides}
+    return {"emg": own[:1], "force": own[1:], "mvc": entry.mvc_files, "beside": sides}
 
 
 def run(given: Given) -> Trials:
     participant, _, specimen = given.item.partition("/")
     force = given.files["force"]
-    return trials_of(given.files["emg"][0], force[0] if force else None, participant, specimen, **given.settings)
+    used = dict(given.settings)
+    if given.files["mvc"]:
+        used["cocontraction"] = _with_contractions(given.files["mvc"], **used)
+    return trials_of(given.files["emg"][0], force[0] if force else None, participant, specimen, **used)
+
+
+def _with_contractions(
+    files: Sequence[Path],
+    *,
+    channels: ChannelSettings,
+    filters: FilterSettings,
+    cocontraction: CocontractionSettings,
+    reading: ReadingSettings,
+    window: WindowSettings,
+) -> CocontractionSettings:
+    """The settings with the levels of recorded maximum contractions in the place of typed ones."""
+    from emg2vsa.readers.roles import read_emg
+    from emg2vsa.trials.contractions import contraction_levels_v
+
+    levels_v = contraction_levels_v([read_emg(path, channels, reading) for path in files], filters)
+    return replace(cocontraction, mvc_v={**cocontraction.mvc_v, **levels_v})
 
 
 def trials_of(
