@@ -29,6 +29,9 @@ MinLen = partial(Limit, "length >=")
 TICKS_PER_TURN = 32768
 """Wire ticks of a qbmove in a turn of its output shaft, at the default resolution 1 of the firmware."""
 
+GAUGE_AXES = ("Fx", "Fy", "Fz")
+"""Forces that the gauges of an ATI transducer give."""
+
 Positive = Annotated[float, Gt(0)]
 NonNegative = Annotated[float, Ge(0)]
 Fraction = Annotated[float, Gt(0), Le(1)]
@@ -44,6 +47,8 @@ class EmgChannelSettings:
     "Unit of the stored values; replaces the file's own statement. Needed where the file states none."
     gain: Positive = 1.0
     "Amplifier gain to divide by (100, 1000 or 10000 for a Bagnoli through a DAQ; 1 for input-referred files)."
+    fs_hz: Positive | None = None
+    "Sampling rate, Hz, for a file that states none, such as one without a time column; the two must agree."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,9 +56,9 @@ class ForceChannelSettings:
     """The pressing force channel."""
 
     name: Annotated[str, MinLen(1)]
-    "Channel name as the file writes it."
+    "Channel name as the file writes it; with cal_file the axis to take: Fx, Fy or Fz."
     unit: Annotated[str, MinLen(1)] | None = None
-    "Unit of the stored values (N, mN, kN, lbf, kgf, gf, or any other together with newtons_per_unit)."
+    "Unit of the stored values (N, mN, kN, lbf, kgf, gf, or any other together with newtons_per_unit); of gauges V, mV."
     newtons_per_unit: Positive | None = None
     "Declared newtons per stored unit, for units that are not a force (%MVC, counts, V)."
     sign: Literal[1, -1] = 1
@@ -62,6 +67,14 @@ class ForceChannelSettings:
     "rest: subtract the force of the pre-contact rest; none: the channel is already zeroed."
     delay_s: NonNegative = 0.0
     "Known delay of the sensor's own filter, in seconds; removed from the pairing of force and EMG."
+    fs_hz: Positive | None = None
+    "Sampling rate, Hz, for a file that states none, such as one without a time column; the two must agree."
+    cal_file: Annotated[str, MinLen(1)] | None = None
+    "Calibration file (.cal) of an ATI transducer whose six gauges the recording holds; needs gauges."
+    gauges: tuple[str, str, str, str, str, str] | None = None
+    "Channel names of the six gauges, in the order of the transducer; with cal_file."
+    volts_per_unit: Positive | None = None
+    "Volts per stored unit of the gauges, where they are counts of a converter; with cal_file."
 
 
 @dataclass(frozen=True, kw_only=True)

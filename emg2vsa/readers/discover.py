@@ -17,7 +17,7 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.plain_csv import SNIFFED_ROWS, widest
-from emg2vsa.readers.text_file import Dialect, Line, open_text, sniff
+from emg2vsa.readers.text_file import Dialect, Line, open_text, sniff, without_cut_line
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import split_unit
 
@@ -30,7 +30,7 @@ _DATA = re.compile(r"[+-]?(\d|[.,]\d)[\d.,eE+-]*|NaN|")
 
 def open_recording(path: Path) -> TimedColumns:
     """Validate the header rows. Raises RecordingError; cells are checked when they are read."""
-    text = open_text(path)
+    text, cut = without_cut_line(open_text(path))
     head = list(islice(text.lines(), 40))
     separator = next((s for s in ";\t," if s in head[0].text), ",")
     heading = Dialect(separator, ".")
@@ -40,9 +40,8 @@ def open_recording(path: Path) -> TimedColumns:
     body_data = text.data[head[first].start :]
     dialect = Dialect(separator, "." if separator == "," else sniff(path, None, rows, body_data).decimal)
     columns = _columns(heading, head, at, first)
-    contents = Contents(
-        tuple(c.name for c in columns), {}, tuple(filter(None, [dialect.note])), _started(heading, head)
-    )
+    notes = (*cut, *filter(None, [dialect.note]))
+    contents = Contents(tuple(c.name for c in columns), {}, notes, _started(heading, head))
     body = Body(path, body_data, head[first].number, dialect, widest(dialect, rows), None)
     return TimedColumns(path, contents, body, columns)
 

@@ -16,7 +16,7 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.plain_csv import checked_width, header_and_rows, widest
-from emg2vsa.readers.text_file import TextFile, open_text, sniff
+from emg2vsa.readers.text_file import TextFile, open_text, sniff, without_cut_line
 from emg2vsa.readers.timed_columns import Column, TimedColumns
 from emg2vsa.readers.units import canonical, split_unit
 
@@ -29,7 +29,7 @@ _LABEL = re.compile(
 
 def open_recording(path: Path) -> TimedColumns:
     """Validate the header lines. Raises RecordingError; cells are checked when they are read."""
-    text = open_text(path)
+    text, cut = without_cut_line(open_text(path))
     stated, start, number = _stated(text)
     header, rows = header_and_rows(text, start, number)
     body_data = text.data[header.end :]
@@ -41,7 +41,7 @@ def open_recording(path: Path) -> TimedColumns:
         channels = _with_statements(path, channels, stated)
     names = unique_names([column.name for column in channels])
     columns = tuple(replace(column, name=name) for column, name in zip(channels, names, strict=True))
-    contents = Contents(names, {}, tuple(filter(None, [dialect.note])))
+    contents = Contents(names, {}, (*cut, *filter(None, [dialect.note])))
     body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, columns)
 

@@ -53,6 +53,26 @@ def _is_c3d(path: Path, head: bytes) -> bool:
     return path.suffix.lower() == ".c3d" or (head[1:2] == b"\x50" and b"\0" in head)
 
 
+def _is_hpf(path: Path, head: bytes) -> bool:
+    return head[:8] == b"\0\x10" + bytes(6) and head[16:20] == b"datx"
+
+
+def _begins(*starts: bytes) -> Callable[[Path, bytes], bool]:
+    return lambda path, head: head.removeprefix(b"\xef\xbb\xbf").startswith(starts)
+
+
+def _is_hdf5(path: Path, head: bytes) -> bool:
+    return head.startswith(b"\x89HDF\r\n\x1a\n") and path.suffix.lower() != ".mat"
+
+
+def _is_vicon(path: Path, head: bytes) -> bool:
+    return bool(re.match(rb'(\xef\xbb\xbf)?"?Devices"?[\s,;]*[\r\n]+"?\d', head))
+
+
+def _is_net_ft(path: Path, head: bytes) -> bool:
+    return b"RDT Sample Rate:" in head and b"Status (hex)" in head
+
+
 def _is_matlab(path: Path, head: bytes) -> bool:
     return path.suffix.lower() == ".mat" or head.startswith(b"MATLAB ")
 
@@ -75,6 +95,16 @@ def _is_plain_csv(path: Path, head: bytes) -> bool:
 
 
 READERS: tuple[Reader, ...] = (
+    Reader("HPF", "emg2vsa.readers.hpf", _is_hpf),
+    Reader("DEMG", "emg2vsa.readers.demg", _begins(b"DEMG")),
+    Reader("TDMS", "emg2vsa.readers.tdms", _begins(b"TDSm"), "npTDMS"),
+    Reader("XDF", "emg2vsa.readers.xdf", _begins(b"XDF:"), "pyxdf"),
+    Reader("OpenSignals HDF5", "emg2vsa.readers.opensignals_hdf5", _is_hdf5, "h5py"),
+    Reader("OpenSignals text", "emg2vsa.readers.opensignals", _begins(b"# OpenSignals")),
+    Reader("LabVIEW LVM", "emg2vsa.readers.lvm", _begins(b"LabVIEW Measurement")),
+    Reader("Vicon ASCII", "emg2vsa.readers.vicon", _is_vicon),
+    Reader("EVaRT ANC", "emg2vsa.readers.evart", _begins(b"File_Type:\tAnalog")),
+    Reader("ATI Net F/T CSV", "emg2vsa.readers.net_ft", _is_net_ft),
     Reader("EDF", "emg2vsa.readers.edf_bdf", _is_edf, "edfio"),
     Reader("BDF", "emg2vsa.readers.edf_bdf", _is_bdf, "edfio"),
     Reader("C3D", "emg2vsa.readers.c3d", _is_c3d, "ezc3d"),

@@ -18,6 +18,7 @@ from casr.decoder_process import DecoderFailed, InChild
 from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, said_by, to_si, usable
+from emg2vsa.readers.refused import refused
 from emg2vsa.recordings import ChannelInfo, Recording, no_such_channel
 from emg2vsa.settings import ReadingSettings
 
@@ -44,6 +45,8 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
         raise RecordingError(path, wanted="a file", found="a pipe or a device", do="Copy what it gives into a file.")
     if not head:
         raise RecordingError(path, wanted="a recording", found="an empty file", do="Export or copy it again.")
+    if (not_read := refused(path, head)) is not None:
+        raise RecordingError(path, wanted="a recording in a format that is read", found=not_read[0], do=not_read[1])
     reader = reader_of(path, head)
     if reader is None:
         raise RecordingError(
@@ -91,6 +94,11 @@ class _OpenInChild:
             ) from error  # fmt: skip
         except Emg2vsaError:
             raise
+        except ImportError as error:
+            raise RecordingError(
+                self.path, wanted=f"the package {self._reader.library}, which reads {self._reader.format}",
+                found=f"that it is not installed ({error})", do="Install it: pip install 'emg2vsa[formats]'.",
+            ) from error  # fmt: skip
         except Exception as error:  # a decoder may stumble over anything that a damaged file holds
             raise RecordingError(
                 self.path, wanted=wanted, found=f"that its reader failed ({said_by(error)})",
@@ -116,14 +124,21 @@ def read(path: Path, names: Sequence[str], reading: ReadingSettings = _READING) 
     return Recording(Path(path), name, tuple(to_si(channel) for channel in stored), tuple(dict.fromkeys(notes)))
 
 
-def load_named(opened: OpenRecording, names: Sequence[str]) -> list[StoredChannel]:
-    """The named channels as stored, each under the name it was asked by; checked as in ``usable``."""
+def load_named(
+    opened: OpenRecording, names: Sequence[str], rates_hz: Sequence[float | None] = ()
+) -> list[StoredChannel]:
+    """The named channels as stored, each under the name it was asked by; checked as in ``usable``.
+
+    rates_hz : of each name, for files that state none; () where nobody states any.
+    """
     contents = opened.contents
     index = {**contents.aliases, **{known: i for i, known in enumerate(contents.names)}}
     for name in names:
         if name not in index:
             raise no_such_channel(opened.path, name, contents.names)
     return [
-        usable(opened.path, name, channel)
-        for name, channel in zip(names, opened.load([index[name] for name in names]), strict=True)
+        usable(opened.path, name, channel, fs_hz)
+        for name, channel, fs_hz in zip(
+            names, opened.load([index[name] for name in names]), rates_hz or [None] * len(names), strict=True
+        )
     ]

@@ -1,8 +1,9 @@
-"""Plain CSV: a header row of channel names, units in brackets if any, and a time column.
+"""Plain CSV: a header row of channel names, units in brackets or after an underscore if any, and a time column.
 
-``EMG (mV)``, ``Fz [N]``; a time column is called time, t, timestamp or X[s], with its unit in brackets or after an
-underscore (``time_ms``). Channels belong to the nearest time column on their left: a file may hold several clocks.
-Lines that begin with ``#`` before the header are comments.
+``EMG (mV)``, ``Fz [N]``, ``EDC_mV``; a time column is called time, t, timestamp or X[s], with its unit in brackets or
+after an underscore (``time_ms``). Channels belong to the nearest time column on their left: a file may hold several
+clocks. Without a time column the rate is unknown, and the study must state it. Lines that begin with ``#`` before the
+header are comments.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from pathlib import Path
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff
+from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff, without_cut_line
 from emg2vsa.readers.timed_columns import Column, TimedColumns
-from emg2vsa.readers.units import seconds_per, split_unit
+from emg2vsa.readers.units import is_glued, seconds_per, split_unit
 
 SNIFFED_ROWS = 50
 _NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan", re.IGNORECASE)
@@ -25,7 +26,7 @@ _TIME = re.compile(r"(time|times|t|x|timestamps?|elapsed[ _]time)(?:_(s|ms|us|mi
 
 def open_recording(path: Path) -> TimedColumns:
     """Validate header, dialect and time column. Raises RecordingError; cells are checked when they are read."""
-    text = open_text(path)
+    text, cut = without_cut_line(open_text(path))
     header, rows = header_and_rows(text)
     body_data = text.data[header.end :]
     dialect = sniff(path, header, rows, body_data)
@@ -36,7 +37,7 @@ def open_recording(path: Path) -> TimedColumns:
     contents = Contents(
         tuple(c.name for c in channels),
         {labels[c.index]: i for i, c in reversed(list(enumerate(channels)))},
-        tuple(filter(None, [dialect.note])),
+        (*cut, *filter(None, [dialect.note])),
     )
     body = Body(path, body_data, header.number + 1, dialect, widest(dialect, rows), allowed)
     return TimedColumns(path, contents, body, channels, shared_length=True)
@@ -99,13 +100,7 @@ def time_unit_s(label: str) -> tuple[bool, float | None]:
 def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, ...]:
     times = [time_unit_s(label) for label in labels]
     clocks = [i for i, (is_time, _) in enumerate(times) if is_time]
-    if not clocks:
-        raise RecordingError(
-            f"{path}, line {header.number}", wanted='a time column ("time (s)", "t", "X[s]")',
-            found="columns " + ", ".join(map(repr, labels[:12])) + (", ..." if len(labels) > 12 else ""),
-            do="Add a time column, or name it so; the sampling rate cannot be known without one.",
-        )  # fmt: skip
-    found = [(i, *split_unit(label)) for i, label in enumerate(labels) if not times[i][0] and label]
+    found = [(i, *split_unit(label, glued=True)) for i, label in enumerate(labels) if not times[i][0] and label]
     if not found:
         raise RecordingError(
             f"{path}, line {header.number}",
@@ -116,6 +111,7 @@ def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, .
     names = unique_names([name for _, name, _ in found])
     columns = []
     for name, (i, _, unit) in zip(names, found, strict=True):
-        clock = max((c for c in clocks if c < i), default=clocks[0])
-        columns.append(Column(name, unit, i, clock, times[clock][1]))
+        clock = max((c for c in clocks if c < i), default=clocks[0] if clocks else None)
+        notes = (f"{labels[i]}: the unit {unit} was taken from the end of its name.",) if is_glued(labels[i]) else ()
+        columns.append(Column(name, unit, i, clock, times[clock][1] if clock is not None else 1.0, notes=notes))
     return tuple(columns)

@@ -64,6 +64,18 @@ def open_text(path: Path) -> TextFile:
     return TextFile(path, data)
 
 
+def without_cut_line(text: TextFile) -> tuple[TextFile, tuple[str, ...]]:
+    """The file without a last line that has no line end, and a note on it: it may be cut in the middle of a number."""
+    if not text.data or text.data.endswith((b"\n", b"\r")):
+        return text, ()
+    kept = max(text.data.rfind(b"\n"), text.data.rfind(b"\r")) + 1
+    if not text.data[kept:].strip():
+        return text, ()
+    number = len(text.data[:kept].splitlines()) + 1
+    note = f"Line {number}, the last, has no line end and may be cut in the middle of a number; it was left out."
+    return TextFile(text.path, text.data[:kept]), (note,)
+
+
 @dataclass(frozen=True)
 class Dialect:
     """separator : "," ";" tab or WHITESPACE. decimal : "." or ","."""

@@ -30,7 +30,7 @@ class Column:
     time; None where the file does not say (then seconds, if that gives a believable rate).
     fs_hz : the rate the file states. start_s : start it states. expected : number of samples it states.
     digits : significant digits of the time stamps, where the format is known to round them.
-    notes : about the channel as such.
+    scale : ``unit`` in one stored number. notes : about the channel as such.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Column:
     start_s: float = 0.0
     expected: int | None = None
     digits: int | None = None
+    scale: float = 1.0
     notes: tuple[str, ...] = ()
 
 
@@ -92,7 +93,7 @@ class TimedColumns:
                 notes.append(f"{column.name}: ends after {n} of {rows} rows; blank cells were cut.")
         if column.expected is not None and column.expected != n:
             notes.append(f"{column.name}: the header promises {column.expected} samples, the file holds {n}.")
-        return StoredChannel(column.name, samples[:n].copy(), column.unit, fs_hz, start_s, tuple(notes))
+        return StoredChannel(column.name, samples[:n] * column.scale, column.unit, fs_hz, start_s, tuple(notes))
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 
+from emg2vsa.ati.cal_file import read_calibration
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
 from emg2vsa.rig.devices import Devices, ForceSensor
-from emg2vsa.rig.force.cal_file import read_calibration
 from emg2vsa.rig.force.daq_ft import DaqFt
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.force.ni_volts import NiVolts

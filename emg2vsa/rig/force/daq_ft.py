@@ -7,10 +7,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.ati.cal_file import GaugeCalibration
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import ForceSample, SensorStatus
-from emg2vsa.rig.force.cal_file import GaugeCalibration
 
 FIRST_S = 1.0
 "Time in which started voltages must come."

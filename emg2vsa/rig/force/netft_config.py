@@ -7,8 +7,8 @@ import math
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
+from emg2vsa.ati.units import FORCE_N, TORQUE_NM, unit_in_si
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.force.ati_units import FORCE_N, TORQUE_NM, unit_in_si
 
 PATH = "/netftapi2.xml"
 

@@ -8,9 +8,9 @@ import types
 import numpy as np
 import pytest
 
+from emg2vsa.ati.cal_file import GaugeCalibration
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.force.cal_file import GaugeCalibration
 from emg2vsa.rig.force.daq_ft import DaqFt
 from emg2vsa.rig.force.ni_volts import NiVolts
 

@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.ati.units import FORCE_N, LENGTH_M, TORQUE_NM, unit_in_si
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.force.ati_units import FORCE_N, LENGTH_M, TORQUE_NM, unit_in_si
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 

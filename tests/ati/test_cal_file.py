@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from emg2vsa.ati.cal_file import AXES, read_calibration
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.force.cal_file import AXES, read_calibration
 
 # Two gauges of a Mini40 (SI-20-1, serial FT35366, published in NavidFeizi/ATI-FTsensor_NI-DAQ): Axis values, their
 # scales, and the UserAxis values the same file gives for them.
