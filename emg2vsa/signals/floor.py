@@ -32,13 +32,13 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
 def _parabola(x: Floats, rows: Floats) -> Floats:
     mean = rows.mean(axis=1, keepdims=True)
     reach = float(np.ptp(x))
-    if x.size < 10 or reach < 1e-3:
+    if x.size < 10 or reach < 1e-3 or not np.all(mean > 0):
         return np.broadcast_to(mean, rows.shape)
     u = 2 * (x - x.min()) / reach - 1
     basis = np.stack([np.ones_like(u), u, 1.5 * u * u - 0.5])
     level = np.broadcast_to(mean, rows.shape)
     for _ in range(2):
-        weights = 1 / np.maximum(level, 0.1 * mean + 1e-300) ** 2
+        weights = (mean / np.maximum(level, 0.1 * mean)) ** 2
         normal = np.einsum("in,mn,jn->mij", basis, weights, basis)
         right = np.einsum("in,mn->mi", basis, weights * rows)
         ridge = 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
@@ -68,7 +68,8 @@ def slope_ratios(x: Floats, y: Floats, true_x: Floats, true_y: Floats, level: Fl
     for i, (begin, end) in enumerate(zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)):
         cut = slice(begin, end)
         if end - begin >= 10:
-            weights = 1 / np.maximum(level[cut], 0.1 * level[cut].max() + 1e-300) ** 2
+            top = level[cut].max()
+            weights = (top / np.maximum(level[cut], 0.1 * top)) ** 2 if top > 0 else np.ones(end - begin)
             true = _slope(true_x[cut], true_y[cut], weights)
             if true != 0:
                 ratios[i] = _slope(x[cut], y[cut], weights) / true

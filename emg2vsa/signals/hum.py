@@ -21,6 +21,12 @@ OFFSET_HZ = 0.4
 "The mains is looked for so far around its nominal frequency."
 STEADY = 0.5
 "A harmonic is subtracted where neighbouring pieces agree in so much of its power; noise alone agrees in none."
+CLEAR = 4.0
+"... and where it has so many times the power that is found between the harmonics."
+ASIDE_HZ = 5.0
+"Between the harmonics: so far below and above each."
+FEWEST = 8
+"Fewer half seconds of rest do not tell the frequency of the mains."
 BLOCK_S = 0.25
 "Amplitude and phase are constant within blocks of this length."
 
@@ -39,11 +45,11 @@ def remove_hum(
 ) -> tuple[tuple[Floats, ...], Hum | None]:
     """The channels (n,) without the hum that is found in their rests [start, stop) (r,), and what it was, or None.
 
-    Two pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
+    ``FEWEST`` pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
     """
     size = round(PIECE_S * fs_hz)
     begins = np.concatenate([np.arange(a, b - size + 1, size) for a, b in zip(start, stop, strict=True)] or [start])
-    if begins.size < 2 or not (np.isfinite(fs_hz) and fs_hz > 4 * MAINS_HZ[0]):
+    if begins.size < FEWEST or not (np.isfinite(fs_hz) and fs_hz > 4 * MAINS_HZ[0]):
         return channels, None
     time_s = (begins + (size - 1) / 2) / fs_hz
     best: tuple[float, float, Floats, Floats] | None = None
@@ -55,7 +61,9 @@ def remove_hum(
         offset_hz = _offset_hz(phasors, time_s, orders)
         turned = phasors * np.exp(-2j * np.pi * offset_hz * orders[:, None] * time_s)
         agreed = np.mean((turned[..., 1:] * turned[..., :-1].conj()).real, axis=-1)
-        steady = agreed > STEADY * np.mean(np.abs(turned) ** 2, axis=-1)
+        found = np.mean(np.abs(turned) ** 2, axis=-1)
+        aside = [_phasors(pieces, begins, orders * nominal_hz + by, fs_hz) for by in (-ASIDE_HZ, ASIDE_HZ)]
+        steady = (agreed > STEADY * found) & (found > CLEAR * np.mean(np.abs(aside) ** 2, axis=(0, -1)))
         power = float(np.sum(agreed[steady]))
         if steady.any() and (best is None or power > best[0]):
             best = (power, nominal_hz + offset_hz, np.where(steady[..., None], turned, 0.0), orders)
