@@ -19,6 +19,8 @@ MOST_S = 2.0
 LEVELS = 24
 "Force is told apart in so many levels of ln F."
 FINE_STEPS = 6
+FEIGNED_S = 0.005
+"Sudden presses (0.7 s) and stairs show 2 to 3 ms that are not there."
 LOWEST = 0.25
 "Force below this share of the window's lower force counts as no force."
 
@@ -32,8 +34,8 @@ class Lag:
 
     @property
     def certain(self) -> bool:
-        """Whether it differs from zero by more than its own uncertainty (3 standard errors)."""
-        return bool(abs(self.lag_s) > 3 * self.se_s)
+        """Whether it differs from zero by more than 3 standard errors and what the way of pressing can feign."""
+        return bool(abs(self.lag_s) > FEIGNED_S + 3 * self.se_s)
 
 
 UNKNOWN = Lag(float("nan"), float("nan"))

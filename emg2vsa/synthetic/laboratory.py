@@ -155,7 +155,10 @@ def _zero(time_s: FloatArray, laboratory: Laboratory, offset_n: float, phase: fl
 
 def _channel(rng: np.random.Generator, level_v: FloatArray, laboratory: Laboratory) -> FloatArray:
     n, fs_hz = level_v.size, laboratory.fs_hz
-    emg_v = level_v * _carrier(rng, n, fs_hz, laboratory.carrier) / _rectified(fs_hz, laboratory.carrier)
+    carrier = _carrier(rng, n, fs_hz, laboratory.carrier)
+    # the units of a muscle are its own, and so is its level
+    own = laboratory.carrier.startswith("units")
+    emg_v = level_v * carrier / (_mean_rectified(carrier, fs_hz) if own else _rectified(fs_hz, laboratory.carrier))
     emg_v += laboratory.noise_v * rng.standard_normal(n)
     if laboratory.hum_v > 0:
         time_s = np.arange(n) / fs_hz
@@ -200,15 +203,15 @@ def _motor_units(rng: np.random.Generator, n: int, fs_hz: float, units: int) -> 
 
 @lru_cache(maxsize=64)
 def _rectified(fs_hz: float, kind: Carrier) -> float:
-    """Mean rectified value of the carrier behind the analysis' default band-pass, over 600 s."""
-    filters = FilterSettings()
-    band_hz = one_pass_band_hz(filters.band_hz, filters.band_order, "zero-phase", fs_hz)
-    sos = signal.butter(filters.band_order, band_hz, "bandpass", fs=fs_hz, output="sos")
+    """Mean rectified value of the carrier over 600 s."""
     rng = np.random.default_rng(20)
-    # the units of one muscle are drawn anew for every recording: many short records are averaged
-    records = 40 if kind.startswith("units") else 4
-    means = []
-    for _ in range(records):
-        wave = _carrier(rng, round(600 / records * fs_hz), fs_hz, kind)
-        means.append(float(np.mean(np.abs(signal.sosfiltfilt(sos, wave)))))
-    return float(np.mean(means))
+    return float(np.mean([_mean_rectified(_carrier(rng, round(100 * fs_hz), fs_hz, kind), fs_hz) for _ in range(6)]))
+
+
+def _mean_rectified(carrier: FloatArray, fs_hz: float) -> float:
+    """Mean rectified value behind the analysis' default band-pass."""
+    filters = FilterSettings()
+    low_hz, high_hz = filters.band_hz
+    band_hz = one_pass_band_hz((low_hz, min(high_hz, 0.45 * fs_hz)), filters.band_order, "zero-phase", fs_hz)
+    sos = signal.butter(filters.band_order, band_hz, "bandpass", fs=fs_hz, output="sos")
+    return float(np.mean(np.abs(signal.sosfiltfilt(sos, carrier))))

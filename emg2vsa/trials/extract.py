@@ -28,6 +28,8 @@ from emg2vsa.trials import Trials
 OVERVIEW_HZ = 10.0
 TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
+TOLD_SHIFT_N = 0.1
+"A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
 
@@ -135,7 +137,7 @@ def extract_trials(
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-    biased = _said_of_bias(conditioned, floor, subtract, left, lagging)
+    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt, biased)
     verdicts = [judge(trial, window) for trial in evidence]
     said += (doubt,) if doubt else ()
@@ -265,7 +267,7 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
 
 
 def _said_of_bias(
-    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats
+    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats, window: WindowSettings
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
     said: list[tuple[tuple[bool, str], ...]] = []
@@ -273,6 +275,9 @@ def _said_of_bias(
         own: list[tuple[bool, str]] = []
         if force.tare == "impossible":
             own.append((True, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
+        if force.zero_shift_n[i] > TOLD_SHIFT_N:
+            rejects = bool(force.zero_shift_n[i] > window.max_gap_force_n)
+            own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
         if subtracted and abs(floor[i]) > LARGE_CORRECTION:
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
         if not subtracted and abs(floor[i]) > TOLD_BIAS:

@@ -184,8 +184,10 @@ def test_a_record_that_begins_in_its_only_ramp(recorded, extract):
     ramp = np.interp(np.arange(0, 6, 1 / FS_HZ), [0, 3, 4, 6], [1.5, 8, 8, 7.5])
     emg, force = recorded(ramp - 0.3)
     trials = extract(emg, force)
-    assert trials.verdict.tolist() == ["warned"]
+    assert trials.verdict.tolist() == ["rejected"]
+    assert trials.tare == "impossible"
     assert "record begins at 1.5" in trials.reasons[0]
+    assert "force is not tared: the record never rests" in trials.reasons[0]
     assert trials.start_s.tolist() == [0.0]
     assert trials.rest_force_n == 0
     assert np.isnan(trials.snr_db).all()
