@@ -78,8 +78,9 @@ def _lulls(block_n: Floats, largest_step_n: float, rise_n: float, fall_n: float)
         return np.empty((0, 2), np.int64)
     lever = np.arange(MIN_BLOCKS) - (MIN_BLOCKS - 1) / 2
     steps_n = np.convolve(block_n, lever[::-1], mode="valid") / float(lever @ lever)
-    windows = np.lib.stride_tricks.sliding_window_view(block_n, MIN_BLOCKS)
-    level = (np.abs(steps_n) <= largest_step_n) & (np.ptp(windows, axis=1) < fall_n / 2)
+    shifted = [block_n[i : i + steps_n.size] for i in range(MIN_BLOCKS)]
+    range_n = np.maximum.reduce(shifted) - np.minimum.reduce(shifted)
+    level = (np.abs(steps_n) <= largest_step_n) & (range_n < fall_n / 2)
     still = np.zeros(block_n.size, dtype=np.bool_)
     for shift in range(MIN_BLOCKS):
         still[shift : shift + level.size] |= level
@@ -140,7 +141,7 @@ def _leaning(centre_s: Floats, level_n: Floats) -> NDArray[np.bool_]:
     )
     above = level_n[1:-1] - line
     times, least_n = LEANING
-    for i in range(above.size):
+    for i in np.flatnonzero(above > least_n).tolist():
         elsewhere = np.abs(np.delete(above, slice(max(0, i - 1), i + 2)))
-        leans[i + 1] = elsewhere.size > 0 and above[i] > max(times * median(elsewhere), least_n)
+        leans[i + 1] = elsewhere.size > 0 and above[i] > times * median(elsewhere)
     return leans
