@@ -30,6 +30,8 @@ from emg2vsa.trials import Trials
 OVERVIEW_HZ = 10.0
 TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
+TOLD_SHIFT_N = 0.1
+"A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
 
@@ -132,9 +134,8 @@ def extract_trials(
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
-    late_n = force_at(
-        conditioned.force_n, instants, emg_clock, replace(force_clock, start_s=force_clock.start_s - left.lag_s)
-    )
+    ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
+    late_n = force_at(conditioned.force_n, instants, emg_clock, ahead) if left.lag_s else force_n
     lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
@@ -142,6 +143,7 @@ def extract_trials(
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
+<<<<<<< HEAD
     doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
     seen = _plausibility(
         raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
@@ -150,6 +152,10 @@ def extract_trials(
     biased = _said_of_bias(conditioned, floor, subtract, left, lagging)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
+=======
+    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
+    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt, biased)
+>>>>>>> signals
     verdicts = [judge(trial, window) for trial in evidence]
     said += (fault,) if fault else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
@@ -311,7 +317,7 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
 
 
 def _said_of_bias(
-    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats
+    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats, window: WindowSettings
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
     said: list[tuple[tuple[bool, str], ...]] = []
@@ -319,6 +325,9 @@ def _said_of_bias(
         own: list[tuple[bool, str]] = []
         if force.tare == "impossible":
             own.append((True, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
+        if force.zero_shift_n[i] > TOLD_SHIFT_N:
+            rejects = bool(force.zero_shift_n[i] > window.max_gap_force_n)
+            own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
         if subtracted and abs(floor[i]) > LARGE_CORRECTION:
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
         if not subtracted and abs(floor[i]) > TOLD_BIAS:
