@@ -143,19 +143,14 @@ def extract_trials(
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-<<<<<<< HEAD
     doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
     seen = _plausibility(
         raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
     )
     fault = doubt or seen.fault
-    biased = _said_of_bias(conditioned, floor, subtract, left, lagging)
+    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
-=======
-    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
-    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt, biased)
->>>>>>> signals
     verdicts = [judge(trial, window) for trial in evidence]
     said += (fault,) if fault else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
