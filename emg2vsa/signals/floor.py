@@ -8,6 +8,8 @@ its tangent.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
@@ -46,7 +48,7 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
 
 def _means(values: Floats, offsets: Ints) -> Floats:
     """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
-    means = window_means(values.reshape(-1, values.shape[-1]), offsets)
+    means = window_means(values.reshape(math.prod(values.shape[:-1]), values.shape[-1]), offsets)
     return means.reshape(*values.shape[:-1], -1)
 
 

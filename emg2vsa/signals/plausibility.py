@@ -42,8 +42,8 @@ FOLLOWS = 0.25
 "Correlation of a muscle's envelope with ln F, median of the presses."
 BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
 "Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
-SPIKE_SD = 15.0
-"A sample this far from its two neighbours' mean, in robust SDs of the press, is no EMG."
+SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
+"A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
 BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 2.5), 0.25
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
@@ -344,9 +344,11 @@ def _spikes(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
             continue
         bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
         typical = float(np.median(bend)) / 0.6745
+        # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
+        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - np.median(x)), 0.99))
         # a spike bends three samples; a burst of noise many in a row
         raised = np.convolve(bend > 0.4 * SPIKE_SD * typical, np.ones(21), mode="same")
-        n = int(np.count_nonzero((raised <= 3) & (bend > SPIKE_SD * typical))) if typical > 0 else 0
+        n = int(np.count_nonzero((raised <= 3) & (bend > max(SPIKE_SD * typical, loud)))) if typical > 0 else 0
         if n:
             yield muscle, f"{muscle} has spikes: {n} samples far from their neighbours"
 
