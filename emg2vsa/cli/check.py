@@ -168,6 +168,7 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
             folder, wanted="the folder where recordings of the study land", found="none of them belongs there",
             do=f"The study's recordings lie in {study.data}.",
         )  # fmt: skip
+    _warm_up(study, below)
     verdicts: dict[str, str] = {}
     print(f"Watching {folder}; Ctrl-C ends.", file=sys.stderr)
     try:
@@ -186,6 +187,17 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
         counts = Counter(verdicts.values())
         print(f"\n{counts['good']} good, {counts['usable']} usable, {counts['repeat']} to repeat", file=sys.stderr)
     return int(any(verdict in ("repeat", "unreadable") for verdict in verdicts.values()))
+
+
+def _warm_up(study: Study, below: Path | None) -> None:
+    """Load and look up beforehand what would delay the first verdict."""
+    import importlib
+
+    from emg2vsa.pipeline.plan import survey
+
+    for name in ("emg2vsa.readers.roles", "emg2vsa.readers.plain_csv", "emg2vsa.trials.extract", "emg2vsa.fits"):
+        importlib.import_module(name)
+    survey(study, STAGES, lambda text: None, below=below)
 
 
 def landings(entries: Iterable[RecordingEntry], wait: Callable[[float], None]) -> Iterator[RecordingEntry]:
