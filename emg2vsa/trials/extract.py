@@ -20,8 +20,9 @@ from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtra
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
+from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants, rest_samples
-from emg2vsa.signals.plausibility import Plausibility, Signals, force_unit_doubt, plausibility
+from emg2vsa.signals.plausibility import Signals, force_unit_doubt, plausibility
 from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
 from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.verdicts import Evidence, judge
@@ -144,9 +145,10 @@ def extract_trials(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
     doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
-    seen = _plausibility(
+    signals = _looked_at(
         raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
     )
+    seen = plausibility(signals)
     fault = doubt or seen.fault
     biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
@@ -191,6 +193,7 @@ def extract_trials(
         zero_shift_n=conditioned.zero_shift_n,
         fault=fault,
         remarks=() if fault else seen.remarks,
+        overviews=(emg_overview(raw.samples, raw.fs_hz, emg_clock.start_s, signals.presses, signals.rests),),
     )
 
 
@@ -273,7 +276,7 @@ def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother
     ]
 
 
-def _plausibility(
+def _looked_at(
     record: _EmgRecord,
     chain: Chain,
     instants: Instants,
@@ -284,24 +287,21 @@ def _plausibility(
     force_n: Floats,
     envelopes_v: Floats,
     lag_s: float,
-) -> Plausibility:
-    """Whether the EMG is what it is said to be; arrays as in ``extract_trials``."""
+) -> Signals:
+    """What is asked whether it is plausible; arrays as in ``extract_trials``."""
     bounds_s = np.stack((force_clock.time_s(rest.start), force_clock.time_s(rest.stop)), axis=-1)
-    rests = np.clip(emg_clock.index(bounds_s), 0, emg_clock.n_samples).astype(np.int64)
-    return plausibility(
-        Signals(
-            muscles=record.muscles,
-            samples=record.samples,
-            fs_hz=record.fs_hz,
-            presses=np.stack((instants.first, instants.last + 1), axis=-1),
-            rests=rests,
-            rest_v=rest_v,
-            force_n=force_n,
-            envelopes_v=envelopes_v,
-            envelope_fs_hz=record.fs_hz / chain.step,
-            offsets=instants.offsets,
-            lag_s=lag_s,
-        )
+    return Signals(
+        muscles=record.muscles,
+        samples=record.samples,
+        fs_hz=record.fs_hz,
+        presses=np.stack((instants.first, instants.last + 1), axis=-1),
+        rests=np.clip(emg_clock.index(bounds_s), 0, emg_clock.n_samples).astype(np.int64),
+        rest_v=rest_v,
+        force_n=force_n,
+        envelopes_v=envelopes_v,
+        envelope_fs_hz=record.fs_hz / chain.step,
+        offsets=instants.offsets,
+        lag_s=lag_s,
     )
 
 
