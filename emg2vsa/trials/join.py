@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import pairwise
 from typing import Any
 
@@ -42,6 +42,11 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
         if field.name in _JOINED:
             joined[field.name] = _JOINED[field.name]([getattr(part, field.name) for part in parts])
     joined["notes"] = (_said(parts, files, starts_s), *joined["notes"])
+    joined["overviews"] = tuple(
+        replace(overview, start_s=overview.start_s + start)
+        for part, start in zip(parts, starts_s, strict=True)
+        for overview in part.overviews
+    )
     joined["lag_s"], joined["lag_se_s"] = _lag(parts)
     if not joined["fault"]:
         faults = [f"{_name(file)}: {part.fault}" for part, file in zip(parts, files, strict=True) if part.fault]
@@ -127,4 +132,4 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     "floor_subtracted": all,
     "tare": lambda values: next((value for value in values if value != "impossible"), "impossible"),
 }
-"""Field of ``Trials`` to what becomes of its values; times and lags are joined above."""
+"""Field of ``Trials`` to what becomes of its values; times, overviews and lags are joined above."""
