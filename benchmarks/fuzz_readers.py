@@ -31,7 +31,11 @@ from emg2vsa.readers.front_door import open_recording
 
 LONGEST_S = 2.0
 MOST_GROWTH_MB = 200.0
-FOUND: dict[str, tuple[int, ...]] = {"nexus.vicon.csv": (10, 145, 170), "two_groups.hpf": (156, 1631, 1632)}
+FOUND: dict[str, tuple[int, ...]] = {
+    "nexus.vicon.csv": (10, 145, 170),
+    "v150.discover.csv": (101113,),
+    "two_groups.hpf": (156, 1631, 1632),
+}
 """Made file to the seeds of tries that once failed."""
 _NUMBERS = tuple(
     struct.pack(layout, value)

@@ -90,6 +90,41 @@ def save_delsys_mat(path: Path, cell: bool = False) -> tuple[NDArray[np.float64]
     return fast, slow
 
 
+def c3d_sgi(n_frames: int = 20, per_frame: int = 4) -> bytes:
+    """A C3D as SGI/MIPS systems wrote it, big-endian: two analogue channels at 400 Hz, which ezc3d refuses.
+
+    Channel "EMG" counts 0, 1, 2, ... mV; channel "Fz" is the negative of it in N.
+    """
+    groups = {
+        "POINT": {"USED": 0, "SCALE": -1.0, "RATE": 100.0, "DATA_START": 3, "FRAMES": n_frames},
+        "ANALOG": {
+            "USED": 2, "LABELS": ["EMG", "Fz "], "UNITS": ["mV", "N "], "GEN_SCALE": 1.0, "SCALE": [1.0, 1.0],
+            "OFFSET": [0, 0], "RATE": 100.0 * per_frame,
+        },
+    }  # fmt: skip
+    parts = [struct.pack(">BBBB", 1, 0x50, 1, 86)]
+    for number, (group, parameters) in enumerate(groups.items(), start=1):
+        parts.append(struct.pack(">bb", len(group), -number) + group.encode() + struct.pack(">hB", 3, 0))
+        for name, value in parameters.items():
+            body = _parameter(value) + b"\0"
+            parts.append(
+                struct.pack(">bb", len(name), number) + name.encode() + struct.pack(">h", 2 + len(body)) + body
+            )
+    parameters_block = b"".join([*parts, b"\0\0"]).ljust(512, b"\0")
+    head = struct.pack(">BBhhhhhfhhf", 2, 0x50, 0, 2 * per_frame, 1, n_frames, 0, -1.0, 3, per_frame, 100.0)
+    count = np.arange(n_frames * per_frame)
+    return head.ljust(512, b"\0") + parameters_block + np.stack([count, -count], axis=1).astype(">f4").tobytes()
+
+
+def _parameter(value: int | float | Sequence[int] | Sequence[float] | Sequence[str]) -> bytes:
+    if isinstance(value, list) and isinstance(value[0], str):
+        return struct.pack(">bBBB", -1, 2, len(value[0]), len(value)) + "".join(value).encode()
+    numbers = value if isinstance(value, list) else [value]
+    kind, layout = (2, "h") if isinstance(numbers[0], int) else (4, "f")
+    dimensions = bytes([1, len(numbers)]) if isinstance(value, list) else b"\0"
+    return struct.pack(">b", kind) + dimensions + struct.pack(f">{len(numbers)}{layout}", *numbers)
+
+
 # Texts
 
 
