@@ -14,16 +14,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.curves.force_bins import bin_edges
-from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.curves.press_fits import PressFits, fit_presses
 from emg2vsa.errors import DataError
-from emg2vsa.settings import CocontractionSettings, FitSettings, WindowSettings
+from emg2vsa.settings import CocontractionSettings, FitSettings, PressJudgement, WindowSettings
 from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.trials import Trials
 
 MIN_POINTS = 3
 """Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""
+CERTAIN = 0.05
+"A slope that is this certain, as a share of itself, is never called uncertain beside others."
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
 
 
@@ -78,8 +80,12 @@ class Fits:
     confidence: float
 
 
-def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits:
-    """Fit every trial of a recording, the rejected ones too.
+def fit_trials(
+    trials: Trials, fit: FitSettings, window: WindowSettings, judgements: Sequence[PressJudgement] = ()
+) -> Fits:
+    """Fit every trial of a recording, the rejected ones too, and reject those whose fit is no fit.
+
+    ``judgements`` of people have the last word, except that what could not be fitted stays rejected.
 
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
     (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
@@ -90,6 +96,15 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
     fitted = (reported.n >= MIN_POINTS) & np.isfinite(reported.b) & np.isfinite(reported.b_se)
     at_ends = reported.at(window.force_n)
     n = fitted.size
+    reasons = _reasons(trials.reasons, fitted, reported.n, fit.points)
+    verdicts = np.where(fitted, trials.verdict, "rejected").tolist()
+    if not trials.fault:
+        no_fit = _no_fit(curves, fitted & (trials.verdict != "rejected"), fit)
+        for i, reason in no_fit.items():
+            verdicts[i] = "rejected"
+            reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
+    for judgement in judgements:
+        _apply(judgement, trials, fitted, verdicts, reasons)
     shown = {
         "a_v": reported.a, "b_v": reported.b, "a_se_v": reported.a_se, "b_se_v": reported.b_se,
         "b_lo_v": reported.b_lo, "b_hi_v": reported.b_hi, "adj_r2": reported.adj_r2,
@@ -99,8 +114,8 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
         participant=np.full(n, trials.participant),
         specimen=np.full(n, trials.specimen),
         repetition=trials.repetition,
-        verdict=np.where(fitted, trials.verdict, "rejected").astype("<U8"),
-        reason=_reasons(trials.reasons, fitted, reported.n, fit.points),
+        verdict=np.array(verdicts, dtype="<U8"),
+        reason=np.array(reasons, dtype=np.str_),
         start_s=trials.start_s,
         n_points=reported.n,
         r2_bins=curves.on_bins.r2,
@@ -120,13 +135,49 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
     )
 
 
-def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str) -> NDArray[np.str_]:
+def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings) -> dict[int, str]:
+    """Press to why its fit is no fit, of those ``among`` the presses (n,) that could be fitted.
+
+    The median interval is that of these presses; of fewer than three it says nothing.
+    """
+    reported, adj_r2 = curves.reported, curves.on_bins.adj_r2
+    half = (reported.b_hi - reported.b_lo) / 2
+    typical = median(half[among]) if np.count_nonzero(among) >= 3 else np.inf
+    found = {}
+    for i in np.flatnonzero(among).tolist():
+        if adj_r2[i] < fit.min_adj_r2:
+            found[i] = f"its fit explains too little (adjusted R2 {adj_r2[i]:.2f})"
+        elif fit.max_b_error_ratio and half[i] > max(fit.max_b_error_ratio * typical, CERTAIN * abs(reported.b[i])):
+            found[i] = f"its slope is {half[i] / typical:.0f} times less certain than the others of its recording"
+        elif fit.max_b_error and half[i] > fit.max_b_error * abs(reported.b[i]):
+            found[i] = f"its slope is uncertain by {100 * half[i] / abs(reported.b[i]):.0f} %"
+    return found
+
+
+def _apply(
+    judgement: PressJudgement, trials: Trials, fitted: NDArray[np.bool_], verdicts: list[str], reasons: list[str]
+) -> None:
+    """Put a person's word in the place of the program's, whose reasons stay behind it."""
+    if (judgement.participant, judgement.specimen) != (trials.participant, trials.specimen):
+        return
+    for i, repetition in enumerate(trials.repetition.tolist()):
+        if judgement.repetition not in (None, repetition):
+            continue
+        said = f"{'excluded' if judgement.excludes else 'accepted'} by hand: {judgement.reason}"
+        reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
+        if judgement.excludes:
+            verdicts[i] = "rejected"
+        elif fitted[i]:
+            verdicts[i] = "ok"
+
+
+def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str) -> list[str]:
     kind = "force bins" if points == "bins" else "samples"
     reasons = list(given)
     for i in np.flatnonzero(~fitted):
         why = f"no fit: {n[i]} {kind}" if n[i] < MIN_POINTS else "no fit: force does not change"
         reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
-    return np.array(reasons, dtype=np.str_)
+    return reasons
 
 
 def usable(fits: Fits, use: str) -> NDArray[np.bool_]:
@@ -155,15 +206,29 @@ def concatenate(parts: Sequence[Fits]) -> Fits:
     return dataclasses.replace(parts[0], **joined)
 
 
-def in_session(trials: Trials, session: Sequence[Trials], settings: CocontractionSettings) -> Trials:
+def in_session(
+    trials: Trials,
+    session: Sequence[Trials],
+    settings: CocontractionSettings,
+    judgements: Sequence[PressJudgement] = (),
+) -> Trials:
     """``trials`` with its activity relative to the largest envelope of each muscle in the whole ``session``.
 
     One level for all recordings of a participant keeps specimens comparable. Rejected trials do not set the level: an
-    artefact would.
+    artefact would. Nor do trials that people excluded; those they accepted do.
     """
-    levels_v = {muscle: max(_largest_v(part, muscle) for part in session) for muscle in trials.muscles}
+    judged = [_judged(part, judgements) for part in session]
+    levels_v = {muscle: max(_largest_v(part, muscle) for part in judged) for muscle in trials.muscles}
     activity, unit, said = cocontraction_index(trials.envelopes_v, trials.muscles, settings, levels_v)
     return replace(trials, activity=activity, activity_unit=unit, notes=(*trials.notes, *said))
+
+
+def _judged(trials: Trials, judgements: Sequence[PressJudgement]) -> Trials:
+    """The trials with the verdicts of people."""
+    verdicts, reasons = trials.verdict.tolist(), list(trials.reasons)
+    for judgement in judgements:
+        _apply(judgement, trials, np.ones(len(verdicts), dtype=np.bool_), verdicts, reasons)
+    return replace(trials, verdict=np.array(verdicts, dtype="<U8"), reasons=tuple(reasons))
 
 
 def _largest_v(trials: Trials, muscle: str) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from emg2vsa.fits import Fits
 from emg2vsa.trials import Trials
 from emg2vsa.trials.reasons import grouped
 
@@ -33,6 +34,8 @@ class SpecimenVerdict:
     rejected: int
     fault: str
     problems: tuple[str, ...]
+    clean: bool = True
+    "Nothing is doubtful about the recording as a whole."
 
     @property
     def usable(self) -> int:
@@ -45,7 +48,7 @@ class SpecimenVerdict:
             return "unreadable"
         if self.usable < MIN_USABLE_SHARE * max(self.wanted or self.found, 1):
             return "repeat"
-        return "good" if self.ok == (self.wanted or self.found) == self.found else "usable"
+        return "good" if self.clean and self.ok == (self.wanted or self.found) == self.found else "usable"
 
     @property
     def advice(self) -> tuple[str, ...]:
@@ -70,18 +73,25 @@ class SessionVerdict:
 
 
 def judge_session(
-    participant: str, trials: Sequence[Trials], wanted: Mapping[str, int | None], failures: Mapping[str, str]
+    participant: str,
+    trials: Sequence[Trials],
+    fits: Mapping[str, Fits],
+    wanted: Mapping[str, int | None],
+    failures: Mapping[str, str],
+    doubts: Mapping[str, Sequence[str]] | None = None,
 ) -> SessionVerdict:
     """Judge one participant's recordings.
 
     Parameters
     ----------
-    trials : those of the recordings that could be read. wanted : specimen to the number of presses it should hold, for
-    every recording of the session. failures : specimen to why its recording could not be used.
+    trials : those of the recordings that could be read. fits : specimen to their fits, whose verdicts count, for they
+    know more than the trials. wanted : specimen to the number of presses it should hold, for every recording of the
+    session. failures : specimen to why its recording could not be used. doubts : specimen to what is doubtful about
+    its recording beside others.
     """
     by_specimen = {t.specimen: t for t in trials}
     specimens = tuple(
-        _judge_recording(by_specimen[name], count)
+        _judge_recording(by_specimen[name], fits.get(name), count, (doubts or {}).get(name, ()))
         if name in by_specimen
         else SpecimenVerdict(name, 0, count, 0, 0, 0, failures.get(name, "no recording"), ())
         for name, count in wanted.items()
@@ -91,12 +101,15 @@ def judge_session(
     return SessionVerdict(participant, verdict, specimens, tuple(line for s in worst_first for line in s.advice))
 
 
-def _judge_recording(trials: Trials, wanted: int | None) -> SpecimenVerdict:
-    ok, warned, rejected = (int(np.sum(trials.verdict == v)) for v in ("ok", "warned", "rejected"))
+def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doubts: Sequence[str]) -> SpecimenVerdict:
+    judged, reasons = (trials.verdict, trials.reasons) if fits is None else (fits.verdict, fits.reason.tolist())
+    ok, warned, rejected = (int(np.sum(judged == v)) for v in ("ok", "warned", "rejected"))
     found = len(trials.repetition)
-    problems = grouped(zip(trials.repetition.tolist(), trials.verdict.tolist(), trials.reasons, strict=True))
+    problems = grouped(zip(trials.repetition.tolist(), judged.tolist(), reasons, strict=True))
+    problems = [] if trials.fault else [*trials.remarks, *doubts, *problems]
     if wanted is not None and found != wanted:
         problems.insert(0, f"{found} presses found, {wanted} wanted")
     if not found:
         problems += [note for note in trials.notes if note.startswith("presses: none")]
-    return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, trials.sign_doubt, tuple(problems))
+    clean = not trials.remarks and not doubts
+    return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, trials.fault, tuple(problems), clean)

@@ -29,6 +29,9 @@ MinLen = partial(Limit, "length >=")
 TICKS_PER_TURN = 32768
 """Wire ticks of a qbmove in a turn of its output shaft, at the default resolution 1 of the firmware."""
 
+GAUGE_AXES = ("Fx", "Fy", "Fz")
+"""Forces that the gauges of an ATI transducer give."""
+
 Positive = Annotated[float, Gt(0)]
 NonNegative = Annotated[float, Ge(0)]
 Fraction = Annotated[float, Gt(0), Le(1)]
@@ -44,6 +47,8 @@ class EmgChannelSettings:
     "Unit of the stored values; replaces the file's own statement. Needed where the file states none."
     gain: Positive = 1.0
     "Amplifier gain to divide by (100, 1000 or 10000 for a Bagnoli through a DAQ; 1 for input-referred files)."
+    fs_hz: Positive | None = None
+    "Sampling rate, Hz, for a file that states none, such as one without a time column; the two must agree."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,9 +56,9 @@ class ForceChannelSettings:
     """The pressing force channel."""
 
     name: Annotated[str, MinLen(1)]
-    "Channel name as the file writes it."
+    "Channel name as the file writes it; with cal_file the axis to take: Fx, Fy or Fz."
     unit: Annotated[str, MinLen(1)] | None = None
-    "Unit of the stored values (N, mN, kN, lbf, kgf, gf, or any other together with newtons_per_unit)."
+    "Unit of the stored values (N, mN, kN, lbf, kgf, gf, or any other together with newtons_per_unit); of gauges V, mV."
     newtons_per_unit: Positive | None = None
     "Declared newtons per stored unit, for units that are not a force (%MVC, counts, V)."
     sign: Literal[1, -1] = 1
@@ -62,6 +67,14 @@ class ForceChannelSettings:
     "rest: subtract the force of the pre-contact rest; none: the channel is already zeroed."
     delay_s: NonNegative = 0.0
     "Known delay of the sensor's own filter, in seconds; removed from the pairing of force and EMG."
+    fs_hz: Positive | None = None
+    "Sampling rate, Hz, for a file that states none, such as one without a time column; the two must agree."
+    cal_file: Annotated[str, MinLen(1)] | None = None
+    "Calibration file (.cal) of an ATI transducer whose six gauges the recording holds; needs gauges."
+    gauges: tuple[str, str, str, str, str, str] | None = None
+    "Channel names of the six gauges, in the order of the transducer; with cal_file."
+    volts_per_unit: Positive | None = None
+    "Volts per stored unit of the gauges, where they are counts of a converter; with cal_file."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,6 +123,12 @@ class FilterSettings:
     "Butterworth order of the force low-pass."
     output_fs_hz: Positive | Literal["native"] = 100.0
     "Rate of the conditioned curves; the nearest whole divisor of the EMG rate is used. native: the EMG rate itself."
+    mains: Literal["remove", "keep"] = "remove"
+    "remove: hum of 50 or 60 Hz and its harmonics, fitted in the rests, is subtracted from the EMG; keep: it stays."
+    rest_level: Literal["subtract", "keep"] = "subtract"
+    "subtract: the envelope's lowest level at rest is taken as noise and subtracted in power; keep: it stays."
+    align: Literal["stated", "lag"] = "stated"
+    "stated: EMG and force share the clock of their files; lag: force is moved by the lag that is estimated."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,6 +168,8 @@ class WindowSettings:
     "EMG of the loading phase over EMG of the rest; below it the trial is warned."
     clip_share: Fraction = 0.001
     "Share of samples at the extreme value above which a channel counts as clipped and the trial is rejected."
+    max_missed_n: Positive = 0.3
+    "A press whose record begins further than this above the lower force is rejected; a bin of the fit by default."
     expected_trials: Annotated[int, Ge(1)] | None = None
     "Number of presses a recording should hold; another number is reported."
 
@@ -165,8 +186,25 @@ class FitSettings:
     "inverse-variance: samples over v^2 of the fit itself (noise grows with the level); none: ordinary least squares."
     robust: bool = False
     "Huber weights on top, for bursts and artefacts."
+    min_adj_r2: Annotated[float, Ge(-1), Lt(1)] = 0.3
+    "A press whose bins fit worse (adjusted R squared, least squares) is rejected; -1: none is."
+    max_b_error: NonNegative = 1.0
+    "A press whose interval of b reaches further than so many times b to either side is rejected; 0: none is."
+    max_b_error_ratio: NonNegative = 10.0
+    "... and one whose interval is so many times wider than the median of its recording; 0: none is."
     confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
     "Level of the intervals."
+
+
+@dataclass(frozen=True)
+class PressJudgement:
+    """A person's word on a press, or without ``repetition`` on all of a recording: excluded, or else accepted."""
+
+    participant: str
+    specimen: str
+    repetition: int | None
+    reason: str
+    excludes: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -352,8 +390,22 @@ class StageSettings:
 
 
 PAPER: dict[str, dict[str, Any]] = {
-    "filters": {"band_hz": (10.0, 500.0), "phase": "causal", "output_fs_hz": "native"},
-    "fit": {"points": "samples", "weights": "none", "robust": False},
+    "filters": {
+        "band_hz": (10.0, 500.0),
+        "phase": "causal",
+        "output_fs_hz": "native",
+        "mains": "keep",
+        "rest_level": "keep",
+    },
+    "window": {"max_missed_n": 1000.0},
+    "fit": {
+        "points": "samples",
+        "weights": "none",
+        "robust": False,
+        "min_adj_r2": -1.0,
+        "max_b_error": 0.0,
+        "max_b_error_ratio": 0.0,
+    },
     "profile": {"interpolation": "paper"},
     "runs": {"algorithm": "paper"},
     "calibration": {"law": "exponential", "minimise": "kappa", "outlier_mads": 0.0},

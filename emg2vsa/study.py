@@ -18,8 +18,24 @@ class Specimen:
 
 
 @dataclass(frozen=True)
+class RecordingPart:
+    """One continuous recording: its files and the channels in them.
+
+    force_file : None where force and EMG are in one file. fault : why its files are ambiguous, or "".
+    """
+
+    emg_file: Path
+    force_file: Path | None
+    channels: ChannelSettings
+    fault: str = ""
+
+
+@dataclass(frozen=True)
 class RecordingEntry:
-    """One continuous recording of one participant on one specimen, with the settings that hold for it."""
+    """What one participant pressed on one specimen, with the settings that hold for it: mostly one recording.
+
+    further : recordings whose presses follow those of the first, in this order.
+    """
 
     participant: str
     specimen: str
@@ -28,10 +44,22 @@ class RecordingEntry:
     channels: ChannelSettings
     filters: FilterSettings
     window: WindowSettings
+    fault: str = ""
+    further: tuple[RecordingPart, ...] = ()
 
     @property
     def key(self) -> str:
         return f"{self.participant}/{self.specimen}"
+
+    @property
+    def parts(self) -> tuple[RecordingPart, ...]:
+        """All recordings of it, in the order of their presses."""
+        return (RecordingPart(self.emg_file, self.force_file, self.channels, self.fault), *self.further)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Every file of it."""
+        return tuple(path for part in self.parts for path in (part.emg_file, part.force_file) if path is not None)
 
 
 @dataclass(frozen=True)

@@ -13,19 +13,21 @@ SLOW = "lasted 21 s, longer than 20 s"
 LEANT = "force rests at 0.30 N before contact"
 
 
-def recording(specimen="S1", ok=0, warned=0, rejected=0, notes=(), sign_doubt=""):
+def recording(specimen="S1", ok=0, warned=0, rejected=0, notes=(), fault=""):
     """What the verdict reads of trials."""
     verdict = np.array(["ok"] * ok + ["warned"] * warned + ["rejected"] * rejected, dtype="<U8")
     reasons = ("",) * ok + (LEANT,) * warned + (SLOW,) * rejected
     repetition = np.arange(1, verdict.size + 1)
     return SimpleNamespace(
-        specimen=specimen, repetition=repetition, verdict=verdict, reasons=reasons, notes=notes, sign_doubt=sign_doubt
+        specimen=specimen, repetition=repetition, verdict=verdict, reasons=reasons, notes=notes, fault=fault, remarks=()
     )
 
 
 def judge(*trials, wanted=10, failures=None):
     failures = failures or {}
-    return judge_session("P01", trials, {t.specimen: wanted for t in trials} | dict.fromkeys(failures, 10), failures)
+    return judge_session(
+        "P01", trials, {}, {t.specimen: wanted for t in trials} | dict.fromkeys(failures, 10), failures
+    )
 
 
 @pytest.mark.parametrize(
@@ -73,13 +75,13 @@ def test_what_could_not_be_read_is_not_recorded_again():
 
 
 def test_a_recording_that_nobody_tried_to_read():
-    judged = judge_session("P01", [], {"S1": 10}, {})
+    judged = judge_session("P01", [], {}, {"S1": 10}, {})
     assert (judged.verdict, judged.advice) == ("unreadable", ("S1: cannot be used: no recording",))
 
 
 def test_a_wrong_sign_is_mended_in_the_study_file():
     doubt = "force rises while EMG is below its rest; is its sign -1?"
-    judged = judge(recording(rejected=10, sign_doubt=doubt))
+    judged = judge(recording(rejected=10, fault=doubt))
     assert (judged.verdict, judged.advice) == ("unreadable", (f"S1: cannot be used: {doubt}",))
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from casr.command_line import whole_number
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.plan import Board
+    from emg2vsa.settings import ReadingSettings
     from emg2vsa.study import Study
 
 
@@ -38,6 +39,84 @@ def add_wait(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-wait", action="store_true", help="end with a message when another run holds the study, instead of waiting"
     )
+
+
+def add_channels(parser: argparse.ArgumentParser) -> None:
+    """Which channels of a single recording play which role."""
+    channels = parser.add_argument_group("channels")
+    channels.add_argument(
+        "--emg", action="append", default=[], metavar="CH", help="EMG channel; repeat for each muscle"
+    )
+    channels.add_argument("--force", metavar="CH", help="force channel")
+    channels.add_argument(
+        "--force-file", type=Path, metavar="FILE", help="second file that holds the force, same clock"
+    )
+    channels.add_argument("--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, where the file states none")
+    channels.add_argument(
+        "--gain", type=float, default=1.0, metavar="X", help="amplifier gain to divide the EMG by (default 1)"
+    )
+    channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, where the file states none")
+    channels.add_argument("--newtons-per-unit", type=float, metavar="X", help="newtons per stored unit (counts, %%MVC)")
+    channels.add_argument(
+        "--sign", type=int, choices=(1, -1), default=1, help="-1: the sensor reports pressing as negative"
+    )
+    channels.add_argument("--no-tare", action="store_true", help="the force is zeroed already, or there is no rest")
+    channels.add_argument("--fs", type=float, metavar="HZ", help="sampling rate, Hz, where the file states none")
+
+
+def channels_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    """These options as the keys of [channels]."""
+    emg = {
+        name: {"name": name, "unit": arguments.emg_unit, "gain": arguments.gain, "fs_hz": arguments.fs}
+        for name in arguments.emg
+    }
+    force = {
+        "name": arguments.force,
+        "unit": arguments.force_unit,
+        "newtons_per_unit": arguments.newtons_per_unit,
+        "sign": arguments.sign,
+        "tare": "none" if arguments.no_tare else "rest",
+        "fs_hz": arguments.fs,
+    }
+    return {"emg": emg, "force": force}
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Limits of the decoders of binary files."""
+    reading = parser.add_argument_group("limits of a binary file's decoder")
+    reading.add_argument("--max-seconds", type=float, metavar="S", help="longest time, s, and 1 s per 10 MB (10)")
+    reading.add_argument(
+        "--max-memory", type=float, metavar="MB", help="most memory, MB, and ten times the file's size (600)"
+    )
+
+
+def reading_of(arguments: argparse.Namespace, command: str) -> ReadingSettings:
+    """These limits, checked as a study file's are."""
+    from emg2vsa.settings import ReadingSettings
+
+    limits = given({"max_seconds": arguments.max_seconds, "max_memory_mb": arguments.max_memory})
+    reading: ReadingSettings = checked_settings(command, {"reading": (ReadingSettings, limits)})["reading"]
+    return reading
+
+
+def checked_settings(command: str, asked: dict[str, tuple[type, dict[str, Any]]]) -> dict[str, Any]:
+    """The settings of each name, or every problem in them."""
+    from emg2vsa.errors import StudyError
+    from emg2vsa.study_file.problems import checked
+
+    made: dict[str, Any] = {}
+    problems: list[str] = []
+    for name, (kind, values) in asked.items():
+        made[name], found = checked(kind, values, (name,))
+        problems += [f"emg2vsa {command}: {problem}" for problem in found]
+    if problems:
+        raise StudyError(tuple(problems))
+    return made
+
+
+def given(values: dict[str, Any]) -> dict[str, Any]:
+    """The options that were given."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def study_of(arguments: argparse.Namespace) -> tuple[Study, Path | None]:

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.arguments import add_channels, add_reading, channels_of, checked_settings, given, reading_of
 
 if TYPE_CHECKING:
     from emg2vsa.fits import Fits
-    from emg2vsa.settings import ReadingSettings
     from emg2vsa.trials import Trials
 
 
@@ -26,29 +26,8 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "file", type=Path, metavar="FILE", help="recording: CSV, text, EMGworks, Discover, C3D, EDF, BDF, .mat"
     )
-    channels = parser.add_argument_group("channels")
-    channels.add_argument(
-        "--emg", action="append", default=[], metavar="CH", help="EMG channel; repeat for each muscle"
-    )
-    channels.add_argument("--force", metavar="CH", help="force channel")
-    channels.add_argument(
-        "--force-file", type=Path, metavar="FILE", help="second file that holds the force, same clock"
-    )
-    channels.add_argument("--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, where the file states none")
-    channels.add_argument(
-        "--gain", type=float, default=1.0, metavar="X", help="amplifier gain to divide the EMG by (default 1)"
-    )
-    channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, where the file states none")
-    channels.add_argument("--newtons-per-unit", type=float, metavar="X", help="newtons per stored unit (counts, %%MVC)")
-    channels.add_argument(
-        "--sign", type=int, choices=(1, -1), default=1, help="-1: the sensor reports pressing as negative"
-    )
-    channels.add_argument("--no-tare", action="store_true", help="the force is zeroed already, or there is no rest")
-    reading = parser.add_argument_group("limits of a binary file's decoder")
-    reading.add_argument("--max-seconds", type=float, metavar="S", help="longest time, s, and 1 s per 10 MB (10)")
-    reading.add_argument(
-        "--max-memory", type=float, metavar="MB", help="most memory, MB, and ten times the file's size (600)"
-    )
+    add_channels(parser)
+    add_reading(parser)
     method = parser.add_argument_group("method")
     method.add_argument(
         "--window", type=float, nargs=2, metavar=("LOW", "HIGH"), help="force window, N (default 0.5 7)"
@@ -89,57 +68,22 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
     from emg2vsa.settings import PAPER, ChannelSettings, FilterSettings, FitSettings, WindowSettings
 
     paper = PAPER if arguments.paper else {}
-    emg = {name: {"name": name, "unit": arguments.emg_unit, "gain": arguments.gain} for name in arguments.emg}
-    force = {
-        "name": arguments.force,
-        "unit": arguments.force_unit,
-        "newtons_per_unit": arguments.newtons_per_unit,
-        "sign": arguments.sign,
-        "tare": "none" if arguments.no_tare else "rest",
-    }
     filters = {
         "band_hz": arguments.band, "output_fs_hz": arguments.output_fs, "force_cutoff_hz": arguments.force_cutoff,
     }  # fmt: skip
     asked = {
-        "channels": (ChannelSettings, {"emg": emg, "force": force}),
-        "filters": (FilterSettings, {**paper.get("filters", {}), **_given(filters)}),
-        "window": (WindowSettings, _given({"force_n": arguments.window, "min_duration_s": arguments.min_duration})),
-        "fit": (FitSettings, {**paper.get("fit", {}), **_given({"bin_n": arguments.bin})}),
+        "channels": (ChannelSettings, channels_of(arguments)),
+        "filters": (FilterSettings, {**paper.get("filters", {}), **given(filters)}),
+        "window": (WindowSettings, given({"force_n": arguments.window, "min_duration_s": arguments.min_duration})),
+        "fit": (FitSettings, {**paper.get("fit", {}), **given({"bin_n": arguments.bin})}),
     }
-    return _checked(asked) | {"reading": _reading(arguments)}
-
-
-def _reading(arguments: argparse.Namespace) -> ReadingSettings:
-    from emg2vsa.settings import ReadingSettings
-
-    limits = _given({"max_seconds": arguments.max_seconds, "max_memory_mb": arguments.max_memory})
-    reading: ReadingSettings = _checked({"reading": (ReadingSettings, limits)})["reading"]
-    return reading
-
-
-def _checked(asked: dict[str, tuple[type, dict[str, Any]]]) -> dict[str, Any]:
-    """The settings of each name, or every problem in them."""
-    from emg2vsa.errors import StudyError
-    from emg2vsa.study_file.problems import checked
-
-    made: dict[str, Any] = {}
-    problems: list[str] = []
-    for name, (kind, values) in asked.items():
-        made[name], found = checked(kind, values, (name,))
-        problems += [f"emg2vsa fit: {problem}" for problem in found]
-    if problems:
-        raise StudyError(tuple(problems))
-    return made
-
-
-def _given(values: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in values.items() if value is not None}
+    return checked_settings("fit", asked) | {"reading": reading_of(arguments, "fit")}
 
 
 def _list_channels(arguments: argparse.Namespace) -> int:
     from emg2vsa.readers.front_door import open_recording
 
-    name, opened = open_recording(arguments.file, _reading(arguments))
+    name, opened = open_recording(arguments.file, reading_of(arguments, "fit"))
     channels = opened.describe()
     if arguments.json:
         notes = list(opened.contents.notes)

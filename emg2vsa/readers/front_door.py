@@ -136,14 +136,21 @@ def read(path: Path, names: Sequence[str], reading: ReadingSettings = _READING) 
     return Recording(Path(path), name, tuple(to_si(channel) for channel in stored), tuple(dict.fromkeys(notes)))
 
 
-def load_named(opened: OpenRecording, names: Sequence[str]) -> list[StoredChannel]:
-    """The named channels as stored, each under the name it was asked by; checked as in ``usable``."""
+def load_named(
+    opened: OpenRecording, names: Sequence[str], rates_hz: Sequence[float | None] = ()
+) -> list[StoredChannel]:
+    """The named channels as stored, each under the name it was asked by; checked as in ``usable``.
+
+    rates_hz : of each name, for files that state none; () where nobody states any.
+    """
     contents = opened.contents
     index = {**contents.aliases, **{known: i for i, known in enumerate(contents.names)}}
     for name in names:
         if name not in index:
             raise no_such_channel(opened.path, name, contents.names)
     return [
-        usable(opened.path, name, channel)
-        for name, channel in zip(names, opened.load([index[name] for name in names]), strict=True)
+        usable(opened.path, name, channel, fs_hz)
+        for name, channel, fs_hz in zip(
+            names, opened.load([index[name] for name in names]), rates_hz or [None] * len(names), strict=True
+        )
     ]

@@ -72,18 +72,34 @@ def unique_names(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(result)
 
 
-def usable(path: Path, name: str, channel: StoredChannel) -> StoredChannel:
+_RATE_TOLERANCE = 1e-3
+
+
+def usable(path: Path, name: str, channel: StoredChannel, fs_hz: float | None = None) -> StoredChannel:
     """``channel`` under the name it was asked by, with a note on its missing samples, which stay NaN.
 
-    RecordingError where it is empty, of unknown rate, infinite anywhere, or where half of its samples or more miss.
+    fs_hz : its rate by the study, which counts where the file lets none be known.
+
+    RecordingError where the two rates differ, and where the channel is empty, of unknown rate, infinite anywhere, or
+    misses half of its samples or more.
     """
     where = f"{path}, channel {name!r}"
     if channel.samples.size == 0:
         raise RecordingError(where, wanted="samples", found="none", do="Choose another channel.")
+    if fs_hz is not None and channel.fs_hz > 0 and abs(fs_hz - channel.fs_hz) > _RATE_TOLERANCE * channel.fs_hz:
+        raise RecordingError(
+            where, wanted=f"the rate that the study states, {fs_hz:g} Hz", found=f"{channel.fs_hz:.6g} Hz by the file",
+            do="Leave fs_hz out, or export the recording again.",
+        )  # fmt: skip
+    if fs_hz is not None and not channel.fs_hz > 0:
+        note = f"{name}: the file states no sampling rate; {fs_hz:g} Hz as the study states."
+        channel = replace(channel, fs_hz=fs_hz, notes=(*channel.notes, note))
     if not channel.fs_hz > 0:
         raise RecordingError(
-            where, wanted="a sampling rate", found="none the file states", do="Export the channel with its time column."
-        )
+            where, wanted="a sampling rate", found="none that the file states and no column of time",
+            do="State it: fs_hz = 1000 (as it was) under the channel of the study, --fs for a single file; or export "
+            'the channel with its time, in a column "time (s)".',
+        )  # fmt: skip
     with np.errstate(invalid="ignore", over="ignore"):
         total = channel.samples.sum()
     if not math.isfinite(total):  # one pass decides the usual case; a sum may overflow, hence the second

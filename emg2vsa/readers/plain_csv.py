@@ -1,8 +1,9 @@
-"""Plain CSV: a header row of channel names, units in brackets if any, and a time column.
+"""Plain CSV: a header row of channel names, units in brackets or after an underscore if any, and a time column.
 
-``EMG (mV)``, ``Fz [N]``; a time column is called time, t, timestamp or X[s], with its unit in brackets or after an
-underscore (``time_ms``). Channels belong to the nearest time column on their left: a file may hold several clocks.
-Lines that begin with ``#`` before the header are comments.
+``EMG (mV)``, ``Fz [N]``, ``EDC_mV``; a time column is called time, t, timestamp or X[s], with its unit in brackets or
+after an underscore (``time_ms``). Channels belong to the nearest time column on their left: a file may hold several
+clocks. Without a time column the rate is unknown, and the study must state it. Lines that begin with ``#`` before the
+header are comments.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from emg2vsa.readers.cells import Body
 from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.text_file import Dialect, Line, TextFile, open_text, sniff, without_cut_line
 from emg2vsa.readers.timed_columns import Column, TimedColumns
-from emg2vsa.readers.units import seconds_per, split_unit
+from emg2vsa.readers.units import is_glued, seconds_per, split_unit
 
 SNIFFED_ROWS = 50
 _NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan", re.IGNORECASE)
@@ -99,13 +100,7 @@ def time_unit_s(label: str) -> tuple[bool, float | None]:
 def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, ...]:
     times = [time_unit_s(label) for label in labels]
     clocks = [i for i, (is_time, _) in enumerate(times) if is_time]
-    if not clocks:
-        raise RecordingError(
-            f"{path}, line {header.number}", wanted='a time column ("time (s)", "t", "X[s]")',
-            found="columns " + ", ".join(map(repr, labels[:12])) + (", ..." if len(labels) > 12 else ""),
-            do="Add a time column, or name it so; the sampling rate cannot be known without one.",
-        )  # fmt: skip
-    found = [(i, *split_unit(label)) for i, label in enumerate(labels) if not times[i][0] and label]
+    found = [(i, *split_unit(label, glued=True)) for i, label in enumerate(labels) if not times[i][0] and label]
     if not found:
         raise RecordingError(
             f"{path}, line {header.number}",
@@ -116,6 +111,7 @@ def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, .
     names = unique_names([name for _, name, _ in found])
     columns = []
     for name, (i, _, unit) in zip(names, found, strict=True):
-        clock = max((c for c in clocks if c < i), default=clocks[0])
-        columns.append(Column(name, unit, i, clock, times[clock][1]))
+        clock = max((c for c in clocks if c < i), default=clocks[0] if clocks else None)
+        notes = (f"{labels[i]}: the unit {unit} was taken from the end of its name.",) if is_glued(labels[i]) else ()
+        columns.append(Column(name, unit, i, clock, times[clock][1] if clock is not None else 1.0, notes=notes))
     return tuple(columns)

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError
+from emg2vsa.readers.ati_gauges import force_of_gauges
 from emg2vsa.readers.front_door import load_named, open_recording
 from emg2vsa.readers.opened import OpenRecording, StoredChannel, scaled, unit_step
 from emg2vsa.readers.units import si_factor
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings, ReadingSettings
+
+_SLOWEST_EMG_HZ, _SLOWEST_FORCE_HZ, _FASTEST_HZ = 10.0, 2.0, 200e3
+"""Rates beyond which a column of time is misread: 1000 Hz in milliseconds that are labelled seconds reads as 1 Hz."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +33,15 @@ class RoleChannels:
 
 
 def read_roles(
-    emg_file: Path, force_file: Path | None, channels: ChannelSettings, reading: ReadingSettings | None = None
+    emg_file: Path,
+    force_file: Path | None,
+    channels: ChannelSettings,
+    reading: ReadingSettings | None = None,
+    cal_file: Path | None = None,
 ) -> RoleChannels:
     """Read a recording; ``force_file`` None means that force and EMG are in one file.
 
-    reading : limits of the decoders of binary files.
+    reading : limits of the decoders of binary files. cal_file : of the transducer whose gauges hold the force.
 
     Two files must share a clock: time 0 of both is taken as the same moment, and their time ranges must overlap.
 
@@ -43,21 +51,48 @@ def read_roles(
     reading = reading or ReadingSettings()
     emg_format, emg_open = open_recording(emg_file, reading)
     emg_names = [settings.name for settings in channels.emg.values()]
+    emg_hz = [settings.fs_hz for settings in channels.emg.values()]
+    force_names = list(channels.force.gauges or (channels.force.name,))
+    force_hz = [channels.force.fs_hz] * len(force_names)
     if force_file is None or Path(force_file) == Path(emg_file):
-        *emg_stored, force_stored = load_named(emg_open, [*emg_names, channels.force.name])
+        stored = load_named(emg_open, [*emg_names, *force_names], [*emg_hz, *force_hz])
+        emg_stored, force_stored = stored[: len(emg_names)], stored[len(emg_names) :]
         force_open, name = emg_open, emg_format
     else:
         force_format, force_open = open_recording(force_file, reading)
-        emg_stored = load_named(emg_open, emg_names)
-        (force_stored,) = load_named(force_open, [channels.force.name])
+        emg_stored = load_named(emg_open, emg_names, emg_hz)
+        force_stored = load_named(force_open, force_names, force_hz)
         name = emg_format if emg_format == force_format else f"{emg_format} + {force_format}"
+    for path, channel, slowest in [
+        *((emg_open.path, channel, _SLOWEST_EMG_HZ) for channel in emg_stored),
+        *((force_open.path, channel, _SLOWEST_FORCE_HZ) for channel in force_stored),
+    ]:
+        _refuse_rate(path, channel, slowest)
     emg = {
         role: _emg_in_v(emg_open.path, stored, settings)
         for (role, settings), stored in zip(channels.emg.items(), emg_stored, strict=True)
     }
-    force = _force_in_n(force_open.path, force_stored, channels.force)
+    said: tuple[str, ...] = ()
+    if channels.force.gauges is None:
+        force = _force_in_n(force_open.path, force_stored[0], channels.force)
+    else:
+        force, said = force_of_gauges(force_open.path, force_stored, channels.force, cal_file)
     _refuse_disjoint(emg_open.path, emg, force_open.path, force)
-    return RoleChannels(emg, force, name, _notes(emg_open, force_open, [*emg_stored, force_stored]))
+    return RoleChannels(emg, force, name, (*_notes(emg_open, force_open, [*emg_stored, *force_stored]), *said))
+
+
+def _refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
+    """A rate at which nobody records is a time in another unit than its header says, or no time at all."""
+    if slowest_hz < stored.fs_hz < _FASTEST_HZ:
+        return
+    right = "milliseconds or a count of samples" if stored.fs_hz <= slowest_hz else "seconds"
+    raise RecordingError(
+        f"{path}, channel {stored.name!r}",
+        wanted=f"more than {slowest_hz:g} and less than {_FASTEST_HZ:g} samples a second",
+        found=f"{stored.fs_hz:.6g}, as the time goes up by {1 / stored.fs_hz:.6g} s from row to row",
+        do=f"Is the time in {right}? Correct the unit in its header, like \"time (ms)\"; for a count, remove the "
+        "column and state fs_hz under the channel of the study (--fs for a single file).",
+    )  # fmt: skip
 
 
 def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:
@@ -90,11 +125,18 @@ def _force_in_n(path: Path, stored: StoredChannel, settings: ForceChannelSetting
     else:
         raise RecordingError(
             where, wanted="a force (N, mN, kN, lbf, kgf, gf)", found=_stated(stored),
-            do='State unit = "N" (or another force unit) or newtons_per_unit under the force channel of the study, '
+            do=_kilogram_force(unit)
+            + 'State unit = "N" (or another force unit) or newtons_per_unit under the force channel of the study, '
             "--force-unit or --newtons-per-unit for a single file.",
         )  # fmt: skip
     steps = [_unit_said(settings.unit, stored), step, "sign reversed" if settings.sign < 0 else ""]
     return scaled(stored, factor * settings.sign, "N", _joined(steps))
+
+
+def _kilogram_force(unit: str | None) -> str:
+    """Which force is meant by a unit of mass, as balances write it."""
+    meant = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf"}.get(unit or "")
+    return f'{unit} is a mass; if its weight is meant, state unit = "{meant}". ' if meant else ""
 
 
 def _stated(stored: StoredChannel) -> str:

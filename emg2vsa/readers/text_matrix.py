@@ -1,7 +1,7 @@
-"""Headerless number tables: channels are rows or columns, whichever are fewer, and one of them is the time.
+"""Headerless number tables: channels are rows or columns, whichever are fewer, and one of them may be the time.
 
-The first row or column whose values rise in even steps is the time, in seconds. The others are named by their place in
-the file: "row 2", "column 3".
+The first row or column whose values rise in even steps is the time, in seconds; without one the rate is unknown, and
+the study must state it. The others are named by their place in the file: "row 2", "column 3".
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from emg2vsa.recordings import ChannelInfo
 
 _MOST_ROWS = 1000
 """A table with more rows than this and than columns has its channels in columns."""
-_NOTES = ("The file has no header: the time was recognised by its even steps, in seconds.",)
+_TIMED = ("The file has no header: the time was recognised by its even steps, in seconds.",)
 
 
 @dataclass(frozen=True)
@@ -61,15 +61,12 @@ def open_recording(path: Path) -> TextMatrix:
             )
     word = "row" if by_rows else "column"
     time = next((i for i, values in enumerate(matrix) if _is_clock(values)), None)
-    if time is None:
-        raise RecordingError(
-            path, wanted=f"a {word} of time stamps in seconds, rising in even steps",
-            found=f"{matrix.shape[0]} {word}s without one",
-            do="Add the time as a row or column, or export with a header.",
-        )  # fmt: skip
-    fs_hz, start_s = even_clock(matrix[time], f"{path}, {word} {time + 1}", lambda i: f"value {i + 1}")
     names = tuple(f"{word} {i + 1}" for i in range(matrix.shape[0]) if i != time)
-    notes = (*_NOTES, *cut, *filter(None, [dialect.note]))
+    if time is None or not names:
+        notes = ("The file has no header and no time.", *cut, *filter(None, [dialect.note]))
+        return TextMatrix(path, Contents(names, {}, notes), matrix, float("nan"), 0.0)
+    fs_hz, start_s = even_clock(matrix[time], f"{path}, {word} {time + 1}", lambda i: f"value {i + 1}")
+    notes = (*_TIMED, *cut, *filter(None, [dialect.note]))
     return TextMatrix(path, Contents(names, {}, notes), np.delete(matrix, time, axis=0), fs_hz, start_s)
 
 

@@ -24,7 +24,7 @@ _TIME_S = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us"
 _OTHER = {
     "g", "G", "deg", "°", "deg/s", "°/s", "dps", "rad", "rad/s", "%", "%MVC", "% MVC", "MVC", "a.u", "a.u.", "au",
     "counts", "Nm", "Nmm", "N.m", "N·m", "mm", "cm", "m", "m/s", "m/s^2", "m/s²", "uT", "mT", "Hz", "bpm", "BPM",
-    "BrPM", "L", "L/min", "mL/min", "Pa", "kPa", "hPa", "C", "°C", "A", "mA", "uA", "Ohm", "kOhm",
+    "BrPM", "L", "L/min", "mL/min", "Pa", "kPa", "hPa", "C", "°C", "A", "mA", "uA", "Ohm", "kOhm", "kg", "lb", "lbs",
 }  # fmt: skip
 
 
@@ -50,14 +50,28 @@ def seconds_per(unit: str) -> float | None:
     return _TIME_S.get(canonical(unit).lower())
 
 
-def split_unit(label: str) -> tuple[str, str | None]:
-    """``"Fz [N]"`` -> ("Fz", "N"); ``"EDC (left)"`` -> ("EDC (left)", None), since left is no unit."""
+_GLUED = re.compile(r"(.*[^\s_])_([munµμk]?[VN]|lbf|kgf|gf)")
+
+
+def is_glued(label: str) -> bool:
+    """Whether a unit of voltage or force ends the name, as in ``EDC_mV``."""
+    return _GLUED.fullmatch(label.strip()) is not None
+
+
+def split_unit(label: str, *, glued: bool = False) -> tuple[str, str | None]:
+    """``"Fz [N]"`` -> ("Fz", "N"); ``"EDC (left)"`` -> ("EDC (left)", None), since left is no unit.
+
+    glued : split ``EDC_mV`` too.
+    """
     square = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]", label.strip())
     if square:
         return square[1].strip(), canonical(square[2]) or None
     round_ = re.fullmatch(r"(.*?)\s*\(([^()]*)\)", label.strip())
     if round_ and (not round_[2].strip() or _is_unit(round_[2])):
         return round_[1].strip(), canonical(round_[2]) or None
+    if glued and is_glued(label):
+        name, _, unit = label.strip().rpartition("_")
+        return name, canonical(unit)
     return label.strip(), None
 
 

@@ -29,7 +29,7 @@ class ShortPaths:
 
     def __init__(self, study: Study) -> None:
         base = study.path.parent
-        files = [path for entry in study.recordings for path in (entry.emg_file, entry.force_file) if path]
+        files = [path for entry in study.recordings for path in entry.files]
         folders = {study.data, *(path.parent for path in files)}
         folders |= {study.runs_source.root} if study.runs_source else set()
         outer: set[Path] = set()

@@ -53,7 +53,7 @@ def session_verdict(
 ) -> SessionVerdict:
     """The verdict on one participant's recordings; all arguments are this participant's."""
     missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
-    return judge_session(participant, trials, {e.specimen: e.window.expected_trials for e in entries}, missed)
+    return judge_session(participant, trials, {}, {e.specimen: e.window.expected_trials for e in entries}, missed)
 
 
 def _page(

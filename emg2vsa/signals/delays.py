@@ -44,18 +44,20 @@ class Shifts:
 
 
 def delay_budget(
-    phase: Phase, band: IirFilter, envelope: Smoother, low: IirFilter | None, sensor_s: float
+    phase: Phase, band: IirFilter, envelope: Smoother, low: IirFilter | None, sensor_s: float, lag_s: float = 0.0
 ) -> tuple[DelayBudget, Shifts]:
     """Budget and shifts of one recording.
 
-    The stated delay of the force sensor is always removed. Filter delays are zero (zero-phase), removed (compensated)
-    or left in (causal: as on line and in the paper; the budget then states the mismatch).
+    The stated delay of the force sensor is always removed, and so is ``lag_s``, by which force was found to follow EMG.
+    Filter delays are zero (zero-phase), removed (compensated) or left in (causal: as on line and in the paper; the
+    budget then states the mismatch).
     """
     low_s = 0.0 if low is None else low.delay_s
     parts = [(band.name, band.delay_s), (envelope.name, envelope.delay_s)]
     parts += [] if low is None else [(low.name, low_s)]
     parts += [("force sensor", sensor_s)] if sensor_s else []
+    parts += [("force after EMG, estimated", lag_s)] if lag_s else []
     emg_s = band.delay_s + envelope.delay_s
     compensated = phase == "compensated"
-    shifts = Shifts(emg_s if compensated else 0.0, (low_s if compensated else 0.0) + sensor_s)
-    return DelayBudget(tuple(parts), emg_s, low_s + sensor_s, shifts.emg_s - shifts.force_s), shifts
+    shifts = Shifts(emg_s if compensated else 0.0, (low_s if compensated else 0.0) + sensor_s + lag_s)
+    return DelayBudget(tuple(parts), emg_s, low_s + sensor_s + lag_s, shifts.emg_s - shifts.force_s), shifts

@@ -28,7 +28,8 @@ SMALLEST_REVERSAL = 0.005
 @dataclass(frozen=True)
 class ForceRecord:
     """force_n : (n,) tared and filtered. tare_n : median of what was subtracted. gap_n : (p,) level before each press,
-    NaN if unknown. reversal_n : fall of force that is no more than noise. sign_doubt : of a record without presses."""
+    NaN if unknown. reversal_n : fall of force that is no more than noise. sign_doubt : of a record without presses.
+    tare : as ``Trials.tare``. zero_shift_n : (p,) as ``Trials.zero_shift_n``."""
 
     force_n: Floats
     fs_hz: float
@@ -39,6 +40,8 @@ class ForceRecord:
     reversal_n: float
     sign_doubt: str
     notes: tuple[str, ...]
+    tare: str
+    zero_shift_n: Floats
 
 
 def condition_force(
@@ -54,7 +57,9 @@ def condition_force(
     gap_n = _gaps(force_n, fs_hz, presses) if rest.level_n.size else np.full(presses.start_s.size, np.nan)
     doubt = "" if presses.start_s.size else _doubt_by_force(force_n, window.force_n, channel.sign)
     notes = (*notes, *_said_of_presses(presses, force_n, window))
-    return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes)
+    tare = channel.tare if channel.tare == "none" or rest.level_n.size else "impossible"
+    shift_n = np.full(presses.start_s.size, np.nan)
+    return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes, tare, shift_n)
 
 
 def _tared(

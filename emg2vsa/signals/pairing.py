@@ -89,6 +89,15 @@ def rest_instants(rest: Rest, emg: Clock, force: Clock, step: int) -> Instants:
     return Instants(found.first[kept], found.counts[kept], step, found.covered[kept])
 
 
+def rest_samples(rest: Rest, emg: Clock, force: Clock) -> tuple[Ints, Ints]:
+    """First and last-plus-one EMG sample (r,), (r,) of every rest, as far as the EMG record covers it."""
+    start = np.ceil(emg.index(force.time_s(rest.start))).astype(np.int64)
+    stop = np.floor(emg.index(force.time_s(rest.stop - 1))).astype(np.int64) + 1
+    start, stop = np.clip(start, 0, emg.n_samples), np.clip(stop, 0, emg.n_samples)
+    kept = stop > start
+    return start[kept], stop[kept]
+
+
 def _cubic_at(samples: Floats, position: Floats) -> Floats:
     """Samples (n,), n >= 4, at fractional positions (k,) within [0, n - 1]: the cubic through the four nearest.
 

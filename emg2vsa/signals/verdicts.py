@@ -22,10 +22,11 @@ HELD_SHARE = 0.1
 class Evidence:
     """What is known of one trial. rest_gap_n : tared force before contact, NaN if unknown. emg : by muscle.
 
-    sign_doubt : why the force of the whole record seems reversed, so that this is a release; empty if it does not.
+    fault : a mistake that spoils the whole record, such as a reversed force; empty if none.
+    said : further reasons, each with whether it rejects the trial.
     """
 
-    sign_doubt: str
+    fault: str
     duration_s: float
     peak_force_n: float
     reached: bool
@@ -38,13 +39,14 @@ class Evidence:
     emg_fs_hz: float
     emg: Mapping[str, RawQuality]
     snr_db: Mapping[str, float]
+    said: tuple[tuple[bool, str], ...] = ()
 
 
 def judge(trial: Evidence, window: WindowSettings) -> tuple[str, str]:
     """Verdict and reasons, the rejecting ones first, joined by "; "."""
-    if trial.sign_doubt:
-        return "rejected", trial.sign_doubt
-    said = [*_on_force(trial, window), *_on_signals(trial, window)]
+    if trial.fault:
+        return "rejected", trial.fault
+    said = [*_on_force(trial, window), *_on_signals(trial, window), *trial.said]
     rejecting = [reason for rejects, reason in said if rejects]
     warning = [reason for rejects, reason in said if not rejects]
     verdict = "rejected" if rejecting else "warned" if warning else "ok"
@@ -72,7 +74,8 @@ def _on_force(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool, s
         yield False, f"force rests at {trial.rest_gap_n:.2f} N before contact"
     if trial.at_edge:
         begins = trial.start_force_n > lower_n * 1.05
-        yield False, f"record begins at {trial.start_force_n:.3g} N" if begins else "at the edge of the record"
+        missed = trial.start_force_n > lower_n + window.max_missed_n or not trial.reached
+        yield missed, f"record begins at {trial.start_force_n:.3g} N" if begins else "at the edge of the record"
 
 
 def _on_signals(trial: Evidence, window: WindowSettings) -> Iterator[tuple[bool, str]]:

@@ -55,10 +55,8 @@ def load_study(path: str | Path) -> Study:
 
 
 def missing_files(study: Study) -> tuple[RecordingEntry, ...]:
-    """The recordings whose EMG or force file is not there."""
-    return tuple(
-        r for r in study.recordings if not r.emg_file.is_file() or (r.force_file and not r.force_file.is_file())
-    )
+    """The recordings of which a file is not there."""
+    return tuple(entry for entry in study.recordings if not all(path.is_file() for path in entry.files))
 
 
 def _is_of_runs_alone(raw: Mapping[str, Any]) -> bool:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from emg2vsa.settings import ChannelSettings, RunSettings, StageSettings
-from emg2vsa.study import RecordingEntry, RunsSource, Specimen, Study
+from emg2vsa.study import RecordingEntry, RecordingPart, RunsSource, Specimen, Study
+from emg2vsa.study_file.patterns import REPETITION, Cell, Found, files_by_cell, filled
 from emg2vsa.study_file.tables import (
     FileChannels,
     FileTable,
@@ -61,50 +63,95 @@ def _data_folder(folder: Path, table: RecordingsTable | None, recordings: tuple[
     if table is None:
         return folder
     if table.layout == "files":
-        return Path(os.path.commonpath([os.path.dirname(entry.emg_file) for entry in recordings]))
-    fixed = (table.pattern or "").partition("{")[0].rpartition("/")[0]
+        return Path(os.path.commonpath([os.path.dirname(path) for entry in recordings for path in entry.files[:1]]))
+    fixed = re.split(r"[{*]", table.pattern or "", maxsplit=1)[0].rpartition("/")[0]
     return beside(folder, (table.root if table.layout == "bids" else fixed) or "")
 
 
 def _entries(
     folder: Path, file: StudyFile, table: RecordingsTable, ids: Sequence[str], given: Sequence[Mapping[str, Any]]
 ) -> tuple[RecordingEntry, ...]:
-    """All recordings: the layout's by participant and specimen, or the listed ones.
+    """What every participant pressed: the layout's cells by participant and specimen, or the listed ones.
 
     Recordings without settings of their own share the study's, as the same objects.
     """
-    listed = {(own.participant, own.specimen): (own, keys) for own, keys in zip(table.files, given, strict=True)}
+    listed: dict[Cell, list[tuple[FileTable, Mapping[str, Any]]]] = {}
+    for file_table, set_keys in zip(table.files, given, strict=True):
+        listed.setdefault((file_table.participant, file_table.specimen), []).append((file_table, set_keys))
     cells = list(listed) if table.layout == "files" else [(p, s.name) for p in ids for s in file.specimens]
+    found = _found(folder, table, cells)
     entries = []
     for cell in cells:
-        own, keys = listed.get(cell, (None, {}))
-        emg, force = _files(table, cell, own)
+        first, *further = _parts(folder, file.channels, found.get(cell, ()), [each for each, _ in listed.get(cell, ())])
+        own: FileTable | None
+        own, keys = listed[cell][0] if cell in listed else (None, {})
         entries.append(
             RecordingEntry(
                 participant=cell[0],
                 specimen=cell[1],
-                emg_file=beside(folder, emg),
-                force_file=beside(folder, force) if force else None,
-                channels=_channels(file.channels, own.channels if own else None),
+                emg_file=first.emg_file,
+                force_file=first.force_file,
+                channels=first.channels,
                 filters=overlaid(file.filters, own.filters, keys["filters"]) if own and own.filters else file.filters,
                 window=overlaid(file.window, own.window, keys["window"]) if own and own.window else file.window,
+                fault=first.fault,
+                further=tuple(further),
             )
         )
     return tuple(entries)
 
 
-def _files(table: RecordingsTable, cell: tuple[str, str], own: FileTable | None) -> tuple[str, str | None]:
-    """EMG file and force file as the study file writes them; one that a recording names itself goes first."""
-    participant, specimen = cell
-    emg, force = (own.emg, own.force) if own else (None, None)
-    if table.layout == "bids":
-        name = f"sub-{participant}_task-{table.task}_acq-{specimen}_emg.{table.extension}"
-        return emg or f"{table.root}/sub-{participant}/emg/{name}", force
-    return emg or _filled(table.pattern or "", cell), force or _filled(table.force_pattern or "", cell) or None
+Files = tuple[Found, Found | None]
+"""EMG file and force file of a recording, as the study file writes them."""
 
 
-def _filled(pattern: str, cell: tuple[str, str]) -> str:
-    return pattern.replace("{participant}", cell[0]).replace("{specimen}", cell[1])
+def _found(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[Cell, list[Files]]:
+    """The files of every cell where the layout says."""
+    if table.layout == "files":
+        return {}
+    emg = (
+        files_by_cell(folder, table.pattern or "", cells) if table.layout == "pattern" else _bids(folder, table, cells)
+    )
+    if not table.force_pattern:
+        return {cell: [(one, None) for one in emg[cell].values()] for cell in cells}
+    force = files_by_cell(folder, table.force_pattern, cells)
+    absent = {cell: Found(filled(table.force_pattern, cell)) for cell in cells}
+    return {cell: [(one, force[cell].get(n, absent[cell])) for n, one in emg[cell].items()] for cell in cells}
+
+
+def _bids(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> dict[Cell, dict[int, Found]]:
+    """The one recording of a cell, or where that is absent its numbered runs."""
+    stem = f"{table.root}/sub-{{participant}}/emg/sub-{{participant}}_task-{table.task}_acq-{{specimen}}"
+    single = files_by_cell(folder, f"{stem}_emg.{table.extension}", cells)
+    absent = [cell for cell in cells if not beside(folder, single[cell][0].file).exists()]
+    runs = files_by_cell(folder, f"{stem}_run-{REPETITION}_emg.{table.extension}", absent)
+    return single | {cell: numbered for cell, numbered in runs.items() if 0 not in numbered}
+
+
+def _parts(
+    folder: Path, channels: ChannelSettings | None, found: Sequence[Files], own: Sequence[FileTable]
+) -> list[RecordingPart]:
+    """The recordings of one cell: those listed with a file, else those found, with the channels of a listed one."""
+    listed = [table for table in own if table.emg]
+    pairs: list[tuple[Found, Found | None, FileTable | None]]
+    if listed:
+        forces = [force for _, force in found] if len(found) == len(listed) == 1 else [None] * len(listed)
+        pairs = [(Found(str(table.emg)), force, table) for table, force in zip(listed, forces, strict=True)]
+    else:
+        pairs = [(emg, force, own[0] if own else None) for emg, force in found]
+    parts = []
+    for emg, force, table in pairs:
+        if table and table.force:
+            force = Found(table.force)
+        parts.append(
+            RecordingPart(
+                emg_file=beside(folder, emg.file),
+                force_file=beside(folder, force.file) if force else None,
+                channels=_channels(channels, table.channels if table else None),
+                fault=emg.fault or (force.fault if force else ""),
+            )
+        )
+    return parts
 
 
 def _channels(study: ChannelSettings | None, own: FileChannels | None) -> ChannelSettings:

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from emg2vsa.settings import (
+    GAUGE_AXES,
     ChannelSettings,
     EmgChannelSettings,
     ForceChannelSettings,
@@ -18,6 +19,7 @@ from emg2vsa.settings import (
     ProfileSettings,
     SimulationSettings,
 )
+from emg2vsa.study_file.patterns import PLACEHOLDERS, REPETITION
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
 from emg2vsa.study_file.tables import ParticipantsTable, RecordingsTable, SpecimenTable
 
@@ -99,7 +101,6 @@ _KEYS_OF_LAYOUT = {
     "files": (),
 }
 _REQUIRED = {"bids": ("root", "task"), "pattern": ("pattern",), "files": ("files",)}
-_PLACEHOLDERS = ("participant", "specimen")
 
 
 def _layout(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
@@ -111,13 +112,21 @@ def _patterns(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str,
     for key, pattern in (("pattern", recordings.pattern), ("force_pattern", recordings.force_pattern)):
         path = ("recordings", key)
         names = re.findall(r"\{([^{}]*)\}", pattern or "")
-        unknown = [name for name in names if name not in _PLACEHOLDERS]
+        unknown = [name for name in names if name not in PLACEHOLDERS]
         for name in unknown:
-            do = nearest(name, _PLACEHOLDERS)
-            yield Problem(path, "{participant} and {specimen} as placeholders", f"{{{name}}}", do)
-        for name in _PLACEHOLDERS:
-            if pattern and not unknown and name not in names and counts[name] > 1:
-                yield Problem(path, f"{{{name}}} in it, as there are {counts[name]} {name}s", shown(pattern))
+            do = nearest(name, PLACEHOLDERS)
+            yield Problem(path, "{participant}, {specimen} and {repetition} as placeholders", f"{{{name}}}", do)
+        for name, count in counts.items():
+            if pattern and not unknown and name not in names and count > 1:
+                yield Problem(path, f"{{{name}}} in it, as there are {count} {name}s", shown(pattern))
+        if pattern and "**" in pattern:
+            yield Problem(
+                path, "a * for each part of a name", "'**'", "Write * for any text in the name of one folder."
+            )
+    emg, force = recordings.pattern or "", recordings.force_pattern
+    if force and (REPETITION in emg) != (REPETITION in force):
+        key, found = ("force_pattern", force) if REPETITION in emg else ("pattern", emg)
+        yield Problem(("recordings", key), f"{REPETITION} in it, as the other pattern has", shown(found))
 
 
 def _labels(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, ...]) -> Iterator[Problem]:
@@ -132,18 +141,28 @@ def _labels(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, .
 
 
 def _listed(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
-    seen: set[tuple[str, str]] = set()
+    cells: dict[tuple[str, str], list[int]] = {}
+    given = raw["recordings"].get("files", ())
     for index, file in enumerate(recordings.files):
-        cell = (file.participant, file.specimen)
         at: KeyPath = ("recordings", "files", index)
-        if cell in seen:
-            yield Problem(at, "one recording of a participant on a specimen", f"{'/'.join(cell)} again")
-        seen.add(cell)
-        if recordings.layout == "files" and file.emg is None:
+        earlier = cells.setdefault((file.participant, file.specimen), [])
+        if file.emg is None and recordings.layout == "files":
             yield Problem((*at, "emg"), "a key 'emg' with layout = 'files'", "nothing")
-        if "force_n" in raw["recordings"]["files"][index].get("window", ()):
+        elif earlier and (file.emg is None or recordings.files[earlier[0]].emg is None):
+            do = "Give each of several recordings its file."
+            found = f"a further recording of {file.participant}/{file.specimen} without a file"
+            yield Problem((*at, "emg"), "a key 'emg' in each recording of a participant on a specimen", found, do)
+        if file.emg is not None and any(recordings.files[other].emg == file.emg for other in earlier):
+            found = f"{shown(file.emg)} again for {file.participant}/{file.specimen}"
+            yield Problem((*at, "emg"), "a file of its own for each recording", found)
+        for key in ("filters", "window") if earlier else ():
+            if key in given[index]:
+                do = f"Set it at the first recording of {file.participant}/{file.specimen}; it holds for all of them."
+                yield Problem((*at, key), "settings that all recordings of a participant on a specimen share", key, do)
+        if "force_n" in given[index].get("window", ()):
             do = "Set it in [window]: fits and profiles share its bins."
             yield Problem((*at, "window", "force_n"), "one force window for all recordings", "another one", do)
+        earlier.append(index)
 
 
 def _roles(channels: ChannelSettings) -> Iterator[Problem]:
@@ -173,6 +192,29 @@ def _one_role_each(
         yield Problem((*at, "force", "name"), "a channel of its own", f"{force.name!r}, as for {roles[force.name]}")
 
 
+def _gauges(channels: ChannelSettings | None = None, recordings: RecordingsTable | None = None) -> Iterator[Problem]:
+    """The gauges of a transducer come with their calibration, and with nothing that is of a force."""
+    forces: list[tuple[KeyPath, ForceChannelSettings]] = [(("channels", "force"), channels.force)] if channels else []
+    for index, file in enumerate(recordings.files if recordings else ()):
+        if file.channels and file.channels.force:
+            forces.append((("recordings", "files", index, "channels", "force"), file.channels.force))
+    for at, force in forces:
+        if force.cal_file is None:
+            for key in ("gauges", "volts_per_unit"):
+                if getattr(force, key) is not None:
+                    yield Problem((*at, key), "a key 'cal_file' with it", "nothing")
+            continue
+        if force.gauges is None:
+            yield Problem((*at, "gauges"), "the six gauge channels with cal_file", "nothing")
+        elif len(set(force.gauges)) < len(force.gauges):
+            yield Problem((*at, "gauges"), "six different channels", ", ".join(force.gauges))
+        if force.name not in GAUGE_AXES:
+            yield Problem((*at, "name"), f"{', '.join(GAUGE_AXES)} with cal_file", repr(force.name))
+        if force.newtons_per_unit is not None:
+            do = "The calibration gives newtons; volts_per_unit is for gauges in counts."
+            yield Problem((*at, "newtons_per_unit"), "either cal_file or newtons_per_unit", "both", do)
+
+
 def _channels_of_all(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:
     own = [file.channels for file in recordings.files]
     all_named = bool(own) and all(channels and channels.emg and channels.force for channels in own)
@@ -184,5 +226,5 @@ def _channels_of_all(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Ite
 
 CHECKS = (
     _participants, _specimens, _kept, _profile, _exemplary, _files, _simulated,
-    _layout, _patterns, _labels, _listed, _roles, _own_roles, _channels_of_all,
+    _layout, _patterns, _labels, _listed, _roles, _own_roles, _gauges, _channels_of_all,
 )  # fmt: skip

@@ -76,7 +76,10 @@ class FileChannels:
 
 @dataclass(frozen=True, kw_only=True)
 class FileTable:
-    """One recording: named here, or found by the layout and only changed here."""
+    """One recording: named here, or found by the layout and only changed here.
+
+    Presses of a further recording of the same participant on the same specimen follow those of the one before it.
+    """
 
     participant: Name
     "Participant id."
@@ -107,9 +110,9 @@ class RecordingsTable:
     extension: Literal["bdf", "edf"] = "bdf"
     "bids: format of the recordings."
     pattern: Text | None = None
-    "pattern: path of the EMG file with {participant} and {specimen} in it."
+    "pattern: path of the EMG file with {participant}, {specimen} and, for several of them, {repetition}; *: any text."
     force_pattern: Text | None = None
-    "pattern: path of the force file, where force sits in a file of its own."
+    "pattern: path of the force file, where force sits in a file of its own; {repetition} as in pattern."
     files: tuple[FileTable, ...] = ()
     "Recordings named one by one, and exceptions from the layout."
 

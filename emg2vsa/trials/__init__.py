@@ -5,7 +5,8 @@ The product stands apart from its making, so that what only reads trials does no
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,5 +69,21 @@ class Trials:
     delay: DelayBudget
     notes: tuple[str, ...]
     "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
-    sign_doubt: str = ""
-    "Why the sign of the force seems wrong, which rejects every press; empty if it does not."
+    lag_s: float = math.nan
+    "Force follows EMG so late (``estimate_lag``), filters and stated delays aside; NaN where it is not known."
+    lag_se_s: float = math.nan
+    "Its standard error."
+    lag_bias: Floats = field(default_factory=lambda: np.empty(0))
+    "Share by which the lag that was left in is expected to change b; 0 where it is not certain, or was taken out."
+    floor_bias: Floats = field(default_factory=lambda: np.empty(0))
+    "Share by which the rest level flattens b while it stays in the envelope; NaN where it cannot be said."
+    floor_subtracted: bool = False
+    "Whether that level was subtracted in power, so that ``floor_bias`` is what b was corrected by."
+    tare: str = "rest"
+    "rest: on the lulls; none: as the study says; impossible: the record never rests, and every press is rejected."
+    zero_shift_n: Floats = field(default_factory=lambda: np.empty(0))
+    "How far the force's zero moves around each press beside its steady drift, newtons; NaN where it is not known."
+    fault: str = ""
+    "A mistake in the file or the study file that rejects every press, such as a wrong sign or unit; empty if none."
+    remarks: tuple[str, ...] = ()
+    "What is doubtful about the recording as a whole; its presses are used."

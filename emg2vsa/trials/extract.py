@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats, bridge_gaps, median, samples_1d
+from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
 from emg2vsa.errors import SignalError
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
@@ -16,13 +16,22 @@ from emg2vsa.signals.cocontraction import cocontraction_index
 from emg2vsa.signals.delays import delay_budget
 from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoother
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
+from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
-from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants
+from emg2vsa.signals.hum import remove_hum
+from emg2vsa.signals.lag import Lag, estimate_lag
+from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants, rest_samples
+from emg2vsa.signals.plausibility import Plausibility, Signals, force_unit_doubt, plausibility
 from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
+from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.verdicts import Evidence, judge
 from emg2vsa.trials import Trials
 
 OVERVIEW_HZ = 10.0
+TOLD_BIAS = 0.01
+"A press whose b is expected to be off by a larger share says so."
+LARGE_CORRECTION = 0.05
+"A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
 
 
 @dataclass(frozen=True)
@@ -98,8 +107,11 @@ def extract_trials(
     """
     record = _emg_record(emg)
     chain = _chain(filters, record, force.fs_hz)
-    delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
+    raw = record
+    record, lag, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    moved_s = lag.lag_s if filters.align == "lag" and np.isfinite(lag.lag_s) else 0.0
+    delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)
     emg_clock = Clock(record.start_s - shifts.emg_s, record.fs_hz, record.samples[0].size)
     force_clock = Clock(force.start_s - shifts.force_s, force.fs_hz, force_missing.size)
     presses = conditioned.presses
@@ -108,17 +120,31 @@ def extract_trials(
     force_n = force_at(conditioned.force_n, instants, emg_clock, force_clock)
 
     resting = rest_instants(conditioned.rest, emg_clock, force_clock, chain.step)
-    envelopes_v, resting_v = chain.envelopes(record, instants, resting)
-    activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
-    rest_v = _rest_level(resting_v, resting)
-    snr_db = ratio_db(window_means(envelopes_v, instants.offsets), rest_v[:, None])
-    quality = _record_qualities(record, instants, chain.envelope)
-    doubt = conditioned.sign_doubt or doubt_by_emg(
-        force_n, envelopes_v, instants.offsets, rest_v, window.force_n, force_channel.sign
+    measured_v, resting_v = chain.envelopes(record, instants, resting)
+    rest_v, floor_v = _rest_levels(resting_v, resting)
+    levels_v = press_levels(measured_v, force_n, instants.offsets)
+    subtract = filters.rest_level == "subtract"
+    envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
+    floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
+    left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
+    late_n = force_at(
+        conditioned.force_n, instants, emg_clock, replace(force_clock, start_s=force_clock.start_s - left.lag_s)
     )
-    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, doubt)
+    lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
+    activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
+    snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
+    quality = _record_qualities(raw, instants, chain.envelope)
+    doubt = conditioned.sign_doubt or doubt_by_emg(
+        force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
+    )
+    doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
+    seen = _plausibility(raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v)
+    fault = doubt or seen.fault
+    biased = _said_of_bias(conditioned, floor, subtract, left, lagging)
+    other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
+    evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
-    said += (doubt,) if doubt else ()
+    said += (fault,) if fault else ()
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
     conversions = (f"{role}: {channel.conversion}" for role, channel in (*emg.items(), ("force", force)))
     return Trials(
@@ -147,8 +173,16 @@ def extract_trials(
         overview_time_s=force_clock.time_s(np.arange(0, force_missing.size, every)),
         overview_force_n=conditioned.force_n[::every].copy(),
         delay=delay,
-        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *said),
-        sign_doubt=doubt,
+        notes=(*notes, *conversions, *_filter_notes(chain), str(delay), *conditioned.notes, *noted, *said),
+        lag_s=lag.lag_s,
+        lag_se_s=lag.se_s,
+        lag_bias=lagging,
+        floor_bias=floor,
+        floor_subtracted=subtract,
+        tare=conditioned.tare,
+        zero_shift_n=conditioned.zero_shift_n,
+        fault=fault,
+        remarks=() if fault else seen.remarks,
     )
 
 
@@ -172,11 +206,47 @@ def _conditioned(
     return condition_force(raw_n, force.fs_hz, low, force_channel, window), missing
 
 
-def _rest_level(envelopes_v: Floats, resting: Instants) -> Floats:
-    """Median over the pieces of rest of the mean envelope (m,); NaN without any."""
+def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats]:
+    """Median and lowest over the pieces of rest of the mean envelope (m,), (m,); NaN without any.
+
+    Noise is the same in every rest and muscle tone is not, so the lowest is the better estimate of noise.
+    """
     if resting.counts.size == 0:
-        return np.full(len(envelopes_v), np.nan)
-    return np.array([median(means) for means in window_means(envelopes_v, resting.offsets)])
+        unknown = np.full(len(envelopes_v), np.nan)
+        return unknown, unknown
+    means = window_means(envelopes_v, resting.offsets)
+    return np.array([median(row) for row in means]), means.min(axis=1)
+
+
+def _cleaned(
+    record: _EmgRecord,
+    force: Channel,
+    conditioned: ForceRecord,
+    chain: Chain,
+    filters: FilterSettings,
+    force_channel: ForceChannelSettings,
+    window: WindowSettings,
+) -> tuple[_EmgRecord, Lag, tuple[str, ...]]:
+    """The EMG without its hum, the lag of force behind it, and what is to be said of both."""
+    late_s = 0.0 if chain.low is None else chain.low.delay_s
+    force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
+    emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
+    said: list[str] = []
+    samples = record.samples
+    if filters.mains == "remove":
+        start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
+        samples, hum = remove_hum(samples, record.fs_hz, start, stop)
+        if hum is not None:
+            shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, hum.rms, strict=True))
+            orders = ", ".join(map(str, hum.harmonics.tolist()))
+            said.append(f"mains: {hum.hz:.2f} Hz, harmonics {orders}, fitted at rest and subtracted: {shown} rms")
+    stop_s = conditioned.presses.stop_s + force_clock.start_s
+    lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
+    if np.isfinite(lag.lag_s):
+        said.append(f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, standard error {1e3 * lag.se_s:.0f} ms")
+    elif filters.align == "lag":
+        said.append("lag: not known, fewer than two presses; force is not moved")
+    return replace(record, samples=samples), lag, tuple(said)
 
 
 def _filter_notes(chain: Chain) -> tuple[str, ...]:
@@ -195,6 +265,62 @@ def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother
     ]
 
 
+def _plausibility(
+    record: _EmgRecord,
+    chain: Chain,
+    instants: Instants,
+    rest: Rest,
+    emg_clock: Clock,
+    force_clock: Clock,
+    rest_v: Floats,
+    force_n: Floats,
+    envelopes_v: Floats,
+) -> Plausibility:
+    """Whether the EMG is what it is said to be; arrays as in ``extract_trials``."""
+    bounds_s = np.stack((force_clock.time_s(rest.start), force_clock.time_s(rest.stop)), axis=-1)
+    rests = np.clip(emg_clock.index(bounds_s), 0, emg_clock.n_samples).astype(np.int64)
+    return plausibility(
+        Signals(
+            muscles=record.muscles,
+            samples=record.samples,
+            fs_hz=record.fs_hz,
+            presses=np.stack((instants.first, instants.last + 1), axis=-1),
+            rests=rests,
+            rest_v=rest_v,
+            force_n=force_n,
+            envelopes_v=envelopes_v,
+            envelope_fs_hz=record.fs_hz / chain.step,
+            offsets=instants.offsets,
+        )
+    )
+
+
+def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> Floats:
+    """Share by which b (p,) changes where activity is paired with ``force_n`` (N,) and belongs to ``late_n`` (N,)."""
+    x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))
+    return slope_ratios(x, y, y, y, level, offsets) - 1
+
+
+def _said_of_bias(
+    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats
+) -> list[tuple[tuple[bool, str], ...]]:
+    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
+    said: list[tuple[tuple[bool, str], ...]] = []
+    for i in range(floor.size):
+        own: list[tuple[bool, str]] = []
+        if force.tare == "impossible":
+            own.append((True, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
+        if subtracted and abs(floor[i]) > LARGE_CORRECTION:
+            own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
+        if not subtracted and abs(floor[i]) > TOLD_BIAS:
+            own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
+        if abs(lagging[i]) > TOLD_BIAS:
+            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by about {100 * abs(lagging[i]):.0f} %"
+            own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
+        said.append(tuple(own))
+    return said
+
+
 def _gather_evidence(
     force: ForceRecord,
     instants: Instants,
@@ -203,7 +329,8 @@ def _gather_evidence(
     quality: list[list[RawQuality]],
     snr_db: Floats,
     record: _EmgRecord,
-    sign_doubt: str,
+    fault: str,
+    said: list[tuple[tuple[bool, str], ...]],
 ) -> list[Evidence]:
     """What is known of each press of a record; arrays as in ``extract_trials``."""
     presses, offsets = force.presses, instants.offsets
@@ -214,7 +341,7 @@ def _gather_evidence(
         begin, end = int(start_s * fs_hz), min(int(np.ceil(stop_s * fs_hz)) + 1, force_missing.size)
         evidence.append(
             Evidence(
-                sign_doubt=sign_doubt,
+                fault=fault,
                 duration_s=float(stop_s - start_s),
                 peak_force_n=float(presses.peak_n[i]),
                 reached=bool(presses.reached[i]),
@@ -227,6 +354,7 @@ def _gather_evidence(
                 emg_fs_hz=record.fs_hz,
                 emg={muscle: row[i] for muscle, row in zip(record.muscles, quality, strict=True)},
                 snr_db=dict(zip(record.muscles, snr_db[:, i].tolist(), strict=True)),
+                said=said[i],
             )
         )
     return evidence

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers.front_door import inspect, read
+from emg2vsa.readers.front_door import inspect, load_named, open_recording, read
 
 TIME = np.arange(60) / 1000.0
 EDC, FZ = np.sin(np.arange(60.0)), 0.1 + np.arange(60.0)
@@ -117,7 +117,6 @@ def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> No
     ("text", "message"),
     [
         ("time (s),EDC (mV)\n", "1 filled lines"),
-        ("Fz,emg0\n1,2\n3,4\n", "time column"),
         ("time (s)\n0\n1\n", "channels beside the time"),
         ("time (s),EDC (mV)\n0,1\n0.001,abc\n0.002,3\n", r"line 3, column 'EDC': wanted a number; found 'abc'"),
         ("# note\ntime (s),EDC (mV)\n0,1\n\n0.001,1.2.3\n", r"line 5, column 'EDC': wanted a number"),
@@ -159,9 +158,32 @@ def test_faults_in_channels_not_asked_for_do_not_matter(tmp_path: Path) -> None:
     assert read(write(tmp_path, text), ["EDC"]).channels[0].samples.size == 2
 
 
-def test_the_ati_log_without_time_is_refused(shared_data) -> None:
-    with pytest.raises(RecordingError, match=r"wanted a time column .*found columns 'Fz', 'emg0'"):
-        inspect(shared_data("emg/ati/atusa_myo_mini45_raw_01.csv"))
+def test_the_ati_log_without_time_wants_its_rate_stated(shared_data) -> None:
+    path = shared_data("emg/ati/atusa_myo_mini45_raw_01.csv")
+    assert all(np.isnan(channel.fs_hz) for channel in inspect(path)[1])
+    with pytest.raises(RecordingError, match=r"no column of time. State it: fs_hz"):
+        read(path, ["Fz"])
+    _, opened = open_recording(path)
+    (emg,) = load_named(opened, ["emg0"], [243.0])
+    assert (emg.fs_hz, emg.samples[:2].tolist()) == (243.0, [0.0, -2.0])
+    assert "243 Hz as the study states" in emg.notes[-1]
+
+
+def test_a_stated_rate_that_contradicts_the_time_is_refused(tmp_path: Path) -> None:
+    _, opened = open_recording(write(tmp_path, table("time (s),EDC (mV),Fz (N)")))
+    with pytest.raises(RecordingError, match="the study states, 500 Hz; found 1000 Hz by the file"):
+        load_named(opened, ["EDC"], [500.0])
+
+
+def test_units_at_the_end_of_names(tmp_path: Path) -> None:
+    path = write(tmp_path, table("time_s,EDC_mV,Fz_N"))
+    check(path)
+    assert any("EDC_mV: the unit mV was taken" in note for note in read(path, ["EDC"]).notes)
+    assert read(path, ["EDC_mV"]).channels[0].unit == "V"
+    plain = write(tmp_path, table("time_s,EMG_n,load_cell"))
+    assert [(c.name, c.unit) for c in inspect(plain)[1]] == [("EMG_n", None), ("load_cell", None)]
+    mass = write(tmp_path, table("time_s,EDC (mV),Fz (kg)"))
+    assert [(c.name, c.unit) for c in inspect(mass)[1]][1] == ("Fz", "kg")
 
 
 @pytest.mark.parametrize(

@@ -126,3 +126,27 @@ def test_real_emg_in_volts_with_force_plate(shared_data) -> None:
     roles = read_roles(path, None, settings)
     assert roles.force.samples.max() == pytest.approx(482.527, abs=1e-3)
     assert roles.emg["TA"].conversion == "V as stored; / gain 1000"
+
+
+@pytest.mark.parametrize(("fs", "meant"), [(1.0, "milliseconds or a count"), (1e6, "Is the time in seconds")])
+def test_a_time_in_another_unit_than_its_header_says(tmp_path: Path, fs: float, meant: str) -> None:
+    path = write(tmp_path, "a.csv", "time (s),e1 (mV),e2 (mV),Fz (N)", fs=fs)
+    with pytest.raises(RecordingError, match=f"channel 'e1': wanted more than 10 .*{meant}"):
+        read_roles(path, None, wanted())
+
+
+def test_rates_are_stated_by_channel_where_a_file_has_none(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("e1_mV,Fz_N\n" + "".join(f"{i},{i}\n" for i in range(100)))
+    settings = wanted(ForceChannelSettings(name="Fz", fs_hz=500), EDC=EmgChannelSettings(name="e1", fs_hz=1000))
+    roles = read_roles(path, None, settings)
+    assert (roles.emg["EDC"].fs_hz, roles.force.fs_hz) == (1000.0, 500.0)
+    assert "e1: the file states no sampling rate; 1000 Hz as the study states." in roles.notes
+    with pytest.raises(RecordingError, match="channel 'Fz': wanted a sampling rate"):
+        read_roles(path, None, wanted(EDC=EmgChannelSettings(name="e1", fs_hz=1000)))
+
+
+def test_a_mass_is_no_force_but_says_which(tmp_path: Path) -> None:
+    path = write(tmp_path, "a.csv", "time (s),e1 (mV),Fz (kg)")
+    with pytest.raises(RecordingError, match=r"found unit 'kg'. kg is a mass; .* state unit = .kgf"):
+        read_roles(path, None, wanted(EDC=EmgChannelSettings(name="e1")))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.readers.front_door import inspect, read
+from emg2vsa.readers.front_door import inspect, load_named, open_recording, read
 
 TIME = np.arange(400) / 1000.0
 VALUES = np.stack([np.cos(np.arange(400.0)), np.arange(400.0) ** 2])
@@ -33,11 +33,15 @@ def test_orientation_and_spelling(tmp_path: Path, separator: str, decimal: str, 
     assert "recognised by its even steps" in recording.notes[0]
 
 
-def test_no_time_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="wanted a row of time stamps"):
-        inspect(write(tmp_path, VALUES, " "))
-    with pytest.raises(RecordingError, match="wanted a column of time stamps"):
-        inspect(write(tmp_path, np.stack([np.arange(400.0), VALUES[0]]).T, " "))  # a count is no time
+def test_without_time_the_rate_must_be_stated(tmp_path: Path) -> None:
+    path = write(tmp_path, VALUES, " ")
+    assert [channel.name for channel in inspect(path)[1]] == [f"row {i + 1}" for i in range(len(VALUES))]
+    with pytest.raises(RecordingError, match=r"no column of time. State it: fs_hz"):
+        read(path, ["row 1"])
+    _, opened = open_recording(path)
+    assert load_named(opened, ["row 1"], [500.0])[0].fs_hz == 500.0
+    count = write(tmp_path, np.stack([np.arange(400.0), VALUES[0]]).T, " ")  # a count is no time
+    assert [channel.name for channel in inspect(count)[1]] == ["column 1", "column 2"]
 
 
 def test_faults_name_their_line(tmp_path: Path) -> None:

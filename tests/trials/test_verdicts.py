@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emg2vsa.settings import ForceChannelSettings
+from emg2vsa.settings import ForceChannelSettings, WindowSettings
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
@@ -91,15 +91,15 @@ def test_a_wrong_sign_is_noticed(offset_n, sign, dead, force_of, recorded, extra
     trials = extract(emg, reversed_force, force_channel=ForceChannelSettings(name="Fz", sign=sign))
     assert trials.verdict.tolist() == ["rejected"] * 3
     assert set(trials.reasons) == {f"force rises while EMG is below its rest; is its sign {-sign}?"}
-    assert trials.sign_doubt == trials.reasons[0]
-    assert trials.sign_doubt in trials.notes
+    assert trials.fault == trials.reasons[0]
+    assert trials.fault in trials.notes
 
 
 def test_a_wrong_sign_without_presses_is_noticed(force_of, recorded, extract):
     emg, force = recorded(force_of(*[RISE] * 3))
     trials = extract(emg, replace(force, samples=-force.samples))
     assert trials.verdict.size == 0
-    assert trials.sign_doubt.endswith("is its sign -1?")
+    assert trials.fault.endswith("is its sign -1?")
 
 
 @pytest.mark.parametrize("dead", [("EDC",), ("FDS",), ("EDC", "FDS")])
@@ -107,7 +107,7 @@ def test_dead_electrodes_are_no_wrong_sign(dead, force_of, channel, recorded, ex
     emg, force = recorded(force_of(*[RISE] * 4))
     off_v = {name: 1e-6 * np.random.default_rng(i).standard_normal(force.samples.size) for i, name in enumerate(dead)}
     trials = extract({**emg, **{name: channel(samples) for name, samples in off_v.items()}}, force)
-    assert trials.sign_doubt == ""
+    assert trials.fault == ""
     assert trials.verdict.tolist() == ["rejected"] * 4
     assert all(f"{name} is as silent as at rest" in reason for name in dead for reason in trials.reasons)
 
@@ -115,13 +115,13 @@ def test_dead_electrodes_are_no_wrong_sign(dead, force_of, channel, recorded, ex
 def test_one_muscle_quieter_than_at_rest_is_no_wrong_sign(force_of, recorded, extract):
     emg, force = recorded(force_of(*[RISE] * 3))
     emg["EDC"] = replace(emg["EDC"], samples=quieter(emg["EDC"].samples))
-    assert extract(emg, force).sign_doubt == ""
+    assert extract(emg, force).fault == ""
 
 
 def test_a_held_grip_with_short_rests_is_no_wrong_sign(force_of, recorded, extract):
     held = [(0, 0), (2.0, 7.6), (12.0, 7.6), (12.5, 0)]
     trials = extract(*recorded(force_of(*[held] * 3, rest_s=0.8)))
-    assert trials.sign_doubt == ""
+    assert trials.fault == ""
     assert trials.verdict.tolist() == ["ok"] * 3
 
 
@@ -184,8 +184,10 @@ def test_a_record_that_begins_in_its_only_ramp(recorded, extract):
     ramp = np.interp(np.arange(0, 6, 1 / FS_HZ), [0, 3, 4, 6], [1.5, 8, 8, 7.5])
     emg, force = recorded(ramp - 0.3)
     trials = extract(emg, force)
-    assert trials.verdict.tolist() == ["warned"]
+    assert trials.verdict.tolist() == ["rejected"]
     assert "record begins at 1.5" in trials.reasons[0]
+    zeroed, wide = ForceChannelSettings(name="Fz", tare="none"), WindowSettings(max_missed_n=1.1)
+    assert extract(emg, force, window=wide, force_channel=zeroed).verdict.tolist() == ["warned"]
     assert trials.start_s.tolist() == [0.0]
     assert trials.rest_force_n == 0
     assert np.isnan(trials.snr_db).all()

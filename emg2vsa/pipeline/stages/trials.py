@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
 from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.readers.bids_sidecars import side_file_paths
 
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
 
 LOUD = "NYQUIST RULE"
 """Notes that begin so are said on screen, not only recorded: the study asked for a filter that cannot be built."""
+NOT_USED = "recording not used: "
+"""Begins the remark on each of several recordings that could not be used; said on screen too."""
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
@@ -26,20 +30,71 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "window": entry.window,
         "cocontraction": campaign.study.cocontraction,
         "reading": campaign.study.reading,
+        "fault": entry.fault,
+        "further": tuple((part.channels, part.fault) for part in entry.further),
     }
 
 
 def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
-    entry = campaign.recordings[item]
-    own = (entry.emg_file, entry.force_file) if entry.force_file else (entry.emg_file,)
-    sides = [side for path in own for side in side_file_paths(path, campaign.side_files)]
-    return {"emg": own[:1], "force": own[1:], "beside": sides}
+    folder = campaign.study.path.parent
+    found: dict[str, Sequence[Path]] = {}
+    sides: list[Path] = []
+    for number, part in enumerate(campaign.recordings[item].parts, 1):
+        own = (part.emg_file, part.force_file) if part.force_file else (part.emg_file,)
+        sides += [side for path in own for side in side_file_paths(path, campaign.side_files)]
+        calibration = part.channels.force.cal_file
+        found |= {
+            _role("emg", number): own[:1],
+            _role("force", number): own[1:],
+            _role("calibration", number): (folder / calibration,) if calibration else (),
+        }
+    return {**found, "beside": sides}
+
+
+def _role(name: str, number: int) -> str:
+    return name if number == 1 else f"{name} {number}"
 
 
 def run(given: Given) -> Trials:
+    """The presses of one recording, or of all of the item's; one that cannot be used is left out of several."""
+    from emg2vsa.trials.join import join_trials
+
+    given_settings = dict(given.settings)
+    further = given_settings.pop("further")
+    parts = [(given_settings.pop("channels"), given_settings.pop("fault")), *further]
+    made: list[Trials] = []
+    names: list[str] = []
+    faults: list[Emg2vsaError] = []
+    for number, (channels, fault) in enumerate(parts, 1):
+        emg = given.files[_role("emg", number)][0]
+        try:
+            trials = _part(given, number, channels, fault, given_settings)
+            join_trials([*made[:1], trials], [*names[:1], str(emg)])
+        except SlowReadingError:
+            raise
+        except Emg2vsaError as error:
+            faults.append(error)
+        else:
+            made.append(trials)
+            names.append(str(emg))
+    if not made:
+        raise faults[0]
+    joined = join_trials(made, names)
+    return replace(joined, remarks=(*joined.remarks, *(f"{NOT_USED}{fault}" for fault in faults)))
+
+
+def _part(given: Given, number: int, channels: ChannelSettings, fault: str, shared: dict[str, Any]) -> Trials:
     participant, _, specimen = given.item.partition("/")
-    force = given.files["force"]
-    return trials_of(given.files["emg"][0], force[0] if force else None, participant, specimen, **given.settings)
+    (emg,), force, calibration = (given.files[_role(name, number)] for name in ("emg", "force", "calibration"))
+    if fault:
+        raise RecordingError(
+            emg.parent, wanted=f"one file of {given.item}" + (f", recording {number}" if number > 1 else ""),
+            found=fault, do="Move what is too much away, narrow the pattern, or list the files: [[recordings.files]].",
+        )  # fmt: skip
+    return trials_of(
+        emg, force[0] if force else None, participant, specimen, channels=channels,
+        cal_file=calibration[0] if calibration else None, **shared,
+    )  # fmt: skip
 
 
 def trials_of(
@@ -53,15 +108,18 @@ def trials_of(
     window: WindowSettings,
     cocontraction: CocontractionSettings,
     reading: ReadingSettings | None = None,
+    cal_file: Path | None = None,
 ) -> Trials:
     """Read one recording and extract its trials; ``force_file`` None means that force and EMG are in one file.
+
+    cal_file : calibration of the transducer whose gauges the recording holds, where the force channel names one.
 
     Raises as ``read_roles`` and ``extract_trials``.
     """
     from emg2vsa.readers.roles import read_roles
     from emg2vsa.trials.extract import extract_trials
 
-    roles = read_roles(emg_file, force_file, channels, reading)
+    roles = read_roles(emg_file, force_file, channels, reading, cal_file)
     return extract_trials(
         roles.emg,
         roles.force,
@@ -76,7 +134,8 @@ def trials_of(
 
 
 def says(trials: Trials) -> str:
-    return "; ".join(note for note in trials.notes if note.startswith(LOUD))
+    loud = [note for note in trials.notes if note.startswith(LOUD)]
+    return "; ".join([*loud, *(remark for remark in trials.remarks if remark.startswith(NOT_USED))])
 
 
 STAGE = Stage(per="recording", of="people", run=run, settings=settings, files=files, says=says, alone=8)

@@ -1,0 +1,377 @@
+"""What goes wrong in a laboratory, one mishap at a time: is it noticed, under which name, and what does it do to b?
+
+Every mishap spoils the same simulated recordings of eight presses on one specimen (two muscles, 1000 Hz) and runs
+through reading, presses, fits and the verdict on the session. ``b`` is the mean slope of the presses that would be
+used, over that of the clean recording.
+
+    python -m benchmarks.mishaps            # writes benchmarks/results/mishaps.md
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from emg2vsa.errors import SignalError
+from emg2vsa.fits import fit_trials, usable
+from emg2vsa.recordings import Channel
+from emg2vsa.session_verdict import SpecimenVerdict, judge_session
+from emg2vsa.settings import (
+    CocontractionSettings,
+    FilterSettings,
+    FitSettings,
+    ForceChannelSettings,
+    SimulationSettings,
+    WindowSettings,
+)
+from emg2vsa.synthetic.recording import make_recording
+from emg2vsa.trials.extract import extract_trials
+from emg2vsa.trials.remedies import remedy_of
+
+Floats = NDArray[np.float64]
+RESULTS = Path(__file__).parent / "results" / "mishaps.md"
+PRESSES = 8
+SETTINGS = SimulationSettings(
+    repetitions=PRESSES, muscle_share={"EDC": 0.6, "FDS": 0.4}, emg_noise_v=1e-6, mains_v=0.0, force_offset_n=0.0
+)
+WINDOW = WindowSettings(expected_trials=PRESSES)
+
+
+@dataclass
+class Record:
+    """One recording on its way to being spoilt; volts and newtons (n,) at ``fs_hz``; onset_s : (p,) of the presses."""
+
+    emg_v: dict[str, Floats]
+    force_n: Floats
+    fs_hz: float
+    onset_s: Floats
+    rng: np.random.Generator
+    force_start_s: float = 0.0
+    emg_fs_hz: float = 0.0
+
+    @property
+    def time_s(self) -> Floats:
+        return np.arange(self.force_n.size) / self.fs_hz
+
+
+def clean_record(seed: int, settings: SimulationSettings = SETTINGS) -> Record:
+    made = make_recording(np.random.SeedSequence(seed), settings, a_v=30e-6, b_v=15e-6, window_n=WINDOW.force_n)
+    onset_s = made.truth.presses.onset_s
+    return Record(dict(made.emg_v), made.force_n, made.fs_hz, onset_s, np.random.default_rng([seed, 1]))
+
+
+Mishap = Callable[[Record], None]
+
+
+def _all(change: Callable[[Floats], Floats], *muscles: str) -> Mishap:
+    def spoil(record: Record) -> None:
+        for muscle in muscles or tuple(record.emg_v):
+            record.emg_v[muscle] = change(record.emg_v[muscle])
+
+    return spoil
+
+
+def _force(change: Callable[[Floats, Floats], Floats]) -> Mishap:
+    def spoil(record: Record) -> None:
+        record.force_n = change(record.force_n, record.time_s)
+
+    return spoil
+
+
+def _start(offset_s: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        record.force_start_s = offset_s
+
+    return spoil
+
+
+def _copied(record: Record) -> None:
+    record.emg_v["FDS"] = record.emg_v["EDC"].copy()
+
+
+def _crosstalk(share: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        one, other = record.emg_v["EDC"], record.emg_v["FDS"]
+        record.emg_v = {"EDC": one + share * other, "FDS": other + share * one}
+
+    return spoil
+
+
+def _fading(record: Record) -> None:
+    record.emg_v["EDC"] = record.emg_v["EDC"] * np.linspace(1, 0.2, record.force_n.size)
+
+
+def _noise_only(level_v: float, mains_v: float = 0.0, wander_v: float = 0.0) -> Mishap:
+    def spoil(record: Record) -> None:
+        n, time_s = record.force_n.size, record.time_s
+        wander = np.cumsum(record.rng.standard_normal(n)) / np.sqrt(record.fs_hz) * wander_v
+        mains = mains_v * np.sqrt(2) * np.sin(2 * np.pi * 50 * time_s)
+        record.emg_v["FDS"] = level_v * record.rng.standard_normal(n) + mains + wander
+
+    return spoil
+
+
+def _added(level_v: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        for muscle, x in record.emg_v.items():
+            record.emg_v[muscle] = x + level_v * record.rng.standard_normal(x.size)
+
+    return spoil
+
+
+def _mains(parts: dict[float, float], *muscles: str) -> Mishap:
+    def spoil(record: Record) -> None:
+        hum = sum(np.sqrt(2) * v * np.sin(2 * np.pi * hz * record.time_s) for hz, v in parts.items())
+        for muscle in muscles or tuple(record.emg_v):
+            record.emg_v[muscle] = record.emg_v[muscle] + hum
+
+    return spoil
+
+
+def _pulses(record: Record, at_s: Floats, length_s: float, level_v: float) -> Floats:
+    """Raised cosines of one sign at the times given."""
+    added = np.zeros(record.force_n.size)
+    shape = level_v * np.sin(np.pi * np.arange(round(length_s * record.fs_hz)) / (length_s * record.fs_hz)) ** 2
+    for begin in np.rint(at_s * record.fs_hz).astype(int):
+        added[begin : begin + shape.size] += shape[: added.size - begin]
+    return added
+
+
+def _contact(level_v: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        for muscle, x in record.emg_v.items():
+            record.emg_v[muscle] = x + _pulses(record, record.onset_s, 0.06, level_v)
+
+    return spoil
+
+
+def _spikes(record: Record) -> None:
+    for x in record.emg_v.values():
+        at = record.rng.random(x.size) < 0.001
+        x[at] += 5e-3 * record.rng.choice([-1.0, 1.0], np.count_nonzero(at))
+
+
+def _burst(record: Record) -> None:
+    begin = round((record.onset_s[4] + 1.2) * record.fs_hz)
+    for x in record.emg_v.values():
+        x[begin : begin + 100] += 300e-6 * record.rng.standard_normal(100)
+
+
+def _ecg(record: Record) -> None:
+    beats_s = np.cumsum(60 / 72 + 0.03 * record.rng.standard_normal(int(record.time_s[-1] / 0.83) - 2))
+    for muscle, x in record.emg_v.items():
+        sharp = _pulses(record, beats_s, 0.04, 150e-6) - _pulses(record, beats_s + 0.03, 0.05, 50e-6)
+        record.emg_v[muscle] = x + sharp
+
+
+def _envelope(size: int, rms: bool) -> Callable[[Floats], Floats]:
+    def change(x: Floats) -> Floats:
+        flat = np.abs(x - np.median(x))
+        kernel = np.full(size, 1 / size)
+        smooth = np.convolve(flat**2 if rms else flat, kernel, mode="same")
+        return np.sqrt(smooth) if rms else smooth
+
+    return change
+
+
+def _clipped(share: float, noise_v: float = 0.0, one_side: bool = False) -> Mishap:
+    def spoil(record: Record) -> None:
+        for muscle, x in record.emg_v.items():
+            rail = share * np.quantile(np.abs(x), 0.999)
+            clipped = np.clip(x, -np.inf if one_side else -rail, rail)
+            record.emg_v[muscle] = clipped + noise_v * record.rng.standard_normal(x.size)
+
+    return spoil
+
+
+def _soft(x: Floats) -> Floats:
+    rail = 0.35 * np.quantile(np.abs(x), 0.999)
+    return np.asarray(rail * np.tanh(x / rail))
+
+
+def _other_signal(kind: str) -> Mishap:
+    def spoil(record: Record) -> None:
+        n = record.force_n.size
+        made = {
+            "TTL": 5.0 * (np.arange(n) % 1000 < 500),
+            "acceleration": 1e-3 * np.cumsum(record.rng.standard_normal(n)) / 50,
+            "force": record.force_n * 1e-3,
+        }[kind]
+        record.emg_v["FDS"] = made + 1e-7 * record.rng.standard_normal(n)
+
+    return spoil
+
+
+def _slow_export(record: Record) -> None:
+    for muscle, x in record.emg_v.items():
+        record.emg_v[muscle] = signal.decimate(x, 5, ftype="fir")
+    record.emg_fs_hz = record.fs_hz / 5
+
+
+def _sensor_filter(record: Record) -> None:
+    record.force_n = np.asarray(signal.sosfilt(signal.butter(1, 1.5, fs=record.fs_hz, output="sos"), record.force_n))
+
+
+def _cut(record: Record) -> None:
+    begin = round((record.onset_s[0] + 1.7) * record.fs_hz)
+    record.force_n = record.force_n[begin:]
+    record.emg_v = {muscle: x[begin:] for muscle, x in record.emg_v.items()}
+
+
+def _press_missing(record: Record) -> None:
+    begin, end = (round((at - 1.0) * record.fs_hz) for at in record.onset_s[3:5])
+    record.force_n = np.delete(record.force_n, slice(begin, end))
+    record.emg_v = {muscle: np.delete(x, slice(begin, end)) for muscle, x in record.emg_v.items()}
+
+
+def _repeated_packets(record: Record) -> None:
+    for x in record.emg_v.values():
+        for begin in range(2000, x.size - 60, 160):
+            x[begin + 27 : begin + 54] = x[begin : begin + 27]
+
+
+def _step(force_n: Floats, time_s: Floats) -> Floats:
+    return force_n + 0.4 * (time_s > time_s[-1] / 2)
+
+
+def _wander(force_n: Floats, time_s: Floats) -> Floats:
+    return force_n + 0.3 * np.sin(2 * np.pi * time_s / 20)
+
+
+MISHAPS: dict[str, tuple[Mishap, str]] = {
+    "nothing": (lambda record: None, ""),
+    "EMG in uV labelled V": (_all(lambda x: x * 1e6), "uV"),
+    "EMG in mV labelled V": (_all(lambda x: x * 1e3), "mV"),
+    "EMG in V labelled mV": (_all(lambda x: x * 1e-3), "10^3"),
+    "gain 1000 not divided out": (_all(lambda x: x * 1e3), "gain 10^3"),
+    "one channel x 1000": (_all(lambda x: x * 1e3, "EDC"), "EDC"),
+    "one channel exported twice": (_copied, "exported twice"),
+    "crosstalk 30 %": (_crosstalk(0.3), "crosstalk"),
+    "crosstalk 100 %": (_crosstalk(1.0), "one signal"),
+    "contact fades to 0.2": (_fading, "fades"),
+    "electrode off: 5 uV noise": (_noise_only(5e-6), "silent"),
+    "electrode off: 50 uV mains": (_noise_only(1e-6, mains_v=50e-6), "mains"),
+    "electrode off: 60 uV noise": (_noise_only(60e-6), "does not rise"),
+    "electrode off: slow wander": (_noise_only(5e-6, wander_v=1e-3), "does not"),
+    "hard clipping": (_clipped(0.25), "clips"),
+    "one-sided clipping": (_clipped(0.25, one_side=True), "clips"),
+    "clipping, 0.2 uV noise on the rails": (_clipped(0.5, noise_v=2e-7), "saturated"),
+    "soft saturation": (_all(_soft), "saturated"),
+    "artefact at contact, 500 uV": (_contact(500e-6), "at contact"),
+    "artefact at contact, 150 uV": (_contact(150e-6), "at contact"),
+    "0.1 % spikes of 5 mV": (_spikes, "spikes"),
+    "a 100 ms burst in one press": (_burst, "burst"),
+    "ECG of 150 uV": (_ecg, "heart"),
+    "EMG rectified already": (_all(lambda x: np.abs(x - np.median(x))), "rectified"),
+    "EMG an envelope already": (_all(_envelope(100, False)), "envelope"),
+    "EMG an RMS over 100 ms already": (_all(_envelope(100, True)), "envelope"),
+    "mains 30 uV on one channel": (_mains({50.0: 30e-6}, "EDC"), "mains"),
+    "150 and 250 Hz, 15 uV each": (_mains({150.0: 15e-6, 250.0: 15e-6}), ""),
+    "10 uV noise": (_added(10e-6), "rest level"),
+    "10 uV mains": (_mains({50.0: 10e-6}), ""),
+    "force sign reversed": (_force(lambda f, t: -f), "sign"),
+    "lbf labelled N": (_force(lambda f, t: f / 4.448222), "lbf"),
+    "kgf labelled N": (_force(lambda f, t: f / 9.80665), "kgf"),
+    "mN labelled N": (_force(lambda f, t: f * 1e3), "mN"),
+    "gf labelled N": (_force(lambda f, t: f * 101.97), "gf"),
+    "drift 2 N over the record": (_force(lambda f, t: f + 2 * t / t[-1]), ""),
+    "drift 3 N in 50 s": (_force(lambda f, t: f + 3 * t / 50), "rest"),
+    "wander 0.3 N in 20 s": (_force(_wander), "rest"),
+    "offset step 0.4 N": (_force(_step), "rest"),
+    "force clock +1000 ppm": (_force(lambda f, t: np.interp(t * 1.001, t, f)), ""),
+    "force 50 ms late": (_start(0.05), "follows EMG"),
+    "force 200 ms late": (_start(0.2), "follows EMG"),
+    "force 0.5 s late": (_start(0.5), "follows EMG"),
+    "force 0.5 s early": (_start(-0.5), "follows EMG"),
+    "force 2 s late": (_start(2.0), "follows EMG"),
+    "causal 1.5 Hz filter in the sensor": (_sensor_filter, "follows EMG"),
+    "TTL as EMG": (_other_signal("TTL"), "FDS"),
+    "acceleration as EMG": (_other_signal("acceleration"), "FDS"),
+    "force as EMG": (_other_signal("force"), "another signal"),
+    "one press missing": (_press_missing, "7 presses found"),
+    "record begins in the first press": (_cut, "record begins"),
+    "EMG exported at 200 Hz": (_slow_export, "200 Hz"),
+    "packets of 27 samples sent twice": (_repeated_packets, "twice"),
+}
+"""Mishap to what spoils a record, and a word that the right cause holds."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The verdict on one spoilt recording. b_v : mean slope of the presses used, NaN where none is."""
+
+    verdict: SpecimenVerdict | None
+    b_v: float
+    refusal: str = ""
+
+    @property
+    def word(self) -> str:
+        return self.verdict.verdict if self.verdict else "unreadable"
+
+    @property
+    def remedies(self) -> tuple[str, ...]:
+        told = (self.verdict.fault, *self.verdict.problems) if self.verdict else ()
+        return tuple(dict.fromkeys(filter(None, map(remedy_of, told))))
+
+    @property
+    def said(self) -> str:
+        if self.verdict is None:
+            return self.refusal
+        return "; ".join(filter(None, (self.verdict.fault, *self.verdict.problems)))
+
+
+def judged(record: Record) -> Outcome:
+    """The verdict that ``emg2vsa check`` would give."""
+    emg = {
+        muscle: Channel(muscle, x, "V", record.emg_fs_hz or record.fs_hz, 0.0, "V as stored")
+        for muscle, x in record.emg_v.items()
+    }
+    force = Channel("Fz", record.force_n, "N", record.fs_hz, record.force_start_s, "N as stored")
+    try:
+        trials = extract_trials(
+            emg, force, participant="P", specimen="S", filters=FilterSettings(), cocontraction=CocontractionSettings(),
+            window=WINDOW, force_channel=ForceChannelSettings(name="Fz"),
+        )  # fmt: skip
+    except SignalError as error:
+        return Outcome(None, np.nan, str(error))
+    fits = fit_trials(trials, FitSettings(), WINDOW)
+    session = judge_session("P", [trials], {"S": fits}, {"S": PRESSES}, {})
+    used = usable(fits, "ok+warned")
+    return Outcome(session.specimens[0], float(np.mean(fits.b_v[used])) if used.any() else np.nan)
+
+
+def outcome_of(mishap: Mishap, seed: int) -> Outcome:
+    record = clean_record(seed)
+    mishap(record)
+    return judged(replace(record))
+
+
+def table(seeds: range) -> list[str]:
+    """One line a mishap: verdicts over the seeds, b over the clean one, what was said of the first, whether right."""
+    clean = [outcome_of(MISHAPS["nothing"][0], seed).b_v for seed in seeds]
+    lines = ["| mishap | verdicts | b x | said | remedy | noticed |", "|---|---|---|---|---|---|"]
+    for name, (mishap, word) in MISHAPS.items():
+        found = [outcome_of(mishap, seed) for seed in seeds]
+        ratios = [one.b_v / b for one, b in zip(found, clean, strict=True)]
+        known = [ratio for ratio in ratios if np.isfinite(ratio)]
+        ratio = f"{np.mean(known):.3g}" if known else "none used"
+        verdicts = ", ".join(f"{w} {n}" for w in ("good", "usable", "repeat", "unreadable")
+                             if (n := sum(one.word == w for one in found)))  # fmt: skip
+        right = sum(word in one.said and one.word != "good" for one in found) if word else len(found)
+        said = found[0].said.replace("|", "/")
+        remedies = "; ".join(found[0].remedies)
+        needs = "as it should be" if not word else f"{right} of {len(found)}"
+        lines.append(f"| {name} | {verdicts} | {ratio} | {said[:300]} | {remedies[:300]} | {needs} |")
+    return lines
+
+
+if __name__ == "__main__":
+    lines = "\n".join(table(range(3)))
+    head = "# Mishaps\n\nMade by `python -m benchmarks.mishaps`; three recordings of eight presses each.\n\n"
+    RESULTS.write_text(head + lines + "\n")
+    print(lines)

@@ -1,0 +1,111 @@
+"""Mains hum, fitted while the hand rests and subtracted from the whole record.
+
+The frequency of the mains wanders by some 0.01 Hz within a minute, so one sine for the whole record would lose its
+phase. Amplitude and phase of every harmonic are fitted in half seconds of rest; one frequency is the one at which
+neighbouring half seconds agree, and between them amplitude and phase are interpolated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.quality import MAINS_HZ
+
+HARMONICS = 6
+PIECE_S = 0.5
+"A window of Hann's of this length tells 50 Hz from 60 Hz."
+OFFSET_HZ = 0.4
+"The mains is looked for so far around its nominal frequency."
+STEADY = 0.5
+"A harmonic is subtracted where neighbouring pieces agree in so much of its power; noise alone agrees in none."
+BLOCK_S = 0.25
+"Amplitude and phase are constant within blocks of this length."
+
+
+@dataclass(frozen=True)
+class Hum:
+    """What was found. hz : of the mains. harmonics : (h,) those subtracted from any channel. rms : (m,) of each."""
+
+    hz: float
+    harmonics: Ints
+    rms: Floats
+
+
+def remove_hum(
+    channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints
+) -> tuple[tuple[Floats, ...], Hum | None]:
+    """The channels (n,) without the hum that is found in their rests [start, stop) (r,), and what it was, or None.
+
+    Two pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
+    """
+    size = round(PIECE_S * fs_hz)
+    begins = np.concatenate([np.arange(a, b - size + 1, size) for a, b in zip(start, stop, strict=True)] or [start])
+    if begins.size < 2 or not (np.isfinite(fs_hz) and fs_hz > 4 * MAINS_HZ[0]):
+        return channels, None
+    time_s = (begins + (size - 1) / 2) / fs_hz
+    best: tuple[float, float, Floats, Floats] | None = None
+    pieces = np.stack([samples[begins[:, None] + np.arange(size)] for samples in channels])
+    for nominal_hz in MAINS_HZ:
+        orders = np.arange(1, HARMONICS + 1)
+        orders = orders[orders * nominal_hz < 0.45 * fs_hz]
+        phasors = _phasors(pieces, begins, orders * nominal_hz, fs_hz)
+        offset_hz = _offset_hz(phasors, time_s, orders)
+        turned = phasors * np.exp(-2j * np.pi * offset_hz * orders[:, None] * time_s)
+        agreed = np.mean((turned[..., 1:] * turned[..., :-1].conj()).real, axis=-1)
+        steady = agreed > STEADY * np.mean(np.abs(turned) ** 2, axis=-1)
+        power = float(np.sum(agreed[steady]))
+        if steady.any() and (best is None or power > best[0]):
+            best = (power, nominal_hz + offset_hz, np.where(steady[..., None], turned, 0.0), orders)
+    if best is None:
+        return channels, None
+    _, hz, turned, orders = best
+    used = np.any(turned != 0, axis=(0, 2))
+    turned, orders = turned[:, used], orders[used]
+    cleaned = tuple(
+        _without(samples, own, orders * hz, time_s, fs_hz) for samples, own in zip(channels, turned, strict=True)
+    )
+    rms = np.sqrt(np.sum(np.mean(np.abs(turned) ** 2, axis=-1), axis=-1) / 2)
+    return cleaned, Hum(hz, orders, rms)
+
+
+def _phasors(pieces: Floats, begins: Ints, hz: Floats, fs_hz: float) -> np.ndarray:
+    """Amplitude and phase at time 0 (m, h, p) of the sines in pieces (m, p, size) that begin at ``begins`` (p,)."""
+    size = pieces.shape[-1]
+    window = np.hanning(size + 2)[1:-1]
+    window /= window.sum()
+    waves = window[:, None] * np.exp(-2j * np.pi / fs_hz * np.outer(np.arange(size), hz))
+    centred = pieces - (pieces @ window)[..., None]
+    at_zero = np.exp(-2j * np.pi / fs_hz * np.outer(begins, hz))
+    return 2 * np.moveaxis((centred @ waves) * at_zero, -1, -2)
+
+
+def _offset_hz(phasors: np.ndarray, time_s: Floats, orders: Ints) -> float:
+    """By how much the mains is off its nominal frequency: where neighbouring pieces agree best."""
+    strongest = int(np.argmax(np.sum(np.abs(phasors) ** 2, axis=(0, 2))))
+    order, phasor = int(orders[strongest]), phasors[:, strongest]
+    step_s = np.diff(time_s)
+    product = np.sum(phasor[:, 1:] * phasor[:, :-1].conj(), axis=0)
+    grid_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 801)
+    agreed = (np.exp(-2j * np.pi * order * np.outer(grid_hz, step_s)) @ product).real
+    at = int(np.argmax(agreed))
+    if 0 < at < grid_hz.size - 1:
+        low, top, high = agreed[at - 1 : at + 2]
+        return float(grid_hz[at] + (grid_hz[1] - grid_hz[0]) * (high - low) / (2 * (2 * top - low - high)))
+    return float(grid_hz[at])
+
+
+def _without(samples: Floats, turned: np.ndarray, hz: Floats, time_s: Floats, fs_hz: float) -> Floats:
+    """Samples (n,) minus the sines whose phasors (h, p) at ``time_s`` (p,) turn slowly about the frequencies (h,)."""
+    size = max(1, round(BLOCK_S * fs_hz))
+    starts = np.arange(0, samples.size, size)
+    middle_s = (starts + (size - 1) / 2) / fs_hz
+    slow = np.stack(
+        [np.interp(middle_s, time_s, row.real) + 1j * np.interp(middle_s, time_s, row.imag) for row in turned]
+    )
+    slow *= np.exp(2j * np.pi / fs_hz * np.outer(hz, starts))
+    wave = np.exp(2j * np.pi / fs_hz * np.outer(hz, np.arange(size)))
+    hum = slow.real.T @ wave.real - slow.imag.T @ wave.imag
+    return np.asarray(samples - hum.ravel()[: samples.size], dtype=np.float64)

@@ -1,0 +1,116 @@
+"""How late force follows EMG in a recording: the muscle's own delay, a sensor's filter, or two clocks that differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.pairing import Clock
+
+STEP_S = 0.01
+"EMG is rectified and averaged over steps of this length."
+DRIFT_STEPS = 10
+"... after the mean of so many steps is subtracted, a rough high-pass."
+SMOOTH_STEPS = 5
+MOST_S = 2.0
+"A larger lag is not looked for: presses repeat every few seconds."
+LEVELS = 24
+"Force is told apart in so many levels of ln F."
+FINE_STEPS = 6
+LOWEST = 0.25
+"Force below this share of the window's lower force counts as no force."
+
+
+@dataclass(frozen=True)
+class Lag:
+    """lag_s : force follows EMG so late; negative where force leads. se_s : its standard error. NaN: not known."""
+
+    lag_s: float
+    se_s: float
+
+    @property
+    def certain(self) -> bool:
+        """Whether it differs from zero by more than its own uncertainty (3 standard errors)."""
+        return bool(abs(self.lag_s) > 3 * self.se_s)
+
+
+UNKNOWN = Lag(float("nan"), float("nan"))
+
+
+def estimate_lag(
+    channels: tuple[Floats, ...], emg: Clock, force_n: Floats, force: Clock, lower_n: float, stop_s: Floats
+) -> Lag:
+    """The lag at which the activity is most nearly a function of force, whatever function that is.
+
+    channels : raw EMG (n,) each. force_n : tared force on its own clock. stop_s : (p,) ends of the loading phases; each
+    press is one piece of the jackknife. The lag of the best correlation of ln activity with ln F is refined by the
+    scatter of ln activity within levels of ln F. UNKNOWN without two presses.
+    """
+    step = max(1, round(STEP_S * emg.fs_hz))
+    activity = _activity(channels, step)
+    time_s = emg.time_s((np.arange(activity.size) + 0.5) * step - 0.5)
+    inside = (time_s >= force.time_s(np.zeros(1))[0]) & (time_s <= force.time_s(np.array([force.n_samples - 1]))[0])
+    activity, time_s = activity[inside], time_s[inside]
+    most = round(MOST_S * emg.fs_hz / step)
+    if stop_s.size < 2 or activity.size < 4 * most or not np.any(activity > 0):
+        return UNKNOWN
+    y = np.log(np.maximum(activity, 1e-3 * activity.mean()))
+    at_n = np.interp(force.index(time_s), np.arange(force_n.size), force_n)
+    u = np.log(np.maximum(at_n, LOWEST * lower_n))
+    coarse = _best_correlation(y, u, most)
+    scatter, lags = _scatter(y, u, coarse)
+    cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
+    pieces = np.add.reduceat(scatter, np.unique(np.concatenate(([0], cuts[cuts < scatter.shape[1]]))), axis=1)
+    step_s = step / emg.fs_hz
+    total = pieces.sum(axis=1)
+    without = np.array([_vertex(lags, total - piece) for piece in pieces.T])
+    n = without.size
+    se = np.sqrt((n - 1) / n * np.sum((without - without.mean()) ** 2)) if n > 2 else np.nan
+    return Lag(float(_vertex(lags, total) * step_s), float(se * step_s))
+
+
+def _activity(channels: tuple[Floats, ...], step: int) -> Floats:
+    """Sum of the rectified channels in steps (k,), smoothed over ``SMOOTH_STEPS``."""
+    width = step * DRIFT_STEPS
+    n = channels[0].size // width * width
+    total = np.zeros(n // step)
+    for samples in channels:
+        blocks = samples[:n].reshape(-1, width)
+        rough = np.abs(blocks - blocks.mean(axis=1, keepdims=True))
+        total += rough.reshape(-1, step).mean(axis=1)
+    return np.asarray(np.convolve(total, np.full(SMOOTH_STEPS, 1 / SMOOTH_STEPS), mode="same"))
+
+
+def _best_correlation(y: Floats, u: Floats, most: int) -> int:
+    """Steps by which u is late, where the correlation of the two is largest."""
+    size = 1 << int(y.size + most).bit_length()
+    a, b = np.fft.rfft(y - y.mean(), size), np.fft.rfft(u - u.mean(), size)
+    across = np.fft.irfft(b * a.conj(), size)
+    lags = np.arange(-most, most + 1)
+    return int(lags[np.argmax(across[lags])])
+
+
+def _scatter(y: Floats, u: Floats, coarse: int) -> tuple[Floats, Ints]:
+    """Squared residuals (lags, k) of y about its mean in each level of u, at lags of whole steps around ``coarse``."""
+    lags = coarse + np.arange(-FINE_STEPS, FINE_STEPS + 1)
+    level = np.minimum(((u - u.min()) / max(float(np.ptp(u)), 1e-12) * LEVELS).astype(np.int64), LEVELS - 1)
+    index = np.arange(max(0, -lags[0]), y.size - max(0, lags[-1]))
+    rows = []
+    for lag in lags.tolist():
+        own = level[index + lag]
+        count = np.maximum(np.bincount(own, minlength=LEVELS), 1)
+        mean = np.bincount(own, y[index], minlength=LEVELS) / count
+        rows.append((y[index] - mean[own]) ** 2)
+    return np.array(rows), lags
+
+
+def _vertex(lags: Ints, scatter: Floats) -> float:
+    """Lag of the least scatter, by the parabola through all lags that were tried."""
+    at = int(np.argmin(scatter))
+    cut = slice(max(0, at - 3), at + 4)
+    square, linear, _ = np.polyfit(lags[cut] - lags[at], scatter[cut], 2)
+    if square <= 0:
+        return float(lags[at])
+    return float(lags[at] + np.clip(-linear / (2 * square), -3, 3))

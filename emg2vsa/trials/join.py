@@ -1,0 +1,126 @@
+"""The presses of several recordings of one participant on one specimen, as if they were one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from itertools import pairwise
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from emg2vsa.errors import SignalError
+from emg2vsa.trials import Trials
+
+
+def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
+    """The presses of all ``parts``, numbered on; ``files``: the name of each, as notes give it.
+
+    Times run on: each recording begins at the whole second after the end of the one before it. Levels of rest are
+    medians of the recordings, shares of clipped samples and of mains the largest, the lag their mean weighted by its
+    certainty. A fault is one of the whole only where every recording has it; else it is a remark, and the presses that
+    it rejects stay rejected.
+
+    Raises SignalError where muscles, unit or rate differ from those of the first.
+    """
+    first = parts[0]
+    if len(parts) == 1:
+        return first
+    for part, file in zip(parts, files, strict=True):
+        for name, unit in (("muscles", ""), ("activity_unit", ""), ("fs_hz", " Hz")):
+            own, wanted = getattr(part, name), getattr(first, name)
+            if own != wanted:
+                raise SignalError(
+                    file, wanted=f"{name} {wanted}{unit}, as in {files[0]}", found=f"{own}{unit}",
+                    do="Give recordings of one participant on one specimen the same channels and rates.",
+                )  # fmt: skip
+    starts_s = _starts_s(parts)
+    shifted = {name: [getattr(part, name) + start for part, start in zip(parts, starts_s, strict=True)]
+               for name in ("start_s", "stop_s", "overview_time_s")}  # fmt: skip
+    joined: dict[str, Any] = {name: np.concatenate(values) for name, values in shifted.items()}
+    for field in fields(Trials):
+        if field.name in _JOINED:
+            joined[field.name] = _JOINED[field.name]([getattr(part, field.name) for part in parts])
+    joined["notes"] = (_said(parts, files, starts_s), *joined["notes"])
+    joined["lag_s"], joined["lag_se_s"] = _lag(parts)
+    if not joined["fault"]:
+        faults = [f"{PurePath(file).name}: {part.fault}" for part, file in zip(parts, files, strict=True) if part.fault]
+        joined["remarks"] = (*joined["remarks"], *faults)
+    return Trials(**joined)
+
+
+def _starts_s(parts: Sequence[Trials]) -> list[float]:
+    """What is added to the times of each recording: whole seconds, 0 for the first."""
+    starts = [0.0]
+    for before, after in pairwise(parts):
+        end = before.overview_time_s[-1] + starts[-1]
+        starts.append(float(np.ceil(end + 1e-9) - np.floor(after.overview_time_s[0])))
+    return starts
+
+
+def _said(parts: Sequence[Trials], files: Sequence[str], starts_s: Sequence[float]) -> str:
+    told, number = [], 0
+    for part, file, start in zip(parts, files, starts_s, strict=True):
+        n = part.repetition.size
+        presses = "no press" if n == 0 else f"press {number + 1}" if n == 1 else f"presses {number + 1} to {number + n}"
+        told.append(f"{PurePath(file).name} ({presses}, times + {start:g} s)")
+        number += n
+    return f"{len(parts)} recordings joined: {', '.join(told)}"
+
+
+def _lag(parts: Sequence[Trials]) -> tuple[float, float]:
+    """Mean of the lags that are known, weighted by the inverse of their variances, and its standard error."""
+    known = [(part.lag_s, part.lag_se_s**-2) for part in parts if part.lag_se_s > 0 and np.isfinite(part.lag_s)]
+    if not known:
+        return next((part.lag_s for part in parts if np.isfinite(part.lag_s)), np.nan), np.nan
+    weight = sum(weight for _, weight in known)
+    return sum(lag * own for lag, own in known) / weight, weight**-0.5
+
+
+def _offsets(values: Sequence[Any]) -> Any:
+    lengths = np.concatenate([np.diff(value) for value in values])
+    return np.concatenate((np.zeros(1, np.int64), np.cumsum(lengths)))
+
+
+def _median(values: Sequence[Any]) -> Any:
+    """Median (m,) over the recordings that have a level; NaN where none has."""
+    levels = [[level for level in of_muscle if np.isfinite(level)] for of_muscle in np.transpose(values).tolist()]
+    return np.array([float(np.median(known)) if known else np.nan for known in levels])
+
+
+_JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
+    **dict.fromkeys(
+        ("participant", "specimen", "muscles", "activity_unit", "fs_hz", "delay"), lambda values: values[0]
+    ),
+    **dict.fromkeys(
+        (
+            "duration_s",
+            "peak_force_n",
+            "falling_share",
+            "snr_db",
+            "verdict",
+            "force_n",
+            "activity",
+            "overview_force_n",
+            "lag_bias",
+            "floor_bias",
+            "zero_shift_n",
+        ),
+        np.concatenate,
+    ),
+    "repetition": lambda values: np.arange(1, sum(map(len, values)) + 1),
+    "offsets": _offsets,
+    "envelopes_v": lambda values: np.concatenate(values, axis=1),
+    "rest_force_n": lambda values: float(np.median(values)),
+    "rest_envelope_v": _median,
+    "mains_ratio": lambda values: np.max(values, axis=0),
+    "clip_share": lambda values: np.max(values, axis=0),
+    "reasons": lambda values: tuple(reason for value in values for reason in value),
+    "notes": lambda values: tuple(dict.fromkeys(note for value in values for note in value)),
+    "fault": lambda values: values[0] if all(values) else "",
+    "remarks": lambda values: tuple(dict.fromkeys(remark for value in values for remark in value)),
+    "floor_subtracted": all,
+    "tare": lambda values: next((value for value in values if value != "impossible"), "impossible"),
+}
+"""Field of ``Trials`` to what becomes of its values; times and lags are joined above."""

@@ -1,0 +1,76 @@
+"""``emg2vsa inspect``: one file, a folder, JSON, page, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.cli import main
+
+TIME = np.arange(4000) / 1000
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    emg = np.random.default_rng(0).normal(0, 1e-4, TIME.size)
+    force = 3 - 3 * np.cos(np.pi * TIME)
+    table = np.column_stack([TIME, emg, force])
+    for name in ("a b.csv", "b.csv"):
+        np.savetxt(tmp_path / name, table, "%.7g", ",", header="time (s),EDC (V),F<z> (N)", comments="")
+    (tmp_path / "notes.json").write_text("{}")
+    (tmp_path / ".hidden.csv").write_text("x")
+    return tmp_path
+
+
+def test_one_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["inspect", str(folder / "a b.csv")]) == 0
+    out = capsys.readouterr().out
+    assert "looks like EMG, by its unit (V) and spectrum" in out
+    assert "looks like the force: 0 to 6 N" in out
+    assert f"To fit: emg2vsa fit '{folder / 'a b.csv'}' --emg EDC --force 'F<z>'" in out
+
+
+def test_a_folder_has_a_line_a_file_and_bad_ones_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["inspect", str(folder)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split("  ")[0] for line in lines[1:]] == [
+        str(folder / "a b.csv"),
+        str(folder / "b.csv"),
+        "2 of 2 files read",
+    ]
+    (folder / "c.csv").write_text("")
+    assert main(["inspect", str(folder), "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert len(found["files"]) == 2
+    assert found["refused"][0]["found"] == "an empty file"
+
+
+def test_the_page_has_pictures_and_escapes_names(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = folder / "out" / "look.html"
+    assert main(["inspect", str(folder / "b.csv"), "--page", str(page), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert [channel["role"] for channel in facts["channels"]] == ["EMG", "force"]
+    text = page.read_text()
+    assert text.count("<svg") == 3
+    assert "F&lt;z&gt;" in text
+    assert "F<z>" not in text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["none.csv"], "No such file or directory"),
+        (["empty"], "wanted recordings; found a folder without any"),
+        (["a b.csv", "--fs", "-1"], "--fs: wanted a rate above 0 Hz"),
+        (["a b.csv", "--max-seconds", "0"], "emg2vsa inspect: reading.max_seconds: wanted a number >= 1"),
+    ],
+)
+def test_bad_input(folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
+    (folder / "empty").mkdir()
+    assert main(["inspect", str(folder / words[0]), *words[1:]]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error

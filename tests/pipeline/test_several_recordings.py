@@ -1,0 +1,76 @@
+"""One press a file: joined, judged as one, and a bad file costs its own presses only."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.cli import main
+from emg2vsa.settings import SimulationSettings
+from emg2vsa.synthetic.recording import make_recording
+
+STUDY = """
+[study]
+name = "pieces"
+[participants]
+ids = ["ama"]
+[[specimens]]
+name = "foam"
+[recordings]
+layout = "pattern"
+pattern = "raw/*_{participant}_{specimen}_{repetition}.csv"
+[channels.emg.EDC]
+name = "EDC"
+[channels.emg.FDS]
+name = "FDS"
+[channels.force]
+name = "Fz"
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("pieces")
+    (folder / "raw").mkdir()
+    for n in (1, 2, 10):
+        settings = SimulationSettings(repetitions=1, seed=n)
+        made = make_recording(np.random.SeedSequence(n), settings, a_v=40e-6, b_v=20e-6, window_n=(0.5, 7))
+        time_s = np.arange(made.force_n.size) / made.fs_hz
+        table = np.column_stack([time_s, made.emg_v["EDC"], made.emg_v["FDS"], made.force_n])
+        np.savetxt(
+            folder / "raw" / f"2026-05-0{n % 9}_ama_foam_{n}.csv", table, "%.9g", ",",
+            header="time (s),EDC (V),FDS (V),Fz (N)", comments="",
+        )  # fmt: skip
+    (folder / "study.toml").write_text(STUDY)
+    return folder
+
+
+def verdict(folder: Path, capsys: pytest.CaptureFixture[str]) -> dict:
+    main(["check", str(folder / "study.toml"), "--json", "--jobs", "1"])
+    return json.loads(capsys.readouterr().out)["ama"]
+
+
+def test_three_files_are_three_presses(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = verdict(folder, capsys)
+    assert (found["verdict"], found["specimens"][0]["ok"], found["specimens"][0]["found"]) == ("good", 3, 3)
+
+
+def test_a_bad_file_a_second_match_and_a_new_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good = folder / "raw" / "2026-05-01_ama_foam_10.csv"
+    kept = good.read_text()
+    good.write_text(kept[:60])
+    found = verdict(folder, capsys)
+    assert (found["verdict"], found["specimens"][0]["found"]) == ("usable", 2)
+    assert any("recording not used: " in line and "_ama_foam_10.csv" in line for line in found["advice"])
+    good.write_text(kept)
+    assert verdict(folder, capsys)["verdict"] == "good"
+    copy = folder / "raw" / "copy_ama_foam_2.csv"
+    copy.write_text(kept)
+    found = verdict(folder, capsys)
+    assert found["specimens"][0]["found"] == 2
+    assert any("2 files, 2026-05-02_ama_foam_2.csv, copy_ama_foam_2.csv" in line for line in found["advice"])
+    copy.rename(folder / "raw" / "x_ama_foam_11.csv")
+    assert verdict(folder, capsys)["specimens"][0]["found"] == 4

@@ -1,0 +1,76 @@
+"""Presses of several recordings as if they were of one."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from emg2vsa.errors import SignalError
+from emg2vsa.trials import Trials
+from emg2vsa.trials.join import _JOINED, join_trials
+
+RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
+
+
+def test_every_field_is_joined_somehow():
+    by_hand = {"start_s", "stop_s", "overview_time_s", "lag_s", "lag_se_s"}
+    assert {field.name for field in fields(Trials)} == by_hand | set(_JOINED)
+
+
+def test_presses_follow_each_other(force_of, recorded, extract):
+    parts = [extract(*recorded(force_of(*[RISE] * n))) for n in (2, 1, 3)]
+    joined = join_trials(parts, ["x/a.csv", "x/b.csv", "x/c.csv"])
+    assert joined.repetition.tolist() == [1, 2, 3, 4, 5, 6]
+    assert len(joined.reasons) == len(joined.verdict) == 6
+    for i, (part, own) in enumerate([(0, 0), (0, 1), (1, 0), (2, 0), (2, 1), (2, 2)]):
+        mine = slice(joined.offsets[i], joined.offsets[i + 1])
+        theirs = slice(parts[part].offsets[own], parts[part].offsets[own + 1])
+        np.testing.assert_array_equal(joined.force_n[mine], parts[part].force_n[theirs])
+        np.testing.assert_array_equal(joined.envelopes_v[:, mine], parts[part].envelopes_v[:, theirs])
+        assert joined.duration_s[i] == parts[part].duration_s[own]
+    assert np.all(np.diff(joined.start_s) > 0)
+    assert np.all(np.diff(joined.overview_time_s) > 0)
+    shift = joined.start_s[2] - parts[1].start_s[0]
+    assert shift == pytest.approx(round(shift))
+    assert shift > parts[0].overview_time_s[-1]
+    np.testing.assert_allclose(joined.stop_s[2] - joined.start_s[2], joined.duration_s[2])
+    assert joined.notes[0].startswith("3 recordings joined: a.csv (presses 1 to 2, times + 0 s), b.csv (press 3, times")
+    np.testing.assert_allclose(joined.rest_envelope_v, np.median([p.rest_envelope_v for p in parts], axis=0))
+
+
+def test_one_recording_stays_as_it_is(force_of, recorded, extract):
+    part = extract(*recorded(force_of(RISE)))
+    assert join_trials([part], ["a"]) is part
+
+
+def test_unlike_recordings_are_refused(force_of, recorded, extract):
+    part = extract(*recorded(force_of(RISE)))
+    with pytest.raises(SignalError, match=r"b: wanted fs_hz 100.0 Hz, as in a; found 50 Hz"):
+        join_trials([part, replace(part, fs_hz=50)], ["a", "b"])
+
+
+def test_a_fault_of_one_is_not_a_fault_of_all(force_of, recorded, extract):
+    part = replace(extract(*recorded(force_of(RISE))), fault="", remarks=())
+    faulty = replace(part, fault="is its sign -1?")
+    joined = join_trials([part, faulty], ["x/a", "x/b"])
+    assert (joined.fault, joined.remarks) == ("", ("b: is its sign -1?",))
+    assert join_trials([faulty, faulty], ["a", "b"]).fault == "is its sign -1?"
+
+
+def test_the_lag_is_the_mean_by_certainty(force_of, recorded, extract):
+    part = extract(*recorded(force_of(RISE)))
+    sure, unsure = replace(part, lag_s=0.05, lag_se_s=0.01), replace(part, lag_s=0.1, lag_se_s=0.02)
+    unknown = replace(part, lag_s=np.nan, lag_se_s=np.nan)
+    joined = join_trials([sure, unsure, unknown], ["a", "b", "c"])
+    assert joined.lag_s == pytest.approx((0.05 * 4 + 0.1) / 5)
+    assert joined.lag_se_s == pytest.approx(0.01 * 0.8**0.5)
+    assert np.isnan(join_trials([unknown, unknown], ["a", "b"]).lag_s)
+
+
+def test_rest_that_only_one_recording_has(force_of, recorded, extract):
+    part = extract(*recorded(force_of(RISE)))
+    without = replace(part, rest_envelope_v=np.full(2, np.nan))
+    np.testing.assert_array_equal(join_trials([without, part], ["a", "b"]).rest_envelope_v, part.rest_envelope_v)
+    assert np.isnan(join_trials([without, without], ["a", "b"]).rest_envelope_v).all()
