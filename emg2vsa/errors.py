@@ -21,6 +21,10 @@ class SlowReadingError(RecordingError):
     """Reading a recording took too long; on a computer that is less busy it may not."""
 
 
+class UnsupportedError(RecordingError):
+    """A recording that may be sound, and that its reader does not know how to read; another may."""
+
+
 class SignalError(InputError):
     """A signal cannot be processed as asked: too short, not finite, wrong rate."""
 

@@ -20,7 +20,7 @@ import numpy as np
 from ezc3d import ezc3d as binding
 from numpy.typing import NDArray
 
-from emg2vsa.errors import RecordingError
+from emg2vsa.errors import RecordingError, UnsupportedError
 from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
 from emg2vsa.recordings import ChannelInfo
 
@@ -121,7 +121,7 @@ def _read(path: Path) -> Any:
             return ezc3d.c3d(str(file_for_ezc3d))
     except (OSError, RuntimeError, ValueError, IndexError) as error:
         reason = str(error).partition(". If you want to ignore")[0]
-        raise RecordingError(
+        raise UnsupportedError(
             path, wanted="a C3D file that ezc3d reads", found=f"a refusal ({reason})",
             do="Open it in the program that wrote it and export it again.",
         ) from error  # fmt: skip

@@ -66,10 +66,12 @@ def open_recording(path: Path) -> OnDemand:
 
     def decode(indices: Sequence[int]) -> list[NDArray[Any]]:
         stored = np.fromfile(path, "<i2", n * n_channels, offset=at)
-        return [
-            (stored[i::n_channels] * scale.volts_per_bit - scale.offset) / scale.system_gain
-            for i, (_, _, scale) in ((i, headers[i]) for i in indices)
-        ]
+        scales = [headers[i][2] for i in indices]
+        with np.errstate(over="ignore"):  # of a damaged scale; what is not finite is refused
+            return [
+                (stored[i::n_channels] * scale.volts_per_bit - scale.offset) / scale.system_gain
+                for i, scale in zip(indices, scales, strict=True)
+            ]
 
     return OnDemand(path, Contents(unique_names([track.name for track in tracks]), notes=tuple(notes)), tracks, decode)
 

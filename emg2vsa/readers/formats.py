@@ -21,6 +21,7 @@ _X_PAIRS = re.compile(r'"?X\s*\[s\]"?\s*[,;\t][^,;\t]*([,;\t]\s*"?X\s*\[s\]|[,;\
 class Reader:
     """A format: its name, the module whose ``open_recording(path)`` reads it, and how a file of it is recognised.
 
+    second : the reader that is tried where this one does not support a file, crashes or meets a limit.
     library : the foreign decoder that the module calls, for which it runs in a child process; None: it calls none.
     """
 
@@ -28,6 +29,7 @@ class Reader:
     module: str
     matches: Callable[[Path, bytes], bool]
     library: str | None = None
+    second: Reader | None = None
 
 
 def _first_line(head: bytes) -> str:
@@ -107,7 +109,13 @@ READERS: tuple[Reader, ...] = (
     Reader("ATI Net F/T CSV", "emg2vsa.readers.net_ft", _is_net_ft),
     Reader("EDF", "emg2vsa.readers.edf_bdf", _is_edf, "edfio"),
     Reader("BDF", "emg2vsa.readers.edf_bdf", _is_bdf, "edfio"),
-    Reader("C3D", "emg2vsa.readers.c3d", _is_c3d, "ezc3d"),
+    Reader(
+        "C3D",
+        "emg2vsa.readers.c3d",
+        _is_c3d,
+        "ezc3d",
+        second=Reader("C3D", "emg2vsa.readers.c3d_second", _is_c3d, "c3d"),
+    ),
     Reader("MATLAB", "emg2vsa.readers.matlab", _is_matlab, "scipy or h5py"),
     Reader("Trigno Discover CSV", "emg2vsa.readers.discover", _is_discover),
     Reader("EMGworks CSV", "emg2vsa.readers.emgworks", _is_emgworks),

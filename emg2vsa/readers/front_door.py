@@ -10,12 +10,12 @@ from __future__ import annotations
 import importlib
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, InChild
-from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
+from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError, UnsupportedError
 from emg2vsa.readers.formats import READERS, Reader, head_of, reader_of
 from emg2vsa.readers.opened import Contents, OpenRecording, StoredChannel, said_by, to_si, usable
 from emg2vsa.readers.refused import refused
@@ -53,9 +53,21 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
             path, wanted="one of " + ", ".join(reader.format for reader in READERS), found="an unknown format",
             do="Export the recording as CSV with a time column, C3D, EDF/BDF or .mat.",
         )  # fmt: skip
+    try:
+        return reader.format, _opened(path, reader, reading)
+    except RecordingError as error:
+        given_up = isinstance(error, UnsupportedError) or isinstance(error.__cause__, DecoderFailed)
+        if reader.second is not None and given_up:
+            with suppress(RecordingError):  # what the first reader says of the file counts
+                return reader.format, _opened(path, reader.second, reading)
+        raise
+
+
+def _opened(path: Path, reader: Reader, reading: ReadingSettings) -> OpenRecording:
     if reader.library is not None:
-        return reader.format, _OpenInChild(path, reader, reading)
-    return reader.format, importlib.import_module(reader.module).open_recording(path)
+        return _OpenInChild(path, reader, reading)
+    opened: OpenRecording = importlib.import_module(reader.module).open_recording(path)
+    return opened
 
 
 class _OpenInChild:

@@ -164,7 +164,8 @@ def _samples(
     parts = []
     for piece in pieces:
         file.seek(piece.at)
-        parts.append(np.frombuffer(_read(path, file, piece.n_bytes), stored).astype(np.float64))
+        with np.errstate(invalid="ignore"):  # what a NaN of a damaged file may raise
+            parts.append(np.frombuffer(_read(path, file, piece.n_bytes), stored).astype(np.float64))
     return np.concatenate(parts) if parts else np.empty(0)
 
 

@@ -127,7 +127,7 @@ def _segment(text: TextFile, dialect: Dialect, start: int, end: int, number: int
             raise _damaged(text.path, f"no line {_END} after line {number}")
         if line.text.startswith(_END):
             break
-        key, *cells = dialect.split(line.text)
+        key, *cells = dialect.split(line.text) or [""]
         stated[key] = cells
     names = next(lines, None)
     if names is None or names.start >= end:

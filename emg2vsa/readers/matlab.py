@@ -20,6 +20,8 @@ import scipy.io
 from numpy.typing import NDArray
 
 from emg2vsa.errors import RecordingError
+from emg2vsa.readers import delsys_mat
+from emg2vsa.readers.on_demand import OnDemand
 from emg2vsa.readers.opened import Contents, StoredChannel, said_by, unique_names
 from emg2vsa.readers.timing import even_clock
 from emg2vsa.readers.units import split_unit
@@ -58,9 +60,12 @@ class MatlabRecording:
         return self.clocks.get(n) or self.clocks.get(0) or (float("nan"), 0.0)
 
 
-def open_recording(path: Path) -> MatlabRecording:
+def open_recording(path: Path) -> MatlabRecording | OnDemand:
     """Raises RecordingError for a damaged file, one without numeric vectors, or rate and time that disagree."""
-    leaves = _flatten(_variables(path))
+    variables = _variables(path)
+    if delsys_mat.is_export(variables):
+        return delsys_mat.opened(path, variables)
+    leaves = _flatten(variables)
     clocks = _clocks(path, leaves)
     names: list[str] = []
     units: list[str | None] = []

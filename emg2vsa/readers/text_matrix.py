@@ -54,9 +54,8 @@ def open_recording(path: Path) -> TextMatrix:
     if not by_rows:
         matrix = _from_columns(whole, dialect, lines)
     else:
-        matrix = _from_rows(path, dialect, lines)
+        matrix = _from_rows(path, dialect, lines, -1 if cut else None)
         if cut:
-            matrix = matrix[:, :-1]
             cut = (
                 "The last row has no line end and may be cut in the middle of a number; its last value was left out.",
             )
@@ -79,10 +78,11 @@ def _is_clock(values: NDArray[np.float64]) -> bool:
     return bool(step.size and step.min() > 0 and step.max() < min(0.5, 1.5 * np.median(step)))
 
 
-def _from_rows(path: Path, dialect: Dialect, lines: Sequence[Line]) -> NDArray[np.float64]:
+def _from_rows(path: Path, dialect: Dialect, lines: Sequence[Line], end: int | None) -> NDArray[np.float64]:
+    """end : the cells of each line up to here are used."""
     rows = []
     for line in lines:
-        cells = dialect.split(line.text)
+        cells = dialect.split(line.text)[:end]
         try:
             rows.append(np.array([cell.replace(dialect.decimal, ".") for cell in cells], dtype=np.float64))
         except ValueError as error:

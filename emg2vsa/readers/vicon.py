@@ -40,6 +40,8 @@ def open_recording(path: Path) -> TimedColumns:
     rows = [line for line in TextFile(path, data[:_SNIFFED]).filled_lines(SNIFFED_ROWS) if line.end < _SNIFFED]
     dialect = sniff(path, None, rows or [first], data)
     names = dialect.split(labels.text)
+    if len(names) <= _SUB_FRAME + 1:
+        raise _damaged(path, "no channel names")
     body = Body(path, data, first.number, dialect, widest(dialect, rows or [first]), None)
     fs_hz = _rate(path, rate, dialect)
     start_s = _first_place(body, names) / fs_hz
@@ -61,7 +63,7 @@ def _head(text: TextFile, start: int, number: int) -> list[Line]:
     head = [line for _, line in zip(range(5), text.lines(start, number), strict=False)]
     if len(head) < 5:
         raise _damaged(text.path, f"{len(head)} lines below 'Devices'")
-    if not head[2].text.lstrip('" ').startswith("Frame"):
+    if not re.match(r'"?Frame"?\s*[,;\t]\s*"?Sub Frame', head[2].text):
         raise _damaged(text.path, f"{head[2].text[:40]!r} in line {head[2].number} instead of Frame, Sub Frame, ...")
     return head
 

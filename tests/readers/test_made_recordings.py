@@ -1,0 +1,332 @@
+"""Formats, or cases of them, of which no public file exists: the recordings here are made by code."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+from benchmarks import made_recordings as made
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.front_door import open_recording, read
+from emg2vsa.readers.opened import OpenRecording, StoredChannel
+
+N = made.N
+
+
+def _written(folder: Path, content: bytes, name: str = "made.bin") -> Path:
+    (folder / name).write_bytes(content)
+    return folder / name
+
+
+def _opened(folder: Path, content: bytes, name: str = "made.bin") -> OpenRecording:
+    return open_recording(_written(folder, content, name))[1]
+
+
+def _channel(opened: OpenRecording, name: str) -> StoredChannel:
+    return opened.load([opened.contents.names.index(name)])[0]
+
+
+# HPF
+
+
+def test_groups_of_an_hpf_file_keep_their_own_rates(tmp_path: Path) -> None:
+    opened = _opened(tmp_path, made.hpf())
+    assert [(c.name, c.unit, c.fs_hz, c.n_samples) for c in opened.describe()] == [
+        ("EMG 1.1", "Volts", 1000, N), ("EMG 1.2", "Volts", 1000, N), ("ACC 2.1", "g", 500, N // 2),
+    ]  # fmt: skip
+    for name, n, seed in (("EMG 1.1", N, 1), ("EMG 1.2", N, 2), ("ACC 2.1", N // 2, 3)):
+        np.testing.assert_array_equal(_channel(opened, name).samples, made.wave(n, seed).astype("f4"))
+
+
+def test_a_cut_hpf_file_is_read_up_to_its_last_whole_chunk(tmp_path: Path) -> None:
+    groups = {1: (1000.0, 1000.0, (made.wave(N, 1),))}
+    opened = _opened(tmp_path, made.hpf(groups)[:-700])  # the index and a part of the last chunk of 16 samples
+    assert opened.describe()[0].n_samples == 80
+    assert "ends inside the chunk" in opened.contents.notes[0]
+    assert "samples in it were left out" in opened.contents.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        (b"<DataType>Float<", b"<DataType>Int16<", "type 'Int16'"),
+        (b"<DataIndex>1<", b"<DataIndex>7<", "no samples of 'EMG 1.2'"),
+        (b"<DataIndex>1<", b"<DataIndex>x<", "found 'x'"),
+        (b"</ChannelInformationData>", b"<ChannelInformationData/>", "no XML"),
+        (struct.pack("<iqi", 1, 40, 2), struct.pack("<iqi", 1, 41, 2), "those from 41 on"),
+        (struct.pack("<qq", 0x3000, 512), struct.pack("<qq", 0x3000, 3), "a chunk of kind 12288 and 3 bytes"),
+    ],
+)
+def test_a_damaged_hpf_file_is_refused(tmp_path: Path, old: bytes, new: bytes, found: str) -> None:
+    content = made.hpf()
+    assert old in content
+    with pytest.raises(RecordingError, match=found):
+        _opened(tmp_path, content.replace(old, new, 1))
+
+
+# DEMG
+
+
+def test_a_cut_demg_file_says_how_much_it_holds(tmp_path: Path) -> None:
+    opened = _opened(tmp_path, made.demg()[: -43 - 4 * 16])  # the marker behind the samples, and 16 samples
+    assert opened.describe()[0].n_samples == N - 16
+    assert opened.contents.notes == (
+        f"The header promises {N} samples a channel, the file holds {N - 16}: it is incomplete.",
+    )
+    np.testing.assert_allclose(_channel(opened, "Ch 2").samples, (2 * np.arange(N - 16) + 1) * 10 / 65536 / 1000)
+
+
+def test_a_gain_of_the_converter_is_said_and_not_applied(tmp_path: Path) -> None:
+    assert "gain of the converter, 2," in _channel(_opened(tmp_path, made.demg(ad_gain=2.0)), "Ch 1").notes[0]
+
+
+@pytest.mark.parametrize("version", [1, 2, 4])
+def test_other_versions_of_demg_are_refused(tmp_path: Path, version: int) -> None:
+    with pytest.raises(RecordingError, match=f"wanted a DEMG file of version 3; found version {version}"):
+        _opened(tmp_path, made.demg(version=version))
+
+
+def test_a_demg_header_that_ends_early_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="wanted a whole DEMG header"):
+        _opened(tmp_path, made.demg()[:400])
+
+
+# Delsys .mat export
+
+
+@pytest.mark.parametrize("cell", [False, True])
+def test_a_delsys_mat_export_has_names_rates_and_no_padding(tmp_path: Path, cell: bool) -> None:
+    fast, slow = made.save_delsys_mat(tmp_path / "made_delsys_export.mat", cell)
+    name, opened = open_recording(tmp_path / "made_delsys_export.mat")
+    assert name == "MATLAB"
+    assert [(c.name, c.unit, c.fs_hz) for c in opened.describe()] == [
+        ("Muscle: EMG 1", "V", 2148.14819336), ("Muscle: ACC.X 2", None, 148.14814758),
+    ]  # fmt: skip
+    np.testing.assert_array_equal(_channel(opened, "Muscle: EMG 1").samples, fast)
+    np.testing.assert_array_equal(_channel(opened, "Muscle: ACC.X 2").samples, slow)
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ({"Fs": np.array([[1000.0], [148.148]])}, "1000 Hz in Fs, 2148.15 Hz by Time"),
+        ({"Fs": np.array([[2148.148]])}, "2 Channels, 1 Fs"),
+        ({"Data": "text"}, "variable 'Data': wanted a matrix of numbers"),
+    ],
+)
+def test_a_delsys_mat_export_that_contradicts_itself_is_refused(tmp_path: Path, change: dict, found: str) -> None:
+    made.save_delsys_mat(tmp_path / "a.mat")
+    variables = {k: v for k, v in scipy.io.loadmat(tmp_path / "a.mat").items() if not k.startswith("__")}
+    scipy.io.savemat(tmp_path / "a.mat", variables | change)
+    with pytest.raises(RecordingError, match=found):
+        open_recording(tmp_path / "a.mat")
+
+
+# OpenSignals
+
+
+def test_lost_samples_are_missing_and_the_time_goes_on(tmp_path: Path) -> None:
+    for bitalino, name in ((False, "CH1"), (True, "A1")):
+        channel = _channel(_opened(tmp_path, made.opensignals(lost=True, bitalino=bitalino)), name)
+        assert channel.samples.size == N
+        np.testing.assert_array_equal(np.flatnonzero(np.isnan(channel.samples)), [10, 11, 12])
+        assert channel.samples[13] == 513
+        assert "3 samples were lost, the first after 0.009 s" in channel.notes[0]
+
+
+def test_a_counter_that_stands_still_is_not_followed(tmp_path: Path) -> None:
+    content = made.opensignals().decode().splitlines()
+    stuck = [*content[:50], *("\t".join(["146", *line.split("\t")[1:]]) for line in content[50:])]
+    channel = _channel(_opened(tmp_path, ("\n".join(stuck) + "\n").encode()), "CH2")
+    assert channel.samples.size == N
+    assert not np.isnan(channel.samples).any()
+    assert "the rows were counted instead" in channel.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ('"sampling rate": 1000', '"sampling rate": 0', "0 as the sampling rate of 00:07"),
+        ('"CH2"], "label"', '"CH2", "CH3"], "label"', "wanted 5 cells, as the header names; found 5"),
+        ('# {"', "# {", "no JSON"),
+        ("# EndOfHeader", "# Other", "no line 3"),
+        ('"column": [', '"colums": [', "None as the columns of"),
+    ],
+)
+def test_a_damaged_opensignals_header_is_refused(tmp_path: Path, old: str, new: str, found: str) -> None:
+    content = made.opensignals().decode()
+    assert old in content
+    with pytest.raises(RecordingError, match=found):
+        _opened(tmp_path, content.replace(old, new).encode())
+
+
+def test_devices_of_one_hdf5_file_keep_their_own_rates(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "made_two_devices.h5"
+    with h5py.File(path, "w") as file:
+        for address, fs_hz, n, k in (("00:A", 1000, 90, 3), ("00:B", 500, 50, 1)):
+            device = file.create_group(address)
+            device.attrs.update(
+                {"sampling rate": fs_hz, "device": "biosignalsplux", "date": "2020-1-2", "time": "3:4:5"}
+            )
+            sequence = np.concatenate([np.arange(10), np.arange(10, n) + 2])  # two samples lost
+            device["raw/nSeq"] = sequence.astype("u2")[:, None]
+            device[f"raw/channel_{k}"] = np.arange(n, dtype="u2")[:, None]
+            device["support/level_10/channel_1/mean"] = np.zeros((9, 1))
+    opened = open_recording(path)[1]
+    assert [(c.name, c.fs_hz, c.n_samples) for c in opened.describe()] == [
+        ("00:A: channel_3", 1000, 92), ("00:B: channel_1", 500, 52),
+    ]  # fmt: skip
+    assert np.flatnonzero(np.isnan(_channel(opened, "00:B: channel_1").samples)).tolist() == [10, 11]
+
+
+def test_an_hdf5_file_of_another_program_is_refused(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["x"] = np.zeros(9)
+    with pytest.raises(RecordingError, match=r"wanted an HDF5 file of OpenSignals.*found groups 'x'"):
+        open_recording(tmp_path / "a.h5")
+
+
+# LabVIEW
+
+
+@pytest.mark.parametrize("x_columns", ["No", "One", "Multi"])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_the_x_columns_of_labview_files(tmp_path: Path, x_columns: str, decimal: str) -> None:
+    opened = _opened(tmp_path, made.lvm(x_columns, 1, decimal=decimal))
+    for name, unit, seed in (("EMG", "Volts", 1), ("Force", "Newtons", 2)):
+        channel = _channel(opened, name)
+        assert (channel.unit, channel.start_s) == (unit, 0.0)
+        assert channel.fs_hz == pytest.approx(1000, rel=1e-9)
+        np.testing.assert_array_equal(channel.samples, made.wave(N, seed))
+
+
+def test_segments_of_a_labview_file_join_or_stand_alone(tmp_path: Path) -> None:
+    joined = _channel(_opened(tmp_path, made.lvm(segments=3)), "EMG")
+    np.testing.assert_array_equal(joined.samples, made.wave(N, 1))
+    apart = _opened(tmp_path, made.lvm(segments=3, gap_s=1.0))
+    assert [n for n in apart.contents.names if n.startswith("EMG")] == ["EMG", "EMG, segment 2", "EMG, segment 3"]
+    third = _channel(apart, "EMG, segment 3")
+    assert third.start_s == pytest.approx(2 * (1.0 + N // 3 * 1e-3), abs=1e-9)
+    np.testing.assert_array_equal(third.samples, made.wave(N, 1)[2 * (N // 3) :])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("Decimal_Separator\t,", "Decimal_Separator\t;", "Decimal_Separator ';'"),
+        ("Channels\t2", "Chanels\t2", "no line 'Channels'"),
+        ("X_Value\tEMG", "EMG", "wanted a row of names that begins with X_Value"),
+        ("***End_of_Header***", "***", "End_of_Header"),
+        ("\t0,", "\t0,1x", "wanted a number; found '0.1x"),
+    ],
+)
+def test_a_damaged_labview_file_is_refused(tmp_path: Path, old: str, new: str, found: str) -> None:
+    content = made.lvm(segments=1).decode()
+    assert old in content
+    with pytest.raises(RecordingError) as caught:
+        _opened(tmp_path, content.replace(old, new).encode())
+    assert found in str(caught.value).replace("0,1x", "0.1x")
+
+
+# Vicon, EVaRT, Net F/T
+
+
+def test_a_vicon_export_starts_at_its_first_frame_and_ends_at_its_block(tmp_path: Path) -> None:
+    opened = _opened(tmp_path, made.vicon())
+    force = _channel(opened, "Fz")
+    assert (force.unit, force.fs_hz, force.start_s) == ("N", 400.0, 0.1)
+    assert force.samples.size == N
+    assert opened.contents.aliases["EMG box: EMG2"] == 1
+
+
+def test_a_vicon_export_with_a_gap_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"line 15: .*found frame 13, sub frame 2 after frame 13, 0"):
+        _opened(tmp_path, made.vicon(skipped_row=9))
+
+
+def test_counts_of_an_evart_file_become_mv_by_range_and_bits(tmp_path: Path) -> None:
+    channel = _channel(_opened(tmp_path, made.evart(12)), "Fz")
+    np.testing.assert_allclose(channel.samples, np.arange(N) * 2 * 10000 / 4096)
+    assert "checked for 16 bits only" in channel.notes[0]
+    with pytest.raises(RecordingError, match="found no BitDepth"):
+        _opened(tmp_path, made.evart().replace(b"BitDepth:\t16", b"BitDepth:\t"))
+
+
+@pytest.mark.parametrize("counts", [True, False])
+def test_net_ft_counts_and_values_give_the_same_newtons(tmp_path: Path, counts: bool) -> None:
+    opened = _opened(tmp_path, made.net_ft(counts, lost=True))
+    force = _channel(opened, "Fz")
+    assert (force.unit, force.fs_hz, force.samples.size) == ("N", 7000, N)
+    assert np.flatnonzero(np.isnan(force.samples)).tolist() == [10, 11, 12]
+    expected = 1 + np.arange(N) / 1000
+    np.testing.assert_allclose(force.samples[13:], expected[13:], rtol=1e-12)
+    assert ("counts / 1000 = N" if counts else "written in N already") in force.notes[-1]
+
+
+def test_a_net_ft_file_without_its_scale_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="found None as Counts per Unit Force"):
+        _opened(tmp_path, made.net_ft().replace(b"Counts per Unit Force", b"Counts"))
+
+
+# C3D of other systems
+
+
+def test_a_c3d_file_that_ezc3d_refuses_is_read_by_the_second_reader(tmp_path: Path) -> None:
+    pytest.importorskip("c3d")
+    recording = read(_written(tmp_path, made.c3d_sgi(), "made_sgi.c3d"), ["EMG", "Fz"])
+    np.testing.assert_allclose(recording.channels[0].samples, np.arange(80) * 1e-3)
+    assert (recording.channels[1].unit, recording.channels[1].fs_hz) == ("N", 400.0)
+    assert "ezc3d does not read this file" in recording.notes[0]
+
+
+def test_a_c3d_file_that_neither_reads_is_refused_in_the_words_of_the_first(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="MIPS"):
+        open_recording(_written(tmp_path, made.c3d_sgi()[:600], "made_cut.c3d"))
+
+
+# Texts that are cut
+
+
+@pytest.mark.parametrize(
+    "name", [n for n in made.MADE if n.endswith((".txt", ".csv", ".lvm", ".anc")) if "lost" not in n]
+)
+def test_a_text_cut_in_mid_number_loses_that_line(tmp_path: Path, name: str) -> None:
+    whole = made.MADE[name]()
+    if name.startswith("nexus"):
+        whole = made.vicon(trajectories=False)
+    if name.endswith(".lvm"):
+        whole = whole.rstrip() + b"\r\n"
+    one, other = (_opened(tmp_path, content, name) for content in (whole, whole.rstrip()[:-1]))
+    assert any("no line end" in note for note in other.contents.notes)
+    last = len(one.contents.names) - 1 if "gap" in name else 0
+    a, b = one.load([last])[0].samples, other.load([last])[0].samples
+    np.testing.assert_array_equal(b, a[: b.size])
+    assert a.size - b.size == 1
+
+
+def test_a_cut_last_row_of_channels_in_rows_loses_its_last_value(tmp_path: Path) -> None:
+    rows = "\n".join(" ".join(f"{v:.6e}" for v in row) for row in (np.arange(50) / 1000, made.wave(50)))
+    opened = _opened(tmp_path, rows[:-3].encode(), "a.txt")
+    np.testing.assert_array_equal(_channel(opened, "row 2").samples, made.wave(50)[:49])
+    assert any("last value was left out" in note for note in opened.contents.notes)
+
+
+def test_a_package_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from casr.decoder_process import end_child
+
+    (tmp_path / "hidden").mkdir()
+    (tmp_path / "hidden" / "nptdms.py").write_text("raise ImportError('No module named nptdms')")
+    path = _written(tmp_path, b"TDSm" + bytes(100), "a.tdms")
+    end_child()
+    monkeypatch.syspath_prepend(str(tmp_path / "hidden"))  # the child searches where this process does
+    try:
+        with pytest.raises(RecordingError, match=r"wanted the package npTDMS.*pip install 'emg2vsa\[formats\]'"):
+            open_recording(path)
+    finally:
+        end_child()

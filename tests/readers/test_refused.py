@@ -1,0 +1,60 @@
+"""Files that are not read say what they are."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.errors import RecordingError
+from emg2vsa.readers.front_door import open_recording
+
+
+def _zip(name: str) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as file:
+        file.writestr(name, "x")
+    return packed.getvalue()
+
+
+NORAXON = (
+    'type;begin_time;frequency;count\r\n"record";"0,00000";2000.4;42520\r\n\r\ntime;BICEPS (uV)\r\n0,00000;1,5\r\n'
+)
+CASES = {
+    "picture.png": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + bytes(40), r"a picture \(PNG\)"),
+    "press.c3d": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + bytes(40), r"a picture \(PNG\)"),
+    "photo.jpg": (b"\xff\xd8\xff\xe0\0\x10JFIF\0", r"a picture \(JPEG\)"),
+    "paper.pdf": (b"%PDF-1.7\n1 0 obj\n", "a PDF document"),
+    "a.xlsx": (_zip("xl/workbook.xml"), r"an Excel sheet \(.xlsx\).*Save the sheet as CSV"),
+    "a.delsys": (_zip("exported.db"), r"a Trigno Discover recording.*Export > CSV"),
+    "a.zip": (_zip("press.csv"), r"a packed file \(ZIP\).*Unpack it"),
+    "cut.zip": (_zip("press.csv")[:40], r"a packed file \(ZIP\)"),
+    "a.csv.gz": (b"\x1f\x8b\x08\0" + bytes(20), "a packed file"),
+    "a.smr": (b"\x09\0(C) CED 87" + bytes(60), r"a Spike2 recording \(.smr\).*In Spike2: File > Export As"),
+    "a.slk": (b"ID;PWXL;N;E\r\nP;PGeneral\r\nC;Y1;X1;K0\r\nE\r\n", r"a SYLK sheet.*In Noraxon MR: Export"),
+    "noraxon.csv": (NORAXON.encode(), r"a Noraxon CSV.*in Noraxon MR: Export"),
+    "page.htm": (b"<!DOCTYPE html><html>", "a web page"),
+    "a.xls": (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(50), "an old Excel"),
+    "a.npy": (b"\x93NUMPY\x01\0", "a NumPy array"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_refused_file_says_what_it_is_and_what_to_do(tmp_path: Path, name: str) -> None:
+    content, said = CASES[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(RecordingError, match=f"wanted a recording in a format that is read; found {said}"):
+        open_recording(tmp_path / name)
+
+
+@pytest.mark.parametrize("header", ["ID;Pressure", "BM;x", "MZ;time", "S64;time", "II;x", "CFWB;x"])
+def test_a_table_whose_first_name_looks_like_a_signature_is_a_table(tmp_path: Path, header: str) -> None:
+    rows = "\n".join(f"{i / 100};{i}.5;{i}" for i in range(20))
+    (tmp_path / "a.csv").write_text(f"time (s);{header}\n{rows}\n")
+    (tmp_path / "b.csv").write_text(
+        f"{header};time (s)\n" + "\n".join(f"{i}.5;{i};{i / 100}" for i in range(20)) + "\n"
+    )
+    for name in ("a.csv", "b.csv"):
+        assert open_recording(tmp_path / name)[0] == "CSV"
