@@ -185,6 +185,12 @@ def usable(fits: Fits, use: str) -> NDArray[np.bool_]:
     return np.isin(fits.verdict, use.split("+")) & np.isfinite(fits.b_v)
 
 
+def rows_of(fits: Fits, chosen: NDArray[np.bool_]) -> Fits:
+    """The trials ``chosen`` (n,)."""
+    per_trial = {f.name: getattr(fits, f.name)[chosen] for f in dataclasses.fields(Fits) if f.name not in _COMMON}
+    return replace(fits, **per_trial)
+
+
 def concatenate(parts: Sequence[Fits]) -> Fits:
     """Fits of several recordings as one table, in the order given. DataError unless made with the same settings."""
     if not parts:

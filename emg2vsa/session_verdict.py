@@ -2,20 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
-from emg2vsa.fits import Fits
+from emg2vsa.arrays import median
+from emg2vsa.fits import Fits, usable
+from emg2vsa.settings import PressJudgement
 from emg2vsa.trials import Trials
 from emg2vsa.trials.reasons import grouped
+from emg2vsa.trials.remedies import remedy_of
 
+LAG_APART_S = 0.03
+"""Recordings of a session whose lags differ by more from their median were not started alike."""
+LOUDER = 50.0
+"""Participants do not differ so much in their activity."""
+MIN_OTHERS, CLEARLY = 3, 4.0
+"""So many others must agree on the order of two specimens, and so many standard errors make a difference clear."""
 MIN_USABLE_SHARE = 0.8
 """A specimen with a smaller share of usable presses should be recorded again while the participant is there."""
 
 VERDICTS = ("good", "usable", "repeat", "unreadable")
 """From best to worst; a session is as good as its worst recording."""
+
+
+class Advice(NamedTuple):
+    """``text``: what was found. ``do``: the remedy, "" where none is known or the text holds it."""
+
+    text: str
+    do: str
+
+    def __str__(self) -> str:
+        return f"{self.text} -> {self.do}" if self.do else self.text
 
 
 @dataclass(frozen=True)
@@ -51,14 +72,15 @@ class SpecimenVerdict:
         return "good" if self.clean and self.ok == (self.wanted or self.found) == self.found else "usable"
 
     @property
-    def advice(self) -> tuple[str, ...]:
-        """What to do about this recording, a sentence each; nothing for a good one."""
+    def advice(self) -> tuple[Advice, ...]:
+        """What was found about this recording, and what to do; nothing for a good one."""
         if self.verdict == "unreadable":
-            return (f"{self.specimen}: cannot be used: {self.fault}",)
+            return (Advice(f"{self.specimen}: cannot be used: {self.fault}", remedy_of(self.fault)),)
+        told = [Advice(f"{self.specimen}: {problem}", remedy_of(problem)) for problem in self.problems]
         if self.verdict == "repeat":
-            presses = [f"{self.usable} usable presses of {self.wanted or self.found}"] if self.found else []
-            return (f"{self.specimen}: record again ({'; '.join([*presses, *self.problems])}).",)
-        return tuple(f"{self.specimen}: {problem}" for problem in self.problems)
+            presses = f" ({self.usable} usable presses of {self.wanted or self.found})" if self.found else ""
+            return (Advice(f"{self.specimen}: record again{presses}", ""), *told)
+        return tuple(told)
 
 
 @dataclass(frozen=True)
@@ -69,7 +91,7 @@ class SessionVerdict:
     participant: str
     verdict: str
     specimens: tuple[SpecimenVerdict, ...]
-    advice: tuple[str, ...]
+    advice: tuple[Advice, ...]
 
 
 def judge_session(
@@ -113,3 +135,96 @@ def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doub
         problems += [note for note in trials.notes if note.startswith("presses: none")]
     clean = not trials.remarks and not doubts
     return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, trials.fault, tuple(problems), clean)
+
+
+Doubts = dict[tuple[str, str], list[str]]
+"""(participant, specimen) to what is doubtful about the recording beside others."""
+
+
+def doubts_between(trials: Sequence[Trials], fits: Sequence[Fits], judgements: Sequence[PressJudgement] = ()) -> Doubts:
+    """What only a look at several recordings shows, as far as they are given; ``fits`` one for each recording."""
+    found: Doubts = {}
+    for tell in (_copies(trials), _apart(trials), _loudness(fits), _swapped(fits), _unknown(trials, judgements)):
+        for key, said in tell:
+            found.setdefault(key, []).append(said)
+    return found
+
+
+Told = Iterator[tuple[tuple[str, str], str]]
+
+
+def _copies(trials: Sequence[Trials]) -> Told:
+    """Equal times of all presses, to the last digit, and equal rests: one recording under two names."""
+    first: dict[tuple[bytes, bytes, bytes], Trials] = {}
+    for one in trials:
+        if one.start_s.size == 0:
+            continue
+        key = (one.start_s.tobytes(), one.peak_force_n.tobytes(), one.rest_envelope_v.tobytes())
+        other = first.setdefault(key, one)
+        if other is not one:
+            yield (one.participant, one.specimen), f"the same recording as {other.participant}/{other.specimen}"
+            yield (other.participant, other.specimen), f"the same recording as {one.participant}/{one.specimen}"
+
+
+def _apart(trials: Sequence[Trials]) -> Told:
+    for participant in dict.fromkeys(t.participant for t in trials):
+        known = [t for t in trials if t.participant == participant and t.lag_se_s < LAG_APART_S / 3]
+        if len(known) < 3:
+            continue
+        typical_s = median(np.array([t.lag_s for t in known]))
+        for t in known:
+            if abs(t.lag_s - typical_s) > LAG_APART_S:
+                apart = f"{1e3 * abs(t.lag_s - typical_s):.0f} ms from the {1e3 * typical_s:.0f} ms of the session"
+                yield (t.participant, t.specimen), f"lag of force is {apart}"
+
+
+def _loudness(fits: Sequence[Fits]) -> Told:
+    levels: dict[str, list[float]] = {}
+    for one in fits:
+        levels.setdefault(str(one.participant[0]) if one.participant.size else "", []).extend(
+            one.v_max_v[usable(one, "ok+warned")].tolist()
+        )
+    typical = {name: median(np.array(values)) for name, values in levels.items() if values}
+    for one in fits:
+        name = str(one.participant[0]) if one.participant.size else ""
+        others = [level for other, level in typical.items() if other != name and level > 0]
+        if len(others) < 2 or typical.get(name, 0.0) <= 0:
+            continue
+        ratio = typical[name] / median(np.array(others))
+        if not 1 / LOUDER < ratio < LOUDER:
+            how = f"{ratio:.3g} times as loud" if ratio > 1 else f"{1 / ratio:.3g} times as quiet"
+            said = f"EMG is {how} as in the median of the other participants; is its gain right?"
+            yield (name, str(one.specimen[0])), said
+
+
+def _swapped(fits: Sequence[Fits]) -> Told:
+    """Two specimens whose slopes one participant has the other way round, clearly, and all others agree."""
+    means: dict[str, dict[str, tuple[float, float]]] = {}
+    for one in fits:
+        b_v = one.b_v[usable(one, "ok+warned")]
+        if b_v.size >= 3:
+            own = means.setdefault(str(one.participant[0]), {})
+            own[str(one.specimen[0])] = (float(np.mean(b_v)), float(np.var(b_v, ddof=1) / b_v.size))
+    for participant, own in means.items():
+        for name, other in combinations(own, 2):
+            difference = own[name][0] - own[other][0]
+            clear = abs(difference) > CLEARLY * np.sqrt(own[name][1] + own[other][1])
+            signs = [m[name][0] > m[other][0] for p, m in means.items() if p != participant and {name, other} <= set(m)]
+            if not clear or len(signs) < MIN_OTHERS or len(set(signs)) > 1 or signs[0] == (difference > 0):
+                continue
+            way = "above" if difference > 0 else "below"
+            against = "against all other participants"
+            for specimen in (name, other):
+                yield (
+                    (participant, specimen),
+                    f"b of {name} is {way} that of {other}, {against}; were {name} and {other} swapped?",
+                )
+
+
+def _unknown(trials: Sequence[Trials], judgements: Sequence[PressJudgement]) -> Told:
+    found = {(t.participant, t.specimen): t.repetition.size for t in trials}
+    for judgement in judgements:
+        key = (judgement.participant, judgement.specimen)
+        if judgement.repetition is not None and judgement.repetition > found.get(key, judgement.repetition):
+            kind = "exclude" if judgement.excludes else "accept"
+            yield key, f"[[{kind}]] names press {judgement.repetition}, of {found[key]} found"

@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from emg2vsa.settings import ChannelSettings, FilterSettings, RunSettings, StageSettings, WindowSettings
+from emg2vsa.settings import (
+    ChannelSettings,
+    FilterSettings,
+    PressJudgement,
+    RunSettings,
+    StageSettings,
+    WindowSettings,
+)
 
 
 @dataclass(frozen=True)
@@ -46,6 +53,8 @@ class RecordingEntry:
     window: WindowSettings
     fault: str = ""
     further: tuple[RecordingPart, ...] = ()
+    mvc_files: tuple[Path, ...] = ()
+    "Recordings of the participant's maximum voluntary contractions."
 
     @property
     def key(self) -> str:
@@ -60,6 +69,16 @@ class RecordingEntry:
     def files(self) -> tuple[Path, ...]:
         """Every file of it."""
         return tuple(path for part in self.parts for path in (part.emg_file, part.force_file) if path is not None)
+
+
+@dataclass(frozen=True)
+class Person:
+    """What participants.tsv says of a participant, as it is written there; "" where nothing is said."""
+
+    participant: str
+    age: str = ""
+    sex: str = ""
+    handedness: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,6 +122,10 @@ class Study(StageSettings):
     reports: Path
     data: Path
     "Folder of the recordings; a simulation writes there."
+    judgements: tuple[PressJudgement, ...] = ()
+    "What people said of presses; a later one has the last word."
+    people: tuple[Person, ...] = ()
+    "What is known of the participants, in their order; empty where they have no table."
     scoring: RunSettings = field(default_factory=RunSettings)
     "How the rig's presses are scored."
     runs_source: RunsSource | None = None

@@ -54,35 +54,39 @@ def test_each_verdict(counts, wanted, verdict):
 
 def test_usable_lists_what_was_found_equal_reasons_once():
     judged = judge(recording(ok=8, warned=3), wanted=10)
-    assert judged.advice == ("S1: 11 presses found, 10 wanted", f"S1: presses 9-11 warned: {LEANT}")
+    assert judged.advice == (
+        ("S1: 11 presses found, 10 wanted", "count with the participant; record the missing ones"),
+        (f"S1: presses 9-11 warned: {LEANT}", "ask to lift the finger between presses"),
+    )
 
 
 def test_repeat_says_why():
     assert judge(recording(ok=5, rejected=5)).advice == (
-        f"S1: record again (5 usable presses of 10; presses 6-10 rejected: {SLOW}).",
+        ("S1: record again (5 usable presses of 10)", ""),
+        (f"S1: presses 6-10 rejected: {SLOW}", "ask for a steady press"),
     )
     none = "presses: none; tared force goes from -0.02 to 3.1 N, the window is 0.5 to 7 N"
-    assert judge(recording(notes=("force: N as stored", none))).advice == (
-        f"S1: record again (0 presses found, 10 wanted; {none}).",
-    )
+    told = [advice.text for advice in judge(recording(notes=("force: N as stored", none))).advice]
+    assert told == ["S1: record again", "S1: 0 presses found, 10 wanted", f"S1: {none}"]
 
 
 def test_what_could_not_be_read_is_not_recorded_again():
     judged = judge(recording(ok=10), failures={"S2": "S2.csv: wanted a force; found no unit. State it."})
     assert judged.verdict == "unreadable"
-    assert judged.advice == ("S2: cannot be used: S2.csv: wanted a force; found no unit. State it.",)
+    assert judged.advice == (("S2: cannot be used: S2.csv: wanted a force; found no unit. State it.", ""),)
     assert [s.verdict for s in judged.specimens] == ["good", "unreadable"]
 
 
 def test_a_recording_that_nobody_tried_to_read():
     judged = judge_session("P01", [], {}, {"S1": 10}, {})
-    assert (judged.verdict, judged.advice) == ("unreadable", ("S1: cannot be used: no recording",))
+    assert (judged.verdict, judged.advice) == ("unreadable", (("S1: cannot be used: no recording", ""),))
 
 
 def test_a_wrong_sign_is_mended_in_the_study_file():
+    mend = "set sign = -1 (or remove it) at the force channel of the study file"
     doubt = "force rises while EMG is below its rest; is its sign -1?"
     judged = judge(recording(rejected=10, fault=doubt))
-    assert (judged.verdict, judged.advice) == ("unreadable", (f"S1: cannot be used: {doubt}",))
+    assert (judged.verdict, judged.advice) == ("unreadable", ((f"S1: cannot be used: {doubt}", mend),))
 
 
 def test_the_worst_recording_counts_and_is_said_first():
@@ -92,5 +96,5 @@ def test_the_worst_recording_counts_and_is_said_first():
         assert judge(*chosen).verdict == VERDICTS[worst - 1]
     judged = judge(*parts.values(), failures={"D": "D.csv: found an empty file."})
     assert judged.verdict == "unreadable"
-    assert [line[0] for line in judged.advice] == ["D", "C", "B"]
+    assert list(dict.fromkeys(advice.text[0] for advice in judged.advice)) == ["D", "C", "B"]
     assert [s.specimen for s in judged.specimens] == ["A", "B", "C", "D"]

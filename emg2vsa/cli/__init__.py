@@ -14,8 +14,8 @@ PROGRAM = Program(
     description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
     epilog="Try: emg2vsa simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
     commands=(
-        "inspect", "simulate", "check", "run", "status", "clean", "fit", "schedule", "report", "power", "design",
-        "stats", "stiffness", "rig",
+        "new", "inspect", "convert", "simulate", "check", "run", "status", "clean", "fit", "schedule", "report",
+        "power", "design", "stats", "stiffness", "rig",
     ),
     stopped="What was finished is kept; the same command goes on from there.",
 )  # fmt: skip

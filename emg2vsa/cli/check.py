@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-from typing import TYPE_CHECKING
+import os
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
 
 from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_jobs, add_study, add_work, jobs_of, study_of
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.plan import Board
-    from emg2vsa.session_verdict import SessionVerdict
-    from emg2vsa.study import Study
+    from emg2vsa.pipeline.run import Progress
+    from emg2vsa.session_verdict import Doubts, SessionVerdict
+    from emg2vsa.study import RecordingEntry, Study
+
+STAGES = ("trials", "fits")
+COLOURS = {"good": 32, "usable": 33, "repeat": 31, "unreadable": 31}
+"""Of a terminal."""
+POLL_S = 0.25
+"""A file that has kept its size and time over two looks so far apart is complete."""
 
 
 def add_to(commands: Commands) -> None:
@@ -27,6 +40,9 @@ def add_to(commands: Commands) -> None:
     )
     add_study(parser)
     parser.add_argument("participants", nargs="*", metavar="PARTICIPANT", help="sessions to judge (default: all)")
+    parser.add_argument(
+        "--watch", type=Path, metavar="FOLDER", help="judge each recording as it lands in FOLDER, until Ctrl-C"
+    )
     add_work(parser)
     add_jobs(parser)
     add_json(parser)
@@ -35,25 +51,26 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.places import writable_or_temporary
-    from emg2vsa.pipeline.run import run_study
 
     whole, below = study_of(arguments)
-    with writable_or_temporary(_only(whole, arguments.participants), below, now=True) as (study, below):
-        board = run_study(
-            study,
-            stages=("trials",),
-            jobs=jobs_of(arguments),
-            progress=progress(quiet=arguments.json),
-            below=below,
-        )
-        failures = {item: message for item, _, message in board.failures()}
-        verdicts = [_judge(board, participant, failures) for participant in board.campaign.cells]
+    chosen = _only(whole, arguments.participants)
+    with writable_or_temporary(chosen, below, now=True) as (study, below):
+        if arguments.watch is not None:
+            return _watch(arguments, study, whole, below)
+        shown = progress(quiet=arguments.json)
+        verdicts = _judge(study, whole, jobs_of(arguments), shown, below)
     if arguments.json:
-        print_json({verdict.participant: dataclasses.asdict(verdict) for verdict in verdicts})
+        print_json({verdict.participant: as_json(verdict) for verdict in verdicts})
     else:
-        for verdict in verdicts:
-            _print(verdict)
+        for line in told(verdicts, sys.stdout):
+            print(line)
     return int(any(verdict.verdict in ("repeat", "unreadable") for verdict in verdicts))
+
+
+def as_json(verdict: SessionVerdict) -> dict[str, object]:
+    """A verdict for programs; of each advice its text and what to do."""
+    advice = [each._asdict() for each in verdict.advice]
+    return dataclasses.asdict(verdict) | {"advice": advice}
 
 
 def _only(study: Study, participants: list[str]) -> Study:
@@ -70,25 +87,146 @@ def _only(study: Study, participants: list[str]) -> Study:
     return dataclasses.replace(study, recordings=tuple(e for e in study.recordings if e.participant in chosen))
 
 
-def _judge(board: Board, participant: str, failures: dict[str, str]) -> SessionVerdict:
+def _judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
+    """The verdicts on the study's recordings, beside what is known of the ``whole`` study's others."""
+    from emg2vsa.pipeline.run import run_study
+
+    board = run_study(study, stages=STAGES, jobs=jobs, progress=shown, below=below)
+    doubts = _doubts(study, whole, board, below)
+    failures = {item: message for item, _, message in board.failures()}
+    return [_verdict(board, participant, failures, doubts) for participant in board.campaign.cells]
+
+
+def _doubts(study: Study, whole: Study, board: Board, below: Path | None) -> Doubts:
+    """What is doubtful beside all recordings of the whole study whose results are there."""
+    from emg2vsa import artifacts
+    from emg2vsa.pipeline.plan import survey
+    from emg2vsa.session_verdict import doubts_between
+
+    if len(whole.recordings) > len(study.recordings):
+        everything = dataclasses.replace(study, recordings=whole.recordings)
+        board = survey(everything, STAGES, lambda text: None, below=below)
+    known = [key for key in board.campaign.recordings if board.done("trials", (key,)) and board.done("fits", (key,))]
+    return doubts_between(
+        [artifacts.load(path) for path in board.done("trials", known)],
+        [artifacts.load(path) for path in board.done("fits", known)],
+        whole.judgements,
+    )
+
+
+def _verdict(board: Board, participant: str, failures: dict[str, str], doubts: Doubts) -> SessionVerdict:
     from emg2vsa import artifacts
     from emg2vsa.session_verdict import judge_session
 
     cells = board.campaign.cells[participant]
     entries = [board.campaign.recordings[cell] for cell in cells]
+    fits = {e.specimen: artifacts.load(path) for e in entries for path in board.done("fits", (e.key,))}
     return judge_session(
         participant,
         [artifacts.load(path) for path in board.done("trials", cells)],
+        fits,
         {entry.specimen: entry.window.expected_trials for entry in entries},
         {entry.specimen: failures[entry.key] for entry in entries if entry.key in failures},
+        {specimen: said for (who, specimen), said in doubts.items() if who == participant},
     )
 
 
-def _print(verdict: SessionVerdict) -> None:
-    print(f"{verdict.participant}: {verdict.verdict.upper()}")
-    for s in verdict.specimens:
-        wanted = f" of {s.wanted}" if s.wanted is not None else ""
-        presses = "press" if (s.wanted or s.found) == 1 else "presses"
-        print(f"  {s.specimen:<10} {s.found:>3}{wanted} {presses}: {s.ok} ok, {s.warned} warned, {s.rejected} rejected")
-    for advice in verdict.advice:
-        print(f"  - {advice}")
+def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
+    """One line a session, its remarks with their remedies beneath, and at the end how many sessions are how good."""
+    counts: Counter[str] = Counter()
+    for verdict in verdicts:
+        counts[verdict.verdict] += 1
+        presses = ", ".join(f"{s.specimen} {s.usable}/{s.wanted or s.found}" for s in verdict.specimens)
+        yield f"{verdict.participant:<6} {_coloured(verdict.verdict, stream)}  {presses}"
+        for advice in verdict.advice:
+            yield f"    {advice.text}"
+            if advice.do:
+                yield f"      -> {advice.do}"
+    if counts.total() > 1:
+        unreadable = f", {counts['unreadable']} unreadable" if counts["unreadable"] else ""
+        yield f"{counts['good']} good, {counts['usable']} usable, {counts['repeat']} to repeat{unreadable}"
+
+
+def _coloured(word: str, stream: TextIO) -> str:
+    """The word of a verdict in capitals; in colour on a terminal, unless NO_COLOR is set (no-color.org)."""
+    padded = f"{word.upper():<10}"
+    if not stream.isatty() or os.environ.get("NO_COLOR"):
+        return padded
+    return f"\x1b[1;{COLOURS[word]}m{padded}\x1b[0m"
+
+
+def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Path | None) -> int:
+    from emg2vsa.cli.progress import progress
+    from emg2vsa.errors import SettingError
+
+    folder = Path(os.path.abspath(arguments.watch))
+    if not folder.is_dir():
+        raise SettingError(folder, wanted="a folder to watch", found="none", do="Make it, or correct the path.")
+    entries = [entry for entry in study.recordings if any(folder in path.parents for path in entry.files)]
+    if not entries:
+        raise SettingError(
+            folder, wanted="the folder where recordings of the study land", found="none of them belongs there",
+            do=f"The study's recordings lie in {study.data}.",
+        )  # fmt: skip
+    _warm_up(study, below)
+    verdicts: dict[str, str] = {}
+    print(f"Watching {folder}; Ctrl-C ends.", file=sys.stderr)
+    try:
+        for entry in landings(entries, time.sleep):
+            one = dataclasses.replace(study, recordings=(entry,))
+            (verdict,) = _judge(one, whole, 1, progress(quiet=True), below)
+            verdicts[entry.key] = verdict.verdict
+            if arguments.json:
+                print_json({entry.key: as_json(verdict)})
+            else:
+                bell = "\a" if sys.stdout.isatty() and verdict.verdict in ("repeat", "unreadable") else ""
+                for line in told([verdict], sys.stdout):
+                    print(f"{bell}{line}", flush=True)
+                    bell = ""
+    except KeyboardInterrupt:
+        counts = Counter(verdicts.values())
+        print(f"\n{counts['good']} good, {counts['usable']} usable, {counts['repeat']} to repeat", file=sys.stderr)
+    return int(any(verdict in ("repeat", "unreadable") for verdict in verdicts.values()))
+
+
+def _warm_up(study: Study, below: Path | None) -> None:
+    """Load and look up beforehand what would delay the first verdict."""
+    import importlib
+
+    from emg2vsa.pipeline.plan import survey
+
+    for name in ("emg2vsa.readers.roles", "emg2vsa.readers.plain_csv", "emg2vsa.trials.extract", "emg2vsa.fits"):
+        importlib.import_module(name)
+    survey(study, STAGES, lambda text: None, below=below)
+
+
+def landings(entries: Iterable[RecordingEntry], wait: Callable[[float], None]) -> Iterator[RecordingEntry]:
+    """Each recording whenever its files are complete: there, and unchanged over two looks; again when they change.
+
+    Recordings that are complete at the first two looks are not told: they were there before.
+    """
+    waiting = list(entries)
+    before = {entry.key: _state(entry) for entry in waiting}
+    done = dict(before)
+    while True:
+        wait(POLL_S)
+        for entry in waiting:
+            state = _state(entry)
+            if state is not None and state == before[entry.key] != done[entry.key]:
+                done[entry.key] = state
+                yield entry
+            before[entry.key] = state
+
+
+def _state(entry: RecordingEntry) -> tuple[tuple[int, int], ...] | None:
+    """Size and time of each file of a recording; None while one is absent or empty."""
+    found = []
+    for path in entry.files:
+        try:
+            status = path.stat()
+        except OSError:
+            return None
+        if status.st_size == 0:
+            return None
+        found.append((status.st_size, status.st_mtime_ns))
+    return tuple(found)

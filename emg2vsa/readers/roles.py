@@ -95,6 +95,20 @@ def _refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
     )  # fmt: skip
 
 
+def read_emg(emg_file: Path, channels: ChannelSettings, reading: ReadingSettings | None = None) -> dict[str, Channel]:
+    """The EMG of a recording without force, such as of maximum contractions: muscle role to channel in V.
+
+    Raises RecordingError as ``read_roles``.
+    """
+    _, opened = open_recording(emg_file, reading or ReadingSettings())
+    wanted = channels.emg.values()
+    stored = load_named(opened, [one.name for one in wanted], [one.fs_hz for one in wanted])
+    return {
+        role: _emg_in_v(opened.path, one, settings)
+        for (role, settings), one in zip(channels.emg.items(), stored, strict=True)
+    }
+
+
 def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:
     known = si_factor(settings.unit or stored.unit)
     if known is None or known[0] != "V":

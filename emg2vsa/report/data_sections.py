@@ -8,12 +8,14 @@ from html import escape
 import numpy as np
 
 from casr import html
+from emg2vsa.fits import rows_of
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults, origin
 from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.session_page import session_verdict
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import bounded, count, listed, number, p_text, percent
+from emg2vsa.session_verdict import doubts_between
 from emg2vsa.study import RecordingEntry
 from emg2vsa.trials.reasons import most_frequent
 
@@ -66,8 +68,15 @@ def participants(results: StudyResults) -> str:
     entries: dict[str, list[RecordingEntry]] = {}
     for entry in results.study.recordings:
         entries.setdefault(entry.participant, []).append(entry)
+    fits = results.fits
+    parts = [
+        rows_of(fits, (fits.participant == t.participant) & (fits.specimen == t.specimen))
+        for t in results.trials
+        if fits is not None
+    ]
+    doubts = doubts_between(results.trials, parts, results.study.judgements)
     for name, (trials, failures) in results.by_participant().items():
-        verdict = session_verdict(name, entries[name], trials, failures)
+        verdict = session_verdict(name, entries[name], trials, fits, failures, doubts)
         of = verdict.specimens
         cells = (
             len(of),
@@ -107,11 +116,13 @@ def failed_steps(failures: Sequence[Failure]) -> Table:
 def _rejected(results: StudyResults) -> str:
     fits = results.fitted
     blocks = html.heading("Rejected and warned trials")
-    for verdict, kept in (
-        ("rejected", "Rejected trials stay in fits.csv; no test uses them."),
-        ("warned", _use_of_warned(results)),
+    accepted = (fits.verdict == "ok") & (fits.reason != "")
+    for verdict, chosen, kept in (
+        ("rejected", fits.verdict == "rejected", "Rejected trials stay in fits.csv; no test uses them."),
+        ("warned", fits.verdict == "warned", _use_of_warned(results)),
+        ("accepted by hand", accepted, "The study file accepts them, and they enter the tests."),
     ):
-        these = np.flatnonzero(fits.verdict == verdict)
+        these = np.flatnonzero(chosen)
         if not these.size:
             blocks += html.paragraph(f"No trial was {verdict}.")
             continue
@@ -127,7 +138,7 @@ def _rejected(results: StudyResults) -> str:
             (str(fits.participant[i]), str(fits.specimen[i]), str(fits.repetition[i]), str(fits.reason[i]))
             for i in these
         )
-        listing = Table(verdict, f"Trials {verdict}, with reasons", columns, rows).html()
+        listing = Table(verdict.split()[0], f"Trials {verdict}, with reasons", columns, rows).html()
         frequent = "; ".join(most_frequent(reasons, 5))
         blocks += html.paragraph(f"Most frequent reasons: {frequent}.", "small") + html.details("All of them", listing)
     return blocks

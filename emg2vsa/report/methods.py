@@ -6,6 +6,8 @@ know (electrodes, amplifier, ethics) is listed for the authors to add, not made 
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from emg2vsa.report.wording import count, listed
@@ -20,12 +22,12 @@ from emg2vsa.settings import (
     HypothesisSettings,
     WindowSettings,
 )
-from emg2vsa.study import RecordingEntry, Study
+from emg2vsa.study import Person, RecordingEntry, Study
 from emg2vsa.trials import Trials
 
 AUTHORS_ADD = (
     "To be added by the authors: electrode type, size, distance and placement; amplifier, its gain, input impedance "
-    "and common-mode rejection; resolution of the converter; participants' age, sex and handedness; ethics approval."
+    "and common-mode rejection; resolution of the converter; {}ethics approval."
 )
 _FILTER_NOTES = (
     "NYQUIST RULE",
@@ -52,7 +54,8 @@ _NORMALISED = {
     "none": "in volts and not normalised, so that levels compare within a session only",
     "session-max": "each envelope first divided by the muscle's largest in the trials of the session that were not "
     "rejected",
-    "mvc": "each envelope first divided by the muscle's level at maximum voluntary contraction",
+    "mvc": "each envelope first divided by the muscle's level at maximum voluntary contraction (the largest mean over "
+    "0.5 s, where that was recorded)",
 }
 _INTERPOLATION = {
     "bracket": "linearly in stiffness between its two neighbours",
@@ -89,9 +92,16 @@ def methods_paragraph(
         *(people if study.recordings else []),
         *runs_methods(study, runs),
         f"Software: {listed([f'{name} {version}' for name, version in versions.items()])}." if versions else "",
-        AUTHORS_ADD if study.recordings and not simulated else "",
+        _authors_add(study) if study.recordings and not simulated else "",
     ]
     return " ".join(filter(None, sentences))
+
+
+def _authors_add(study: Study) -> str:
+    """What the study does not know."""
+    known = {key for key in ("age", "sex", "handedness") if any(getattr(person, key) for person in study.people)}
+    missing = [key for key in ("age", "sex", "handedness") if key not in known]
+    return AUTHORS_ADD.format(f"participants' {listed(missing)}; " if missing else "")
 
 
 def _recording(study: Study, trials: Sequence[Trials], simulated: bool) -> str:
@@ -100,7 +110,38 @@ def _recording(study: Study, trials: Sequence[Trials], simulated: bool) -> str:
     emg = f"surface EMG{' of ' + listed(muscles) if muscles else ''}"
     if simulated:
         return f"Recordings of {people} pressing {specimens}, with {emg} and the pressing force, were simulated."
-    return f"{people} pressed {specimens} while {emg} and the pressing force were recorded."
+    about = f" ({_about(study.people)})" if study.people else ""
+    return f"{people}{about} pressed {specimens} while {emg} and the pressing force were recorded."
+
+
+_SEX = {"f": "female", "female": "female", "m": "male", "male": "male", "o": "other", "other": "other"}
+_HAND = {
+    "r": "right",
+    "right": "right",
+    "l": "left",
+    "left": "left",
+    "a": "ambidextrous",
+    "ambidextrous": "ambidextrous",
+}
+
+
+def _about(people: Sequence[Person]) -> str:
+    """Sex, age and handedness as far as the table of participants tells them: "6 female, 8 male; aged 21 to 34 ..."."""
+    said = []
+    for words, names in (
+        ([person.sex for person in people], _SEX),
+        ([person.handedness for person in people], _HAND),
+    ):
+        counts = Counter(names.get(word.lower(), word) or "not stated" for word in words)
+        if set(counts) - {"not stated"}:
+            said.append(", ".join(f"{n} {kind}" for kind, n in sorted(counts.items())))
+    years = [float(person.age.rstrip("+")) for person in people if person.age]
+    if years:
+        mean, n = sum(years) / len(years), len(years)
+        sd = math.sqrt(sum((age - mean) ** 2 for age in years) / (n - 1)) if n > 1 else 0.0
+        known = f" ({n} of {len(people)})" if n < len(people) else ""
+        said.append(f"aged {min(years):g} to {max(years):g} years, mean {mean:.1f}, SD {sd:.1f}{known}")
+    return "; ".join(said)
 
 
 def _by_recording(study: Study, sentence_of: Callable[[RecordingEntry], str]) -> Iterable[str]:

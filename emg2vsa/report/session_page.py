@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
@@ -12,13 +12,20 @@ import numpy as np
 from casr import html
 from casr.atomic import write_text_atomic
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
-from emg2vsa.figures.palette import INK, looks
-from emg2vsa.fits import Fits
+from emg2vsa.fits import Fits, rows_of
 from emg2vsa.report.failures import Failure, ShortPaths
-from emg2vsa.report.session_plots import LEGEND, PATTERNS, activity_plot, force_trace
+from emg2vsa.report.session_plots import (
+    LEGEND,
+    PATTERNS,
+    activity_plot,
+    emg_trace,
+    force_trace,
+    median_frequencies,
+    spectra,
+)
 from emg2vsa.report.table import Column, Table, activity_column
 from emg2vsa.report.wording import NO_BREAK, number, percent
-from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict, judge_session
+from emg2vsa.session_verdict import Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
 
@@ -49,11 +56,26 @@ def write_session_page(
 
 
 def session_verdict(
-    participant: str, entries: Sequence[RecordingEntry], trials: Sequence[Trials], failures: Sequence[Failure]
+    participant: str,
+    entries: Sequence[RecordingEntry],
+    trials: Sequence[Trials],
+    fits: Fits | None,
+    failures: Sequence[Failure],
+    doubts: Doubts,
 ) -> SessionVerdict:
-    """The verdict on one participant's recordings; all arguments are this participant's."""
+    """The verdict on one participant's recordings; entries, trials and failures are this participant's."""
+    own = (
+        {}
+        if fits is None
+        else {
+            entry.specimen: rows_of(fits, (fits.participant == participant) & (fits.specimen == entry.specimen))
+            for entry in entries
+        }
+    )
+    beside = {specimen: said for (who, specimen), said in doubts.items() if who == participant}
     missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
-    return judge_session(participant, trials, {}, {e.specimen: e.window.expected_trials for e in entries}, missed)
+    wanted = {e.specimen: e.window.expected_trials for e in entries}
+    return judge_session(participant, trials, own, wanted, missed, beside)
 
 
 def _page(
@@ -63,18 +85,19 @@ def _page(
     short = ShortPaths(replace(study, recordings=tuple(entries.values())))
     failures = short.failures(failure for failure in failures if failure.participant == participant)
     by_specimen = {t.specimen: t for t in trials}
-    verdict = session_verdict(participant, list(entries.values()), trials, failures)
-    look = looks([specimen.name for specimen in study.specimens])
+    parts = [rows_of(fits, fits.specimen == t.specimen) for t in trials] if fits else []
+    doubts = doubts_between(trials, parts, study.judgements)
+    verdict = session_verdict(participant, list(entries.values()), trials, fits, failures, doubts)
     scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
     sections = []
     for place, judged in enumerate(verdict.specimens):
         body = ""
         if recording := by_specimen.get(judged.specimen):
-            own = _rows(fits, fits.specimen == judged.specimen) if fits else None
-            colour = look[judged.specimen].colour if judged.specimen in look else INK
-            body = _recording(recording, own, entries[judged.specimen].window.force_n, colour, scale, f"r{place}")
-            body += html.details("Signal quality and processing", _quality(recording, short))
-        faults = html.bullets(filter(None, (judged.fault, *judged.problems)))
+            own = rows_of(fits, fits.specimen == judged.specimen) if fits else None
+            body = _signals(recording, entries[judged.specimen].window.force_n, f"r{place}")
+            body += _recording(recording, own, scale, f"r{place}")
+            body += html.details("Processing", html.bullets(map(short.text, recording.notes)))
+        faults = html.bullets(map(str, judged.advice))
         sections.append(html.section(f"r{place}", _heading(judged), faults, body))
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(
@@ -82,7 +105,7 @@ def _page(
     )
     header = f'<h1>{escape(participant)}</h1><p class="sub">{escape(study.title)}</p>'
     nav = [("../index.html", "Study report"), *((f"#r{i}", s.specimen) for i, s in enumerate(verdict.specimens))]
-    body = top + html.bullets(verdict.advice) + steps + PATTERNS + LEGEND + "".join(sections)
+    body = top + html.bullets(map(str, verdict.advice)) + steps + PATTERNS + LEGEND + "".join(sections)
     return html.page(f"{participant}: {study.title}", header, nav, body, "<p></p>")
 
 
@@ -91,27 +114,35 @@ def _heading(judged: SpecimenVerdict) -> str:
     return f"{judged.specimen}: usable presses {judged.usable}{wanted}"
 
 
-def _recording(
-    trials: Trials, own: Fits | None, window_n: tuple[float, float], colour: str, scale: ActivityScale, name: str
-) -> str:
-    body = html.figure(
-        force_trace(trials, window_n, f"{name}f"), "Force over time. Loading phases are shaded and numbered."
-    )
+def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
+    """What was recorded and how good it is: force and raw EMG over time, spectra, median frequencies."""
+    body = html.heading("Signal quality") + html.bullets(_quality(trials))
+    traces = [force_trace(trials, window_n, f"{name}f")]
+    if trials.overviews:
+        traces += [emg_trace(trials, m, f"{name}e{m}") for m in range(len(trials.muscles))]
+    raw = " Grey: raw EMG; red: its mean rectified value." if trials.overviews else ""
+    body += html.figure("".join(traces), f"Force and EMG over time. Loading phases are shaded and numbered.{raw}")
+    if trials.overviews:
+        drawn = [spectra(trials, m, f"{name}s{m}") for m in range(len(trials.muscles))]
+        drawn.append(median_frequencies(trials, f"{name}m"))
+        pictures = "".join(f"<figure>{each}</figure>" for each in drawn if each)
+        body += f'<div class="pictures">{pictures}</div>\n' if pictures else ""
+    return body
+
+
+def _recording(trials: Trials, own: Fits | None, scale: ActivityScale, name: str) -> str:
+    body = ""
     if own is None or not np.isfinite(own.bin_v).any():
         body += html.paragraph("No press has co-contraction within the force window, so there is no curve to show.")
     else:
-        dashed = "solid: ok; dashed: warned; dotted: rejected"
+        dashed = "solid: ok; dashed: warned (!); dotted: rejected (×); thick: odd beside the others"
         body += html.figure(
-            activity_plot(own, colour, scale, f"{name}v"), f"Force bins and fits v = a + b ln F. Curves: {dashed}."
+            activity_plot(own, scale, f"{name}v"),
+            f"Force bins and fits v = a + b ln F of each press, by its number. Curves: {dashed}.",
         )
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
     return body
-
-
-def _rows(fits: Fits, of: np.ndarray) -> Fits:
-    per_trial = {f.name: getattr(fits, f.name) for f in fields(fits)}
-    return replace(fits, **{k: v[of] for k, v in per_trial.items() if isinstance(v, np.ndarray) and k != "bin_edges_n"})
 
 
 def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
@@ -131,13 +162,15 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
     return Table("presses", caption, columns, tuple(rows))
 
 
-def _quality(trials: Trials, short: ShortPaths) -> str:
-    muscles = [
+def _quality(trials: Trials) -> list[str]:
+    said = [
         f"{muscle}: rest {number(rest * 1e6)} µV, mains {percent(mains, 2)} of power, clipped {percent(clip, 2)}"
         for muscle, rest, mains, clip in zip(
             trials.muscles, trials.rest_envelope_v.tolist(), trials.mains_ratio.tolist(), trials.clip_share.tolist(),
             strict=True,
         )
     ]  # fmt: skip
-    notes = map(short.text, trials.notes)
-    return html.bullets([*muscles, f"force at rest: {number(trials.rest_force_n)} N, subtracted", *notes])
+    said.append(f"force at rest: {number(trials.rest_force_n)} N, subtracted")
+    if np.isfinite(trials.lag_s) and trials.repetition.size:
+        said.append(f"force follows EMG by {1e3 * trials.lag_s:.0f} ms (standard error {1e3 * trials.lag_se_s:.0f} ms)")
+    return said

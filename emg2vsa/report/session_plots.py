@@ -1,4 +1,4 @@
-"""The two drawings of a recording on its page, by hand and light: force over time, activity against force."""
+"""The drawings of a recording on its page, by hand and light, in the colours of the page by day and by night."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from dataclasses import dataclass
 from html import escape
 
 import numpy as np
+from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats
-from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.figures.palette import GRID, INK, MUTED, VERDICT_COLOURS
+from emg2vsa.arrays import Floats, median
+from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
+from emg2vsa.figures.palette import BLUE, RED, VERDICT_COLOURS
 from emg2vsa.fits import Fits
 from emg2vsa.report.wording import activity, number
 from emg2vsa.trials import Trials
 
+INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--line)"
 _TEXT = 24
 _SHOWN = 0.56
 "Pixels a unit, at most: drawings are made fine and shown at about half their size."
@@ -81,7 +83,7 @@ class PlotArea:
         """The drawing, with a name and words for those who do not see it."""
         return (
             f'<svg viewBox="0 0 {self.width} {self.height}" style="max-width:{self.width * _SHOWN:.0f}px;'
-            f'min-width:{self.width * _SHOWN * 0.7:.0f}px" role="img" '
+            f'min-width:{min(self.width * _SHOWN * 0.7, 500):.0f}px;background:none" role="img" '
             f'aria-labelledby="{name}-t {name}-d" fill="none" '
             f'stroke-width="2" font-size="{_TEXT}"><title id="{name}-t">{escape(title)}</title>'
             f'<desc id="{name}-d">{escape(description)}</desc>{body}</svg>'
@@ -154,21 +156,9 @@ def force_trace(trials: Trials, window_n: tuple[float, float], name: str) -> str
     top = max(float(known.max(initial=0.0)), window_n[1]) * 1.08
     x_range = (float(time_s[0]), float(time_s[-1])) if time_s.size > 1 else (0.0, 1.0)
     area = PlotArea(x_range, (min(0.0, float(known.min(initial=0.0))), top), width=1900, height=380)
-    ceiling, floor = area.top, area.height - area.bottom
-    shades, labelled = [], -_LABEL_WIDTH
-    for i, verdict in enumerate(trials.verdict.tolist()):
-        left, right = (int(area.x(float(at))) for at in (trials.start_s[i], trials.stop_s[i]))
-        shades.append(
-            f'<rect x="{left}" y="{ceiling}" width="{max(right - left, 3)}" height="{floor - ceiling}" '
-            f'fill="url(#{verdict})"/>'
-        )
-        middle = (left + right) // 2
-        if middle - labelled >= _LABEL_WIDTH:
-            shades.append(text(middle, ceiling - 6, f"{trials.repetition[i]}{MARKS[verdict]}", "middle", INK))
-            labelled = middle
     limits = "".join(f"M{area.left} {int(area.y(n))}H{area.width - area.right}" for n in window_n)
     body = (
-        "".join(shades)
+        _shades(trials, area)
         + area.axes("Time (s)", "Force (N)")
         + f'<path d="{limits}" stroke="{MUTED}" stroke-dasharray="6 8"/>'
         + f'<path d="{area.line(time_s, force_n)}" stroke="{INK}" stroke-width="2.5"/>'
@@ -182,25 +172,122 @@ def force_trace(trials: Trials, window_n: tuple[float, float], name: str) -> str
     )  # fmt: skip
 
 
-def activity_plot(fits: Fits, colour: str, scale: ActivityScale, name: str) -> str:
-    """Bin means and fitted curves of every press; ``fits`` are those of one recording."""
+def _shades(trials: Trials, area: PlotArea) -> str:
+    """The loading phases over the whole height, numbered, in the pattern of their verdict."""
+    ceiling, floor = area.top, area.height - area.bottom
+    shades, labelled = [], -_LABEL_WIDTH
+    for i, verdict in enumerate(trials.verdict.tolist()):
+        left, right = (int(area.x(float(at))) for at in (trials.start_s[i], trials.stop_s[i]))
+        shades.append(
+            f'<rect x="{left}" y="{ceiling}" width="{max(right - left, 3)}" height="{floor - ceiling}" '
+            f'fill="url(#{verdict})"/>'
+        )
+        middle = (left + right) // 2
+        if middle - labelled >= _LABEL_WIDTH:
+            shades.append(text(middle, ceiling - 6, f"{trials.repetition[i]}{MARKS[verdict]}", "middle", INK))
+            labelled = middle
+    return "".join(shades)
+
+
+def emg_trace(trials: Trials, muscle: int, name: str) -> str:
+    """Raw EMG of the whole record, its extremes in each column, and its mean rectified value; presses shaded."""
+    shown = trials.overviews
+    low_v = np.concatenate([o.low_v[muscle] for o in shown])
+    high_v = np.concatenate([o.high_v[muscle] for o in shown])
+    mean_v = np.concatenate([o.mean_v[muscle] for o in shown])
+    time_s = np.concatenate([o.start_s + o.step_s * (np.arange(o.mean_v.shape[1]) + 0.5) for o in shown])
+    scale = activity_scale("V", mean_v)
+    # a few spikes must not flatten the rest
+    top = float(np.quantile(np.maximum(np.abs(low_v), np.abs(high_v)), 0.98)) * 1.25 * scale.factor or 1.0
+    area = PlotArea((float(time_s[0]), float(time_s[-1])), (-top, top), width=1900, height=260, bottom=64)
+    outline_s, outline = np.concatenate((time_s, time_s[::-1])), np.concatenate((high_v, low_v[::-1])) * scale.factor
+    outline = np.clip(outline, -top, top)
+    body = (
+        _shades(trials, area)
+        + area.axes("Time (s)", scale.label(trials.muscles[muscle]))
+        + f'<path d="{area.line(outline_s, outline)}z" fill="{MUTED}" fill-opacity=".55"/>'
+        + f'<path d="{area.line(time_s, np.clip(mean_v * scale.factor, -top, top))}" stroke="{RED}" stroke-width="3"/>'
+    )
+    said = f"Largest sample {activity(float(np.max(np.abs([low_v, high_v]))), scale)}."
+    return area.svg(body, name, f"Raw EMG and envelope of {trials.muscles[muscle]}, {trials.specimen}", said)
+
+
+def spectra(trials: Trials, muscle: int, name: str) -> str:
+    """Amplitude density at rest and while pressing, on a logarithmic scale."""
+    first = trials.overviews[0]
+    densities = [np.sqrt(each[muscle]) * 1e6 for each in (first.resting, first.pressing)]
+    known = np.concatenate([d[np.isfinite(d) & (d > 0)] for d in densities])
+    if known.size == 0:
+        return ""
+    low, high = math.log10(float(np.quantile(known, 0.02))), math.log10(float(known.max()))
+    area = PlotArea((0.0, float(first.frequency_hz[-1])), (low - 0.1, max(high, low + 1) + 0.1), width=950, height=380)
+    body = area.axes("Frequency (Hz)", f"{trials.muscles[muscle]}, log10 of µV/√Hz")
+    for density, colour, dash in zip(densities, (BLUE, RED), (' stroke-dasharray="12 6"', ""), strict=True):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            y = np.log10(density)
+        body += f'<path d="{area.line(first.frequency_hz, np.maximum(y, low))}" stroke="{colour}"{dash}/>'
+    body += text(area.width - 30, 60, "pressing", "end", RED) + text(
+        area.width - 30, 90, "at rest, dashed", "end", BLUE
+    )
+    return area.svg(
+        body, name, f"Spectrum of {trials.muscles[muscle]}", "Amplitude density at rest and while pressing."
+    )
+
+
+def median_frequencies(trials: Trials, name: str) -> str:
+    """Median frequency of every press and muscle, in time order: it falls where a muscle tires."""
+    median_hz = np.concatenate([o.median_hz for o in trials.overviews], axis=1)
+    known = median_hz[np.isfinite(median_hz)]
+    if known.size == 0:
+        return ""
+    n = median_hz.shape[1]
+    area = PlotArea((0.5, n + 0.5), (0.0, float(known.max()) * 1.15), width=950, height=380)
+    body = area.axes("Press", "Median frequency (Hz)")
+    press = np.arange(1, n + 1).astype(np.float64)
+    for muscle, colour, dash in zip(
+        trials.muscles, (BLUE, RED, INK, MUTED) * len(trials.muscles), _LINES, strict=False
+    ):
+        row = median_hz[trials.muscles.index(muscle)]
+        body += f'<path d="{area.line(press, row)}" stroke="{colour}"{dash}/>'
+        body += f'<path d="{area.dots(press, row)}" stroke="{colour}" stroke-width="9" stroke-linecap="round"/>'
+        at = 40 + 28 * trials.muscles.index(muscle)
+        body += text(area.width - 30, area.height - 90 - at, muscle, "end", colour)
+    means = ", ".join(f"{m} {np.nanmean(row):.0f} Hz" for m, row in zip(trials.muscles, median_hz, strict=True)
+                      if np.isfinite(row).any())  # fmt: skip
+    return area.svg(body, name, f"Median frequency over the presses, {trials.specimen}", f"Means: {means}.")
+
+
+_LINES = ("", ' stroke-dasharray="12 6"', ' stroke-dasharray="4 6"', ' stroke-dasharray="14 4 4 4"') * 8
+
+
+def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
+    """Bin means and fitted curves of every press, each in a colour of its own and numbered where it ends."""
     low, high = float(fits.bin_edges_n[0]), float(fits.bin_edges_n[-1])
     v = fits.bin_v * scale.factor
     shown = v[np.isfinite(v)]
     top = float(shown.max(initial=0.0)) * 1.05 or 1.0
-    area = PlotArea((0.0, high * 1.02), (min(0.0, float(shown.min(initial=0.0))), top), width=950, height=460)
+    area = PlotArea((0.0, high * 1.02), (min(0.0, float(shown.min(initial=0.0))), top), width=950, height=560, right=90)
     grid = np.geomspace(low, high, _CURVE_POINTS)
     curves = (fits.a_v[:, None] + fits.b_v[:, None] * np.log(grid)) * scale.factor
     body = area.axes("Force (N)", scale.label("Co-contraction"))
-    for verdict in MARKS:
-        of = np.flatnonzero(fits.verdict == verdict)
-        stroke = colour if verdict == "ok" else VERDICT_COLOURS[verdict]
-        dots = "".join(area.dots(fits.bin_force_n[i], v[i]) for i in of)
-        lines = "".join(area.line(grid, curves[i]) for i in of)
-        if dots:
-            body += f'<path d="{dots}" stroke="{stroke}" stroke-width="7" stroke-linecap="round" stroke-opacity=".45"/>'
-        if lines:
-            body += f'<path d="{lines}" stroke="{stroke}"{_DASHES[verdict]}/>'
+    odd = odd_presses(fits)
+    for i, verdict in enumerate(fits.verdict.tolist()):
+        colour = f"hsl({round(360 * i / max(len(odd), 1))} 75% 45%)"
+        press = f"{fits.repetition[i]}{MARKS[verdict]}"
+        title = escape(f"press {press}: {verdict} {fits.reason[i]}".strip())
+        dots, line = area.dots(fits.bin_force_n[i], v[i]), area.line(grid, curves[i])
+        width = 6 if odd[i] else 2.5
+        body += (
+            f'<g stroke="{colour}"><title>{title}</title>'
+            f'<path d="{dots}" stroke-width="7" stroke-linecap="round" stroke-opacity=".35"/>'
+            f'<path d="{line}" stroke-width="{width}"{_DASHES[verdict]}/></g>'
+        )
+    ends = np.where(np.isfinite(curves[:, -1]), curves[:, -1], np.nan)
+    for i, y in _apart(area.y(np.clip(np.nan_to_num(ends), *area.y_range)), np.isfinite(ends)):
+        colour = f"hsl({round(360 * i / max(len(odd), 1))} 75% 45%)"
+        verdict = str(fits.verdict[i])
+        label = f"{fits.repetition[i]}{MARKS[verdict]}{' odd' if odd[i] else ''}"
+        body += text(area.width - area.right + 10, y + 8, label, "start", colour)
     fitted = fits.b_v[np.isfinite(fits.b_v)]
     spread = (
         f"b from {activity(float(fitted.min()), scale)} to {activity(float(fitted.max()), scale)}"
@@ -211,3 +298,26 @@ def activity_plot(fits: Fits, colour: str, scale: ActivityScale, name: str) -> s
         body, name, f"Co-contraction against force, {fits.specimen[0] if fits.specimen.size else ''}",
         f"Force bins and fitted curves of {fits.b_v.size} presses: {spread}.",
     )  # fmt: skip
+
+
+def odd_presses(fits: Fits) -> NDArray[np.bool_]:
+    """Presses (n,) whose b or fitted level lies more than 3.5 robust SDs from the median of the recording."""
+    odd = np.zeros(fits.b_v.size, dtype=np.bool_)
+    for values in (fits.b_v, (fits.v_min_v + fits.v_max_v) / 2):
+        known = np.isfinite(values)
+        if np.count_nonzero(known) < 4:
+            continue
+        away = np.abs(values - median(values[known]))
+        odd |= known & (away > 3.5 * 1.4826 * median(away[known]))
+    return odd
+
+
+def _apart(y: Floats, known: NDArray[np.bool_], least: int = 22) -> list[tuple[int, int]]:
+    """Place and height of each known label, moved down so that none covers another."""
+    placed: list[tuple[int, int]] = []
+    lowest = -least
+    for i in np.argsort(y, kind="stable").tolist():
+        if known[i]:
+            lowest = max(int(y[i]), lowest + least)
+            placed.append((i, lowest))
+    return placed

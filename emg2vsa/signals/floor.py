@@ -8,9 +8,12 @@ its tangent.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.quality import window_means
 
 MOST_FLOOR = 0.75
 "Largest share of the power of a level that is subtracted: what is left is never below half of what was read."
@@ -22,28 +25,31 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
     Weighted by 1 / level^2, since the noise of an envelope grows with its level. Presses of fewer than ten samples, or
     whose force does not change, keep their mean.
     """
-    levels = np.empty_like(envelopes_v)
-    for begin, end in zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True):
-        if end > begin:
-            levels[:, begin:end] = _parabola(np.log(np.maximum(force_n[begin:end], 1e-9)), envelopes_v[:, begin:end])
-    return levels
-
-
-def _parabola(x: Floats, rows: Floats) -> Floats:
-    mean = rows.mean(axis=1, keepdims=True)
-    reach = float(np.ptp(x))
-    if x.size < 10 or reach < 1e-3:
-        return np.broadcast_to(mean, rows.shape)
-    u = 2 * (x - x.min()) / reach - 1
-    basis = np.stack([np.ones_like(u), u, 1.5 * u * u - 0.5])
-    level = np.broadcast_to(mean, rows.shape)
+    counts = np.diff(offsets)
+    x = np.log(np.maximum(force_n, 1e-9))
+    u = x - np.repeat(_means(x, offsets), counts)
+    reach = _means(u * u, offsets)
+    plain = (counts < 10) | (reach < 1e-7)
+    u /= np.repeat(np.sqrt(np.where(plain, 1.0, reach)), counts)
+    basis = np.stack([np.ones_like(u), u, u * u - 1])
+    mean = np.repeat(_means(envelopes_v, offsets), counts, axis=1)
+    level = mean
+    products = basis[:, None, None] * basis[:, None]
     for _ in range(2):
-        weights = 1 / np.maximum(level, 0.1 * mean + 1e-300) ** 2
-        normal = np.einsum("in,mn,jn->mij", basis, weights, basis)
-        right = np.einsum("in,mn->mi", basis, weights * rows)
-        ridge = 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        level = np.linalg.solve(normal + ridge, right[..., None])[..., 0] @ basis
-    return np.asarray(np.maximum(level, 0.05 * mean))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            weights = np.where(mean > 0, (mean / np.maximum(level, 0.1 * mean)) ** 2, 1.0)
+        normal = np.moveaxis(_means(products * weights, offsets), (0, 1), (2, 3))
+        normal = np.where(plain[:, None, None], np.eye(3), normal + 1e-9 * np.eye(3))
+        right = np.moveaxis(_means(basis[:, None] * (weights * envelopes_v), offsets), 0, 2)
+        parabola = np.linalg.solve(normal, np.nan_to_num(right)[..., None])[..., 0]
+        level = np.sum(np.repeat(parabola, counts, axis=1) * basis.T, axis=2)
+    return np.asarray(np.where(np.repeat(plain, counts), mean, np.maximum(level, 0.05 * mean)))
+
+
+def _means(values: Floats, offsets: Ints) -> Floats:
+    """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
+    means = window_means(values.reshape(math.prod(values.shape[:-1]), values.shape[-1]), offsets)
+    return means.reshape(*values.shape[:-1], -1)
 
 
 def subtract_floor(envelopes_v: Floats, levels_v: Floats, floor_v: Floats) -> Floats:
@@ -63,22 +69,23 @@ def floor_bias(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: Ints
 
 
 def slope_ratios(x: Floats, y: Floats, true_x: Floats, true_y: Floats, level: Floats, offsets: Ints) -> Floats:
-    """Slope of y on x over that of ``true_y`` on ``true_x``, press by press (p,); all (N,), weighted by 1/level^2."""
-    ratios = np.full(offsets.size - 1, np.nan)
-    for i, (begin, end) in enumerate(zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)):
-        cut = slice(begin, end)
-        if end - begin >= 10:
-            weights = 1 / np.maximum(level[cut], 0.1 * level[cut].max() + 1e-300) ** 2
-            true = _slope(true_x[cut], true_y[cut], weights)
-            if true != 0:
-                ratios[i] = _slope(x[cut], y[cut], weights) / true
-    return ratios
+    """Slope of y on x over that of ``true_y`` on ``true_x``, press by press (p,); all (N,), weighted by 1/level^2.
+
+    NaN for presses of fewer than ten samples, or without a slope.
+    """
+    counts = np.diff(offsets)
+    top = np.repeat(_means(level, offsets), counts)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weights = np.where(top > 0, (top / np.maximum(level, 0.1 * top)) ** 2, 1.0)
+        ratio = _slopes(x, y, weights, offsets) / _slopes(true_x, true_y, weights, offsets)
+    return np.where((counts >= 10) & np.isfinite(ratio), ratio, np.nan)
 
 
-def _slope(x: Floats, y: Floats, weights: Floats) -> float:
-    weighted = weights * (x - np.average(x, weights=weights))
-    across = float(weighted @ x)
-    return float(weighted @ y) / across if across > 0 else 0.0
+def _slopes(x: Floats, y: Floats, weights: Floats, offsets: Ints) -> Floats:
+    counts = np.diff(offsets)
+    centre = _means(weights * x, offsets) / _means(weights, offsets)
+    lever = weights * (x - np.repeat(centre, counts))
+    return np.asarray(_means(lever * y, offsets) / _means(lever * x, offsets))
 
 
 def _share(levels_v: Floats, floor_v: Floats) -> Floats:

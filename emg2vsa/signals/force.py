@@ -58,7 +58,7 @@ def condition_force(
     doubt = "" if presses.start_s.size else _doubt_by_force(force_n, window.force_n, channel.sign)
     notes = (*notes, *_said_of_presses(presses, force_n, window))
     tare = channel.tare if channel.tare == "none" or rest.level_n.size else "impossible"
-    shift_n = np.full(presses.start_s.size, np.nan)
+    shift_n = _zero_shifts(rest, fs_hz, presses) if tare == "rest" else np.full(presses.start_s.size, np.nan)
     return ForceRecord(force_n, fs_hz, rest, presses, tare_n, gap_n, reversal_n, doubt, notes, tare, shift_n)
 
 
@@ -73,6 +73,24 @@ def _tared(
     rests = "1 rest" if rest.level_n.size == 1 else f"{rest.level_n.size} rests"
     said = f"force: tared on {rests}, median {tare_n:.4g} N, drift {drift_n:.2g} N"
     return filtered - rest.baseline.at(np.arange(filtered.size) / fs_hz), tare_n, (said,)
+
+
+def _zero_shifts(rest: Rest, fs_hz: float, presses: Presses) -> Floats:
+    """How far (p,) the rest after each press is from where the rest before it led, newtons; NaN without both.
+
+    A steady drift leads to the next rest, and so does a slow wave, whose slope the rests themselves show.
+    """
+    shifts = np.full(presses.start_s.size, np.nan)
+    if rest.level_n.size < 2:
+        return shifts
+    centre_s = (rest.start + rest.stop) / 2 / fs_hz
+    change_n, lasts_s = np.diff(rest.level_n), np.diff(centre_s)
+    steady = np.abs(change_n - median(change_n / lasts_s) * lasts_s)
+    led = np.abs(change_n - (rest.slope[1:] + rest.slope[:-1]) / 2 * lasts_s)
+    after = np.searchsorted(centre_s, presses.start_s)
+    known = (after > 0) & (after < centre_s.size)
+    shifts[known] = np.minimum(steady, led)[after[known] - 1]
+    return shifts
 
 
 def _gaps(force_n: Floats, fs_hz: float, presses: Presses) -> Floats:

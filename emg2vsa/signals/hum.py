@@ -8,11 +8,15 @@ neighbouring half seconds agree, and between them amplitude and phase are interp
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.quality import MAINS_HZ
+
+Phasors = NDArray[np.complex128]
 
 HARMONICS = 6
 PIECE_S = 0.5
@@ -21,6 +25,12 @@ OFFSET_HZ = 0.4
 "The mains is looked for so far around its nominal frequency."
 STEADY = 0.5
 "A harmonic is subtracted where neighbouring pieces agree in so much of its power; noise alone agrees in none."
+CLEAR = 4.0
+"... and where it has so many times the power that is found between the harmonics."
+ASIDE_HZ = 5.0
+"Between the harmonics: so far below and above each."
+FEWEST = 8
+"Fewer half seconds of rest do not tell the frequency of the mains."
 BLOCK_S = 0.25
 "Amplitude and phase are constant within blocks of this length."
 
@@ -39,29 +49,32 @@ def remove_hum(
 ) -> tuple[tuple[Floats, ...], Hum | None]:
     """The channels (n,) without the hum that is found in their rests [start, stop) (r,), and what it was, or None.
 
-    Two pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
+    ``FEWEST`` pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
     """
     size = round(PIECE_S * fs_hz)
     begins = np.concatenate([np.arange(a, b - size + 1, size) for a, b in zip(start, stop, strict=True)] or [start])
-    if begins.size < 2 or not (np.isfinite(fs_hz) and fs_hz > 4 * MAINS_HZ[0]):
+    if begins.size < FEWEST or fs_hz <= 4 * MAINS_HZ[0]:
         return channels, None
     time_s = (begins + (size - 1) / 2) / fs_hz
-    best: tuple[float, float, Floats, Floats] | None = None
     pieces = np.stack([samples[begins[:, None] + np.arange(size)] for samples in channels])
-    for nominal_hz in MAINS_HZ:
-        orders = np.arange(1, HARMONICS + 1)
-        orders = orders[orders * nominal_hz < 0.45 * fs_hz]
-        phasors = _phasors(pieces, begins, orders * nominal_hz, fs_hz)
-        offset_hz = _offset_hz(phasors, time_s, orders)
-        turned = phasors * np.exp(-2j * np.pi * offset_hz * orders[:, None] * time_s)
+    phasors, orders = _phasors(pieces, begins, fs_hz)
+    found = np.mean(np.abs(phasors) ** 2, axis=-1)
+    clear = found[:, :, 1] > CLEAR * (found[:, :, 0] + found[:, :, 2]) / 2
+    best: tuple[float, float, Phasors] | None = None
+    for mains, nominal_hz in enumerate(MAINS_HZ):
+        if not clear[:, mains].any():
+            continue
+        own = phasors[:, mains, 1]
+        offset_hz = _offset_hz(np.where(clear[:, mains, :, None], own, 0.0), time_s, orders)
+        turned = own * np.exp(-2j * np.pi * offset_hz * orders[:, None] * time_s)
         agreed = np.mean((turned[..., 1:] * turned[..., :-1].conj()).real, axis=-1)
-        steady = agreed > STEADY * np.mean(np.abs(turned) ** 2, axis=-1)
+        steady = clear[:, mains] & (agreed > STEADY * found[:, mains, 1])
         power = float(np.sum(agreed[steady]))
         if steady.any() and (best is None or power > best[0]):
-            best = (power, nominal_hz + offset_hz, np.where(steady[..., None], turned, 0.0), orders)
+            best = (power, nominal_hz + offset_hz, np.where(steady[..., None], turned, 0.0))
     if best is None:
         return channels, None
-    _, hz, turned, orders = best
+    _, hz, turned = best
     used = np.any(turned != 0, axis=(0, 2))
     turned, orders = turned[:, used], orders[used]
     cleaned = tuple(
@@ -71,25 +84,35 @@ def remove_hum(
     return cleaned, Hum(hz, orders, rms)
 
 
-def _phasors(pieces: Floats, begins: Ints, hz: Floats, fs_hz: float) -> np.ndarray:
-    """Amplitude and phase at time 0 (m, h, p) of the sines in pieces (m, p, size) that begin at ``begins`` (p,)."""
-    size = pieces.shape[-1]
+def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]:
+    """Amplitude and phase at time 0 of sines in pieces (m, p, size) that begin at ``begins`` (p,), and the orders (h,).
+
+    (m, 2, 3, h, p): of both mains, below, at and above each of their harmonics.
+    """
+    waves, hz = _waves(pieces.shape[-1], fs_hz)
+    at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begins))
+    return np.moveaxis(np.tensordot(pieces, waves, (2, 3)), 1, -1) * at_zero, np.arange(1, hz.shape[-1] + 1)
+
+
+@lru_cache(maxsize=8)
+def _waves(size: int, fs_hz: float) -> tuple[Phasors, Floats]:
+    """Windowed waves (2, 3, h, size), blind to the mean of a piece, and their frequencies (2, 3, h)."""
+    orders = np.arange(1, HARMONICS + 1)
+    orders = orders[orders * max(MAINS_HZ) < 0.45 * fs_hz]
+    hz = np.multiply.outer(MAINS_HZ, orders)[:, None, :] + np.array([-ASIDE_HZ, 0.0, ASIDE_HZ])[:, None]
     window = np.hanning(size + 2)[1:-1]
     window /= window.sum()
-    waves = window[:, None] * np.exp(-2j * np.pi / fs_hz * np.outer(np.arange(size), hz))
-    centred = pieces - (pieces @ window)[..., None]
-    at_zero = np.exp(-2j * np.pi / fs_hz * np.outer(begins, hz))
-    return 2 * np.moveaxis((centred @ waves) * at_zero, -1, -2)
+    waves = 2 * window * np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, np.arange(size)))
+    return waves - window * waves.sum(axis=-1, keepdims=True), hz
 
 
-def _offset_hz(phasors: np.ndarray, time_s: Floats, orders: Ints) -> float:
+def _offset_hz(phasors: Phasors, time_s: Floats, orders: Ints) -> float:
     """By how much the mains is off its nominal frequency: where neighbouring pieces agree best."""
     strongest = int(np.argmax(np.sum(np.abs(phasors) ** 2, axis=(0, 2))))
     order, phasor = int(orders[strongest]), phasors[:, strongest]
-    step_s = np.diff(time_s)
     product = np.sum(phasor[:, 1:] * phasor[:, :-1].conj(), axis=0)
-    grid_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 801)
-    agreed = (np.exp(-2j * np.pi * order * np.outer(grid_hz, step_s)) @ product).real
+    grid_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 161)
+    agreed = (np.exp(-2j * np.pi * order * np.outer(grid_hz, np.diff(time_s))) @ product).real
     at = int(np.argmax(agreed))
     if 0 < at < grid_hz.size - 1:
         low, top, high = agreed[at - 1 : at + 2]
@@ -97,7 +120,7 @@ def _offset_hz(phasors: np.ndarray, time_s: Floats, orders: Ints) -> float:
     return float(grid_hz[at])
 
 
-def _without(samples: Floats, turned: np.ndarray, hz: Floats, time_s: Floats, fs_hz: float) -> Floats:
+def _without(samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz: float) -> Floats:
     """Samples (n,) minus the sines whose phasors (h, p) at ``time_s`` (p,) turn slowly about the frequencies (h,)."""
     size = max(1, round(BLOCK_S * fs_hz))
     starts = np.arange(0, samples.size, size)

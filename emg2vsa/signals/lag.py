@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
@@ -18,7 +18,10 @@ MOST_S = 2.0
 "A larger lag is not looked for: presses repeat every few seconds."
 LEVELS = 24
 "Force is told apart in so many levels of ln F."
-FINE_STEPS = 6
+FINE_STEPS = 3
+"The scatter is a parabola in the lag so many steps around its least."
+FEIGNED_S = 0.005
+"Sudden presses (0.7 s) and stairs show 2 to 3 ms that are not there."
 LOWEST = 0.25
 "Force below this share of the window's lower force counts as no force."
 
@@ -32,8 +35,8 @@ class Lag:
 
     @property
     def certain(self) -> bool:
-        """Whether it differs from zero by more than its own uncertainty (3 standard errors)."""
-        return bool(abs(self.lag_s) > 3 * self.se_s)
+        """Whether it differs from zero by more than 3 standard errors and what the way of pressing can feign."""
+        return bool(abs(self.lag_s) > FEIGNED_S + 3 * self.se_s)
 
 
 UNKNOWN = Lag(float("nan"), float("nan"))
@@ -60,15 +63,20 @@ def estimate_lag(
     at_n = np.interp(force.index(time_s), np.arange(force_n.size), force_n)
     u = np.log(np.maximum(at_n, LOWEST * lower_n))
     coarse = _best_correlation(y, u, most)
-    scatter, lags = _scatter(y, u, coarse)
-    cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
-    pieces = np.add.reduceat(scatter, np.unique(np.concatenate(([0], cuts[cuts < scatter.shape[1]]))), axis=1)
-    step_s = step / emg.fs_hz
-    total = pieces.sum(axis=1)
-    without = np.array([_vertex(lags, total - piece) for piece in pieces.T])
-    n = without.size
-    se = np.sqrt((n - 1) / n * np.sum((without - without.mean()) ** 2)) if n > 2 else np.nan
-    return Lag(float(_vertex(lags, total) * step_s), float(se * step_s))
+    for _ in range(3):
+        scatter, begin = _scatter(y, u, coarse)
+        least = int(np.argmin(scatter.sum(axis=1))) - FINE_STEPS
+        if abs(least) <= 1:
+            break
+        coarse += least
+    cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2) - begin
+    inner = cuts[(cuts > 0) & (cuts < scatter.shape[1])]
+    pieces = np.add.reduceat(scatter, np.unique(np.append(0, inner)), axis=1)
+    total = pieces.sum(axis=1, keepdims=True)
+    lag, *without = coarse + _vertices(np.hstack((total, total - pieces)))
+    n = len(without)
+    se = np.sqrt((n - 1) / n * np.sum((without - np.mean(without)) ** 2)) if n > 2 else np.nan
+    return Lag(float(lag * step / emg.fs_hz), float(se * step / emg.fs_hz))
 
 
 def _activity(channels: tuple[Floats, ...], step: int) -> Floats:
@@ -92,25 +100,23 @@ def _best_correlation(y: Floats, u: Floats, most: int) -> int:
     return int(lags[np.argmax(across[lags])])
 
 
-def _scatter(y: Floats, u: Floats, coarse: int) -> tuple[Floats, Ints]:
-    """Squared residuals (lags, k) of y about its mean in each level of u, at lags of whole steps around ``coarse``."""
+def _scatter(y: Floats, u: Floats, coarse: int) -> tuple[Floats, int]:
+    """Squared residuals (lags, k) of y about its mean in each level of u, at lags of whole steps around ``coarse``;
+    and the step at which they begin."""
     lags = coarse + np.arange(-FINE_STEPS, FINE_STEPS + 1)
-    level = np.minimum(((u - u.min()) / max(float(np.ptp(u)), 1e-12) * LEVELS).astype(np.int64), LEVELS - 1)
-    index = np.arange(max(0, -lags[0]), y.size - max(0, lags[-1]))
+    level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
+    begin, end = max(0, -int(lags[0])), y.size - max(0, int(lags[-1]))
+    own_y = y[begin:end]
     rows = []
     for lag in lags.tolist():
-        own = level[index + lag]
-        count = np.maximum(np.bincount(own, minlength=LEVELS), 1)
-        mean = np.bincount(own, y[index], minlength=LEVELS) / count
-        rows.append((y[index] - mean[own]) ** 2)
-    return np.array(rows), lags
+        own = level[begin + lag : end + lag]
+        mean = np.bincount(own, own_y) / np.maximum(np.bincount(own), 1)
+        rows.append((own_y - mean[own]) ** 2)
+    return np.array(rows), begin
 
 
-def _vertex(lags: Ints, scatter: Floats) -> float:
-    """Lag of the least scatter, by the parabola through all lags that were tried."""
-    at = int(np.argmin(scatter))
-    cut = slice(max(0, at - 3), at + 4)
-    square, linear, _ = np.polyfit(lags[cut] - lags[at], scatter[cut], 2)
-    if square <= 0:
-        return float(lags[at])
-    return float(lags[at] + np.clip(-linear / (2 * square), -3, 3))
+def _vertices(scatter: Floats) -> Floats:
+    """Where the parabolas through the columns (lags, p) are least, in steps from the middle; 0 where they are not."""
+    square, linear, _ = np.polyfit(np.arange(-FINE_STEPS, FINE_STEPS + 1), scatter, 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(square > 0, np.clip(-linear / (2 * square), -FINE_STEPS, FINE_STEPS), 0.0))

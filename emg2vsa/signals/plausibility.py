@@ -36,12 +36,14 @@ TAIL = 1.32
 "Upper tail over upper shoulder of EMG during the harder half of a press; a saturated amplifier has none."
 FADE, FADE_T, FADE_PRESSES = 0.3, 4.0, 5
 "Change of a muscle's ln level over the recording, in units of its standard error, and from how many presses."
+LARGE_LAG_S = 0.3
+"Force and EMG that are further apart cannot be compared press by press."
 FOLLOWS = 0.25
 "Correlation of a muscle's envelope with ln F, median of the presses."
 BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
 "Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
-SPIKE_SD = 15.0
-"A sample this far from its two neighbours' mean, in robust SDs of the press, is no EMG."
+SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
+"A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
 BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 2.5), 0.25
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
@@ -71,6 +73,7 @@ class Signals:
     presses, rests : (p, 2), (r, 2) first and last-plus-one sample. rest_v : (m,) envelopes at rest, NaN if unknown.
     force_n : (N,) and envelopes_v : (m, N) of the
     presses, evenly sampled at ``envelope_fs_hz`` and cut by ``offsets`` (p + 1,).
+    lag_s : force follows EMG so late.
     """
 
     muscles: tuple[str, ...]
@@ -83,6 +86,7 @@ class Signals:
     envelopes_v: Floats
     envelope_fs_hz: float
     offsets: Ints
+    lag_s: float = 0.0
 
 
 def plausibility(signals: Signals) -> Plausibility:
@@ -97,12 +101,12 @@ def plausibility(signals: Signals) -> Plausibility:
         return Plausibility("; ".join(faults), (), ((),) * n_presses)
     beats, spikes = dict(_beats(signals)), [dict(_spikes(signals, press)) for press in range(n_presses)]
     profiles = [_Profile.of(signals, muscle) for muscle in range(len(signals.muscles))]
-    contacts = dict(_contacts(signals, profiles))
+    contacts = dict(_contacts(signals, profiles)) if abs(signals.lag_s) < LARGE_LAG_S else {}
     explained = {muscle for found in (beats, contacts, *spikes) for muscle in found}
     remarks = (
         *_rate(signals), *_crosstalk(signals, pieces), *_ratios(signals), *_saturated(signals, pieces),
         *_fading(signals), *contacts.values(), *beats.values(), *_repeated(signals, pieces),
-        *(said for muscle, said in _deaf(signals) if muscle not in explained),
+        *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []
     for press, found in enumerate(spikes):
@@ -340,9 +344,11 @@ def _spikes(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
             continue
         bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
         typical = float(np.median(bend)) / 0.6745
+        # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
+        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - np.median(x)), 0.99))
         # a spike bends three samples; a burst of noise many in a row
         raised = np.convolve(bend > 0.4 * SPIKE_SD * typical, np.ones(21), mode="same")
-        n = int(np.count_nonzero((raised <= 3) & (bend > SPIKE_SD * typical))) if typical > 0 else 0
+        n = int(np.count_nonzero((raised <= 3) & (bend > max(SPIKE_SD * typical, loud)))) if typical > 0 else 0
         if n:
             yield muscle, f"{muscle} has spikes: {n} samples far from their neighbours"
 

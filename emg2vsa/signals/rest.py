@@ -14,28 +14,24 @@ BLOCK_S = 0.1
 "Force is looked at in means over blocks of this length."
 MIN_BLOCKS = 4
 "Shortest rest, blocks."
-ROUNDS = 4
-"Rest is looked for around the drift found so far, at most this many times."
+LULL_RISE = 0.2
+"From a rest, force rises by this share of the window before it falls by the window's lower force."
 LOWER_STILL = 0.02
 "Share of the record that may lie below its rest by the lower force of the window."
+LEANING = 4.0, 0.03
+"A rest above the line of its neighbours by so many times what is usual elsewhere, and so many newtons, is no rest."
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """Rest force over time: a robust line through the rests plus what is left of them.
+    """Rest force over time: straight lines between the rests (knots_s, knots_n), the first and last level beyond."""
 
-    What is left is a running median of three, linear in between (knots_s, knots_n), so that slow drift is followed and
-    one rest at which the hand leant on the specimen is not.
-    """
-
-    slope: float
-    level_n: float
     knots_s: Floats
     knots_n: Floats
 
     def at(self, time_s: Floats) -> Floats:
         """Rest force (n,) at times from the first sample."""
-        return np.asarray(self.level_n + self.slope * time_s + np.interp(time_s, self.knots_s, self.knots_n))
+        return np.asarray(np.interp(time_s, self.knots_s, self.knots_n), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -43,87 +39,109 @@ class Rest:
     """Rests of one record; none at all where ``level_n`` is empty.
 
     start, stop : (r,) samples of every rest, without the block at which it begins and the one at which it ends.
-    level_n : (r,) median force. noise_n : standard deviation around it, all rests together; NaN without any.
+    level_n : (r,) median force. slope : (r,) N/s within it. noise_n : standard deviation around it, all rests together;
+    NaN without any.
     """
 
     start: Ints
     stop: Ints
     level_n: Floats
+    slope: Floats
     baseline: Baseline
     noise_n: float
 
 
 def find_rest(force_n: Floats, fs_hz: float, window: WindowSettings) -> Rest:
-    """Rests of the filtered force (n,), whatever its offset.
+    """Rests of the filtered force (n,), whatever its offset and however its zero drifts: a running tare.
 
-    Rest is the lowest level at which the force stays for 0.4 s or more: it keeps within half the lower force of the
-    window, and drifts at less than half the speed of the slowest press that would be accepted. A record that spends
-    more than 2 % of its time lower still (by the lower force) never rests: an untared ramp, or a grip held all along.
+    A rest is a lull: force stays for 0.4 s or more, drifts at less than half the speed of the slowest press that would
+    be accepted, and on either side rises before it falls. So every press has the lull before it, while a hold or a
+    plateau is none. A record that spends more than 2 % of its time lower still (by the lower force) never rests: an
+    untared ramp, or a grip held all along.
     """
     lower_n, upper_n = window.force_n
     size = max(1, round(BLOCK_S * fs_hz))
     block_n = force_n[: force_n.size // size * size].reshape(-1, size).mean(axis=1)
-    block_s = (np.arange(block_n.size) + 0.5) * size / fs_hz
     largest_step_n = (upper_n - lower_n) / window.max_duration_s / 2 * size / fs_hz
+    runs = _lulls(block_n, largest_step_n, LULL_RISE * (upper_n - lower_n), lower_n)
+    rest = _rest(runs * size, block_n, runs, force_n, fs_hz)
+    if rest.level_n.size:
+        baseline_n = rest.baseline.at((np.arange(block_n.size) + 0.5) * size / fs_hz)
+        if np.mean(block_n < baseline_n - lower_n) > LOWER_STILL:
+            return _rest(runs[:0], block_n, runs[:0], force_n, fs_hz)
+    return rest
+
+
+def _lulls(block_n: Floats, largest_step_n: float, rise_n: float, fall_n: float) -> Ints:
+    """First and last-plus-one block (r, 2) of every lull."""
     if block_n.size < MIN_BLOCKS:
-        return _rest(np.empty((0, 2), np.int64), np.empty(0), force_n, fs_hz)
-    baseline_n = np.full(block_n.size, _lower_mode(block_n))
-    runs, levels_n = np.empty((0, 2), np.int64), np.empty(0)
-    near = np.zeros(block_n.size, dtype=np.bool_)
-    for _ in range(ROUNDS):
-        before, near = near, np.abs(block_n - baseline_n) < lower_n / 2
-        if np.array_equal(before, near):
-            break
-        runs, levels_n = _rests_among(near, block_n, largest_step_n)
-        if levels_n.size == 0:
-            break
-        baseline_n = _baseline(runs.mean(axis=1) * size / fs_hz, levels_n).at(block_s)
-    if levels_n.size and np.mean(block_n < baseline_n - lower_n) > LOWER_STILL:
-        runs, levels_n = runs[:0], levels_n[:0]
-    return _rest(runs * size, levels_n, force_n, fs_hz)
-
-
-def _rests_among(near: NDArray[np.bool_], block_n: Floats, largest_step_n: float) -> tuple[Ints, Floats]:
-    """First and last-plus-one block (r, 2) and level (r,) of the rests among the blocks ``near`` the baseline."""
-    starts, stops = runs_of(near)
-    runs, levels_n = [], []
+        return np.empty((0, 2), np.int64)
+    lever = np.arange(MIN_BLOCKS) - (MIN_BLOCKS - 1) / 2
+    steps_n = np.convolve(block_n, lever[::-1], mode="valid") / float(lever @ lever)
+    shifted = [block_n[i : i + steps_n.size] for i in range(MIN_BLOCKS)]
+    range_n = np.maximum.reduce(shifted) - np.minimum.reduce(shifted)
+    level = (np.abs(steps_n) <= largest_step_n) & (range_n < fall_n / 2)
+    still = np.zeros(block_n.size, dtype=np.bool_)
+    for shift in range(MIN_BLOCKS):
+        still[shift : shift + level.size] |= level
+    starts, stops = runs_of(still)
+    lulls: list[tuple[int, int]] = []
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
-        if stop - start < MIN_BLOCKS:
-            continue
         # the ends of a rest hold the first touch and the last release; at the ends of the record there is none
         inner = start + (start > 0), stop - (stop < block_n.size)
-        piece = block_n[slice(*inner)]
-        lever = np.arange(piece.size) - (piece.size - 1) / 2
-        if abs(float(lever @ piece)) <= largest_step_n * float(lever @ lever):
-            runs.append(inner)
-            levels_n.append(median(piece))
-    return np.array(runs, dtype=np.int64).reshape(-1, 2), np.array(levels_n, dtype=np.float64)
+        at_n = median(block_n[slice(*inner)])
+        if _rises(block_n[stop:] - at_n, rise_n, fall_n) and _rises(block_n[:start][::-1] - at_n, rise_n, fall_n):
+            if lulls and np.max(block_n[lulls[-1][1] : start]) < max(at_n, median(block_n[slice(*lulls[-1])])) + rise_n:
+                # the same lull, at two levels: at the higher one the hand leans on the specimen
+                if at_n < median(block_n[slice(*lulls[-1])]):
+                    lulls[-1] = inner
+                continue
+            lulls.append(inner)
+    return np.array(lulls, dtype=np.int64).reshape(-1, 2)
 
 
-def _rest(runs: Ints, levels_n: Floats, force_n: Floats, fs_hz: float) -> Rest:
-    around = [force_n[start:stop] - force_n[start:stop].mean() for start, stop in runs.tolist()]
+def _rises(above_n: Floats, rise_n: float, fall_n: float) -> bool:
+    """Whether the blocks, from a rest on, do not fall by ``fall_n`` before they rise by ``rise_n``."""
+    fallen = above_n < -fall_n
+    if not fallen.any():
+        return True
+    return bool(np.any(above_n[: int(np.argmax(fallen))] > rise_n))
+
+
+def _rest(samples: Ints, block_n: Floats, runs: Ints, force_n: Floats, fs_hz: float) -> Rest:
+    """The rests at ``samples`` (r, 2), which are the blocks ``runs`` (r, 2), without those at which the hand leans."""
+    pieces = [block_n[start:stop] for start, stop in runs.tolist()]
+    levels_n = np.array([median(piece) for piece in pieces], dtype=np.float64)
+    kept = ~_leaning(samples.mean(axis=1) / fs_hz, levels_n)
+    samples, levels_n = samples[kept], levels_n[kept]
+    centre_s = samples.mean(axis=1) / fs_hz
+    block_s = max(1, round(BLOCK_S * fs_hz)) / fs_hz
+    slope = np.array(
+        [_slope(piece) / block_s for piece, own in zip(pieces, kept, strict=True) if own], dtype=np.float64
+    )
+    around = [force_n[start:stop] - force_n[start:stop].mean() for start, stop in samples.tolist()]
     noise_n = float(np.std(np.concatenate(around))) if around else np.nan
-    return Rest(runs[:, 0], runs[:, 1], levels_n, _baseline(runs.mean(axis=1) / fs_hz, levels_n), noise_n)
+    baseline = Baseline(centre_s, levels_n) if levels_n.size else Baseline(np.zeros(1), np.zeros(1))
+    return Rest(samples[:, 0], samples[:, 1], levels_n, slope, baseline, noise_n)
 
 
-def _baseline(centre_s: Floats, level_n: Floats) -> Baseline:
-    if level_n.size == 0:
-        return Baseline(0.0, 0.0, np.zeros(1), np.zeros(1))
-    if level_n.size < 3:
-        return Baseline(0.0, 0.0, centre_s, level_n)
-    i, j = np.nonzero(centre_s[:, None] < centre_s)
-    slope = median((level_n[j] - level_n[i]) / (centre_s[j] - centre_s[i]))
-    left = level_n - slope * centre_s
-    level = median(left)
-    smooth = np.sort((left[:-2], left[1:-1], left[2:]), axis=0)[1]
-    return Baseline(slope, level, centre_s[1:-1], smooth - level)
+def _slope(piece: Floats) -> float:
+    """Newtons per block."""
+    lever = np.arange(piece.size) - (piece.size - 1) / 2
+    return float(lever @ piece) / max(float(lever @ lever), 1e-300)
 
 
-def _lower_mode(values: Floats) -> float:
-    """Middle of the shortest interval that holds a fifth of the values, among those below the middle of the range."""
-    ordered = np.sort(values)
-    low, high = ordered[[round(0.02 * (values.size - 1)), round(0.98 * (values.size - 1))]]
-    lower = ordered[: np.searchsorted(ordered, (low + high) / 2, side="right")]
-    n = min(lower.size, max(MIN_BLOCKS, values.size // 5))
-    begin = int(np.argmin(lower[n - 1 :] - lower[: lower.size - n + 1]))
-    return median(lower[begin : begin + n])
+def _leaning(centre_s: Floats, level_n: Floats) -> NDArray[np.bool_]:
+    """Which rests (r,) stand above the line of their neighbours while the others do not: the hand leans there."""
+    leans = np.zeros(level_n.size, dtype=np.bool_)
+    if level_n.size < 5:
+        return leans
+    line = level_n[:-2] + (level_n[2:] - level_n[:-2]) * (centre_s[1:-1] - centre_s[:-2]) / (
+        centre_s[2:] - centre_s[:-2]
+    )
+    above = level_n[1:-1] - line
+    times, least_n = LEANING
+    for i in np.flatnonzero(above > least_n).tolist():
+        elsewhere = np.abs(np.delete(above, slice(max(0, i - 1), i + 2)))
+        leans[i + 1] = elsewhere.size > 0 and above[i] > times * median(elsewhere)
+    return leans

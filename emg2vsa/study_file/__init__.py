@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import inspect
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from emg2vsa.settings import PAPER, StageSettings
-from emg2vsa.study import RecordingEntry, Study
+from emg2vsa.study import Person, RecordingEntry, Study
 from emg2vsa.study_file import check_recordings, check_stages
 from emg2vsa.study_file.assembly import study_of
 from emg2vsa.study_file.problems import Problem, checked, checked_tables, shown
@@ -41,17 +42,17 @@ def load_study(path: str | Path) -> Study:
     if not of_runs_alone:
         wanted = [name for name in ("participants", "recordings") if name not in raw]
         problems += [Problem((name,), f"a table [{name}]", "nothing") for name in wanted]
-    ids: tuple[str, ...] = ()
+    people: tuple[Person, ...] = ()
     if participants := tables.get("participants"):
-        ids, found = _ids(participants, folder)
+        people, found = _people(participants, folder)
         problems += found
     sound = {name: table for name, table in tables.items() if name not in {problem.path[0] for problem in problems}}
     if "participants" in sound:
-        sound["ids"] = ids
+        sound["ids"] = tuple(person.participant for person in people)
     problems += _contradictions({**sound, "raw": raw, "of_runs_alone": of_runs_alone})
     if problems:
         raise placed(path, text, dict.fromkeys(problems))
-    return study_of(os.path.abspath(path), StudyFile(**tables), ids, raw)
+    return study_of(os.path.abspath(path), StudyFile(**tables), people, raw)
 
 
 def missing_files(study: Study) -> tuple[RecordingEntry, ...]:
@@ -75,12 +76,12 @@ def _with_paper(raw: Mapping[str, Any]) -> Mapping[str, Any]:
     return {**raw, **{name: {**PAPER[name], **keys} for name, keys in given.items() if isinstance(keys, dict)}}
 
 
-def _ids(table: ParticipantsTable, folder: str) -> tuple[tuple[str, ...], list[Problem]]:
+def _people(table: ParticipantsTable, folder: str) -> tuple[tuple[Person, ...], list[Problem]]:
     """The participants, given one by one or in the participant_id column of a BIDS participants.tsv."""
     if (table.ids is None) == (table.file is None):
         return (), [Problem(("participants",), "either ids or file", "neither" if table.ids is None else "both")]
     if table.file is None:
-        return table.ids or (), []
+        return tuple(map(Person, table.ids or ())), []
     at = ("participants", "file")
     try:
         with open(os.path.join(folder, table.file), encoding="utf-8-sig", newline="") as lines:
@@ -92,7 +93,24 @@ def _ids(table: ParticipantsTable, folder: str) -> tuple[tuple[str, ...], list[P
     if not ids or not all(ids):
         return (), [Problem(at, "a tab-separated table with a participant_id in every row", shown(table.file))]
     made, problems = checked(ParticipantsTable, {"ids": ids}, ("participants",))
-    return made.ids, [Problem((*at, *p.path[2:]), p.wanted, p.found, p.do) for p in problems]
+    problems = [Problem((*at, *p.path[2:]), p.wanted, p.found, p.do) for p in problems]
+    about = [{key: _said(row, key) for key in ("age", "sex", "handedness")} for row in rows]
+    problems += [
+        Problem(at, "an age in years, or n/a", f"{own['age']!r} for {name!r}")
+        for name, own in zip(ids, about, strict=True)
+        if own["age"] and not _AGE.fullmatch(own["age"])
+    ]
+    return tuple(Person(name, **own) for name, own in zip(made.ids or (), about, strict=False)), problems
+
+
+_AGE = re.compile(r"\d{1,3}(\.\d+)?\+?")
+"""BIDS writes 89+ for ages that would tell who somebody is."""
+
+
+def _said(row: Mapping[str, str | None], key: str) -> str:
+    """An entry of a BIDS table; "" where it says n/a."""
+    text = (row.get(key) or "").strip()
+    return "" if text.lower() == "n/a" else text
 
 
 def _contradictions(known: Mapping[str, Any]) -> Iterator[Problem]:

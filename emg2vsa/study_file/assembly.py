@@ -9,8 +9,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.settings import ChannelSettings, RunSettings, StageSettings
-from emg2vsa.study import RecordingEntry, RecordingPart, RunsSource, Specimen, Study
+from emg2vsa.settings import ChannelSettings, PressJudgement, RunSettings, StageSettings
+from emg2vsa.study import Person, RecordingEntry, RecordingPart, RunsSource, Specimen, Study
 from emg2vsa.study_file.patterns import REPETITION, Cell, Found, files_by_cell, filled
 from emg2vsa.study_file.tables import (
     FileChannels,
@@ -23,8 +23,9 @@ from emg2vsa.study_file.tables import (
 from emg2vsa.study_file.toml_file import beside, reports_beside
 
 
-def study_of(path: str, file: StudyFile, ids: tuple[str, ...], raw: Mapping[str, Any]) -> Study:
-    """The study of a file without problems. ``ids``: the participants. ``raw``: tells which keys a recording sets."""
+def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mapping[str, Any]) -> Study:
+    """The study of a file without problems. ``people`` took part. ``raw``: tells which keys a recording sets."""
+    ids = tuple(person.participant for person in people)
     folder, about = Path(os.path.dirname(path)), file.study
     given = raw["recordings"].get("files", []) if file.recordings else []
     recordings = _entries(folder, file, file.recordings, ids, given) if file.recordings else ()
@@ -40,6 +41,12 @@ def study_of(path: str, file: StudyFile, ids: tuple[str, ...], raw: Mapping[str,
         results=beside(folder, about.results or f".emg2vsa/{about.name}"),
         reports=beside(folder, about.reports) if about.reports else reports_beside(folder, about.name),
         data=_data_folder(folder, file.recordings, recordings),
+        judgements=tuple(
+            PressJudgement(own.participant, own.specimen, own.repetition, own.reason, excludes)
+            for excludes, listed in ((True, file.exclude), (False, file.accept))
+            for own in listed
+        ),
+        people=people if any(person.age or person.sex or person.handedness for person in people) else (),
         scoring=RunSettings(**{each.name: getattr(file.runs, each.name) for each in fields(RunSettings)})
         if file.runs
         else RunSettings(),
@@ -79,6 +86,7 @@ def _entries(
     for file_table, set_keys in zip(table.files, given, strict=True):
         listed.setdefault((file_table.participant, file_table.specimen), []).append((file_table, set_keys))
     cells = list(listed) if table.layout == "files" else [(p, s.name) for p in ids for s in file.specimens]
+    mvc = {one: tuple(beside(folder, m.emg) for m in file.mvc if m.participant == one) for one in ids}
     found = _found(folder, table, cells)
     entries = []
     for cell in cells:
@@ -94,6 +102,7 @@ def _entries(
                 channels=first.channels,
                 filters=overlaid(file.filters, own.filters, keys["filters"]) if own and own.filters else file.filters,
                 window=overlaid(file.window, own.window, keys["window"]) if own and own.window else file.window,
+                mvc_files=mvc.get(cell[0], ()),
                 fault=first.fault,
                 further=tuple(further),
             )

@@ -13,6 +13,7 @@ from typing import Any
 from emg2vsa.settings import (
     GAUGE_AXES,
     ChannelSettings,
+    CocontractionSettings,
     EmgChannelSettings,
     ForceChannelSettings,
     HypothesisSettings,
@@ -21,9 +22,10 @@ from emg2vsa.settings import (
 )
 from emg2vsa.study_file.patterns import PLACEHOLDERS, REPETITION
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
-from emg2vsa.study_file.tables import ParticipantsTable, RecordingsTable, SpecimenTable
+from emg2vsa.study_file.tables import JudgementTable, MvcTable, ParticipantsTable, RecordingsTable, SpecimenTable
 
 Specimens = tuple[SpecimenTable, ...]
+Judgements = tuple[JudgementTable, ...]
 
 
 def _participants(participants: ParticipantsTable, ids: tuple[str, ...]) -> Iterator[Problem]:
@@ -57,6 +59,36 @@ def _files(recordings: RecordingsTable, specimens: Specimens, ids: tuple[str, ..
     pressed = [((*at, index, "specimen"), file.specimen) for index, file in enumerate(recordings.files)]
     yield from _unknown(people, ids, "participant")
     yield from _unknown(pressed, _names(specimens), "specimen")
+
+
+def _judged(
+    specimens: Specimens,
+    ids: tuple[str, ...],
+    exclude: Judgements,
+    accept: Judgements,
+) -> Iterator[Problem]:
+    """People and specimens that are known, and no press under two judgements."""
+    seen: dict[tuple[str, str, int | None], str] = {}
+    for key, listed in (("exclude", exclude), ("accept", accept)):
+        yield from _unknown(
+            [((key, i, "participant"), own.participant) for i, own in enumerate(listed)], ids, "participant"
+        )
+        names = [((key, i, "specimen"), own.specimen) for i, own in enumerate(listed)]
+        yield from _unknown(names, _names(specimens), "specimen")
+        for i, own in enumerate(listed):
+            press = (own.participant, own.specimen, own.repetition)
+            if press in seen:
+                what = "all presses" if own.repetition is None else f"press {own.repetition}"
+                found = f"{what} of {own.participant}/{own.specimen} in [[{seen[press]}]] already"
+                yield Problem((key, i), "one judgement of a press", found, "Keep one of the two.")
+            seen.setdefault(press, key)
+
+
+def _mvc(ids: tuple[str, ...], mvc: tuple[MvcTable, ...], cocontraction: CocontractionSettings) -> Iterator[Problem]:
+    yield from _unknown([(("mvc", i, "participant"), own.participant) for i, own in enumerate(mvc)], ids, "participant")
+    if mvc and cocontraction.normalise != "mvc":
+        wanted = 'normalise = "mvc" under [cocontraction] with recordings of contractions'
+        yield Problem(("mvc",), wanted, f"normalise = {cocontraction.normalise!r}", "Set it, or remove [[mvc]].")
 
 
 def _simulated(simulation: SimulationSettings, specimens: Specimens) -> Iterator[Problem]:
@@ -225,6 +257,6 @@ def _channels_of_all(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Ite
 
 
 CHECKS = (
-    _participants, _specimens, _kept, _profile, _exemplary, _files, _simulated,
+    _participants, _specimens, _kept, _profile, _exemplary, _files, _judged, _mvc, _simulated,
     _layout, _patterns, _labels, _listed, _roles, _own_roles, _gauges, _channels_of_all,
 )  # fmt: skip

@@ -11,6 +11,7 @@ from emg2vsa.settings import (
     EmgChannelSettings,
     FilterSettings,
     ForceChannelSettings,
+    Ge,
     MinLen,
     NonNegative,
     Positive,
@@ -49,7 +50,7 @@ class ParticipantsTable:
     ids: Annotated[tuple[Name, ...], MinLen(1)] | None = None
     "Participant ids."
     file: Text | None = None
-    "Tab-separated table with a participant_id column, as in BIDS; a leading 'sub-' is dropped."
+    "Tab-separated table with a participant_id column, as in BIDS; age, sex and handedness go into the methods text."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,6 +131,30 @@ class RunsTable(RunSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
+class JudgementTable:
+    """A person's word on a press, for [[exclude]] and [[accept]]; it is told wherever the press is."""
+
+    participant: Name
+    "Participant id."
+    specimen: Name
+    "Specimen name."
+    repetition: Annotated[int, Ge(1)] | None = None
+    "Number of the press, from 1 in time order; omitted: every press of the recording."
+    reason: Text
+    "Why, in a few words."
+
+
+@dataclass(frozen=True, kw_only=True)
+class MvcTable:
+    """A recording of maximum voluntary contractions, for normalise = "mvc"."""
+
+    participant: Name
+    "Participant id."
+    emg: Text
+    "File with the EMG channels of the study; of several of one participant the largest level of a muscle counts."
+
+
+@dataclass(frozen=True, kw_only=True)
 class Recorded:
     """Who pressed what, and what was recorded of it."""
 
@@ -143,6 +168,12 @@ class Recorded:
     "Where the recordings are; a study of measured runs alone has none."
     channels: ChannelSettings | None = None
     "Which channel plays which role; may be omitted where every recording has its own."
+    mvc: tuple[MvcTable, ...] = ()
+    "Recordings of maximum voluntary contractions; a muscle's level replaces that of cocontraction.mvc_v."
+    exclude: tuple[JudgementTable, ...] = ()
+    "Presses that a person rejects."
+    accept: tuple[JudgementTable, ...] = ()
+    "Presses that a person takes as ok, whatever the program says; one without a fit stays rejected."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-import json
-import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from edfio import Bdf, BdfSignal, EdfAnnotation, Patient, Recording
 
 from casr.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa import __version__
+from emg2vsa.bids import CHANNEL_COLUMNS, MUSCLES, BdfChannel, Json, bdf_bytes, description, write_json, write_tsv
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study import Study
 from emg2vsa.synthetic.carrier import AMPLIFIER_BAND_HZ
 from emg2vsa.synthetic.plan import PlannedRecording
 from emg2vsa.synthetic.recording import SyntheticRecording
-from emg2vsa.synthetic.stored import StoredChannel, stored_channels, text_rows
-
-BIDS_VERSION = "1.11.1"
-Json = dict[str, Any]
+from emg2vsa.synthetic.stored import StoredChannel, stored_channels
 
 
 def check_labels(plan: Sequence[PlannedRecording]) -> None:
@@ -43,33 +35,33 @@ def write_bids(folder: Path, planned: PlannedRecording, recording: SyntheticReco
     channels = stored_channels(planned, recording, "uV")
     path = folder / _relative_path(planned)
     stem = path.name.removesuffix("_emg.bdf")
-    write_bytes_atomic(path, bdf_bytes(planned, recording, channels))
+    write_bytes_atomic(path, _bdf(planned, recording, channels))
     emg = emg_json(planned.task, recording, channels, planned.mains_hz)
-    _write_json(path.with_suffix(".json"), emg)
+    write_json(path.with_suffix(".json"), emg)
     rows = [channel_row(channel, recording.fs_hz) for channel in channels]
-    _write_tsv(path.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, rows)
+    write_tsv(path.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, rows)
     events = [(onset, "n/a", text) for onset, text in cues(recording)]
-    _write_tsv(path.with_name(f"{stem}_events.tsv"), ("onset", "duration", "trial_type"), events)
+    write_tsv(path.with_name(f"{stem}_events.tsv"), ("onset", "duration", "trial_type"), events)
     return path
 
 
 def write_dataset(folder: Path, study: Study, settings: SimulationSettings, plan: Sequence[PlannedRecording]) -> Path:
     """Files of the dataset as a whole, the scans files among them; returns the folder for the truth."""
     description = _description(study.title or study.name, "raw")
-    _write_json(folder / "dataset_description.json", description)
+    write_json(folder / "dataset_description.json", description)
     write_text_atomic(folder / "README.md", readme(description["Name"], settings, len(study.specimens)))
     participants = list(dict.fromkeys(planned.participant for planned in plan))
-    _write_tsv(folder / "participants.tsv", ("participant_id",), [(f"sub-{name}",) for name in participants])
-    _write_json(folder / "participants.json", PARTICIPANT_COLUMNS)
+    write_tsv(folder / "participants.tsv", ("participant_id",), [(f"sub-{name}",) for name in participants])
+    write_json(folder / "participants.json", PARTICIPANT_COLUMNS)
     for task in dict.fromkeys(planned.task for planned in plan):
-        _write_json(folder / f"task-{task}_events.json", EVENT_COLUMNS)
+        write_json(folder / f"task-{task}_events.json", EVENT_COLUMNS)
     for name in participants:
         _write_scans(folder / f"sub-{name}", [planned for planned in plan if planned.participant == name])
     return _write_derivative(folder / "derivatives" / "truth", f"Truth of {description['Name']}")
 
 
 def _write_derivative(folder: Path, name: str) -> Path:
-    _write_json(folder / "dataset_description.json", _description(name, "derivative"))
+    write_json(folder / "dataset_description.json", _description(name, "derivative"))
     write_text_atomic(folder / "README.md", f"# {name}\n\n{TRUTH_README}")
     # the standard has no name for tables of what was simulated
     write_text_atomic(folder / ".bidsignore", "truth.*\norder.*\n")
@@ -82,7 +74,7 @@ def _write_scans(folder: Path, plan: Sequence[PlannedRecording]) -> None:
         (_relative_path(planned).relative_to(folder.name).as_posix(), planned.acquired.isoformat())
         for planned in in_time
     ]
-    _write_tsv(folder / f"{folder.name}_scans.tsv", ("filename", "acq_time"), rows)
+    write_tsv(folder / f"{folder.name}_scans.tsv", ("filename", "acq_time"), rows)
 
 
 def _relative_path(planned: PlannedRecording) -> Path:
@@ -90,26 +82,10 @@ def _relative_path(planned: PlannedRecording) -> Path:
     return Path(subject) / "emg" / f"{subject}_task-{planned.task}_acq-{planned.specimen}_emg.bdf"
 
 
-def _description(name: str, kind: str) -> dict[str, Any]:
-    return {
-        "Name": name,
-        "BIDSVersion": BIDS_VERSION,
-        "DatasetType": kind,
-        "License": "CC0",
-        "Authors": ["emg2vsa"],
-        "GeneratedBy": GENERATED_BY,
-    }
+def _description(name: str, kind: str) -> Json:
+    return description(name, kind, "Synthetic recordings with known truth.", ["emg2vsa"], "CC0")
 
 
-def _write_json(path: Path, content: dict[str, Any]) -> None:
-    write_text_atomic(path, json.dumps(content, indent=2) + "\n")
-
-
-def _write_tsv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    write_text_atomic(path, text_rows([columns, *rows], "\t"))
-
-
-GENERATED_BY = [{"Name": "emg2vsa", "Version": __version__, "Description": "Synthetic recordings with known truth."}]
 EVENT_COLUMNS: Json = {
     "onset": {"Description": "When the participant is told to act, from the start of the recording.", "Units": "s"},
     "duration": {"Description": "Not applicable: a cue has no length.", "Units": "s"},
@@ -177,14 +153,6 @@ def emg_json(task: str, recording: SyntheticRecording, channels: list[StoredChan
     }
 
 
-CHANNEL_COLUMNS = (
-    "name", "type", "units", "description", "sampling_frequency", "signal_electrode", "reference", "group",
-    "target_muscle", "placement_scheme", "placement_description", "interelectrode_distance", "low_cutoff",
-    "high_cutoff", "notch", "status", "status_description",
-)  # fmt: skip
-MUSCLES = {"EDC": "extensor digitorum communis", "FDS": "flexor digitorum superficialis"}
-
-
 def channel_row(channel: StoredChannel, fs_hz: float) -> tuple[object, ...]:
     """Cells in the order of ``CHANNEL_COLUMNS``."""
     head = (channel.name, "EMG" if channel.muscle else "MISC", channel.unit or "n/a")
@@ -204,14 +172,8 @@ def readme(title: str, settings: SimulationSettings, specimens: int) -> str:
     )
 
 
-LABEL_CHARACTERS = 16
-
-
-def bdf_bytes(planned: PlannedRecording, recording: SyntheticRecording, channels: list[StoredChannel]) -> bytes:
-    """A recording as BDF+ (24-bit European data format), its cues as annotations.
-
-    Each channel has its own symmetric range, so a stored value is exact to 3e-8 of that range.
-    """
+def _bdf(planned: PlannedRecording, recording: SyntheticRecording, channels: list[StoredChannel]) -> bytes:
+    """A recording as BDF+, its cues as annotations."""
     if not float(recording.fs_hz).is_integer():
         raise SettingError(
             "simulation.fs_hz",
@@ -219,14 +181,17 @@ def bdf_bytes(planned: PlannedRecording, recording: SyntheticRecording, channels
             found=f"{recording.fs_hz:g} Hz",
             do="Round it, or write another format.",
         )
-    file = Bdf(
-        [_signal(channel, recording.fs_hz) for channel in channels],
-        patient=Patient(code=planned.participant),
-        recording=Recording(startdate=planned.acquired.date(), equipment_code="emg2vsa-synthetic"),
-        starttime=planned.acquired.time(),
-        annotations=[EdfAnnotation(onset, None, text) for onset, text in cues(recording)],
-    )
-    return file.to_bytes()
+    return bdf_bytes(
+        [
+            BdfChannel(
+                channel.name, channel.samples, channel.unit, recording.fs_hz,
+                "force sensor" if channel.muscle is None else "bipolar surface electrode",
+            )
+            for channel in channels
+        ],
+        [(onset, None, text) for onset, text in cues(recording)],
+        patient=planned.participant, equipment="emg2vsa-synthetic", record_s=1.0, started=planned.acquired,
+    )  # fmt: skip
 
 
 def cues(recording: SyntheticRecording) -> list[tuple[float, str]]:
@@ -235,29 +200,3 @@ def cues(recording: SyntheticRecording) -> list[tuple[float, str]]:
     start = [(round(float(onset), 3), "start") for onset in presses.cue_start_s]
     stop = [(round(float(onset), 3), "stop") for onset in presses.cue_stop_s]
     return sorted(start + stop)
-
-
-def _signal(channel: StoredChannel, fs_hz: float) -> BdfSignal:
-    if len(channel.name) > LABEL_CHARACTERS or not channel.name.isascii():
-        raise SettingError(
-            f"channel {channel.name!r}",
-            wanted=f"a name of at most {LABEL_CHARACTERS} ASCII characters, for BDF holds no more",
-            found=f"{len(channel.name)} characters",
-            do="Shorten it, or write another format.",
-        )
-    limit = _two_digits_above(float(np.max(np.abs(channel.samples))))
-    return BdfSignal(
-        channel.samples,
-        fs_hz,
-        label=channel.name,
-        transducer_type="force sensor" if channel.muscle is None else "bipolar surface electrode",
-        physical_dimension=channel.unit,
-        physical_range=(-limit, limit),
-    )
-
-
-def _two_digits_above(value: float) -> float:
-    """``value`` rounded up to two significant digits, which fit the eight characters a range may take."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    limit = math.ceil(value / unit) * unit
-    return float(f"{limit:.2g}")

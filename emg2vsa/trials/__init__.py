@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.delays import DelayBudget
+from emg2vsa.signals.overview import EmgOverview
 
 __all__ = ["DelayBudget", "Trials"]
 
@@ -87,3 +88,5 @@ class Trials:
     "A mistake in the file or the study file that rejects every press, such as a wrong sign or unit; empty if none."
     remarks: tuple[str, ...] = ()
     "What is doubtful about the recording as a whole; its presses are used."
+    overviews: tuple[EmgOverview, ...] = ()
+    "The raw EMG of each recording, for its picture."

@@ -20,8 +20,9 @@ from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtra
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
+from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants, rest_samples
-from emg2vsa.signals.plausibility import Plausibility, Signals, force_unit_doubt, plausibility
+from emg2vsa.signals.plausibility import Signals, force_unit_doubt, plausibility
 from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
 from emg2vsa.signals.rest import Rest
 from emg2vsa.signals.verdicts import Evidence, judge
@@ -30,6 +31,8 @@ from emg2vsa.trials import Trials
 OVERVIEW_HZ = 10.0
 TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
+TOLD_SHIFT_N = 0.1
+"A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
 
@@ -50,7 +53,7 @@ def _where_of(channel: Channel) -> str:
     return f"channel {channel.name!r}"
 
 
-def _emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
+def emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
     """All channels at the rate and start of the first, cut to the shortest."""
     if not emg:
         raise SignalError("EMG", wanted="at least one channel", found="none", do="Name the channel of a muscle.")
@@ -85,6 +88,11 @@ class Chain:
         n_pressing = pressing.offsets[-1]
         return both[:, :n_pressing].copy(), both[:, n_pressing:]
 
+    def whole(self, record: _EmgRecord) -> Floats:
+        """Envelopes (m, N) in volts of the whole record."""
+        counts = np.array([(record.samples[0].size - 1) // self.step + 1])
+        return envelopes_at(record.samples, np.zeros(1, np.int64), counts, self.step, self.band, self.envelope)
+
 
 def extract_trials(
     emg: Mapping[str, Channel],
@@ -105,8 +113,8 @@ def extract_trials(
     Force is interpolated onto the instants of the envelopes. Missing samples are interpolated, and reject the trials
     that hold them. SignalError, SettingError: channels too short, of unequal rates, or filters that cannot be built.
     """
-    record = _emg_record(emg)
-    chain = _chain(filters, record, force.fs_hz)
+    record = emg_record(emg)
+    chain = filter_chain(filters, record, force.fs_hz)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
     record, lag, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
@@ -127,9 +135,8 @@ def extract_trials(
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
-    late_n = force_at(
-        conditioned.force_n, instants, emg_clock, replace(force_clock, start_s=force_clock.start_s - left.lag_s)
-    )
+    ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
+    late_n = force_at(conditioned.force_n, instants, emg_clock, ahead) if left.lag_s else force_n
     lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
@@ -138,9 +145,12 @@ def extract_trials(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
     doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
-    seen = _plausibility(raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v)
+    signals = _looked_at(
+        raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
+    )
+    seen = plausibility(signals)
     fault = doubt or seen.fault
-    biased = _said_of_bias(conditioned, floor, subtract, left, lagging)
+    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
@@ -183,10 +193,11 @@ def extract_trials(
         zero_shift_n=conditioned.zero_shift_n,
         fault=fault,
         remarks=() if fault else seen.remarks,
+        overviews=(emg_overview(raw.samples, raw.fs_hz, emg_clock.start_s, signals.presses, signals.rests),),
     )
 
 
-def _chain(filters: FilterSettings, record: _EmgRecord, force_fs_hz: float) -> Chain:
+def filter_chain(filters: FilterSettings, record: _EmgRecord, force_fs_hz: float) -> Chain:
     """The filters, designed for these rates; SignalError where the EMG is too short for them."""
     step = decimation(record.fs_hz, filters.output_fs_hz)
     band, envelope = band_pass(filters, record.fs_hz), smoother(filters, record.fs_hz, step)
@@ -265,7 +276,7 @@ def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother
     ]
 
 
-def _plausibility(
+def _looked_at(
     record: _EmgRecord,
     chain: Chain,
     instants: Instants,
@@ -275,23 +286,22 @@ def _plausibility(
     rest_v: Floats,
     force_n: Floats,
     envelopes_v: Floats,
-) -> Plausibility:
-    """Whether the EMG is what it is said to be; arrays as in ``extract_trials``."""
+    lag_s: float,
+) -> Signals:
+    """What is asked whether it is plausible; arrays as in ``extract_trials``."""
     bounds_s = np.stack((force_clock.time_s(rest.start), force_clock.time_s(rest.stop)), axis=-1)
-    rests = np.clip(emg_clock.index(bounds_s), 0, emg_clock.n_samples).astype(np.int64)
-    return plausibility(
-        Signals(
-            muscles=record.muscles,
-            samples=record.samples,
-            fs_hz=record.fs_hz,
-            presses=np.stack((instants.first, instants.last + 1), axis=-1),
-            rests=rests,
-            rest_v=rest_v,
-            force_n=force_n,
-            envelopes_v=envelopes_v,
-            envelope_fs_hz=record.fs_hz / chain.step,
-            offsets=instants.offsets,
-        )
+    return Signals(
+        muscles=record.muscles,
+        samples=record.samples,
+        fs_hz=record.fs_hz,
+        presses=np.stack((instants.first, instants.last + 1), axis=-1),
+        rests=np.clip(emg_clock.index(bounds_s), 0, emg_clock.n_samples).astype(np.int64),
+        rest_v=rest_v,
+        force_n=force_n,
+        envelopes_v=envelopes_v,
+        envelope_fs_hz=record.fs_hz / chain.step,
+        offsets=instants.offsets,
+        lag_s=lag_s,
     )
 
 
@@ -302,7 +312,7 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
 
 
 def _said_of_bias(
-    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats
+    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats, window: WindowSettings
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
     said: list[tuple[tuple[bool, str], ...]] = []
@@ -310,6 +320,9 @@ def _said_of_bias(
         own: list[tuple[bool, str]] = []
         if force.tare == "impossible":
             own.append((True, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
+        if force.zero_shift_n[i] > TOLD_SHIFT_N:
+            rejects = bool(force.zero_shift_n[i] > window.max_gap_force_n)
+            own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
         if subtracted and abs(floor[i]) > LARGE_CORRECTION:
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
         if not subtracted and abs(floor[i]) > TOLD_BIAS:

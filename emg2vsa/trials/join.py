@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import pairwise
-from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -43,9 +42,14 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
         if field.name in _JOINED:
             joined[field.name] = _JOINED[field.name]([getattr(part, field.name) for part in parts])
     joined["notes"] = (_said(parts, files, starts_s), *joined["notes"])
+    joined["overviews"] = tuple(
+        replace(overview, start_s=overview.start_s + start)
+        for part, start in zip(parts, starts_s, strict=True)
+        for overview in part.overviews
+    )
     joined["lag_s"], joined["lag_se_s"] = _lag(parts)
     if not joined["fault"]:
-        faults = [f"{PurePath(file).name}: {part.fault}" for part, file in zip(parts, files, strict=True) if part.fault]
+        faults = [f"{_name(file)}: {part.fault}" for part, file in zip(parts, files, strict=True) if part.fault]
         joined["remarks"] = (*joined["remarks"], *faults)
     return Trials(**joined)
 
@@ -64,7 +68,7 @@ def _said(parts: Sequence[Trials], files: Sequence[str], starts_s: Sequence[floa
     for part, file, start in zip(parts, files, starts_s, strict=True):
         n = part.repetition.size
         presses = "no press" if n == 0 else f"press {number + 1}" if n == 1 else f"presses {number + 1} to {number + n}"
-        told.append(f"{PurePath(file).name} ({presses}, times + {start:g} s)")
+        told.append(f"{_name(file)} ({presses}, times + {start:g} s)")
         number += n
     return f"{len(parts)} recordings joined: {', '.join(told)}"
 
@@ -76,6 +80,11 @@ def _lag(parts: Sequence[Trials]) -> tuple[float, float]:
         return next((part.lag_s for part in parts if np.isfinite(part.lag_s)), np.nan), np.nan
     weight = sum(weight for _, weight in known)
     return sum(lag * own for lag, own in known) / weight, weight**-0.5
+
+
+def _name(file: str) -> str:
+    """Without its folders."""
+    return file.replace("\\", "/").rpartition("/")[2]
 
 
 def _offsets(values: Sequence[Any]) -> Any:
@@ -123,4 +132,4 @@ _JOINED: dict[str, Callable[[Sequence[Any]], Any]] = {
     "floor_subtracted": all,
     "tare": lambda values: next((value for value in values if value != "impossible"), "impossible"),
 }
-"""Field of ``Trials`` to what becomes of its values; times and lags are joined above."""
+"""Field of ``Trials`` to what becomes of its values; times, overviews and lags are joined above."""

@@ -1,11 +1,13 @@
 """What to do about each reason and remark: one line each, printed beside it wherever it is told.
 
+Causes stand before what follows from them: a spike leaves no fit, and it is the spike that is to be mended.
 docs/how-to/coordinator.md lists them all; a test holds the two together.
 """
 
 from __future__ import annotations
 
 import re
+from itertools import combinations
 from typing import NamedTuple
 
 
@@ -23,10 +25,25 @@ class Remedy(NamedTuple):
 
 
 REMEDIES = (
+    Remedy(r"record begins at .* N", "record begins at 5.84 N",
+           "recording started during the press (rejected where more than `max_missed_n`, 0.3 N, is missing)",
+           "start recording, wait 3 s, then press", None),
+    Remedy(r"at the edge of the record", "at the edge of the record", "recording stopped during the press",
+           "wait 3 s before stopping", None),
+    Remedy(r".* has spikes: .*", "EDC has spikes: 3 samples far from their neighbours",
+           "single samples that no muscle makes: a bad contact or a disturbed link",
+           "check plugs and the wireless link; robust = true under [fit] helps", False),
+    Remedy(r".* has a burst of .* times its level", "FDS has a burst of 4.2 times its level",
+           "a tenth of a second far louder than the other presses: the cable was touched, or the hand moved",
+           "look at the press on the participant's page; repeat it, or exclude it in the study file", False),
+    Remedy(r"(excluded|accepted) by hand: .*", "excluded by hand: sneezed",
+           "an entry [[exclude]] or [[accept]] of the study file", "", None),
+    Remedy(r"force follows EMG by .* ms, which .*",
+           "force follows EMG by 200 ms, which lowers b by about 20 %",
+           "a delay of the muscle (some 50 ms), of the sensor's filter, or two clocks that are apart",
+           'align the files by a trigger, or set align = "lag"; state delay_s of the force sensor', False),
     Remedy(r"reached .* of .* N", "reached 5.61 of 7 N", "the press ended too low",
            "ask for firmer presses; show the target force", True),
-    Remedy(r"lasted .*, shorter than .*", "lasted 0.41 s, shorter than 0.5 s",
-           "from the lower to the upper force too fast (`min_duration_s`)", "ask for slower presses", True),
     Remedy(r"lasted .*, longer than .*", "lasted 20.1 s, longer than 20 s", "too slow (`max_duration_s`)",
            "ask for a steady press", True),
     Remedy(r"force falls on .* of its path", "force falls on 3.6 % of its path",
@@ -35,9 +52,6 @@ REMEDIES = (
     Remedy(r".* clips in .* of samples", "FDS clips in 16 % of samples",
            "the amplifier was at its end (`clip_share`, 0.1 %)", "lower the gain, check the electrode, record again",
            True),
-    Remedy(r".* is as silent as at rest .*", "EDC is as silent as at rest (0.1 dB over it)",
-           "the press does not show in this muscle, within 1 dB: the electrode is off, or the wrong channel is named",
-           "check electrode and channel name, then record again", True),
     Remedy(r"force .*is its sign -?1\?", "force rises while EMG is below its rest; is its sign -1?",
            "releases look like presses; every press of the recording is rejected",
            "set sign = -1 (or remove it) at the force channel of the study file", True),
@@ -51,50 +65,30 @@ REMEDIES = (
     Remedy(r"EMG does not cover the whole loading phase", "EMG does not cover the whole loading phase",
            "EMG began later or ended earlier than the press, filter margins included",
            "start the EMG first, stop it last", True),
-    Remedy(r"record begins at .* N", "record begins at 5.84 N",
-           "recording started during the press (rejected where more than `max_missed_n`, 0.3 N, is missing)",
-           "start recording, wait 3 s, then press", None),
-    Remedy(r"at the edge of the record", "at the edge of the record", "recording stopped during the press",
-           "wait 3 s before stopping", None),
-    Remedy(r"its fit explains too little .*", "its fit explains too little (adjusted R2 -0.05)",
-           "the press does not follow v = a + b ln F (`min_adj_r2`): movement, spikes, or no contraction",
-           "look at the press on the participant's page; fix cables and electrodes, then repeat it (or robust = true)",
-           True),
-    Remedy(r"its slope is .* times less certain than the others of its recording",
-           "its slope is 12 times less certain than the others of its recording",
-           "too little of the press is left to fit (`max_b_error_ratio`)", "repeat the press", True),
-    Remedy(r"its slope is uncertain by .* %", "its slope is uncertain by 140 %",
-           "b cannot be told from zero (`max_b_error`)", "repeat the press, more slowly", True),
-    Remedy(r"no fit: .*", "no fit: 2 force bins", "too little of the press can be used", "repeat the press", True),
     Remedy(r"force is not tared: the record never rests.*",
            'force is not tared: the record never rests (tare = "none" where it is zeroed)',
            "the zero of the force is unknown",
            'record 3 s without touching, and lift the finger between presses; or set tare = "none"', True),
+    Remedy(r"the zero of force moves by .* N around this press",
+           "the zero of force moves by 0.27 N around this press",
+           "the sensor's zero wandered or jumped, or the finger leant on the specimen (warned above 0.1 N; rejected "
+           "above `max_gap_force_n`, 0.25 N)",
+           "lift the finger between presses; let the sensor warm up, check its mount and cable", None),
+    Remedy(r"recording not used: .*", "recording not used: anna_3.csv: wanted a recording; found an empty file.",
+           "one of several recordings of a participant on a specimen was left out",
+           "export it again, or take it out of the folder", False),
     Remedy(r"the rest level that was subtracted raises b by .*",
            "the rest level that was subtracted raises b by 11 %",
            "noise at rest is so strong that its correction counts", "clean the skin, check the electrode", False),
     Remedy(r"noise at rest lowers b by about .*", "noise at rest lowers b by about 7 %",
            "the sensor's noise adds to the EMG", 'set rest_level = "subtract"; check the electrode', False),
-    Remedy(r"force follows EMG by .* ms, which .*",
-           "force follows EMG by 200 ms, which lowers b by about 20 %",
-           "a delay of the muscle (some 50 ms), of the sensor's filter, or two clocks that are apart",
-           'align the files by a trigger, or set align = "lag"; state delay_s of the force sensor', False),
     Remedy(r"force rests at .* N before contact", "force rests at 0.52 N before contact",
            "the finger leant on the specimen, or the sensor drifted (`max_gap_force_n`, 0.25 N)",
            "ask to lift the finger between presses", False),
-    Remedy(r".* is .* dB over rest", "EDC is 3.2 dB over rest",
-           "the muscle is hardly louder than at rest (`min_snr_db`, 6 dB)",
-           "ask to relax between presses; check the electrode", False),
     Remedy(r"mains is .* of the power of .*", "mains is 51 % of the power of FDS", "hum of 50 or 60 Hz (above 30 %)",
            "check the reference electrode, cables and chargers", False),
     Remedy(r".* repeats .* of its samples", "FDS repeats 50 % of its samples",
            "the channel was sampled more slowly than the file says (above 30 %)", "check the export settings", False),
-    Remedy(r".* has spikes: .*", "EDC has spikes: 3 samples far from their neighbours",
-           "single samples that no muscle makes: a bad contact or a disturbed link",
-           "check plugs and the wireless link; robust = true under [fit] helps", False),
-    Remedy(r".* has a burst of .* times its level", "FDS has a burst of 4.2 times its level",
-           "a tenth of a second far louder than the other presses: the cable was touched, or the hand moved",
-           "look at the press on the participant's page; repeat it, or exclude it in the study file", False),
     Remedy(r".* during a press; is its unit .*", "EDC is 35 mV during a press; is its unit mV, or its gain 10^3?",
            "surface EMG of a press is 1 uV to 5 mV",
            "set unit or gain of the channel in the study file to the one that is asked for", True),
@@ -139,11 +133,6 @@ REMEDIES = (
     Remedy(r".* of its samples twice; did the link send packets again\?",
            "EDC has 9.9 % of its samples twice; did the link send packets again?",
            "a wireless link repeated packets, and as many samples may be lost", "export again; check the link", False),
-    Remedy(r".* presses found, .* wanted", "4 presses found, 5 wanted", "too few or too many",
-           "count with the participant; record the missing ones", False),
-    Remedy(r"presses: none; .*", "presses: none; tared force goes from -0.02 to 3.1 N, the window is 0.5 to 7 N",
-           "force never passed from the lower to the upper force",
-           "compare the two ranges: pressed too lightly, or a wrong unit or window", True),
     Remedy(r"the same recording as .*", "the same recording as P03/S1",
            "one file stands for two: every sample is equal", "correct the file name or path of one of the two", False),
     Remedy(r"b of .* against all other participants; were .* swapped\?",
@@ -151,30 +140,47 @@ REMEDIES = (
            "the order of the two specimens contradicts everybody else's",
            "look into the protocol; swap the names of the two files if need be", False),
     Remedy(r".* times (as loud|as quiet) as .* of the other participants; is its gain right\?",
-           "EDC is 210 times as loud as in the median of the other participants; is its gain right?",
+           "EMG is 210 times as loud as in the median of the other participants; is its gain right?",
            "participants differ, but not so much", "check gain and unit of the channel for this participant", False),
     Remedy(r"lag of force is .* from .*", "lag of force is 80 ms from the 20 ms of the session",
            "EMG and force were not started together as in the other recordings",
            'align the files by a trigger, or set align = "lag"', False),
-    Remedy(r"(excluded|accepted) by hand: .*", "excluded by hand: sneezed",
-           "an entry [[exclude]] or [[accept]] of the study file", "", None),
     Remedy(r"\[\[(exclude|accept)\]\] names press .*", "[[exclude]] names press 12, of 10 found",
            "there is no such press", "correct the number in the study file", False),
+    Remedy(r"its fit explains too little .*", "its fit explains too little (adjusted R2 -0.05)",
+           "the press does not follow v = a + b ln F (`min_adj_r2`): movement, spikes, or no contraction",
+           "look at the press on the participant's page; fix cables and electrodes, then repeat it (or robust = true)",
+           True),
+    Remedy(r"its slope is .* times less certain than the others of its recording",
+           "its slope is 12 times less certain than the others of its recording",
+           "too little of the press is left to fit (`max_b_error_ratio`)", "repeat the press", True),
+    Remedy(r"its slope is uncertain by .* %", "its slope is uncertain by 140 %",
+           "b cannot be told from zero (`max_b_error`)", "repeat the press, more slowly", True),
+    Remedy(r"lasted .*, shorter than .*", "lasted 0.41 s, shorter than 0.5 s",
+           "from the lower to the upper force too fast (`min_duration_s`)", "ask for slower presses", True),
+    Remedy(r"no fit: .*", "no fit: 2 force bins", "too little of the press can be used", "repeat the press", True),
+    Remedy(r".* is as silent as at rest .*", "EDC is as silent as at rest (0.1 dB over it)",
+           "the press does not show in this muscle, within 1 dB: the electrode is off, or the wrong channel is named",
+           "check electrode and channel name, then record again", True),
+    Remedy(r".* presses found, .* wanted", "4 presses found, 5 wanted", "too few or too many",
+           "count with the participant; record the missing ones", False),
+    Remedy(r"presses: none; .*", "presses: none; tared force goes from -0.02 to 3.1 N, the window is 0.5 to 7 N",
+           "force never passed from the lower to the upper force",
+           "compare the two ranges: pressed too lightly, or a wrong unit or window", True),
+    Remedy(r".* is .* dB over rest", "EDC is 3.2 dB over rest",
+           "the muscle is hardly louder than at rest (`min_snr_db`, 6 dB)",
+           "ask to relax between presses; check the electrode", False),
 )  # fmt: skip
 _FOUND = tuple((re.compile(remedy.found), remedy) for remedy in REMEDIES)
 
 
-def remedy_of(reason: str) -> str:
-    """What to do about one reason, or one line of ``grouped`` or of a remark; "" where nothing is known.
+def remedy_of(line: str) -> str:
+    """What to do about a reason, or several joined by "; ", as ``grouped`` may name presses before; "" if unknown.
 
-    Of several reasons joined by "; " that of the first that has one, which is the one that rejects.
+    Of several that of the one that stands first in ``REMEDIES``: causes stand before what follows from them.
     """
-    reason = re.sub(r"^press(es)? [\d, -]+ (ok|warned|rejected): ", "", reason)
-    words = reason.split("; ")
-    for begin in range(len(words)):
-        for end in range(len(words), begin, -1):
-            whole = "; ".join(words[begin:end])
-            for found, remedy in _FOUND:
-                if remedy.do and found.fullmatch(whole):
-                    return remedy.do
-    return ""
+    words = re.sub(r"^press(es)? [\d, -]+ (ok|warned|rejected): ", "", line).split("; ")
+    spans = combinations(range(len(words) + 1), 2)
+    reasons = ["; ".join(words[begin:end]) for begin, end in spans]
+    found = (remedy.do for pattern, remedy in _FOUND if remedy.do and any(map(pattern.fullmatch, reasons)))
+    return next(found, "")

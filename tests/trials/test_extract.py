@@ -37,7 +37,7 @@ def test_a_good_session(force_of, recorded, extract):
 
 def test_envelopes_are_those_of_the_whole_record(force_of, recorded, extract):
     emg, force = recorded(force_of(*[RISE] * 3))
-    trials = extract(emg, force)
+    trials = extract(emg, force, filters=FilterSettings(mains="keep", rest_level="keep"))
     edges = one_pass_band_hz((10.0, 450.0), 2, "zero-phase", FS_HZ)
     sos = signal.butter(2, edges, "bandpass", fs=FS_HZ, output="sos")
     taps = signal.firwin(51, 20.0, fs=FS_HZ)
@@ -194,9 +194,9 @@ def test_openhdemg_ramp(shared_data, channel, extract):
     assert trials.verdict.size == 1
     assert trials.verdict[0] != "rejected"
     assert 4 < trials.duration_s[0] < 7
-    late = extract(emg, force, window=WindowSettings(force_n=(1.0, 24.0)))
-    assert "record begins at 1.6" in late.reasons[0]
-    assert any("tare impossible" in note for note in late.notes)
+    tared = extract(emg, force, window=WindowSettings(force_n=(1.0, 24.0)))
+    assert any("tared on 2 rests" in note for note in tared.notes)
+    assert tared.tare == "rest"
 
 
 def test_novainstrumentation_grip(shared_data, channel, extract):

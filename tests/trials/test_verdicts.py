@@ -185,7 +185,9 @@ def test_a_record_that_begins_in_its_only_ramp(recorded, extract):
     emg, force = recorded(ramp - 0.3)
     trials = extract(emg, force)
     assert trials.verdict.tolist() == ["rejected"]
+    assert trials.tare == "impossible"
     assert "record begins at 1.5" in trials.reasons[0]
+    assert "force is not tared: the record never rests" in trials.reasons[0]
     zeroed, wide = ForceChannelSettings(name="Fz", tare="none"), WindowSettings(max_missed_n=1.1)
     assert extract(emg, force, window=wide, force_channel=zeroed).verdict.tolist() == ["warned"]
     assert trials.start_s.tolist() == [0.0]

@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     """The study less all other participants; of it the page shows title, specimens and recordings."""
     own = tuple(campaign.recordings[cell] for cell in campaign.cells[item])
-    study = replace(campaign.study, participants=(item,), recordings=own, runs=())
-    return {"study": Keyed(study, {"title": study.title, "specimens": study.specimens, "recordings": own})}
+    judged = tuple(each for each in campaign.study.judgements if each.participant == item)
+    study = replace(campaign.study, participants=(item,), recordings=own, runs=(), judgements=judged)
+    shown = {"title": study.title, "specimens": study.specimens, "recordings": own, "judgements": judged}
+    return {"study": Keyed(study, shown)}
 
 
 def folder(campaign: Campaign, item: str) -> Path:

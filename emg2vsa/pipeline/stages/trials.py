@@ -48,7 +48,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
             _role("force", number): own[1:],
             _role("calibration", number): (folder / calibration,) if calibration else (),
         }
-    return {**found, "beside": sides}
+    return {**found, "mvc": campaign.recordings[item].mvc_files, "beside": sides}
 
 
 def _role(name: str, number: int) -> str:
@@ -61,6 +61,8 @@ def run(given: Given) -> Trials:
 
     given_settings = dict(given.settings)
     further = given_settings.pop("further")
+    if given.files["mvc"]:
+        given_settings["cocontraction"] = _with_contractions(given.files["mvc"], given_settings)
     parts = [(given_settings.pop("channels"), given_settings.pop("fault")), *further]
     made: list[Trials] = []
     names: list[str] = []
@@ -95,6 +97,17 @@ def _part(given: Given, number: int, channels: ChannelSettings, fault: str, shar
         emg, force[0] if force else None, participant, specimen, channels=channels,
         cal_file=calibration[0] if calibration else None, **shared,
     )  # fmt: skip
+
+
+def _with_contractions(files: Sequence[Path], used: dict[str, Any]) -> CocontractionSettings:
+    """The settings with the levels of recorded maximum contractions in the place of typed ones."""
+    from emg2vsa.readers.roles import read_emg
+    from emg2vsa.trials.contractions import contraction_levels_v
+
+    recordings = [read_emg(path, used["channels"], used["reading"]) for path in files]
+    cocontraction: CocontractionSettings = used["cocontraction"]
+    levels_v = contraction_levels_v(recordings, used["filters"])
+    return replace(cocontraction, mvc_v={**cocontraction.mvc_v, **levels_v})
 
 
 def trials_of(

@@ -1,0 +1,105 @@
+"""False alarms on clean sessions: which limits may be set so that of 1000 good presses at most 10 are doubted.
+
+Sessions of ten presses over every carrier, ramp and pair of rates that the method claims to hold for
+(``emg2vsa.synthetic.laboratory``), with 1 uV of noise and nothing wrong.
+
+    python -m benchmarks.verdict_thresholds     # writes benchmarks/results/verdict_thresholds.md
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from emg2vsa.fits import Fits, fit_trials
+from emg2vsa.recordings import Channel
+from emg2vsa.settings import (
+    CocontractionSettings,
+    FilterSettings,
+    FitSettings,
+    ForceChannelSettings,
+    WindowSettings,
+)
+from emg2vsa.synthetic.laboratory import Laboratory, simulate_session
+from emg2vsa.trials import Trials
+from emg2vsa.trials.extract import extract_trials
+
+RESULTS = Path(__file__).parent / "results" / "verdict_thresholds.md"
+BASE = Laboratory()
+CLEAN: dict[str, Laboratory] = {
+    **{f"carrier {name}": replace(BASE, carrier=name)
+       for name in ("60/120", "40/80", "90/180", "20/45", "laplacian", "units-60", "units-15", "units-6")},
+    "ramp 0.7 s": replace(BASE, ramp_s=0.7),
+    "ramp 8 s": replace(BASE, ramp_s=8.0),
+    **{f"ramp {name}": replace(BASE, ramp=name)
+       for name in ("exponential", "saturating", "plateaus", "stairs", "tremor")},
+    "EMG 2000 Hz": replace(BASE, fs_hz=2000.0),
+    "EMG 1259.26 Hz, force 148.15 Hz": replace(BASE, fs_hz=1259.2593, force_fs_hz=148.1481),
+    "EMG 1000 Hz, force 50 Hz": replace(BASE, force_fs_hz=50.0),
+    "force noise 0.1 N": replace(BASE, force_noise_n=0.1),
+    "shares 90/10": replace(BASE, shares=(0.9, 0.1)),
+}  # fmt: skip
+FREE = FitSettings(min_adj_r2=-1.0, max_b_error=0.0, max_b_error_ratio=0.0)
+
+
+@dataclass(frozen=True)
+class Found:
+    """Of one session: the fits without limits and with the defaults, and the remarks on it."""
+
+    trials: Trials
+    free: Fits
+    fits: Fits
+
+
+def analysed(laboratory: Laboratory, seed: int) -> Found:
+    made = simulate_session(laboratory, seed)
+    muscles = ("EDC", "FDS")
+    emg = {m: Channel(m, x, "V", laboratory.fs_hz, 0.0, "V as stored")
+           for m, x in zip(muscles, made.emg_v, strict=True)}  # fmt: skip
+    window = WindowSettings(expected_trials=laboratory.presses)
+    trials = extract_trials(
+        emg, Channel("Fz", made.force_n, "N", laboratory.force_fs_hz, 0.0, "N as stored"), participant="P",
+        specimen="S", filters=FilterSettings(), cocontraction=CocontractionSettings(), window=window,
+        force_channel=ForceChannelSettings(name="Fz"),
+    )  # fmt: skip
+    return Found(trials, fit_trials(trials, FREE, window), fit_trials(trials, FitSettings(), window))
+
+
+def table(sessions: int) -> list[str]:
+    lines = ["| clean sessions | presses | doubted % | rejected by the fit % | remarks on sessions | adj R2 1 % | "
+             "half width of b over b 99 % | over its median 99 % |", "|---|---|---|---|---|---|---|---|"]  # fmt: skip
+    totals: Counter[str] = Counter()
+    said: Counter[str] = Counter()
+    for name, laboratory in CLEAN.items():
+        found = [analysed(laboratory, seed) for seed in range(sessions)]
+        r2 = np.concatenate([one.free.adj_r2_bins for one in found])
+        half = [(one.free.b_hi_v - one.free.b_lo_v) / 2 for one in found]
+        relative = np.concatenate([h / np.abs(one.free.b_v) for h, one in zip(half, found, strict=True)])
+        ratio = np.concatenate([h / np.median(h) for h in half])
+        verdicts = np.concatenate([one.fits.verdict for one in found])
+        by_fit = sum(int(np.sum((one.fits.verdict == "rejected") & (one.trials.verdict != "rejected")))
+                     for one in found)  # fmt: skip
+        remarks = [remark for one in found for remark in (*one.trials.remarks, *filter(None, [one.trials.fault]))]
+        doubted = int(np.sum(verdicts != "ok"))
+        totals.update(presses=verdicts.size, doubted=doubted, fit=by_fit, remarks=len(remarks))
+        for one in found:
+            said.update(part for reason in one.fits.reason.tolist() for part in reason.split("; ") if part)
+        said.update(remarks)
+        n = verdicts.size
+        lines.append(f"| {name} | {n} | {100 * doubted / n:.1f} | {100 * by_fit / n:.1f} | {len(remarks)} | "
+                     f"{np.nanquantile(r2, 0.01):.2f} | {np.nanquantile(relative, 0.99):.2f} | "
+                     f"{np.nanquantile(ratio, 0.99):.1f} |")  # fmt: skip
+    n = totals["presses"]
+    lines.append(f"| all | {n} | {100 * totals['doubted'] / n:.2f} | {100 * totals['fit'] / n:.2f} | "
+                 f"{totals['remarks']} | | | |")  # fmt: skip
+    return [*lines, "", "What was said:", *(f"- {text} ({k})" for text, k in said.most_common(25))]
+
+
+if __name__ == "__main__":
+    text = "\n".join(table(5))
+    head = "# False alarms on clean sessions\n\nMade by `python -m benchmarks.verdict_thresholds`.\n\n"
+    RESULTS.write_text(head + text + "\n")
+    print(text)

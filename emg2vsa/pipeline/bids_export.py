@@ -1,0 +1,341 @@
+"""Own recordings as a BIDS-EMG data set: EMG in uV and force in N at their own rates, presses as events."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casr.atomic import write_bytes_atomic, write_text_atomic
+from emg2vsa import __version__
+from emg2vsa.arrays import bridge_gaps, runs_of
+from emg2vsa.bids import (
+    CHANNEL_COLUMNS,
+    LABEL_CHARACTERS,
+    MUSCLES,
+    BdfChannel,
+    Json,
+    bdf_bytes,
+    description,
+    record_s,
+    write_json,
+    write_tsv,
+)
+from emg2vsa.errors import Emg2vsaError, SettingError
+from emg2vsa.readers.bids_sidecars import side_files
+from emg2vsa.readers.roles import RoleChannels, read_roles
+from emg2vsa.recordings import Channel
+from emg2vsa.settings import CocontractionSettings, ReadingSettings
+from emg2vsa.study import RecordingEntry, RecordingPart
+from emg2vsa.trials import Trials
+from emg2vsa.trials.extract import extract_trials
+
+EVENT_COLUMNS = ("onset", "duration", "trial_type", "repetition", "verdict", "peak_force", "reason")
+_EVENTS: Json = {
+    "onset": {"Description": "Begin of the loading phase or gap, from the start of the recording.", "Units": "s"},
+    "duration": {"Description": "Its length.", "Units": "s"},
+    "trial_type": {
+        "Description": "What the row is of.",
+        "Levels": {
+            "press": "The loading phase of a press, found in the force by emg2vsa.",
+            "gap": "Samples that the source file lacks; interpolated linearly here.",
+        },
+    },
+    "repetition": {"Description": "Number of the press within the recording."},
+    "verdict": {
+        "Description": "Verdict of emg2vsa on the press.",
+        "Levels": {"ok": "Used.", "warned": "Used, with a remark.", "rejected": "Not used."},
+    },
+    "peak_force": {"Description": "Largest tared, filtered force of the press.", "Units": "N"},
+    "reason": {"Description": "Reasons of the verdict."},
+}  # fmt: skip
+_README = """\
+# {name}
+
+Recordings of people who pressed soft specimens with one finger, converted by emg2vsa {version}. Each has the surface
+EMG of the muscles in microvolts (amplifier gain divided out) and the pressing force in newtons (pressing positive, not
+tared), at the rates at which they were recorded. `acq-` names the specimen. The events are the presses as emg2vsa found
+them, with its verdicts. The last data record of a file may be filled up by repeating the last sample;
+`RecordingDuration` is the true length.
+
+{sources}
+"""
+
+
+@dataclass(frozen=True)
+class About:
+    """What no recording states. task : BIDS label. mains_hz : of the mains, None where it is not known.
+
+    electrode_mm : distance of the two electrodes of a pair. more : further keys for every _emg.json.
+    """
+
+    task: str = "palpation"
+    mains_hz: float | None = None
+    electrode_mm: float | None = None
+    more: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Exported:
+    """files : written. failures : (recording, message) of those that could not be read. notes : to be said."""
+
+    files: tuple[Path, ...]
+    failures: tuple[tuple[str, str], ...]
+    notes: tuple[str, ...]
+
+
+def export(
+    folder: Path,
+    name: str,
+    entries: Sequence[RecordingEntry],
+    about: About,
+    *,
+    base: Path,
+    cocontraction: CocontractionSettings,
+    reading: ReadingSettings,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Exported:
+    """Write the recordings as a data set into ``folder``, which must be empty or absent.
+
+    base : folder that calibration files are relative to. A recording that cannot be read is left out and reported.
+    SettingError : the folder holds files, or two names become one BIDS label.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise SettingError(
+            folder, wanted="an empty or absent folder", found="files in it", do="Choose another folder with --out."
+        )
+    if not about.task.isalnum() or not about.task.isascii():
+        raise SettingError("--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task.")
+    people = _labels("participant", [entry.participant for entry in entries])
+    specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
+    files: list[Path] = []
+    failures: list[tuple[str, str]] = []
+    notes: list[str] = []
+    sources: list[str] = []
+    total = sum(len(entry.parts) for entry in entries)
+    for entry in entries:
+        stem = f"sub-{people[entry.participant]}_task-{about.task}"
+        stem += f"_acq-{specimens[entry.specimen]}" if entry.specimen else ""
+        for number, part in enumerate(entry.parts, 1):
+            if progress is not None:
+                progress(len(files) + len(failures), total, entry.key)
+            run = f"{stem}_run-{number}" if len(entry.parts) > 1 else stem
+            target = folder / f"sub-{people[entry.participant]}" / "emg" / run
+            try:
+                made, said = _write(target, entry, part, about, base, cocontraction, reading)
+            except Emg2vsaError as error:
+                failures.append((entry.key, str(error)))
+                continue
+            files += made
+            notes += [f"{made[0].name}: {note}" for note in said]
+            sources += [f"- `{path.name}`: {', '.join(p.name for p in _files_of(part))}" for path in made]
+    if files:
+        written = {path.name.split("_")[0] for path in files}
+        _write_dataset(folder, name, about.task, sorted(written), sources)
+    return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
+
+
+def _labels(what: str, names: Sequence[str]) -> dict[str, str]:
+    """Names without what a BIDS label may not hold. SettingError where nothing is left, or two become one."""
+    labels = {name: re.sub(r"[^A-Za-z0-9]", "", name) for name in names}
+    for name, label in labels.items():
+        twins = [other for other, own in labels.items() if own.casefold() == label.casefold()]
+        if not label or len(twins) > 1:
+            raise SettingError(
+                f"{what} {name!r}", wanted="a name of its own in letters and digits, for it becomes a BIDS label",
+                found=" and ".join(map(repr, twins)), do="Rename it in the study file.",
+            )  # fmt: skip
+    return labels
+
+
+def _files_of(part: RecordingPart) -> list[Path]:
+    return [path for path in (part.emg_file, part.force_file) if path is not None]
+
+
+def _write(
+    target: Path, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
+    cocontraction: CocontractionSettings, reading: ReadingSettings,
+) -> tuple[list[Path], list[str]]:  # fmt: skip
+    """Data and side files of one recording; several where its rates share no data record."""
+    if part.fault:
+        raise SettingError(part.emg_file.parent, wanted=f"one file of {entry.key}", found=part.fault, do="Name it.")
+    calibration = part.channels.force.cal_file
+    roles = read_roles(
+        part.emg_file, part.force_file, part.channels, reading, base / calibration if calibration else None
+    )
+    notes = []
+    try:
+        trials: Trials | None = extract_trials(
+            roles.emg, roles.force, participant=entry.participant, specimen=entry.specimen, filters=entry.filters,
+            cocontraction=cocontraction, window=entry.window, force_channel=part.channels.force,
+        )  # fmt: skip
+    except Emg2vsaError as error:
+        trials = None
+        notes.append(f"no events were written: {error}")
+    start_s = min(channel.start_s for channel in (*roles.emg.values(), roles.force))
+    groups = _groups(roles)
+    paths = []
+    for label, channels in groups.items():
+        stem = f"{target.name}_recording-{label}" if len(groups) > 1 else target.name
+        path = target.with_name(f"{stem}_emg.bdf")
+        _write_group(path, stem, channels, part, trials, start_s, about)
+        paths.append(path)
+    return paths, notes
+
+
+_Named = dict[str, tuple[Channel, str | None]]
+"""Label of a channel to it and its muscle, None for the force."""
+
+
+def _groups(roles: RoleChannels) -> dict[str, _Named]:
+    """Channels that can share a file, all in one if possible."""
+    names = [*roles.emg, "force" if roles.force.name in roles.emg else roles.force.name]
+    channels = [*roles.emg.values(), roles.force]
+    muscles: list[str | None] = [*roles.emg, None]
+    labels = _short_names(names)
+    named = {label: (c, m) for label, c, m in zip(labels, channels, muscles, strict=True)}
+    if record_s(channel.fs_hz for channel in channels) is not None:
+        return {"": named}
+    rates = sorted({channel.fs_hz for channel in channels}, reverse=True)
+    return {
+        f"rate{number}": {label: pair for label, pair in named.items() if pair[0].fs_hz == rate}
+        for number, rate in enumerate(rates, 1)
+    }
+
+
+def _short_names(names: Sequence[str]) -> list[str]:
+    """ASCII names of at most 16 characters, no two alike."""
+    found: list[str] = []
+    for name in names:
+        short = re.sub(r"[^ -~]", "", name).strip()[:LABEL_CHARACTERS] or "channel"
+        number, unique = 1, short
+        while unique in found:
+            number += 1
+            unique = f"{short[: LABEL_CHARACTERS - 1 - len(str(number))]} {number}"
+        found.append(unique)
+    return found
+
+
+def _write_group(
+    path: Path, stem: str, channels: _Named, part: RecordingPart, trials: Trials | None, start_s: float, about: About
+) -> None:
+    """One data file with its side files."""
+    rates = {channel.fs_hz for channel, _ in channels.values()}
+    length_s = record_s(rates)
+    if length_s is None:
+        raise SettingError(
+            part.emg_file, wanted="a sampling rate that BDF can hold to a millionth", found=f"{min(rates):.9g} Hz",
+            do="Resample the recording.",
+        )  # fmt: skip
+    befores = [round((channel.start_s - start_s) * channel.fs_hz) for channel, _ in channels.values()]
+    counts = [round(channel.fs_hz * length_s) for channel, _ in channels.values()]
+    sizes = [channel.samples.size for channel, _ in channels.values()]
+    records = max(-(-(before + n) // count) for before, n, count in zip(befores, sizes, counts, strict=True))
+    stop_s = max(channel.start_s + channel.duration_s for channel, _ in channels.values())
+    stored, rows, gaps = [], [], []
+    for (label, (channel, muscle)), before, count in zip(channels.items(), befores, counts, strict=True):
+        samples, missing = bridge_gaps(channel.samples, f"channel {channel.name!r}")
+        filled = np.pad(samples, (before, records * count - before - samples.size), mode="edge")
+        scale, unit = (1e6, "uV") if muscle else (1.0, "N")
+        fs_hz = count / length_s
+        transducer = "bipolar surface electrode" if muscle else "force sensor"
+        stored.append(BdfChannel(label, filled * scale, unit, fs_hz, transducer))
+        rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before))
+        first, stop = runs_of(missing)
+        lost = zip(first.tolist(), stop.tolist(), strict=True)
+        gaps += [((before + i) / fs_hz, (j - i) / fs_hz) for i, j in lost]
+    events = _events(trials, start_s, gaps)
+    annotations = [(onset, duration, kind) for onset, duration, kind, *_ in events]
+    content = bdf_bytes(
+        stored, annotations, patient=stem.split("_")[0].removeprefix("sub-"), equipment="emg2vsa-convert",
+        record_s=length_s,
+    )  # fmt: skip
+    write_bytes_atomic(path, content)
+    write_json(path.with_suffix(".json"), _emg_json(channels, part, about, stop_s - start_s))
+    write_tsv(path.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, rows)
+    if events:
+        write_tsv(path.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, events)
+
+
+def _channel_row(
+    label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int
+) -> tuple[object, ...]:
+    told = f"the first {before} samples repeat the first one recorded" if before else "n/a"
+    said = f"{'surface EMG of ' + muscle if muscle else 'pressing force'}; in the source {channel.name!r}: "
+    said += channel.conversion
+    head = (label, "EMG" if muscle else "MISC", unit, said, f"{fs_hz:.10g}")
+    if muscle is None:
+        return (*head, *["n/a"] * 9, "n/a", "good", told)
+    name = MUSCLES.get(muscle.upper(), muscle)
+    distance = "n/a" if about.electrode_mm is None else f"{about.electrode_mm:g}"
+    placed = ("other", f"belly of the {name}", distance, "n/a", "n/a")
+    return (*head, f"{label}1", f"{label}2", label, name, *placed, "n/a", "good", told)
+
+
+_Event = tuple[float, float, str, object, str, str, str]
+"""Cells in the order of ``EVENT_COLUMNS``."""
+
+
+def _events(trials: Trials | None, start_s: float, gaps: Sequence[tuple[float, float]]) -> list[_Event]:
+    rows: list[_Event] = [(round(onset, 6), round(s, 6), "gap", "n/a", "n/a", "n/a", "n/a") for onset, s in gaps]
+    if trials is not None:
+        for i, repetition in enumerate(trials.repetition.tolist()):
+            onset, duration = float(trials.start_s[i]) - start_s, float(trials.duration_s[i])
+            verdict, peak = str(trials.verdict[i]), f"{trials.peak_force_n[i]:.4g}"
+            reason = trials.reasons[i] or "n/a"
+            rows.append((round(onset, 4), round(duration, 4), "press", repetition, verdict, peak, reason))
+    return sorted(rows, key=lambda row: row[0])
+
+
+def _emg_json(channels: _Named, part: RecordingPart, about: About, duration_s: float) -> Json:
+    emg = [channel for channel, muscle in channels.values() if muscle]
+    muscles = [MUSCLES.get(muscle.upper(), muscle) for _, muscle in channels.values() if muscle]
+    placed = f"Bipolar electrodes over the bellies of: {', '.join(muscles)}." if muscles else "No EMG in this file."
+    distance = {} if about.electrode_mm is None else {"InterelectrodeDistance": about.electrode_mm}
+    return {
+        "TaskName": about.task,
+        "TaskDescription": "Press a soft specimen with one finger, several times, with rests between.",
+        "SamplingFrequency": (emg or [channel for channel, _ in channels.values()])[0].fs_hz,
+        "PowerLineFrequency": about.mains_hz if about.mains_hz is not None else "n/a",
+        "RecordingType": "continuous",
+        "RecordingDuration": round(duration_s, 6),
+        "SoftwareFilters": "n/a",
+        "EMGReference": "bipolar",
+        "EMGPlacementScheme": "Other",
+        "EMGPlacementSchemeDescription": placed,
+        "EMGChannelCount": len(emg),
+        "MiscChannelCount": len(channels) - len(emg),
+        "TriggerChannelCount": 0,
+        **distance,
+        "SoftwareVersions": f"converted by emg2vsa {__version__}",
+        **_of_source(part.emg_file),
+        **(about.more or {}),
+    }
+
+
+_FROM_SOURCE = (
+    "Manufacturer", "ManufacturersModelName", "DeviceSerialNumber", "HardwareFilters", "SoftwareFilters",
+    "EMGReference",
+    "EMGGround", "EMGPlacementScheme", "EMGPlacementSchemeDescription", "PowerLineFrequency", "InterelectrodeDistance",
+    "ElectrodeManufacturer", "ElectrodeManufacturersModelName", "ElectrodeType", "ElectrodeMaterial", "InstitutionName",
+    "InstitutionAddress", "InstitutionalDepartmentName", "Instructions", "SkinPreparation",
+)  # fmt: skip
+
+
+def _of_source(path: Path) -> Json:
+    """What the side files of a source that is BIDS already say of how it was recorded."""
+    stated = side_files(path).emg
+    return {key: stated[key] for key in _FROM_SOURCE if key in stated}
+
+
+def _write_dataset(folder: Path, name: str, task: str, people: Sequence[str], sources: Sequence[str]) -> None:
+    write_json(folder / "dataset_description.json", description(name, "raw", "Conversion of recordings to BIDS-EMG."))
+    listed = "\n".join(["Each file and what it was made from:", "", *sources])
+    write_text_atomic(folder / "README.md", _README.format(name=name, version=__version__, sources=listed))
+    write_tsv(folder / "participants.tsv", ("participant_id",), [(person,) for person in people])
+    write_json(folder / "participants.json", {"participant_id": {"Description": "Participant."}})
+    write_json(folder / f"task-{task}_events.json", _EVENTS)

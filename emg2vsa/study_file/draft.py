@@ -1,0 +1,238 @@
+"""A study file drafted from the names of recordings and what one of them holds, for a person to read and complete."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from emg2vsa.readers.units import si_factor
+from emg2vsa.study_file.patterns import REPETITION
+
+FILL = "FILL IN"
+"""Marks every line that a person must look at."""
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9.-]*")
+_DATE = re.compile(
+    r"(19|20)\d{2}-?(0[1-9]|1[0-2])-?([0-2]\d|3[01])([T-]?\d{2}[-.h]?\d{2}([-.m]?\d{2})?)?s?|\d{6,}|\d{2}[-.]\d{2}[-.](\d{2}){1,2}"
+)
+_PERSON = re.compile(r"(?:p|sub|subj|subject|participant|part|vp|pt|person)-?\d+|sub-\w+", re.IGNORECASE)
+_SEPARATORS = re.compile(r"([/_ ]+)")
+
+
+@dataclass(frozen=True)
+class Naming:
+    """How the files of a folder are named.
+
+    pattern : with placeholders and ``*``. participants, specimens : as the names have them, in their order.
+    left_out : files that are named otherwise. guessed : what a person should check, a sentence each.
+    """
+
+    pattern: str
+    participants: tuple[str, ...]
+    specimens: tuple[str, ...]
+    left_out: tuple[str, ...]
+    guessed: tuple[str, ...]
+
+
+def naming_of(files: Sequence[str]) -> Naming | None:
+    """What the paths have in common, ``/`` between folders; None where no pattern names every file once.
+
+    A path is cut at ``/ _`` and blanks. Parts that are the same in every file stay; dates become ``*``. Of the others,
+    two must tell participant and specimen; whole numbers may count repetitions.
+    """
+    split = {file: _parts(file) for file in files}
+    shapes: dict[tuple[str, ...], list[str]] = {}
+    for file, parts in split.items():
+        shapes.setdefault(tuple(parts[1::2]), []).append(file)  # separators and extension
+    alike = max(shapes.values(), key=len)
+    left_out = tuple(file for file in files if file not in alike)
+    rows = [split[file] for file in alike]
+    columns = {i: [row[i] for row in rows] for i in range(0, len(rows[0]), 2)}
+    varying = {i: values for i, values in columns.items() if len(set(values)) > 1}
+    dates = {i for i, values in columns.items() if all(_DATE.fullmatch(value) for value in values)}
+    named = {i: v for i, v in varying.items() if i not in dates and all(_NAME.fullmatch(value) for value in v)}
+    roles = _roles(named)
+    if roles is None or (len(alike) > 1 and not named):
+        return None
+    participant, specimen, repetition, guessed = roles
+    unnamed = [i for i in varying if i not in (participant, specimen, repetition)]
+    pieces = list(rows[0])
+    for index in [*dates, *unnamed]:
+        pieces[index] = "*"
+    for i, placeholder in ((participant, "{participant}"), (specimen, "{specimen}"), (repetition, REPETITION)):
+        if i is not None:
+            pieces[i] = placeholder
+    return Naming(
+        "".join(pieces),
+        tuple(dict.fromkeys(columns[participant])) if participant is not None else ("P01",),
+        tuple(dict.fromkeys(columns[specimen])) if specimen is not None else ("specimen",),
+        left_out,
+        tuple(guessed),
+    )
+
+
+def _parts(file: str) -> list[str]:
+    """Texts and separators in turn; the extension is the last separator, with nothing after it."""
+    stem, dot, extension = file.rpartition(".")
+    return [*_SEPARATORS.split(stem if dot else file), f".{extension}" if dot else "", ""]
+
+
+_Roles = tuple[int | None, int | None, int | None, list[str]]
+
+
+def _roles(named: Mapping[int, Sequence[str]]) -> _Roles | None:
+    """Which parts tell participant, specimen and repetition, and what of it was guessed; None where they cannot."""
+    counts = {i for i, values in named.items() if all(value.isdecimal() for value in values)}
+    words = [i for i in named if i not in counts]
+    people = [i for i, values in named.items() if all(_PERSON.fullmatch(value) for value in values)]
+    if len(words) < 2:
+        words += [i for i in sorted(counts) if i not in words][: 2 - len(words)]
+    for pair in _pairs(sorted(words), people):
+        rest = [i for i in named if i not in pair]
+        keys = list(zip(*(named[i] for i in pair), strict=True))
+        guess = f"{named[pair[0]][0]!r} was taken for a participant and {named[pair[1]][0]!r} for a specimen."
+        if len(set(keys)) == len(keys):
+            return *pair, None, [guess]
+        for i in rest:
+            numbers = [int(value) if value.isdecimal() else None for value in named[i]]
+            if None not in numbers and len(set(zip(keys, numbers, strict=True))) == len(keys):
+                return (
+                    *pair,
+                    i,
+                    [guess, "The number that tells further files of a pair apart was taken for the repetition."],
+                )
+    return _one_part(named, people)
+
+
+def _pairs(words: Sequence[int], people: Sequence[int]) -> list[tuple[int, int]]:
+    """(participant, specimen) to be tried: a part that looks like people's ids first, else in their order."""
+    pairs = [(i, j) for i in words for j in words if i < j]
+    if people:
+        chosen = people[0]
+        own = [(chosen, j) for j in words if j != chosen]
+        return own + [pair for pair in pairs if pair not in own and chosen not in pair]
+    return pairs
+
+
+def _one_part(named: Mapping[int, Sequence[str]], people: Sequence[int]) -> _Roles | None:
+    """A folder of one person, or of one specimen."""
+    for i, values in named.items():
+        others = [j for j in named if j != i]
+        repetition = next(
+            (j for j in others if all(value.isdecimal() for value in named[j])), None
+        )  # fmt: skip
+        keys = list(zip(values, named[repetition] if repetition is not None else values, strict=True))
+        if len(set(keys)) < len(keys):
+            continue
+        if i in people:
+            return i, None, repetition, ["All files were taken for recordings on one specimen."]
+        return None, i, repetition, ["All files were taken for recordings of one participant."]
+    return (None, None, None, ["The one file was taken for one participant on one specimen."]) if not named else None
+
+
+@dataclass(frozen=True)
+class DraftChannel:
+    """name : in the file. unit : the one it states, or None. fs_hz : where the file states none, else None.
+
+    sign : of the force. said : what it was taken for, and why. no_rate : the file states no rate and nobody else did.
+    """
+
+    name: str
+    unit: str | None
+    fs_hz: float | None = None
+    sign: int = 1
+    said: str = ""
+    no_rate: bool = False
+
+
+def draft(
+    name: str, naming: Naming | None, files: Sequence[str], emg: Mapping[str, DraftChannel], force: DraftChannel | None,
+    stiffness: Mapping[str, float], seen: Sequence[str],
+) -> str:  # fmt: skip
+    """The text of the study file. seen : what was looked at.
+
+    ``files`` are listed one by one where ``naming`` is None.
+    """
+    lines = [f"# Drafted by emg2vsa new. Lines marked {FILL} wait for you; the others are worth a look.", ""]
+    lines += ["[study]", f"name = {_text(name)}", ""]
+    listed = [_listed(file) for file in files] if naming is None else []
+    people = naming.participants if naming else tuple(dict.fromkeys(person for person, _ in listed))
+    specimens = naming.specimens if naming else tuple(dict.fromkeys(specimen for _, specimen in listed))
+    lines += ["[participants]", f"ids = [{', '.join(map(_text, people))}]"]
+    if naming and "{participant}" not in naming.pattern:
+        lines[-1] += f"  # {FILL}: the names of the files do not tell who was recorded"
+    for specimen in specimens:
+        lines += ["", "[[specimens]]", f"name = {_text(specimen)}"]
+        if specimen in stiffness:
+            lines.append(f"stiffness_n_per_mm = {stiffness[specimen]:g}")
+        else:
+            lines.append(f"# stiffness_n_per_mm =   # {FILL} where it was measured (emg2vsa stiffness)")
+    lines += ["", "[recordings]", *_recordings(naming, files, listed)]
+    lines += ["", "# Channels, guessed from", *(f"#   {one}" for one in seen)]
+    for role, channel in emg.items():
+        lines += ["", f"[channels.emg.{_text(role)}]", *_channel(channel, is_force=False)]
+    if not emg:
+        lines += ["", f"# {FILL}: no channel looks like EMG. Name one for each muscle, as:", "# [channels.emg.EDC]"]
+        lines += ['# name = "..."']
+    lines += ["", "[channels.force]"]
+    lines += (
+        [f'name = "..."  # {FILL}: no channel looks like the force']
+        if force is None
+        else _channel(force, is_force=True)
+    )
+    lines += [
+        "", "[window]", f"# expected_trials = 10   # {FILL}: presses of each participant on each specimen", "",
+        "# A specimen that nobody pressed, for which schedules are to be made; specimens need their stiffness for it:",
+        "# [profile]", '# new_specimen = "new"', "# new_stiffness_n_per_mm = 3.0", "",
+    ]  # fmt: skip
+    return "\n".join(lines)
+
+
+def _recordings(naming: Naming | None, files: Sequence[str], listed: Sequence[tuple[str, str]]) -> list[str]:
+    if naming is not None:
+        lines = [f"# Check: {guess}" for guess in naming.guessed]
+        lines += [f"# Not among them, since it is named otherwise: {file}" for file in naming.left_out]
+        return [*lines, 'layout = "pattern"', f"pattern = {_text(naming.pattern)}"]
+    lines = [f'layout = "files"   # {FILL}: the names of the files show no pattern; check participant and specimen']
+    for file, (person, specimen) in zip(files, listed, strict=True):
+        lines += ["[[recordings.files]]", f"participant = {_text(person)}", f"specimen = {_text(specimen)}"]
+        lines += [f"emg = {_text(file)}"]
+    return lines
+
+
+def _listed(file: str) -> tuple[str, str]:
+    """A participant and a specimen that keep a file apart from others: first part of its path, and the rest."""
+    texts = [re.sub(r"[^A-Za-z0-9.-]", "", part) for part in _parts(file)[:-2:2]]
+    texts = [text.lstrip(".-") for text in texts if text.lstrip(".-")]
+    if len(texts) < 2:
+        return "P01", texts[0] if texts else "specimen"
+    return texts[0], "_".join(texts[1:])
+
+
+_OF_MASS = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf"}
+
+
+def _channel(channel: DraftChannel, *, is_force: bool) -> list[str]:
+    lines = [f"# {channel.said}"] if channel.said else []
+    lines.append(f"name = {_text(channel.name)}")
+    unit, known = channel.unit, si_factor(channel.unit)
+    if is_force and unit in _OF_MASS:
+        lines.append(f'unit = "{_OF_MASS[unit]}"   # {FILL}: the file states {unit}, a mass; is its weight meant?')
+    elif unit is None:
+        lines.append(f'unit = "{"N" if is_force else "mV"}"   # {FILL}: the file states no unit; this is a guess')
+    elif known is None or known[0] != ("N" if is_force else "V"):
+        key = "newtons_per_unit = 1.0" if is_force else 'unit = "mV"'
+        lines.append(f"{key}   # {FILL}: the file states {unit}; this is a guess")
+    if channel.no_rate:
+        lines.append(f"fs_hz = 1000   # {FILL}: the file has no time column; this is a guess")
+    elif channel.fs_hz is not None:
+        lines.append(f"fs_hz = {channel.fs_hz:g}")
+    if channel.sign < 0:
+        lines.append("sign = -1")
+    return lines
+
+
+def _text(text: str) -> str:
+    """As TOML writes it, whose basic strings are JSON's but for one sign."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

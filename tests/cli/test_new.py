@@ -1,0 +1,126 @@
+"""``emg2vsa new``: from a folder of recordings to a study that runs."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.cli import main
+from emg2vsa.settings import SimulationSettings
+from emg2vsa.study_file import load_study
+from emg2vsa.synthetic.recording import make_recording
+
+PEOPLE, SPECIMENS = ("ama", "bob"), {"hard": 40e-6, "soft": 20e-6}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A newcomer's folder: a date first, mV, units glued or in brackets, pressing negative."""
+    folder = tmp_path_factory.mktemp("lab")
+    (folder / "raw").mkdir()
+    for i, person in enumerate(PEOPLE):
+        for j, (specimen, b_v) in enumerate(SPECIMENS.items()):
+            made = make_recording(
+                np.random.SeedSequence([i, j]), SimulationSettings(repetitions=3), a_v=2 * b_v, b_v=b_v,
+                window_n=(0.5, 7),
+            )  # fmt: skip
+            time = np.arange(made.force_n.size) / 1000
+            table = np.column_stack([time, 1e3 * made.emg_v["EDC"], 1e3 * made.emg_v["FDS"], -made.force_n])
+            head = "time (s),Ch1 ExtDig (mV),FDS_mV,Fz [N]"
+            name = f"2026-05-{10 * i + j:02d}_{person}_{specimen}_press.csv"
+            np.savetxt(folder / "raw" / name, table, "%.9g", ",", header=head, comments="")
+    (folder / "raw" / "notes.txt").write_text("bob was tired\nthat day\n")
+    return folder
+
+
+@pytest.fixture
+def drafted(folder: Path, tmp_path: Path) -> Path:
+    study = tmp_path / "study.toml"
+    words = ["--out", str(study), "--stiffness", "hard=6", "--stiffness", "soft=1.5", "--name", "mine"]
+    assert main(["new", str(folder), *words, "--no-questions"]) == 0
+    return study
+
+
+def test_the_draft_loads_and_finds_every_file(drafted: Path, folder: Path) -> None:
+    study = load_study(drafted)
+    assert study.participants == PEOPLE
+    assert study.stiffness_n_per_mm == {"hard": 6.0, "soft": 1.5}
+    assert [entry.emg_file.is_file() for entry in study.recordings] == [True] * 4
+    channels = study.recordings[0].channels
+    assert {role: channel.name for role, channel in channels.emg.items()} == {"EDC": "Ch1 ExtDig", "FDS": "FDS"}
+    assert (channels.force.name, channels.force.sign) == ("Fz", -1)
+    assert "notes.txt" in drafted.read_text()
+
+
+def test_an_existing_study_file_is_never_replaced(
+    drafted: Path, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = drafted.read_text()
+    assert main(["new", str(folder), "--out", str(drafted)]) == 2
+    assert "wanted no study file yet; found one" in capsys.readouterr().err
+    assert drafted.read_text() == before
+
+
+def test_what_no_file_tells_is_asked_on_a_terminal(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = iter(["six", "6,5", ""])
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    monkeypatch.setattr("builtins.input", lambda question: next(answers))
+    assert main(["new", str(folder), "--out", str(tmp_path / "s.toml")]) == 0
+    assert load_study(tmp_path / "s.toml").stiffness_n_per_mm == {"hard": 6.5}
+
+
+def test_lines_to_fill_are_counted(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "s.toml"
+    assert main(["new", str(folder), "--out", str(out), "--json"]) == 0
+    lines = json.loads(capsys.readouterr().out)["fill_in_lines"]
+    text = out.read_text().splitlines()
+    assert [("stiffness" in text[n - 1], "expected_trials" in text[n - 1]) for n in lines] == [
+        (True, False), (True, False), (False, True),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["none"], "wanted a folder of recordings; found none"),
+        (["empty"], "found a folder without any"),
+        (["texts"], "found none that can be read"),
+        (["raw", "--stiffness", "hard"], "--stiffness: wanted NAME=NUMBER"),
+        (["raw", "--stiffness", "foam=3"], "wanted a specimen that the files name (hard, soft); found 'foam'"),
+        (["raw", "--fs", "0"], "--fs: wanted a rate above 0 Hz"),
+    ],
+)
+def test_bad_input(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    (folder / "empty").mkdir(exist_ok=True)
+    (folder / "texts").mkdir(exist_ok=True)
+    (folder / "texts" / "a.txt").write_text("not a\nrecording\n")
+    assert main(["new", str(folder / words[0]), *words[1:], "--out", str(tmp_path / "s.toml")]) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "s.toml").exists()
+
+
+@pytest.mark.slow
+def test_from_a_folder_to_schedules_with_three_lines_edited(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = tmp_path / "study.toml"
+    assert main(["new", str(folder), "--out", str(study)]) == 0
+    text, edited = study.read_text(), 0
+    for value in ("6.0", "1.5"):
+        text, n = re.subn(r"# stiffness_n_per_mm = .*", f"stiffness_n_per_mm = {value}", text, count=1)
+        edited += n
+    text, n = re.subn(r"# expected_trials = 10.*", "expected_trials = 3", text)
+    study.write_text(text)
+    assert edited + n == 3
+    assert main(["run", str(study), "--jobs", "2"]) == 0
+    assert main(["schedule", str(study), "--out", str(tmp_path / "schedules")]) == 0
+    names = {path.stem for path in (tmp_path / "schedules").glob("*.csv")}
+    assert {"hard_modular", "soft_modular"} <= names

@@ -1,0 +1,77 @@
+"""What the names of files tell, and a draft that loads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.study_file import load_study
+from emg2vsa.study_file.draft import FILL, DraftChannel, draft, naming_of
+
+
+@pytest.mark.parametrize(
+    ("files", "pattern", "people", "specimens"),
+    [
+        (["anna_hard.csv", "anna_soft.csv", "ben_hard.csv"], "{participant}_{specimen}.csv", "anna ben", "hard soft"),
+        (
+            ["2026-05-01_ama_A_press.csv", "2026-05-02_ama_B_press.csv", "2026-05-03_bo_A_press.csv"],
+            "*_{participant}_{specimen}_press.csv", "ama bo", "A B",
+        ),
+        (["P01/S1.c3d", "P01/S2.c3d", "P02/S1.c3d"], "{participant}/{specimen}.c3d", "P01 P02", "S1 S2"),
+        (["S1/P01.c3d", "S2/P01.c3d", "S1/P02.c3d"], "{specimen}/{participant}.c3d", "P01 P02", "S1 S2"),
+        (
+            ["a_x_1.csv", "a_x_2.csv", "b_x_1.csv", "b_y_1.csv"],
+            "{participant}_{specimen}_{repetition}.csv", "a b", "x y",
+        ),
+        (
+            ["a_1_x.csv", "a_2_y.csv", "b_1_y.csv", "b_2_x.csv"],  # an order, which nothing needs
+            "{participant}_*_{specimen}.csv", "a b", "x y",
+        ),
+        (["20260501_a_x.csv"], "*_a_x.csv", "P01", "specimen"),
+        (["r_hard.csv", "r_soft.csv"], "r_{specimen}.csv", "P01", "hard soft"),
+        (["P1_t.csv", "P2_t.csv"], "{participant}_t.csv", "P1 P2", "specimen"),
+        (["x_1.csv", "x_2.csv", "y_1.csv"], "{participant}_{specimen}.csv", "x y", "1 2"),
+    ],
+)  # fmt: skip
+def test_names(files: list[str], pattern: str, people: str, specimens: str) -> None:
+    found = naming_of(files)
+    assert found is not None
+    assert found.pattern == pattern
+    assert (" ".join(found.participants), " ".join(found.specimens)) == (people, specimens)
+
+
+def test_files_named_otherwise_are_told() -> None:
+    found = naming_of(["a_x.csv", "a_y.csv", "b_x.csv", "test.csv", "mvc/a_x.csv"])
+    assert found is not None
+    assert found.left_out == ("test.csv", "mvc/a_x.csv")
+
+
+def test_names_without_a_pattern_are_listed(tmp_path: Path) -> None:
+    files = ["é1_ü.csv", "b1_x.csv"]
+    assert naming_of(files) is None
+    emg = {"E D": DraftChannel('a "b"', "mV")}
+    text = draft("s", None, files, emg, DraftChannel("Fz", "N"), {}, ["b1_x.csv"])
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    study = load_study(tmp_path / "study.toml")
+    assert [entry.emg_file.name for entry in study.recordings] == files
+    assert study.recordings[0].channels.emg["E D"].name == 'a "b"'
+
+
+@pytest.mark.parametrize(
+    ("channel", "line"),
+    [
+        (DraftChannel("Fz", "kg"), f'unit = "kgf"   # {FILL}'),
+        (DraftChannel("Fz", None), f'unit = "N"   # {FILL}'),
+        (DraftChannel("Fz", "counts"), f"newtons_per_unit = 1.0   # {FILL}"),
+        (DraftChannel("Fz", "N", 500.0), "fs_hz = 500"),
+        (DraftChannel("Fz", "N", no_rate=True), f"fs_hz = 1000   # {FILL}"),
+        (DraftChannel("Fz", "Newton", sign=-1), "sign = -1"),
+    ],
+)
+def test_what_the_file_does_not_say_is_marked(channel: DraftChannel, line: str, tmp_path: Path) -> None:
+    naming = naming_of(["a_x.csv", "a_y.csv", "b_x.csv"])
+    text = draft("s", naming, [], {"EDC": DraftChannel("E", "V")}, channel, {"x": 2.5}, [])
+    assert line in text.split("[channels.force]")[1]
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    assert load_study(tmp_path / "study.toml").stiffness_n_per_mm == {"x": 2.5}
