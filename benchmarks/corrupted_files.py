@@ -23,6 +23,7 @@ import numpy as np
 import pandas as pd
 import scipy.io
 
+from benchmarks.made_recordings import save_opensignals_hdf5, save_tdms, xdf
 from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, InChild, child_pid, end_child
 from emg2vsa.errors import RecordingError
@@ -88,6 +89,11 @@ def good_files(folder: Path) -> list[Path]:
     header = ",".join("X[s]" if name.startswith("t") else f'"Sensor: {name}"' for name in columns)
     pd.DataFrame(columns).to_csv(paths[4], index=False, header=header.split(","), float_format="%.7g", quoting=3)
     real = REAL / "btk_PiG_Motion-FlatFoot-Full.c3d"
+    for name, save in (("rec.tdms", save_tdms), ("rec.h5", save_opensignals_hdf5)):
+        paths.append(folder / name)
+        save(paths[-1])
+    paths.append(folder / "rec.xdf")
+    paths[-1].write_bytes(xdf())
     return [*paths[:2], real if real.exists() else _c3d(folder / "rec.c3d", samples), *paths[2:]]
 
 

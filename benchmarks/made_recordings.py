@@ -10,6 +10,7 @@ import json
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.io
@@ -95,7 +96,7 @@ def c3d_sgi(n_frames: int = 20, per_frame: int = 4) -> bytes:
 
     Channel "EMG" counts 0, 1, 2, ... mV; channel "Fz" is the negative of it in N.
     """
-    groups = {
+    groups: dict[str, dict[str, Any]] = {
         "POINT": {"USED": 0, "SCALE": -1.0, "RATE": 100.0, "DATA_START": 3, "FRAMES": n_frames},
         "ANALOG": {
             "USED": 2, "LABELS": ["EMG", "Fz "], "UNITS": ["mV", "N "], "GEN_SCALE": 1.0, "SCALE": [1.0, 1.0],
@@ -248,6 +249,81 @@ def plain_csv() -> bytes:
 def text_matrix() -> bytes:
     rows = [f"{i / 1000:.6e} {wave(N, 1)[i]:.6e} {wave(N, 2)[i]:.6e}" for i in range(N)]
     return ("\n".join(rows) + "\n").encode()
+
+
+# What foreign decoders read
+
+
+def save_tdms(path: Path, unrated: bool = False) -> None:
+    """Two groups: EMG at 2000 Hz in V, and, 10 ms later, force at 500 Hz in N; ``unrated``: one without rate."""
+    import nptdms
+
+    begun = np.datetime64("2024-01-02T03:04:05.000000")
+    emg = {"wf_increment": 1 / 2000, "wf_start_offset": 0.0, "wf_start_time": begun, "unit_string": "mV"}
+    later = begun + np.timedelta64(10, "ms")
+    force = {"wf_increment": 1 / 500, "wf_start_offset": 0.001, "wf_start_time": later, "NI_UnitDescription": "N"}
+    channels = [
+        nptdms.ChannelObject("EMG box", "EDC", wave(4 * N, 1), properties=emg),
+        nptdms.ChannelObject("Plate", "Fz", wave(N, 2), properties=force),
+        nptdms.ChannelObject("Plate", "words", ["a", "b"]),
+        nptdms.ChannelObject("Decimated Data_Level 1", "EDC", wave(4, 1)),
+    ]
+    with nptdms.TdmsWriter(path) as writer:
+        writer.write_segment([*channels, nptdms.ChannelObject("Plate", "EDC", wave(N, 3))] if unrated else channels)
+
+
+def save_opensignals_hdf5(path: Path) -> None:
+    """Two devices of 1000 and 500 Hz, channels 3 and 1; two samples are lost after the tenth."""
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        for address, fs_hz, n, k in (("00:A", 1000, N, 3), ("00:B", 500, N // 2, 1)):
+            device = file.create_group(address)
+            device.attrs.update(
+                {"sampling rate": fs_hz, "device": "biosignalsplux", "date": "2020-1-2", "time": "3:4:5"}
+            )
+            device["raw/nSeq"] = np.concatenate([np.arange(10), np.arange(10, n) + 2]).astype("u2")[:, None]
+            device[f"raw/channel_{k}"] = np.arange(n, dtype="u2")[:, None]
+            device["support/level_10/channel_1/mean"] = np.zeros((9, 1))
+
+
+def xdf(uneven: bool = False) -> bytes:
+    """Streams: 1 "EMG" 500 Hz with names and units, 2 "Force" 50 Hz, 3 "Events" at 10 Hz, 4 "Markers", 5 "Empty".
+
+    uneven : the time stamps of 3 are.
+    """
+    labels = "".join(f"<channel><label>{name}</label><unit>microvolts</unit></channel>" for name in ("EDC", "FDS"))
+    heads = {
+        1: ("EMG", 2, 500, "float32", f"<channels>{labels}</channels>"), 2: ("Force", 1, 50, "double64", ""),
+        3: ("Events", 1, 0, "int32", ""), 4: ("Markers", 1, 0, "string", ""), 5: ("Empty", 1, 100, "float32", ""),
+    }  # fmt: skip
+    parts = [b"XDF:" + _xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')]
+    for stream, (name, n_channels, fs_hz, kind, desc) in heads.items():
+        info = f"<info><name>{name}</name><type>X</type><channel_count>{n_channels}</channel_count>"
+        info += (
+            f"<nominal_srate>{fs_hz}</nominal_srate><channel_format>{kind}</channel_format><desc>{desc}</desc></info>"
+        )
+        parts.append(_xdf_chunk(2, struct.pack("<I", stream) + info.encode()))
+    emg, force = np.stack([wave(5 * N, 1), wave(5 * N, 2)], axis=1), wave(N // 2, 3)
+    samples = {
+        1: [(3 + i / 500, row.astype("<f4").tobytes()) for i, row in enumerate(emg)],
+        2: [(3.05 + i / 50, struct.pack("<d", value)) for i, value in enumerate(force)],
+        3: [
+            (3 + t, struct.pack("<i", i))
+            for i, t in enumerate((0.0, 0.1, 0.35 if uneven else 0.2, 0.4 if uneven else 0.3))
+        ],
+        4: [(3.5, b"\1\4stop")],
+    }
+    for stream, rows in samples.items():
+        body = struct.pack("<IBI", stream, 4, len(rows))
+        body += b"".join(b"\x08" + struct.pack("<d", stamp) + row for stamp, row in rows)
+        parts.append(_xdf_chunk(3, body))
+    parts += [_xdf_chunk(6, struct.pack("<I", stream) + b"<info></info>") for stream in heads]
+    return b"".join(parts)
+
+
+def _xdf_chunk(tag: int, content: bytes) -> bytes:
+    return struct.pack("<BIH", 4, len(content) + 2, tag) + content
 
 
 MADE: dict[str, Callable[[], bytes]] = {

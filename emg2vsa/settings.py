@@ -89,7 +89,7 @@ class ChannelSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class ReadingSettings:
-    """What the decoder of a binary recording (EDF, BDF, C3D, .mat) may cost before the file is refused."""
+    """What the decoder of a binary recording (EDF, C3D, .mat, TDMS, XDF, HDF5) may cost before the file is refused."""
 
     max_seconds: Annotated[float, Ge(1), Le(3600)] = 10.0
     "Longest time for opening the file and for each decoding, seconds; 1 s more for every 10 MB of the file."

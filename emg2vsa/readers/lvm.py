@@ -41,6 +41,7 @@ class _Run:
     track: Track
     step_error_s: float
     parts: list[NDArray[np.float64]] = field(default_factory=list)
+    notes: dict[str, None] = field(default_factory=dict)
     n: int = 0
 
     def joined_by(self, track: Track) -> bool:
@@ -50,16 +51,18 @@ class _Run:
         late_s = track.start_s - self.track.start_s - self.n / fs_hz
         return abs(late_s) <= 0.5 / fs_hz + self.n * self.step_error_s
 
-    def add(self, samples: NDArray[np.float64]) -> None:
+    def add(self, samples: NDArray[np.float64], notes: tuple[str, ...]) -> None:
+        self.notes.update(dict.fromkeys(notes))
         self.parts.append(samples)
         self.n += samples.size
 
 
 @dataclass(frozen=True)
 class _Segment:
-    """stated : the cells of each header line by its key. rows : data of the file from ``at``, line ``number``, on."""
+    """stated : the cells of each header line by its key. line : number of the first."""
 
     stated: Mapping[str, list[str]]
+    line: int
     labels: Sequence[str]
     body: Body
 
@@ -87,12 +90,12 @@ def open_recording(path: Path) -> OnDemand:
             of_channel = runs.setdefault((place, track.name), [])
             if not of_channel or not of_channel[-1].joined_by(track):
                 of_channel.append(_Run(track, step_error_s))
-            of_channel[-1].add(samples)
+            of_channel[-1].add(samples, track.notes)
     tracks, series = [], []
     for (_, name), of_channel in runs.items():
         for i, run in enumerate(of_channel, start=1):
             called = name if i == 1 else f"{name}, segment {i}"
-            tracks.append(replace(run.track, name=called, n_samples=run.n))
+            tracks.append(replace(run.track, name=called, n_samples=run.n, notes=tuple(run.notes)))
             series.append(run.parts[0] if len(run.parts) == 1 else np.concatenate(run.parts))
     refuse_nothing(path, tracks)
     notes = (*cut, *filter(None, [dialect.note]))
@@ -144,7 +147,7 @@ def _segment(text: TextFile, dialect: Dialect, start: int, end: int, number: int
     rows = text.filled_lines(SNIFFED_ROWS, names.end, names.number + 1)
     n_fields = widest(dialect, [row for row in rows if row.end <= end] or [names])
     body = Body(text.path, data, names.number + 1, dialect, n_fields, None)
-    return _Segment(stated, labels, body)
+    return _Segment(stated, number, labels, body)
 
 
 def _channels(segment: _Segment, x_columns: str, offset_s: float) -> list[tuple[Track, NDArray[np.float64], float]]:
@@ -170,9 +173,13 @@ def _channels(segment: _Segment, x_columns: str, offset_s: float) -> list[tuple[
             where = f"{segment.body.path}, X_Value of {name!r}"
             fs_hz, start_s = even_clock(columns[x][: samples.size], where, segment.body.line, 2e-6)
             error_s = 0.0
-        elif step_s > 0 and error_s > _WORTH_SAYING * step_s:
+        elif step_s > 0 and error_s > _WORTH_SAYING * step_s and abs(fs_hz - round(fs_hz)) > 1e-9 * fs_hz:
             low, high = 1 / (step_s + error_s), 1 / (step_s - error_s)
             notes = (f"{name}: Delta_X is rounded to {step} s; the rate lies between {low:.6g} and {high:.6g} Hz.",)
+        promised = _value(_cell(segment.stated, "Samples", place))
+        if samples.size < promised:
+            said = f"{name}: line {segment.line} promises {promised:g} samples, {samples.size} follow."
+            notes = (*notes, said)
         start_s = offset_s + (0.0 if np.isnan(start_s) else start_s)
         found.append((Track(name, unit, fs_hz, 0, start_s, notes), samples, error_s))
     return found

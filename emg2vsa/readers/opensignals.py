@@ -23,7 +23,6 @@ from emg2vsa.readers.opened import Contents, unique_names
 from emg2vsa.readers.plain_csv import SNIFFED_ROWS, widest
 from emg2vsa.readers.text_file import open_text, sniff, without_cut_line
 
-COUNTS = "counts"
 COUNTER = "nSeq"
 _HEADER_LINES = 3
 _MARKS = {"nSeq", "DI", "I1", "I2", "O1", "O2"}
@@ -71,13 +70,10 @@ def open_recording(path: Path) -> OnDemand:
     for device in devices:
         rows_of = _rows(device, counters)
         for name, other, at in _channels(device):
-            track_notes = (note_on_counts(device.stated),) if name not in _MARKS else ()
-            unit = COUNTS if name not in _MARKS else None
+            unit, notes = (None, ()) if name in _MARKS else unit_of(device.stated)
             prefix = f"{device.address}: " if len(devices) > 1 else ""
             aliases[prefix + other] = len(tracks)
-            tracks.append(
-                Track(prefix + name, unit, device.fs_hz, rows_of.n_samples, notes=(*rows_of.notes, *track_notes))
-            )
+            tracks.append(Track(prefix + name, unit, device.fs_hz, rows_of.n_samples, notes=(*rows_of.notes, *notes)))
             places.append((device.first + at, rows_of))
     names = unique_names([track.name for track in tracks])
 
@@ -88,9 +84,14 @@ def open_recording(path: Path) -> OnDemand:
     return OnDemand(path, Contents(names, aliases, cut, started(devices[0].stated)), tuple(tracks), decode)
 
 
-def note_on_counts(stated: Mapping[str, Any]) -> str:
+def unit_of(stated: Mapping[str, Any]) -> tuple[str | None, tuple[str, ...]]:
+    """Unit of a device's analogue channels, and what to say of it."""
+    if stated.get("convertedValues"):
+        return None, ("OpenSignals converted these values; the file does not state to which unit.",)
     device = str(stated.get("device", "this device"))
-    return f"OpenSignals stores counts of the converter ({device}); the file does not state what a count is worth."
+    return "counts", (
+        f"OpenSignals stores counts of the converter ({device}); the file does not state what a count is worth.",
+    )
 
 
 def started(stated: Mapping[str, Any]) -> str:

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import CountedRows, OnDemand, Track, counted, refuse_nothing
 from emg2vsa.readers.opened import Contents, said_by, unique_names
-from emg2vsa.readers.opensignals import COUNTER, COUNTS, note_on_counts, rate_hz, started
+from emg2vsa.readers.opensignals import COUNTER, rate_hz, started, unit_of
 
 _WRITTEN_BY = "OpenSignals, or MATLAB 7.3"
+_RAW = "channel_"
 
 
 def open_recording(path: Path) -> OnDemand:
@@ -49,12 +50,12 @@ def _opened(path: Path, file: h5py.File) -> OnDemand:
         fs_hz = rate_hz(path, address, stated)
         rows = _rows(address, device, fs_hz)
         prefix = f"{address}: " if len(devices) > 1 else ""
-        for own, channel, unit in _channels(device):
+        for own, channel in _channels(device):
             label = str(channel.attrs.get("label", own))
             own_rows = rows if rows.n_rows == channel.shape[0] else CountedRows(None, channel.shape[0])
-            notes = (*own_rows.notes, *((note_on_counts(stated),) if unit else ()))
+            unit, notes = unit_of(stated) if own.startswith(_RAW) else (None, ())
             aliases[prefix + own] = len(tracks)
-            tracks.append(Track(prefix + label, unit, fs_hz, own_rows.n_samples, notes=notes))
+            tracks.append(Track(prefix + label, unit, fs_hz, own_rows.n_samples, notes=(*own_rows.notes, *notes)))
             places.append((channel, own_rows))
     refuse_nothing(path, tracks)
 
@@ -73,16 +74,16 @@ def _text(attributes: Mapping[str, Any]) -> dict[str, str]:
     return {key: str(attributes[key]) for key in ("date", "time") if key in attributes}
 
 
-def _channels(device: h5py.Group) -> list[tuple[str, h5py.Dataset, str | None]]:
-    """(own name, samples, unit) of the analogue channels in order of their number, then of the digital ones."""
+def _channels(device: h5py.Group) -> list[tuple[str, h5py.Dataset]]:
+    """(own name, samples) of the analogue channels in order of their number, then of the digital ones."""
     found = []
-    for folder, start, unit in (("raw", "channel_", COUNTS), ("digital", "digital_", None)):
+    for folder, start in (("raw", _RAW), ("digital", "digital_")):
         group = device.get(folder)
         names = [name for name in group if name.startswith(start)] if isinstance(group, h5py.Group) else []
         for name in sorted(names, key=lambda name: (len(name), name)):
             channel = group[name]
             if isinstance(channel, h5py.Dataset) and channel.ndim in (1, 2) and channel.size == channel.shape[0]:
-                found.append((name, channel, unit))
+                found.append((name, channel))
     return found
 
 

@@ -69,7 +69,7 @@ def without_cut_line(text: TextFile) -> tuple[TextFile, tuple[str, ...]]:
     if not text.data or text.data.endswith((b"\n", b"\r")):
         return text, ()
     kept = max(text.data.rfind(b"\n"), text.data.rfind(b"\r")) + 1
-    if kept == 0 or not text.data[kept:].strip():  # a file of one line holds no recording
+    if not text.data[:kept].strip() or not text.data[kept:].strip():  # a file of one line holds no recording
         return text, ()
     number = len(text.data[:kept].splitlines()) + 1
     note = f"Line {number}, the last, has no line end and may be cut in the middle of a number; it was left out."

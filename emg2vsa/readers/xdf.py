@@ -74,9 +74,17 @@ def _opened(path: Path, streams: Sequence[Mapping[str, Any]], cut: bool) -> OnDe
         )
     refuse_nothing(path, tracks)
     names = unique_names([track.name for track in tracks])
-    return OnDemand(
-        path, Contents(names, notes=tuple(notes)), tuple(tracks), lambda indices: [series[i] for i in indices]
-    )
+
+    def decode(indices: Sequence[int]) -> list[NDArray[Any]]:
+        for i in indices:
+            if np.isnan(tracks[i].fs_hz):
+                raise RecordingError(
+                    f"{path}, channel {names[i]!r}", wanted="evenly spaced time stamps",
+                    found="; ".join(tracks[i].notes), do="Choose another stream, or resample this one evenly first.",
+                )  # fmt: skip
+        return [series[i] for i in indices]
+
+    return OnDemand(path, Contents(names, notes=tuple(notes)), tuple(tracks), decode)
 
 
 def _add(

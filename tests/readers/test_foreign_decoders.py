@@ -123,7 +123,17 @@ def test_limits_of_the_command(tmp_path: Path) -> None:
 
 def test_flipped_bytes_are_read_or_refused(tmp_path: Path) -> None:
     tallies = [flipped(good, tries=20, seed=7) for good in good_files(tmp_path)]
-    assert [tally.name.rpartition(".")[2] for tally in tallies] == ["edf", "bdf", "c3d", "mat", "mat", "csv"]
+    assert [tally.name.rpartition(".")[2] for tally in tallies] == [
+        "edf",
+        "bdf",
+        "c3d",
+        "mat",
+        "mat",
+        "csv",
+        "tdms",
+        "h5",
+        "xdf",
+    ]
     for tally in tallies:
         assert tally.tries == 20
         assert tally.outcomes["other exception"] == 0, tally.examples

@@ -165,21 +165,11 @@ def test_a_damaged_opensignals_header_is_refused(tmp_path: Path, old: str, new: 
 
 
 def test_devices_of_one_hdf5_file_keep_their_own_rates(tmp_path: Path) -> None:
-    h5py = pytest.importorskip("h5py")
-    path = tmp_path / "made_two_devices.h5"
-    with h5py.File(path, "w") as file:
-        for address, fs_hz, n, k in (("00:A", 1000, 90, 3), ("00:B", 500, 50, 1)):
-            device = file.create_group(address)
-            device.attrs.update(
-                {"sampling rate": fs_hz, "device": "biosignalsplux", "date": "2020-1-2", "time": "3:4:5"}
-            )
-            sequence = np.concatenate([np.arange(10), np.arange(10, n) + 2])  # two samples lost
-            device["raw/nSeq"] = sequence.astype("u2")[:, None]
-            device[f"raw/channel_{k}"] = np.arange(n, dtype="u2")[:, None]
-            device["support/level_10/channel_1/mean"] = np.zeros((9, 1))
-    opened = open_recording(path)[1]
+    pytest.importorskip("h5py")
+    made.save_opensignals_hdf5(tmp_path / "made_two_devices.h5")
+    opened = open_recording(tmp_path / "made_two_devices.h5")[1]
     assert [(c.name, c.fs_hz, c.n_samples) for c in opened.describe()] == [
-        ("00:A: channel_3", 1000, 92), ("00:B: channel_1", 500, 52),
+        ("00:A: channel_3", 1000, N + 2), ("00:B: channel_1", 500, N // 2 + 2),
     ]  # fmt: skip
     assert np.flatnonzero(np.isnan(_channel(opened, "00:B: channel_1").samples)).tolist() == [10, 11]
 
@@ -190,6 +180,38 @@ def test_an_hdf5_file_of_another_program_is_refused(tmp_path: Path) -> None:
         file["x"] = np.zeros(9)
     with pytest.raises(RecordingError, match=r"wanted an HDF5 file of OpenSignals.*found groups 'x'"):
         open_recording(tmp_path / "a.h5")
+
+
+# TDMS and XDF
+
+
+def test_groups_of_a_tdms_file_keep_their_rates_and_starts(tmp_path: Path) -> None:
+    pytest.importorskip("nptdms")
+    made.save_tdms(tmp_path / "made_two_groups.tdms", unrated=True)
+    opened = open_recording(tmp_path / "made_two_groups.tdms")[1]
+    emg, force, unrated = (_channel(opened, name) for name in ("EMG box: EDC", "Fz", "Plate: EDC"))
+    assert (emg.unit, emg.fs_hz, emg.start_s, emg.samples.size) == ("mV", 2000.0, 0.0, 4 * N)
+    assert (force.unit, force.fs_hz) == ("N", 500.0)
+    assert force.start_s == pytest.approx(0.011, abs=1e-12)
+    assert np.isnan(unrated.fs_hz)
+    assert "no wf_increment" in unrated.notes[0]
+    assert len(opened.contents.names) == 3
+    assert any(note.startswith("words: holds no numbers") for note in opened.contents.notes)
+    np.testing.assert_array_equal(force.samples, made.wave(N, 2))
+
+
+def test_streams_of_an_xdf_file_keep_their_rates_and_times(tmp_path: Path) -> None:
+    pytest.importorskip("pyxdf")
+    opened = _opened(tmp_path, made.xdf(uneven=True), "made_streams.xdf")
+    assert opened.contents.names == ("EMG: EDC", "EMG: FDS", "Force: 1", "Events: 1")
+    assert opened.contents.notes == ("Markers: 1 markers (texts), which are no channel.", "Empty: the stream is empty.")
+    fds, force = (_channel(opened, name) for name in ("EMG: FDS", "Force: 1"))
+    np.testing.assert_array_equal(fds.samples, made.wave(5 * N, 2).astype("f4"))
+    np.testing.assert_array_equal(force.samples, made.wave(N // 2, 3))
+    assert (fds.unit, fds.fs_hz, fds.start_s) == ("uV", pytest.approx(500), pytest.approx(3))
+    assert (force.unit, force.fs_hz, force.start_s) == (None, pytest.approx(50), pytest.approx(3.05))
+    with pytest.raises(RecordingError, match=r"'Events: 1': wanted evenly spaced time stamps.* found a gap of 0.25 s"):
+        _channel(opened, "Events: 1")
 
 
 # LabVIEW
@@ -209,11 +231,18 @@ def test_the_x_columns_of_labview_files(tmp_path: Path, x_columns: str, decimal:
 def test_segments_of_a_labview_file_join_or_stand_alone(tmp_path: Path) -> None:
     joined = _channel(_opened(tmp_path, made.lvm(segments=3)), "EMG")
     np.testing.assert_array_equal(joined.samples, made.wave(N, 1))
+    assert joined.notes == ()
     apart = _opened(tmp_path, made.lvm(segments=3, gap_s=1.0))
     assert [n for n in apart.contents.names if n.startswith("EMG")] == ["EMG", "EMG, segment 2", "EMG, segment 3"]
     third = _channel(apart, "EMG, segment 3")
     assert third.start_s == pytest.approx(2 * (1.0 + N // 3 * 1e-3), abs=1e-9)
     np.testing.assert_array_equal(third.samples, made.wave(N, 1)[2 * (N // 3) :])
+
+
+def test_a_labview_file_that_ends_before_it_promised_says_so(tmp_path: Path) -> None:
+    content = made.lvm(segments=1).decode().rstrip().splitlines(keepends=True)
+    channel = _channel(_opened(tmp_path, "".join(content[:-6]).encode()), "EMG")
+    assert "promises 96 samples, 90 follow" in channel.notes[0]
 
 
 @pytest.mark.parametrize(
