@@ -142,9 +142,9 @@ Doubts = dict[tuple[str, str], list[str]]
 
 
 def doubts_between(trials: Sequence[Trials], fits: Sequence[Fits], judgements: Sequence[PressJudgement] = ()) -> Doubts:
-    """What only a look at several recordings shows, as far as they are given; ``fits`` one for each recording."""
+    """What only a look at several recordings shows, as far as they are given; ``fits`` one for each of ``trials``."""
     found: Doubts = {}
-    for tell in (_copies(trials), _apart(trials), _loudness(fits), _swapped(fits), _unknown(trials, judgements)):
+    for tell in (_copies(trials, fits), _apart(trials), _loudness(fits), _swapped(fits), _unknown(trials, judgements)):
         for key, said in tell:
             found.setdefault(key, []).append(said)
     return found
@@ -153,14 +153,13 @@ def doubts_between(trials: Sequence[Trials], fits: Sequence[Fits], judgements: S
 Told = Iterator[tuple[tuple[str, str], str]]
 
 
-def _copies(trials: Sequence[Trials]) -> Told:
-    """Equal times of all presses, to the last digit, and equal rests: one recording under two names."""
-    first: dict[tuple[bytes, bytes, bytes], Trials] = {}
-    for one in trials:
+def _copies(trials: Sequence[Trials], fits: Sequence[Fits]) -> Told:
+    """Equal times and slopes of all presses, to the last digit: one recording under two names."""
+    first: dict[tuple[bytes, bytes], Trials] = {}
+    for one, fitted in zip(trials, fits, strict=True):
         if one.start_s.size == 0:
             continue
-        key = (one.start_s.tobytes(), one.peak_force_n.tobytes(), one.rest_envelope_v.tobytes())
-        other = first.setdefault(key, one)
+        other = first.setdefault((one.start_s.tobytes(), fitted.b_v.tobytes()), one)
         if other is not one:
             yield (one.participant, one.specimen), f"the same recording as {other.participant}/{other.specimen}"
             yield (other.participant, other.specimen), f"the same recording as {one.participant}/{one.specimen}"

@@ -74,7 +74,7 @@ def participants(results: StudyResults) -> str:
         for t in results.trials
         if fits is not None
     ]
-    doubts = doubts_between(results.trials, parts, results.study.judgements)
+    doubts = doubts_between(results.trials if parts else (), parts, results.study.judgements)
     for name, (trials, failures) in results.by_participant().items():
         verdict = session_verdict(name, entries[name], trials, fits, failures, doubts)
         of = verdict.specimens

@@ -25,9 +25,10 @@ from emg2vsa.report.session_plots import (
 )
 from emg2vsa.report.table import Column, Table, activity_column
 from emg2vsa.report.wording import NO_BREAK, number, percent
-from emg2vsa.session_verdict import Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
+from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
+from emg2vsa.trials.remedies import remedy_of
 
 VERDICT_TEXT = {
     "good": "Every press is as wanted.",
@@ -86,7 +87,7 @@ def _page(
     failures = short.failures(failure for failure in failures if failure.participant == participant)
     by_specimen = {t.specimen: t for t in trials}
     parts = [rows_of(fits, fits.specimen == t.specimen) for t in trials] if fits else []
-    doubts = doubts_between(trials, parts, study.judgements)
+    doubts = doubts_between(trials if fits else (), parts, study.judgements)
     verdict = session_verdict(participant, list(entries.values()), trials, fits, failures, doubts)
     scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
     sections = []
@@ -94,10 +95,13 @@ def _page(
         body = ""
         if recording := by_specimen.get(judged.specimen):
             own = rows_of(fits, fits.specimen == judged.specimen) if fits else None
+            # what people said of a press, and its fit, count in every picture
+            recording = recording if own is None else replace(recording, verdict=own.verdict)
             body = _signals(recording, entries[judged.specimen].window.force_n, f"r{place}")
             body += _recording(recording, own, scale, f"r{place}")
             body += html.details("Processing", html.bullets(map(short.text, recording.notes)))
-        faults = html.bullets(map(str, judged.advice))
+        problems = [Advice(said, remedy_of(said)) for said in (judged.fault, *judged.problems) if said]
+        faults = html.bullets(map(str, problems))
         sections.append(html.section(f"r{place}", _heading(judged), faults, body))
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(
