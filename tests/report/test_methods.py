@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from emg2vsa.report.methods import AUTHORS_ADD, methods_paragraph
+from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ProfileSettings, WindowSettings
 
 ALL_TO_ADD = AUTHORS_ADD.format("participants' age, sex and handedness; ")
-from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ProfileSettings, WindowSettings
 
 
 def written(study, trials=()):
