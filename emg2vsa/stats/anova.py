@@ -19,7 +19,8 @@ class Anova:
 
     df1 : groups - 1, groups without a value left out. df2 : values - groups. sd : pooled within groups, in the unit of
     the data. eta2 : share of the sum of squares that lies between groups (biased upwards).
-    mean, count : (d, k), of each group.
+    mean, count : (d, k), of each group. offset : (d, k) means less the first value of the design, free of the rounding
+    that an origin far away brings.
     """
 
     f: Floats
@@ -30,6 +31,7 @@ class Anova:
     sd: Floats
     mean: Floats
     count: Ints
+    offset: Floats
 
     def outcome(self, i: int = 0) -> Outcome:
         """Design ``i`` alone."""
@@ -85,6 +87,7 @@ def one_way(values: ArrayLike) -> Anova:
         sd=groups.to_data(np.sqrt(ms_within)),
         mean=groups.mean,
         count=count,
+        offset=np.where(count > 0, groups.to_data(groups.offset), np.nan),
     )
 
 
