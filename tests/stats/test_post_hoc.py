@@ -12,6 +12,7 @@ from statsmodels.stats.oneway import anova_oneway
 
 from emg2vsa.companions.groups import group_tests
 from emg2vsa.companions.pairs import pair_tests
+from emg2vsa.errors import DataError
 from emg2vsa.stats import studentized_range
 from emg2vsa.stats.anova import brown_forsythe, one_way
 from emg2vsa.stats.post_hoc import Adjustment, adjust, lsd, tukey
@@ -197,3 +198,16 @@ def test_an_origin_far_away_costs_pairs_no_digit(offset: float) -> None:
     tests = [pair_tests(values + shift, group_tests(values + shift)) for shift in (0.0, offset)]
     np.testing.assert_allclose(tests[1].g, tests[0].g, rtol=1e-12)
     np.testing.assert_allclose(tests[1].games_howell.low, tests[0].games_howell.low, rtol=1e-12)
+
+
+def test_masked_values_are_not_there() -> None:
+    values = np.random.default_rng(4).standard_normal((3, 8))
+    gap = np.where(np.arange(8) == 2, np.nan, values)
+    masked = np.ma.masked_array(np.where(np.isnan(gap), 1e6, gap), np.isnan(gap))
+    assert one_way(masked).f[0] == one_way(gap).f[0]
+    assert lsd(one_way(masked)).p.tolist() == lsd(one_way(gap)).p.tolist()
+
+
+def test_complex_numbers_are_refused() -> None:
+    with pytest.raises(DataError, match="complex"):
+        one_way(np.ones((3, 4)) * 1j)
