@@ -64,8 +64,8 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     """``values`` of shape (d, k, n), or (k, n) as one design, as float64, and the origin (d,) they are relative to.
 
     float64 input comes back as it is, relative to 0, masked values as NaN. Decimal, Fraction and int objects (None:
-    NaN) come back relative to the first of their design. DataError for other shapes, groups of unequal length, or what is
-    not a number.
+    NaN) come back relative to the first of their design. DataError for other shapes, groups of unequal length, or what
+    is not a number.
     """
     try:
         array = np.asarray(_unmasked(values))
