@@ -185,10 +185,13 @@ def usable(fits: Fits, use: str) -> NDArray[np.bool_]:
     return np.isin(fits.verdict, use.split("+")) & np.isfinite(fits.b_v)
 
 
-def rows_of(fits: Fits, chosen: NDArray[np.bool_]) -> Fits:
-    """The trials ``chosen`` (n,)."""
-    per_trial = {f.name: getattr(fits, f.name)[chosen] for f in dataclasses.fields(Fits) if f.name not in _COMMON}
-    return replace(fits, **per_trial)
+def by_recording(fits: Fits) -> dict[tuple[str, str], Fits]:
+    """(participant, specimen) to the trials of that recording."""
+    rows: dict[tuple[str, str], list[int]] = {}
+    for i, key in enumerate(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True)):
+        rows.setdefault(key, []).append(i)
+    names = [field.name for field in dataclasses.fields(Fits) if field.name not in _COMMON]
+    return {key: replace(fits, **{name: getattr(fits, name)[own] for name in names}) for key, own in rows.items()}
 
 
 def concatenate(parts: Sequence[Fits]) -> Fits:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.arrays import median
 from emg2vsa.fits import Fits, usable
@@ -141,10 +143,17 @@ Doubts = dict[tuple[str, str], list[str]]
 """(participant, specimen) to what is doubtful about the recording beside others."""
 
 
-def doubts_between(trials: Sequence[Trials], fits: Sequence[Fits], judgements: Sequence[PressJudgement] = ()) -> Doubts:
-    """What only a look at several recordings shows, as far as they are given; ``fits`` one for each recording."""
+def doubts_between(
+    trials: Sequence[Trials], fits: Mapping[tuple[str, str], Fits], judgements: Sequence[PressJudgement] = ()
+) -> Doubts:
+    """What only a look at several recordings shows, as far as they are given.
+
+    fits : (participant, specimen) to the fits of the recording; one without is looked at for little.
+    """
     found: Doubts = {}
-    for tell in (_copies(trials), _apart(trials), _loudness(fits), _swapped(fits), _unknown(trials, judgements)):
+    slopes = {key: (one, usable(one, "ok+warned")) for key, one in fits.items()}
+    tellers = (_copies(trials, fits), _apart(trials), _loudness(slopes), _swapped(slopes), _unknown(trials, judgements))
+    for tell in tellers:
         for key, said in tell:
             found.setdefault(key, []).append(said)
     return found
@@ -153,72 +162,77 @@ def doubts_between(trials: Sequence[Trials], fits: Sequence[Fits], judgements: S
 Told = Iterator[tuple[tuple[str, str], str]]
 
 
-def _copies(trials: Sequence[Trials]) -> Told:
-    """Equal times of all presses, to the last digit, and equal rests: one recording under two names."""
-    first: dict[tuple[bytes, bytes, bytes], Trials] = {}
+def _copies(trials: Sequence[Trials], fits: Mapping[tuple[str, str], Fits]) -> Told:
+    """Equal times and slopes of all presses, to the last digit: one recording under two names."""
+    first: dict[tuple[bytes, bytes], tuple[str, str]] = {}
     for one in trials:
-        if one.start_s.size == 0:
+        key = (one.participant, one.specimen)
+        if one.start_s.size == 0 or key not in fits:
             continue
-        key = (one.start_s.tobytes(), one.peak_force_n.tobytes(), one.rest_envelope_v.tobytes())
-        other = first.setdefault(key, one)
-        if other is not one:
-            yield (one.participant, one.specimen), f"the same recording as {other.participant}/{other.specimen}"
-            yield (other.participant, other.specimen), f"the same recording as {one.participant}/{one.specimen}"
+        other = first.setdefault((one.start_s.tobytes(), fits[key].b_v.tobytes()), key)
+        if other != key:
+            yield key, f"the same recording as {'/'.join(other)}"
+            yield other, f"the same recording as {'/'.join(key)}"
 
 
 def _apart(trials: Sequence[Trials]) -> Told:
-    for participant in dict.fromkeys(t.participant for t in trials):
-        known = [t for t in trials if t.participant == participant and t.lag_se_s < LAG_APART_S / 3]
-        if len(known) < 3:
-            continue
-        typical_s = median(np.array([t.lag_s for t in known]))
-        for t in known:
-            if abs(t.lag_s - typical_s) > LAG_APART_S:
-                apart = f"{1e3 * abs(t.lag_s - typical_s):.0f} ms from the {1e3 * typical_s:.0f} ms of the session"
-                yield (t.participant, t.specimen), f"lag of force is {apart}"
+    sessions: dict[str, list[Trials]] = {}
+    for one in trials:
+        if one.lag_se_s < LAG_APART_S / 3:
+            sessions.setdefault(one.participant, []).append(one)
+    for known in sessions.values():
+        typical_s = median(np.array([one.lag_s for one in known]))
+        for one in known:
+            if len(known) >= 3 and abs(one.lag_s - typical_s) > LAG_APART_S:
+                apart = f"{1e3 * abs(one.lag_s - typical_s):.0f} ms from the {1e3 * typical_s:.0f} ms of the session"
+                yield (one.participant, one.specimen), f"lag of force is {apart}"
 
 
-def _loudness(fits: Sequence[Fits]) -> Told:
+Slopes = Mapping[tuple[str, str], tuple[Fits, NDArray[np.bool_]]]
+"""(participant, specimen) to the fits of the recording, and which of them are used."""
+
+
+def _loudness(slopes: Slopes) -> Told:
     levels: dict[str, list[float]] = {}
-    for one in fits:
-        levels.setdefault(str(one.participant[0]) if one.participant.size else "", []).extend(
-            one.v_max_v[usable(one, "ok+warned")].tolist()
-        )
+    for (participant, _), (fits, used) in slopes.items():
+        levels.setdefault(participant, []).extend(fits.v_max_v[used].tolist())
     typical = {name: median(np.array(values)) for name, values in levels.items() if values}
-    for one in fits:
-        name = str(one.participant[0]) if one.participant.size else ""
-        others = [level for other, level in typical.items() if other != name and level > 0]
-        if len(others) < 2 or typical.get(name, 0.0) <= 0:
-            continue
-        ratio = typical[name] / median(np.array(others))
-        if not 1 / LOUDER < ratio < LOUDER:
+    if len(typical) < MIN_OTHERS:
+        return
+    middle = median(np.array(list(typical.values())))
+    for participant, specimen in slopes:
+        ratio = typical.get(participant, middle) / middle if middle > 0 else 1.0
+        if ratio > 0 and not 1 / LOUDER < ratio < LOUDER:
             how = f"{ratio:.3g} times as loud" if ratio > 1 else f"{1 / ratio:.3g} times as quiet"
             said = f"EMG is {how} as in the median of the other participants; is its gain right?"
-            yield (name, str(one.specimen[0])), said
+            yield (participant, specimen), said
 
 
-def _swapped(fits: Sequence[Fits]) -> Told:
+def _swapped(slopes: Slopes) -> Told:
     """Two specimens whose slopes one participant has the other way round, clearly, and all others agree."""
     means: dict[str, dict[str, tuple[float, float]]] = {}
-    for one in fits:
-        b_v = one.b_v[usable(one, "ok+warned")]
+    for (participant, specimen), (fits, used) in slopes.items():
+        b_v = fits.b_v[used]
         if b_v.size >= 3:
-            own = means.setdefault(str(one.participant[0]), {})
-            own[str(one.specimen[0])] = (float(np.mean(b_v)), float(np.var(b_v, ddof=1) / b_v.size))
-    for participant, own in means.items():
-        for name, other in combinations(own, 2):
-            difference = own[name][0] - own[other][0]
-            clear = abs(difference) > CLEARLY * np.sqrt(own[name][1] + own[other][1])
-            signs = [m[name][0] > m[other][0] for p, m in means.items() if p != participant and {name, other} <= set(m)]
-            if not clear or len(signs) < MIN_OTHERS or len(set(signs)) > 1 or signs[0] == (difference > 0):
-                continue
-            way = "above" if difference > 0 else "below"
-            against = "against all other participants"
-            for specimen in (name, other):
-                yield (
-                    (participant, specimen),
-                    f"b of {name} is {way} that of {other}, {against}; were {name} and {other} swapped?",
-                )
+            mean_var = float(np.mean(b_v)), float(np.var(b_v, ddof=1) / b_v.size)
+            means.setdefault(participant, {})[specimen] = mean_var
+    order = {
+        (participant, name, other): (own[name][0] - own[other][0], own[name][1] + own[other][1])
+        for participant, own in means.items()
+        for name, other in combinations(sorted(own), 2)
+    }
+    people = Counter((name, other) for _, name, other in order)
+    above = Counter((name, other) for (_, name, other), (difference, _) in order.items() if difference > 0)
+    for (participant, name, other), (difference, variance) in order.items():
+        others, as_own = people[name, other] - 1, above[name, other] - 1 if difference > 0 else 0
+        if difference < 0:
+            as_own = people[name, other] - above[name, other] - 1
+        if others < MIN_OTHERS or as_own or difference**2 <= CLEARLY**2 * variance:
+            continue
+        way = "above" if difference > 0 else "below"
+        said = f"b of {name} is {way} that of {other}, against all other participants; were {name} and {other} swapped?"
+        yield (participant, name), said
+        yield (participant, other), said
 
 
 def _unknown(trials: Sequence[Trials], judgements: Sequence[PressJudgement]) -> Told:

@@ -100,6 +100,7 @@ def _judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path |
 def _doubts(study: Study, whole: Study, board: Board, below: Path | None) -> Doubts:
     """What is doubtful beside all recordings of the whole study whose results are there."""
     from emg2vsa import artifacts
+    from emg2vsa.fits import by_recording, concatenate
     from emg2vsa.pipeline.plan import survey
     from emg2vsa.session_verdict import doubts_between
 
@@ -107,9 +108,10 @@ def _doubts(study: Study, whole: Study, board: Board, below: Path | None) -> Dou
         everything = dataclasses.replace(study, recordings=whole.recordings)
         board = survey(everything, STAGES, lambda text: None, below=below)
     known = [key for key in board.campaign.recordings if board.done("trials", (key,)) and board.done("fits", (key,))]
+    fits = [artifacts.load(path) for path in board.done("fits", known)]
     return doubts_between(
         [artifacts.load(path) for path in board.done("trials", known)],
-        [artifacts.load(path) for path in board.done("fits", known)],
+        by_recording(concatenate(fits)) if fits else {},
         whole.judgements,
     )
 

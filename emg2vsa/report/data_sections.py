@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from casr import html
-from emg2vsa.fits import rows_of
+from emg2vsa.fits import by_recording
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults, origin
 from emg2vsa.report.quantity import Quantity
@@ -68,13 +68,8 @@ def participants(results: StudyResults) -> str:
     entries: dict[str, list[RecordingEntry]] = {}
     for entry in results.study.recordings:
         entries.setdefault(entry.participant, []).append(entry)
-    fits = results.fits
-    parts = [
-        rows_of(fits, (fits.participant == t.participant) & (fits.specimen == t.specimen))
-        for t in results.trials
-        if fits is not None
-    ]
-    doubts = doubts_between(results.trials, parts, results.study.judgements)
+    fits = by_recording(results.fits) if results.fits else {}
+    doubts = doubts_between(results.trials, fits, results.study.judgements)
     for name, (trials, failures) in results.by_participant().items():
         verdict = session_verdict(name, entries[name], trials, fits, failures, doubts)
         of = verdict.specimens

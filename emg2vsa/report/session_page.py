@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from casr import html
 from casr.atomic import write_text_atomic
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
-from emg2vsa.fits import Fits, rows_of
+from emg2vsa.fits import Fits, by_recording
 from emg2vsa.report.failures import Failure, ShortPaths
 from emg2vsa.report.session_plots import (
     LEGEND,
@@ -25,9 +25,10 @@ from emg2vsa.report.session_plots import (
 )
 from emg2vsa.report.table import Column, Table, activity_column
 from emg2vsa.report.wording import NO_BREAK, number, percent
-from emg2vsa.session_verdict import Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
+from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.trials import Trials
+from emg2vsa.trials.remedies import remedy_of
 
 VERDICT_TEXT = {
     "good": "Every press is as wanted.",
@@ -59,20 +60,14 @@ def session_verdict(
     participant: str,
     entries: Sequence[RecordingEntry],
     trials: Sequence[Trials],
-    fits: Fits | None,
+    fits: Mapping[tuple[str, str], Fits],
     failures: Sequence[Failure],
     doubts: Doubts,
 ) -> SessionVerdict:
     """The verdict on one participant's recordings; entries, trials and failures are this participant's."""
-    own = (
-        {}
-        if fits is None
-        else {
-            entry.specimen: rows_of(fits, (fits.participant == participant) & (fits.specimen == entry.specimen))
-            for entry in entries
-        }
-    )
-    beside = {specimen: said for (who, specimen), said in doubts.items() if who == participant}
+    keys = [(participant, entry.specimen) for entry in entries]
+    own = {key[1]: fits[key] for key in keys if key in fits}
+    beside = {key[1]: doubts[key] for key in keys if key in doubts}
     missed = {failure.key.partition("/")[2]: failure.message for failure in failures}
     wanted = {e.specimen: e.window.expected_trials for e in entries}
     return judge_session(participant, trials, own, wanted, missed, beside)
@@ -85,19 +80,22 @@ def _page(
     short = ShortPaths(replace(study, recordings=tuple(entries.values())))
     failures = short.failures(failure for failure in failures if failure.participant == participant)
     by_specimen = {t.specimen: t for t in trials}
-    parts = [rows_of(fits, fits.specimen == t.specimen) for t in trials] if fits else []
-    doubts = doubts_between(trials, parts, study.judgements)
-    verdict = session_verdict(participant, list(entries.values()), trials, fits, failures, doubts)
+    fitted = by_recording(fits) if fits else {}
+    doubts = doubts_between(trials, fitted, study.judgements)
+    verdict = session_verdict(participant, list(entries.values()), trials, fitted, failures, doubts)
     scale = activity_scale(fits.activity_unit, fits.v_max_v) if fits else activity_scale("V", [])
     sections = []
     for place, judged in enumerate(verdict.specimens):
         body = ""
         if recording := by_specimen.get(judged.specimen):
-            own = rows_of(fits, fits.specimen == judged.specimen) if fits else None
+            own = fitted.get((participant, judged.specimen))
+            # what people said of a press, and its fit, count in every picture
+            recording = recording if own is None else replace(recording, verdict=own.verdict)
             body = _signals(recording, entries[judged.specimen].window.force_n, f"r{place}")
             body += _recording(recording, own, scale, f"r{place}")
             body += html.details("Processing", html.bullets(map(short.text, recording.notes)))
-        faults = html.bullets(map(str, judged.advice))
+        problems = [Advice(said, remedy_of(said)) for said in (judged.fault, *judged.problems) if said]
+        faults = html.bullets(map(str, problems))
         sections.append(html.section(f"r{place}", _heading(judged), faults, body))
     top = html.statement(verdict.verdict, verdict.verdict.capitalize() + ".", VERDICT_TEXT[verdict.verdict])
     steps = "".join(

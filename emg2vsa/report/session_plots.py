@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, median
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
-from emg2vsa.figures.palette import BLUE, RED, VERDICT_COLOURS
+from emg2vsa.figures.palette import RED, VERDICT_COLOURS
 from emg2vsa.fits import Fits
 from emg2vsa.report.wording import activity, number
 from emg2vsa.trials import Trials
 
-INK, MUTED, GRID = "var(--ink)", "var(--muted)", "var(--line)"
+INK, MUTED, GRID, BLUE = "var(--ink)", "var(--muted)", "var(--line)", "var(--link)"
 _TEXT = 24
 _SHOWN = 0.56
 "Pixels a unit, at most: drawings are made fine and shown at about half their size."
@@ -83,7 +83,7 @@ class PlotArea:
         """The drawing, with a name and words for those who do not see it."""
         return (
             f'<svg viewBox="0 0 {self.width} {self.height}" style="max-width:{self.width * _SHOWN:.0f}px;'
-            f'min-width:{min(self.width * _SHOWN * 0.7, 500):.0f}px;background:none" role="img" '
+            f'min-width:{self.width * _SHOWN * (0.7 if self.width > 1000 else 0.5):.0f}px;background:none" role="img" '
             f'aria-labelledby="{name}-t {name}-d" fill="none" '
             f'stroke-width="2" font-size="{_TEXT}"><title id="{name}-t">{escape(title)}</title>'
             f'<desc id="{name}-d">{escape(description)}</desc>{body}</svg>'
@@ -220,7 +220,9 @@ def spectra(trials: Trials, muscle: int, name: str) -> str:
     if known.size == 0:
         return ""
     low, high = math.log10(float(np.quantile(known, 0.02))), math.log10(float(known.max()))
-    area = PlotArea((0.0, float(first.frequency_hz[-1])), (low - 0.1, max(high, low + 1) + 0.1), width=950, height=380)
+    area = PlotArea(
+        (0.0, float(first.frequency_hz[-1])), (low - 0.1, max(high, low + 1) + 0.1), width=950, height=380, right=44
+    )
     body = area.axes("Frequency (Hz)", f"{trials.muscles[muscle]}, log10 of µV/√Hz")
     for density, colour, dash in zip(densities, (BLUE, RED), (' stroke-dasharray="12 6"', ""), strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -272,7 +274,7 @@ def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
     body = area.axes("Force (N)", scale.label("Co-contraction"))
     odd = odd_presses(fits)
     for i, verdict in enumerate(fits.verdict.tolist()):
-        colour = f"hsl({round(360 * i / max(len(odd), 1))} 75% 45%)"
+        colour = _hue(i, len(odd))
         press = f"{fits.repetition[i]}{MARKS[verdict]}"
         title = escape(f"press {press}: {verdict} {fits.reason[i]}".strip())
         dots, line = area.dots(fits.bin_force_n[i], v[i]), area.line(grid, curves[i])
@@ -284,7 +286,7 @@ def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
         )
     ends = np.where(np.isfinite(curves[:, -1]), curves[:, -1], np.nan)
     for i, y in _apart(area.y(np.clip(np.nan_to_num(ends), *area.y_range)), np.isfinite(ends)):
-        colour = f"hsl({round(360 * i / max(len(odd), 1))} 75% 45%)"
+        colour = _hue(i, len(odd))
         verdict = str(fits.verdict[i])
         label = f"{fits.repetition[i]}{MARKS[verdict]}{' odd' if odd[i] else ''}"
         body += text(area.width - area.right + 10, y + 8, label, "start", colour)
@@ -298,6 +300,11 @@ def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
         body, name, f"Co-contraction against force, {fits.specimen[0] if fits.specimen.size else ''}",
         f"Force bins and fitted curves of {fits.b_v.size} presses: {spread}.",
     )  # fmt: skip
+
+
+def _hue(i: int, n: int) -> str:
+    """Colour of the i-th of n presses, to be seen on white and on black."""
+    return f"hsl({round(360 * i / n)} 75% 48%)"
 
 
 def odd_presses(fits: Fits) -> NDArray[np.bool_]:

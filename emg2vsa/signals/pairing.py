@@ -109,3 +109,25 @@ def _cubic_at(samples: Floats, position: Floats) -> Floats:
     a, b, c, d = (samples[left + k] for k in range(4))
     x1, x2, x3 = x - 1, x - 2, x - 3
     return np.asarray(-a * x1 * x2 * x3 / 6 + b * x * x2 * x3 / 2 - c * x * x1 * x3 / 2 + d * x * x1 * x2 / 6)
+
+
+SINC_SAMPLES, SINC_BETA, SINC_BLOCK = 32, 8.0, 4096
+"Samples on either side of an instant that band-limited interpolation uses, their Kaiser window, instants at a time."
+
+
+def band_limited_at(samples: Floats, position: Floats) -> Floats:
+    """Samples (n,) at fractional positions (k,) within [0, n - 1], by a sinc under a Kaiser window.
+
+    For a signal below 0.9 of half its rate the error is below 1e-3 of its amplitude, 32 samples and more from the ends;
+    beyond them the first and the last sample go on.
+    """
+    values = np.empty(position.size)
+    reach = np.arange(1 - SINC_SAMPLES, SINC_SAMPLES + 1)
+    for begin in range(0, position.size, SINC_BLOCK):
+        here = position[begin : begin + SINC_BLOCK]
+        left = np.floor(here).astype(np.int64)
+        away = (here - left)[:, None] - reach
+        window = np.i0(SINC_BETA * np.sqrt(np.maximum(1 - (away / SINC_SAMPLES) ** 2, 0))) / np.i0(SINC_BETA)
+        near = samples[np.clip(left[:, None] + reach, 0, samples.size - 1)]
+        values[begin : begin + SINC_BLOCK] = np.einsum("ij,ij->i", np.sinc(away) * window, near)
+    return values

@@ -255,10 +255,13 @@ def _fading(signals: Signals) -> Iterator[str]:
     if n < FADE_PRESSES:
         return
     place = np.linspace(-0.5, 0.5, n)
+    sooner, later = np.triu_indices(n, 1)
     for muscle, row in zip(signals.muscles, levels, strict=True):
-        slope = float(place @ row / (place @ place))
-        left = row - row.mean() - slope * place
-        error = np.sqrt(float(left @ left) / (n - 2) / float(place @ place))
+        # by medians, for one press with a burst must not hide the trend of the others (Theil 1950, Sen 1968)
+        slope = median((row[later] - row[sooner]) / (place[later] - place[sooner]))
+        left = row - slope * place
+        spread = 1.4826 * median(np.abs(left - median(left)))
+        error = spread / np.sqrt(float(place @ place))
         if abs(slope) > FADE and abs(slope) > FADE_T * error:
             yield f"{muscle} {'fades' if slope < 0 else 'grows'} to {100 * np.exp(slope):.0f} % over the presses"
 

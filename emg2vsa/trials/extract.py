@@ -21,7 +21,15 @@ from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
 from emg2vsa.signals.hum import remove_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
 from emg2vsa.signals.overview import emg_overview
-from emg2vsa.signals.pairing import Clock, Instants, force_at, instants_between, rest_instants, rest_samples
+from emg2vsa.signals.pairing import (
+    Clock,
+    Instants,
+    band_limited_at,
+    force_at,
+    instants_between,
+    rest_instants,
+    rest_samples,
+)
 from emg2vsa.signals.plausibility import Signals, force_unit_doubt, plausibility
 from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
 from emg2vsa.signals.rest import Rest
@@ -39,13 +47,17 @@ LARGE_CORRECTION = 0.05
 
 @dataclass(frozen=True)
 class _EmgRecord:
-    """The EMG channels of one record, (n,) each in volts, and where they were interpolated."""
+    """The EMG channels of one record, (n,) each in volts, and where they were interpolated.
+
+    native : the channels at their own rates, by which they are judged; () where these are equal.
+    """
 
     muscles: tuple[str, ...]
     samples: tuple[Floats, ...]
     missing: tuple[NDArray[np.bool_], ...]
     fs_hz: float
     start_s: float
+    native: tuple[_Native, ...] = ()
 
 
 def _where_of(channel: Channel) -> str:
@@ -54,22 +66,65 @@ def _where_of(channel: Channel) -> str:
 
 
 def emg_record(emg: Mapping[str, Channel]) -> _EmgRecord:
-    """All channels at the rate and start of the first, cut to the shortest."""
+    """All channels on the clock of the fastest, where all were recorded.
+
+    A channel of that rate and start stays as it is; the samples of any other are interpolated by band-limited
+    interpolation, which changes nothing below 0.9 of half its own rate.
+    """
     if not emg:
         raise SignalError("EMG", wanted="at least one channel", found="none", do="Name the channel of a muscle.")
-    first = next(iter(emg.values()))
-    for channel in emg.values():
-        if abs(channel.fs_hz - first.fs_hz) > 1e-6 * first.fs_hz or abs(channel.start_s - first.start_s) > 1e-6:
-            raise SignalError(
-                _where_of(channel),
-                wanted=f"{first.fs_hz:g} Hz from {first.start_s:g} s, as {_where_of(first)}",
-                found=f"{channel.fs_hz:g} Hz from {channel.start_s:g} s",
-                do="Choose EMG channels of one sensor system.",
-            )
-    n = min(channel.samples.size for channel in emg.values())
-    bridged = [bridge_gaps(samples_1d(c.samples, _where_of(c), at_least=2)[:n], _where_of(c)) for c in emg.values()]
-    samples, missing = zip(*bridged, strict=True)
-    return _EmgRecord(tuple(emg), samples, missing, first.fs_hz, first.start_s)
+    native = {role: _native(channel) for role, channel in emg.items()}
+    fastest = max(emg.values(), key=lambda channel: channel.fs_hz)
+    alike = [
+        abs(c.fs_hz - fastest.fs_hz) <= 1e-6 * fastest.fs_hz and abs(c.start_s - fastest.start_s) <= 1e-6
+        for c in emg.values()
+    ]
+    if all(alike):
+        n = min(own.samples.size for own in native.values())
+        samples = tuple(own.samples[:n] for own in native.values())
+        missing = tuple(own.missing[:n] for own in native.values())
+        return _EmgRecord(tuple(emg), samples, missing, fastest.fs_hz, fastest.start_s)
+    start_s = max(own.start_s for own in native.values())
+    stop_s = min(own.start_s + (own.samples.size - 1) / own.fs_hz for own in native.values())
+    first = int(np.ceil((start_s - fastest.start_s) * fastest.fs_hz - 1e-9))
+    last = int(np.floor((stop_s - fastest.start_s) * fastest.fs_hz + 1e-9))
+    if last - first < 1:
+        raise SignalError(
+            "EMG", wanted="channels with time in common", found=f"none from {start_s:g} s to {stop_s:g} s",
+            do="Choose channels of one recording.",
+        )  # fmt: skip
+    clock = Clock(fastest.start_s + first / fastest.fs_hz, fastest.fs_hz, last - first + 1)
+    on_clock = [own.on(clock, same) for own, same in zip(native.values(), alike, strict=True)]
+    return _EmgRecord(
+        tuple(emg), tuple(samples for samples, _ in on_clock), tuple(missing for _, missing in on_clock), clock.fs_hz,
+        clock.start_s, tuple(native.values()),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Native:
+    """A channel as it was recorded, (n,) volts, and where it was interpolated for want of samples."""
+
+    samples: Floats
+    missing: NDArray[np.bool_]
+    fs_hz: float
+    start_s: float
+
+    def index(self, time_s: Floats) -> Floats:
+        return np.asarray((time_s - self.start_s) * self.fs_hz, dtype=np.float64)
+
+    def on(self, clock: Clock, same: bool) -> tuple[Floats, NDArray[np.bool_]]:
+        """Samples and what is missing on a clock; ``same``: it is the channel's own, from a later sample on."""
+        position = self.index(clock.time_s(np.arange(clock.n_samples)))
+        nearest = np.clip(np.rint(position).astype(np.int64), 0, self.samples.size - 1)
+        samples = self.samples[nearest] if same else band_limited_at(self.samples, position)
+        return samples, self.missing[nearest]
+
+
+def _native(channel: Channel) -> _Native:
+    where = _where_of(channel)
+    samples, missing = bridge_gaps(samples_1d(channel.samples, where, at_least=2), where)
+    return _Native(samples, missing, channel.fs_hz, channel.start_s)
 
 
 @dataclass(frozen=True)
@@ -108,10 +163,10 @@ def extract_trials(
 ) -> Trials:
     """Condition one continuous recording and find its trials (paper IV.B).
 
-    emg : volts by muscle, all at one rate. force : newtons, untared, at any rate and start. Force is filtered over the
-    whole record; EMG only inside loading phases, a few pieces of rest, and the support of its filters around them.
-    Force is interpolated onto the instants of the envelopes. Missing samples are interpolated, and reject the trials
-    that hold them. SignalError, SettingError: channels too short, of unequal rates, or filters that cannot be built.
+    emg : volts by muscle, force : newtons, untared; each at any rate and start. Force is filtered over the whole
+    record; EMG only inside loading phases, a few pieces of rest, and the support of its filters around them. Force is
+    interpolated onto the instants of the envelopes. Missing samples are interpolated, and reject the trials that hold
+    them. SignalError, SettingError: channels too short or without time in common, or filters that cannot be built.
     """
     record = emg_record(emg)
     chain = filter_chain(filters, record, force.fs_hz)
@@ -269,11 +324,18 @@ def _record_qualities(record: _EmgRecord, instants: Instants, envelope: Smoother
     """Quality by muscle and trial, of all raw samples under the envelope's kernel."""
     starts = np.maximum(instants.first - envelope.before, 0)
     stops = instants.last + envelope.after + 1
-    windows = [slice(i, j) for i, j in zip(starts.tolist(), stops.tolist(), strict=True)]
-    return [
-        raw_qualities([samples[window] for window in windows], [gone[window] for window in windows], record.fs_hz)
-        for samples, gone in zip(record.samples, record.missing, strict=True)
+    clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
+    own = record.native or [
+        _Native(samples, missing, record.fs_hz, record.start_s)
+        for samples, missing in zip(record.samples, record.missing, strict=True)
     ]
+    qualities = []
+    for each in own:
+        bounds = [np.rint(each.index(clock.time_s(edge))).astype(np.int64) for edge in (starts, stops)]
+        windows = [slice(max(i, 0), j) for i, j in zip(*(edge.tolist() for edge in bounds), strict=True)]
+        samples, gone = [each.samples[w] for w in windows], [each.missing[w] for w in windows]
+        qualities.append(raw_qualities(samples, gone, each.fs_hz))
+    return qualities
 
 
 def _looked_at(

@@ -64,13 +64,15 @@ def test_a_bad_file_a_second_match_and_a_new_file(folder: Path, capsys: pytest.C
     good.write_text(kept[:60])
     found = verdict(folder, capsys)
     assert (found["verdict"], found["specimens"][0]["found"]) == ("usable", 2)
-    assert any("recording not used: " in line and "_ama_foam_10.csv" in line for line in found["advice"])
+    assert any(
+        "recording not used: " in line["text"] and "_ama_foam_10.csv" in line["text"] for line in found["advice"]
+    )
     good.write_text(kept)
     assert verdict(folder, capsys)["verdict"] == "good"
     copy = folder / "raw" / "copy_ama_foam_2.csv"
     copy.write_text(kept)
     found = verdict(folder, capsys)
     assert found["specimens"][0]["found"] == 2
-    assert any("2 files, 2026-05-02_ama_foam_2.csv, copy_ama_foam_2.csv" in line for line in found["advice"])
+    assert any("2 files, 2026-05-02_ama_foam_2.csv, copy_ama_foam_2.csv" in line["text"] for line in found["advice"])
     copy.rename(folder / "raw" / "x_ama_foam_11.csv")
     assert verdict(folder, capsys)["specimens"][0]["found"] == 4
