@@ -142,7 +142,7 @@ def test_lost_samples_are_missing_and_the_time_goes_on(tmp_path: Path) -> None:
 
 
 def test_counts_become_volts_by_the_gain_that_the_study_states(tmp_path: Path) -> None:
-    """biosignalsplux' transfer function for EMG: (counts / 2^16 - 1/2) x 3 mV; force from a Net F/T in a second file."""
+    """biosignalsplux gives (counts / 2^16 - 1/2) x 3 mV for EMG; force comes from a Net F/T in a second file."""
     emg = _written(tmp_path, made.opensignals(), "made_opensignals.txt")
     force = _written(tmp_path, made.net_ft(), "made_net_ft.csv")
     with pytest.raises(
