@@ -151,7 +151,7 @@ def lvm(x_columns: str = "No", segments: int = 2, gap_s: float = 0.0, decimal: s
     """A LabVIEW file of two channels at 1000 Hz, N samples in segments; ``gap_s`` between segments."""
     text = ["LabVIEW Measurement\t", "Writer_Version\t2", "Separator\tTab", f"Decimal_Separator\t{decimal}"]
     text += ["Multi_Headings\tYes", f"X_Columns\t{x_columns}", "***End_of_Header***\t", "\t"]
-    per = N // segments
+    per, waves = N // segments, (wave(N, 1), wave(N, 2))
     for k in range(segments):
         moment_s = 10 + k * (per * 1e-3 + gap_s)
         stamp = f"09:51:{moment_s:018.15f}".replace(".", decimal)
@@ -166,7 +166,7 @@ def lvm(x_columns: str = "No", segments: int = 2, gap_s: float = 0.0, decimal: s
         text += ["X_Value\tEMG\tX_Value\tForce\tComment" if multi else "X_Value\tEMG\tForce\tComment"]
         for i in range(per):
             x = _decimal(i * 1e-3, decimal) if x_columns != "No" else ""
-            emg, force = (_decimal(wave(N, seed)[k * per + i], decimal) for seed in (1, 2))
+            emg, force = (_decimal(each[k * per + i], decimal) for each in waves)
             text.append("\t".join([x, emg, x, force] if multi else [x, emg, force]))
         text.append("")
     return ("\r\n".join(text) + "\r\n").encode()

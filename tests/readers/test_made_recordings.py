@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from benchmarks import made_recordings as made
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.readers.opened import OpenRecording, StoredChannel
+from emg2vsa.readers.roles import read_roles
+from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
 
 N = made.N
 
@@ -136,6 +139,24 @@ def test_lost_samples_are_missing_and_the_time_goes_on(tmp_path: Path) -> None:
         np.testing.assert_array_equal(np.flatnonzero(np.isnan(channel.samples)), [10, 11, 12])
         assert channel.samples[13] == 513
         assert "3 samples were lost, the first after 0.009 s" in channel.notes[0]
+
+
+def test_counts_become_volts_by_the_gain_that_the_study_states(tmp_path: Path) -> None:
+    """biosignalsplux gives (counts / 2^16 - 1/2) x 3 mV for EMG; force comes from a Net F/T in a second file."""
+    emg = _written(tmp_path, made.opensignals(), "made_opensignals.txt")
+    force = _written(tmp_path, made.net_ft(), "made_net_ft.csv")
+    with pytest.raises(
+        RecordingError, match=r"wanted an EMG in V, mV or uV; found unit 'counts'; OpenSignals stores counts"
+    ):
+        read_roles(emg, force, _roles(unit=None, gain=1.0))
+    roles = read_roles(emg, force, _roles(unit="V", gain=2**16 * 1000 / 3))
+    np.testing.assert_allclose(roles.emg["EDC"].samples, (500 + np.arange(N)) * 3e-3 / 65536, rtol=1e-12)
+    np.testing.assert_allclose(roles.force.samples, 1 + np.arange(N) / 1000, rtol=1e-12)
+
+
+def _roles(unit: Literal["V"] | None, gain: float) -> ChannelSettings:
+    emg = {"EDC": EmgChannelSettings(name="CH1", unit=unit, gain=gain)}
+    return ChannelSettings(emg=emg, force=ForceChannelSettings(name="Fz"))
 
 
 def test_a_counter_that_stands_still_is_not_followed(tmp_path: Path) -> None:
