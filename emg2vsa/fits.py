@@ -24,6 +24,8 @@ from emg2vsa.trials import Trials
 
 MIN_POINTS = 3
 """Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""
+NARROW = 1e-3
+"""A trial whose forces differ by a smaller share of themselves is fitted, and says how many digits are left."""
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
 
 
@@ -100,7 +102,7 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
         specimen=np.full(n, trials.specimen),
         repetition=trials.repetition,
         verdict=np.where(fitted, trials.verdict, "rejected").astype("<U8"),
-        reason=_reasons(trials.reasons, fitted, reported.n, fit.points),
+        reason=_reasons(trials.reasons, fitted, reported.n, fit.points, bins.force_n),
         start_s=trials.start_s,
         n_points=reported.n,
         r2_bins=curves.on_bins.r2,
@@ -120,11 +122,22 @@ def fit_trials(trials: Trials, fit: FitSettings, window: WindowSettings) -> Fits
     )
 
 
-def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str) -> NDArray[np.str_]:
+def _reasons(
+    given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str, bin_force_n: Floats
+) -> NDArray[np.str_]:
     kind = "force bins" if points == "bins" else "samples"
     reasons = list(given)
     for i in np.flatnonzero(~fitted):
         why = f"no fit: {n[i]} {kind}" if n[i] < MIN_POINTS else "no fit: force does not change"
+        reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
+    inside = np.isfinite(bin_force_n)
+    highest = np.max(bin_force_n, axis=1, initial=0.0, where=inside)
+    lowest = np.min(bin_force_n, axis=1, initial=np.inf, where=inside)
+    for i in np.flatnonzero(fitted & (highest < lowest * (1 + NARROW))):
+        change = highest[i] / lowest[i] - 1
+        why = (
+            f"ill-conditioned fit: force changes by {change:.1g} of itself, b keeps {16 + np.log10(change):.0f} digits"
+        )
         reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
     return np.array(reasons, dtype=np.str_)
 

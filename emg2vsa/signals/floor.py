@@ -24,6 +24,8 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
     whose force does not change, keep their mean.
     """
     counts = np.diff(offsets)
+    if force_n.size == 0:
+        return envelopes_v
     x = np.log(np.maximum(force_n, 1e-9))
     u = x - np.repeat(_means(x, offsets), counts)
     reach = _means(u * u, offsets)
@@ -72,6 +74,8 @@ def slope_ratios(x: Floats, y: Floats, true_x: Floats, true_y: Floats, level: Fl
     NaN for presses of fewer than ten samples, or without a slope.
     """
     counts = np.diff(offsets)
+    if x.size == 0:
+        return np.full(counts.size, np.nan)
     top = np.repeat(_means(level, offsets), counts)
     with np.errstate(divide="ignore", invalid="ignore"):
         weights = np.where(top > 0, (top / np.maximum(level, 0.1 * top)) ** 2, 1.0)
