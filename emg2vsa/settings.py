@@ -62,6 +62,8 @@ class ForceChannelSettings:
     "rest: subtract the force of the pre-contact rest; none: the channel is already zeroed."
     delay_s: NonNegative = 0.0
     "Known delay of the sensor's own filter, in seconds; removed from the pairing of force and EMG."
+    trigger: tuple[str, str] | None = None
+    "Force in a file of its own: channels of one trigger in the EMG's file and in the force's, for a common clock."
 
 
 @dataclass(frozen=True, kw_only=True)
