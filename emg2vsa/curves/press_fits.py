@@ -55,10 +55,10 @@ def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit:
     else:
         reported, weights = _fit(bins.force_n, bins.v, bins.samples.astype(np.float64), fit)
         covariance = bin_covariance(bins, noise, memory(correlation))
-        *factors, dof = error_factors(np.log(bins.force_n), weights, covariance)
+        a_factor, b_factor, dof = error_factors(np.log(bins.force_n), weights, covariance)
         # where the effective number is not known (NaN), it sets no limit
         dof = np.fmin(dof, np.maximum(independent - PARAMETERS, 1))
-        reported = widen(reported, *factors, dof, fit.confidence)
+        reported = widen(reported, a_factor, b_factor, dof, fit.confidence)
     return PressFits(
         reported=reported,
         on_bins=on_bins,

@@ -33,7 +33,7 @@ def clock_offset_s(emg_file: Path, emg: StoredChannel, force_file: Path, force: 
     if apart_s > AGREE_S:
         raise RecordingError(
             where, wanted=f"edges that lie as far apart as those in {emg_file.name}, within {1e3 * AGREE_S:g} ms",
-            found=f"a difference of {1e3 * apart_s:.3g} ms", do="Check the rates of both files, and that it is one trigger.",
+            found=f"a difference of {1e3 * apart_s:.3g} ms", do="Check the rates of both files, and the trigger.",
         )  # fmt: skip
     offset_s = float(np.median(offsets_s))
     edges = "1 edge" if emg_s.size == 1 else f"{emg_s.size} edges within {1e3 * apart_s:.2g} ms"

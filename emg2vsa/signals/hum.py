@@ -78,7 +78,8 @@ def remove_hum(
     used = np.any(turned != 0, axis=(0, 2))
     turned, orders = turned[:, used], orders[used]
     cleaned = tuple(
-        _without(samples, own, orders * hz, time_s, fs_hz) for samples, own in zip(channels, turned, strict=True)
+        _without(samples, own, hz * orders.astype(np.float64), time_s, fs_hz)
+        for samples, own in zip(channels, turned, strict=True)
     )
     rms = np.sqrt(np.sum(np.mean(np.abs(turned) ** 2, axis=-1), axis=-1) / 2)
     return cleaned, Hum(hz, orders, rms)

@@ -53,7 +53,7 @@ def estimate_lag(
     """
     step = max(1, round(STEP_S * emg.fs_hz))
     activity = _activity(channels, step)
-    time_s = emg.time_s((np.arange(activity.size) + 0.5) * step - 0.5)
+    time_s = emg.time_s(np.arange(activity.size, dtype=np.float64) * step + (step - 1) / 2)
     inside = (time_s >= force.time_s(np.zeros(1))[0]) & (time_s <= force.time_s(np.array([force.n_samples - 1]))[0])
     activity, time_s = activity[inside], time_s[inside]
     most = round(MOST_S * emg.fs_hz / step)

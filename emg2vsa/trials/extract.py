@@ -28,6 +28,8 @@ from emg2vsa.trials import Trials
 OVERVIEW_HZ = 10.0
 TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
+MOST_TOLD = 0.2
+"The size of a larger bias is not told: it rests on the fit that it spoils."
 TOLD_SHIFT_N = 0.1
 "A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
@@ -282,7 +284,8 @@ def _said_of_bias(
         if not subtracted and abs(floor[i]) > TOLD_BIAS:
             own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
         if abs(lagging[i]) > TOLD_BIAS:
-            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by about {100 * abs(lagging[i]):.0f} %"
+            size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
+            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
             own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
         said.append(tuple(own))
     return said
