@@ -129,9 +129,11 @@ def extract_trials(
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
-    ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
-    late_n = force_at(conditioned.force_n, instants, emg_clock, ahead) if left.lag_s else force_n
-    lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
+    lagging = np.zeros(start_s.size)
+    if left.lag_s:
+        ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
+        late_n = force_at(conditioned.force_n, instants, emg_clock, ahead)
+        lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
     quality = _record_qualities(raw, instants, chain.envelope)
