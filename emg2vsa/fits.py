@@ -26,6 +26,8 @@ MIN_POINTS = 3
 """Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""
 CERTAIN = 0.05
 "A slope that is this certain, as a share of itself, is never called uncertain beside others."
+NARROW = 1e-3
+"""A trial whose forces differ by a smaller share of themselves is fitted, and says how many digits are left."""
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
 
 
@@ -96,7 +98,7 @@ def fit_trials(
     fitted = (reported.n >= MIN_POINTS) & np.isfinite(reported.b) & np.isfinite(reported.b_se)
     at_ends = reported.at(window.force_n)
     n = fitted.size
-    reasons = _reasons(trials.reasons, fitted, reported.n, fit.points)
+    reasons = _reasons(trials.reasons, fitted, reported.n, fit.points, bins.force_n)
     verdicts = np.where(fitted, trials.verdict, "rejected").tolist()
     if not trials.fault:
         no_fit = _no_fit(curves, fitted & (trials.verdict != "rejected"), fit)
@@ -171,11 +173,20 @@ def _apply(
             verdicts[i] = "ok"
 
 
-def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str) -> list[str]:
+def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str, bin_force_n: Floats) -> list[str]:
     kind = "force bins" if points == "bins" else "samples"
     reasons = list(given)
     for i in np.flatnonzero(~fitted):
         why = f"no fit: {n[i]} {kind}" if n[i] < MIN_POINTS else "no fit: force does not change"
+        reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
+    inside = np.isfinite(bin_force_n)
+    highest = np.max(bin_force_n, axis=1, initial=0.0, where=inside)
+    lowest = np.min(bin_force_n, axis=1, initial=np.inf, where=inside)
+    for i in np.flatnonzero(fitted & (highest < lowest * (1 + NARROW))):
+        change = highest[i] / lowest[i] - 1
+        why = (
+            f"ill-conditioned fit: force changes by {change:.1g} of itself, b keeps {16 + np.log10(change):.0f} digits"
+        )
         reasons[i] = f"{reasons[i]}; {why}" if reasons[i] else why
     return reasons
 

@@ -75,6 +75,8 @@ class ForceChannelSettings:
     "Channel names of the six gauges, in the order of the transducer; with cal_file."
     volts_per_unit: Positive | None = None
     "Volts per stored unit of the gauges, where they are counts of a converter; with cal_file."
+    trigger: tuple[str, str] | None = None
+    "Force in a file of its own: channels of one trigger in the EMG's file and in the force's, for a common clock."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +108,7 @@ class FilterSettings:
     band_order: Annotated[int, Ge(1), Le(8)] = 2
     "Butterworth order in scipy's and MATLAB's sense (a band-pass of order 2 has four poles)."
     envelope: Literal["fir", "rms"] = "fir"
-    "fir: rectify and FIR low-pass; rms: moving root mean square."
+    "fir: rectify and FIR low-pass; rms: moving root mean square, whose a and b are 25 % larger on Gaussian EMG."
     fir_order: Annotated[int, Ge(2), Le(2000)] = 50
     "Order of the Hamming low-pass (taps - 1); even, so that its delay is a whole number of samples."
     fir_cutoff_hz: Positive = 20.0

@@ -12,7 +12,7 @@ from scipy import signal
 from emg2vsa.curves.logarithmic import fit_log
 from emg2vsa.errors import DataError
 from emg2vsa.fits import Fits, concatenate, fit_trials, usable
-from emg2vsa.settings import FitSettings, WindowSettings
+from emg2vsa.settings import FitSettings, PressJudgement, WindowSettings
 from emg2vsa.trials import DelayBudget, Trials
 
 A_V, B_V = 30e-6, 15e-6
@@ -199,3 +199,60 @@ def test_concatenate_refuses_a_mixture() -> None:
         concatenate([fits, fit_trials(noisy(2), FitSettings(bin_n=0.5), WINDOW)])
     with pytest.raises(DataError, match="at least one"):
         concatenate([])
+
+
+def spoilt() -> Trials:
+    """Press 2 has nothing to do with force."""
+    trials = noisy(relative_noise=0.2)
+    activity = trials.activity.copy()
+    cut = slice(trials.offsets[1], trials.offsets[2])
+    activity[cut] = A_V * (1 + 0.5 * np.random.default_rng(1).standard_normal(cut.stop - cut.start))
+    return dataclasses.replace(trials, activity=activity)
+
+
+def test_a_press_whose_fit_is_no_fit_is_rejected_with_the_reason() -> None:
+    fits = fit_trials(spoilt(), FitSettings(), WINDOW)
+    assert fits.verdict.tolist() == ["ok", "rejected"] + ["ok"] * 8
+    assert fits.reason[1].startswith("its fit explains too little (adjusted R2 ")
+    loose = FitSettings(min_adj_r2=-1.0, max_b_error=0.0, max_b_error_ratio=0.0)
+    free = fit_trials(spoilt(), loose, WINDOW)
+    assert set(free.verdict) == {"ok"}
+    np.testing.assert_array_equal(free.b_v, fits.b_v)
+
+
+def test_a_slope_far_less_certain_than_the_others_is_rejected() -> None:
+    trials = noisy(relative_noise=0.1)
+    force, activity = (
+        [values[i:j] for i, j in zip(trials.offsets[:-1], trials.offsets[1:], strict=True)]
+        for values in (trials.force_n, trials.activity)
+    )
+    late = force[4] > 5.8
+    force[4], activity[4] = force[4][late], activity[4][late]
+    settings = FitSettings(min_adj_r2=-1.0, max_b_error=0.0)
+    fits = fit_trials(trials_of(force, activity), settings, WINDOW)
+    assert fits.verdict.tolist() == ["ok"] * 4 + ["rejected"] + ["ok"] * 5
+    assert "times less certain than the others" in fits.reason[4]
+
+
+def judgement(specimen: str, repetition: int | None, *, excludes: bool) -> PressJudgement:
+    return PressJudgement("P01", specimen, repetition, "sneezed", excludes)
+
+
+def test_a_person_has_the_last_word() -> None:
+    said = (
+        judgement("S3", 1, excludes=True), judgement("S3", 2, excludes=False), judgement("S1", None, excludes=True),
+    )  # fmt: skip
+    fits = fit_trials(spoilt(), FitSettings(), WINDOW, said)
+    assert fits.verdict.tolist() == ["rejected", "ok"] + ["ok"] * 8
+    assert fits.reason[0] == "excluded by hand: sneezed"
+    assert fits.reason[1].startswith("accepted by hand: sneezed; its fit explains too little")
+    everything = fit_trials(spoilt(), FitSettings(), WINDOW, [judgement("S3", None, excludes=True)])
+    assert set(everything.verdict) == {"rejected"}
+
+
+def test_nobody_can_accept_a_press_without_a_fit() -> None:
+    short = trials_of([np.array([1.0, 1.2])], [np.array([1e-5, 1e-5])])
+    fits = fit_trials(short, FitSettings(), WINDOW, [judgement("S3", 1, excludes=False)])
+    assert fits.verdict.tolist() == ["rejected"]
+    assert "accepted by hand" in fits.reason[0]
+    assert "no fit" in fits.reason[0]

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from emg2vsa.session_verdict import VERDICTS, judge_session
+from emg2vsa.session_verdict import VERDICTS, doubts_between, judge_session
+from emg2vsa.settings import PressJudgement
 
 SLOW = "lasted 21 s, longer than 20 s"
 LEANT = "force rests at 0.30 N before contact"
@@ -98,3 +99,74 @@ def test_the_worst_recording_counts_and_is_said_first():
     assert judged.verdict == "unreadable"
     assert list(dict.fromkeys(advice.text[0] for advice in judged.advice)) == ["D", "C", "B"]
     assert [s.specimen for s in judged.specimens] == ["A", "B", "C", "D"]
+
+
+def doubtful(participant, specimen, b_v, start=0.0, lag_s=0.0):
+    """What a look across recordings reads of trials and fits."""
+    n = 6
+    rng = np.random.default_rng([*f"{participant}{specimen}".encode()])
+    slopes = b_v * (1 + 0.03 * rng.standard_normal(n))
+    trials = SimpleNamespace(
+        participant=participant, specimen=specimen, start_s=start + np.arange(n) + rng.random(), lag_s=lag_s,
+        lag_se_s=0.002, repetition=np.arange(1, n + 1),
+    )  # fmt: skip
+    fits = SimpleNamespace(b_v=slopes, v_max_v=3 * slopes, verdict=np.array(["ok"] * n))
+    return trials, fits
+
+
+def doubts(recordings, judgements=()):
+    fits = {(t.participant, t.specimen): f for t, f in recordings}
+    return doubts_between([t for t, _ in recordings], fits, judgements)
+
+
+def study(swapped="", loud=""):
+    made = []
+    for person in ("P1", "P2", "P3", "P4", "P5"):
+        slopes = {"S1": 20e-6, "S5": 8e-6}
+        if person == swapped:
+            slopes = {"S1": 8e-6, "S5": 20e-6}
+        made += [doubtful(person, name, b_v * (200 if person == loud else 1)) for name, b_v in slopes.items()]
+    return made
+
+
+def test_recordings_that_agree_raise_no_doubt():
+    assert doubts(study()) == {}
+
+
+def test_swapped_specimens_are_named():
+    found = doubts(study(swapped="P3"))
+    assert set(found) == {("P3", "S1"), ("P3", "S5")}
+    assert found["P3", "S1"] == ["b of S1 is below that of S5, against all other participants; were S1 and S5 swapped?"]
+
+
+def test_two_that_disagree_prove_nothing():
+    assert doubts([each for each in study(swapped="P3") if each[0].participant in ("P1", "P2", "P3")]) == {}
+
+
+def test_a_participant_two_hundred_times_as_loud():
+    found = doubts(study(loud="P2"))
+    assert set(found) == {("P2", "S1"), ("P2", "S5")}
+    assert "times as loud as in the median of the other participants" in found["P2", "S1"][0]
+
+
+def test_one_recording_under_two_names():
+    made = study()
+    trials, fits = made[0]
+    twin = SimpleNamespace(**{**vars(trials), "participant": "P9"})
+    found = doubts([*made, (twin, fits)])
+    assert found["P9", "S1"] == ["the same recording as P1/S1"]
+    assert found["P1", "S1"] == ["the same recording as P9/S1"]
+
+
+def test_a_recording_whose_clock_is_apart_from_the_session():
+    made = [
+        doubtful("P1", name, 1e-5, lag_s=lag_s) for name, lag_s in zip("ABCD", (0.02, 0.025, 0.12, 0.02), strict=True)
+    ]
+    found = doubts(made)
+    assert list(found) == [("P1", "C")]
+    assert found["P1", "C"][0].startswith("lag of force is 98 ms from the 22 ms")
+
+
+def test_a_judgement_of_a_press_that_is_not_there():
+    judgements = (PressJudgement("P1", "S1", 12, "typo", True), PressJudgement("P1", "S5", 6, "fine", False))
+    assert doubts(study(), judgements) == {("P1", "S1"): ["[[exclude]] names press 12, of 6 found"]}

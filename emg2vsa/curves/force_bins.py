@@ -100,8 +100,9 @@ def bin_covariance(bins: ForceBins, noise: Floats, memory: Floats) -> Floats:
     return one_side + one_side.transpose(0, 2, 1)
 
 
-def error_factors(x: Floats, weights: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-    """By how much (k,), (k,) the standard errors of intercept and slope must grow, given the points' true covariance.
+def error_factors(x: Floats, weights: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats]:
+    """By how much (k,), (k,) the standard errors of intercept and slope must grow, given the points' true covariance;
+    and the degrees of freedom (k,) that are left to the variance of the residuals (Satterthwaite), 1 at least.
 
     x, weights : (k, B) of the weighted line; weight 0 leaves a point out. covariance : (k, B, B), up to a factor.
     The variance of the residuals is corrected for the covariance too. 1 where it cannot be said, and, up to rounding,
@@ -117,11 +118,15 @@ def error_factors(x: Floats, weights: Floats, covariance: Floats) -> tuple[Float
         level, slope = weights / total, weights * dx / sxx  # linear in the points: (k, B) each
         intercept = level - centre * slope
         residual = np.eye(x.shape[1]) - level[:, None, :] - dx[:, :, None] * slope[:, None, :]
-        expected = np.sum(weights * np.sum((residual @ covariance) * residual, axis=2), axis=1)
-        spread = (np.count_nonzero(used, axis=1) - 2) / expected
+        share = (residual @ covariance) @ residual.transpose(0, 2, 1) * weights[:, None, :]
+        expected = np.einsum("kbb->k", share)
+        points = np.count_nonzero(used, axis=1) - 2
+        spread = points / expected
+        dof = expected**2 / np.einsum("kbc,kcb->k", share, share)
         return (
             _factor(intercept, covariance, spread / (1 / total + centre**2 / sxx)[:, 0]),
             _factor(slope, covariance, spread * sxx[:, 0]),
+            np.where(np.isfinite(dof), np.clip(dof, 1, np.maximum(points, 1)), points),
         )
 
 

@@ -111,14 +111,15 @@ def fit_log_by_level(
     return _log_fit(line, confidence), weights
 
 
-def widen(fit: LogFit, a_factor: Floats, b_factor: Floats) -> LogFit:
-    """``fit`` with its standard errors and interval multiplied by factors (k,)."""
+def widen(fit: LogFit, a_factor: Floats, b_factor: Floats, dof: Floats, confidence: float) -> LogFit:
+    """``fit`` with its standard errors multiplied by factors (k,), and the interval of Student's t at ``dof`` (k,)."""
+    reach = _t_quantile(dof, confidence) * fit.b_se * b_factor
     return dataclasses.replace(
         fit,
         a_se=fit.a_se * a_factor,
         b_se=fit.b_se * b_factor,
-        b_lo=fit.b + (fit.b_lo - fit.b) * b_factor,
-        b_hi=fit.b + (fit.b_hi - fit.b) * b_factor,
+        b_lo=fit.b - reach,
+        b_hi=fit.b + reach,
     )
 
 
@@ -135,7 +136,7 @@ def level_weights(level: Floats) -> Floats:
     return np.where(np.isfinite(weights) & (top > 0), weights, 1.0)
 
 
-def _t_quantile(dof: NDArray[np.int64], confidence: float) -> Floats:
+def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats:
     """Student t (k,) of a two-sided interval; NaN where dof is 0."""
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)

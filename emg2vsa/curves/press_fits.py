@@ -14,6 +14,11 @@ from emg2vsa.curves.force_bins import ForceBins, bin_covariance, bin_means, erro
 from emg2vsa.curves.logarithmic import LogFit, fit_log, fit_log_by_level, level_weights, widen
 from emg2vsa.settings import FitSettings
 
+PARAMETERS = 2
+"Of a line."
+MOST_SHARE, ROUNDS = 0.7, 6
+"Of the noise, that a line is held to have taken; and how often that is found anew from its own result."
+
 
 @dataclass(frozen=True)
 class PressFits:
@@ -33,22 +38,27 @@ class PressFits:
 def fit_presses(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats, fit: FitSettings) -> PressFits:
     """Fit k presses cut from the samples force_n, v (N,), evenly sampled in time, by ``offsets`` (k + 1,).
 
-    Errors on bins allow for the correlation of the samples; errors on samples (the paper's fit) do not, and are several
-    times too small: ``n_effective`` says why.
+    Errors on bins allow for the correlation of the samples, and their interval for the degrees of freedom that slow
+    noise leaves: no more than the effective number of samples has. Errors on samples (the paper's fit) do not, and are
+    several times too small: ``n_effective`` says why.
     """
     bins = bin_means(force_n, v, offsets, edges_n)
     force, samples = pad_rows(force_n, offsets), pad_rows(v, offsets)
     on_bins, on_samples = fit_log(bins.force_n, bins.v), fit_log(force, samples)
     level = on_samples.at(force)
     noise = 1 / np.sqrt(level_weights(level))
+    n = np.count_nonzero(np.isfinite(samples), axis=1).astype(np.float64)
     correlation = autocorrelation((samples - level) / noise)
+    independent = effective_number(without_line(correlation, n), n)
     if fit.points == "samples":
         reported, _ = _fit(force, samples, np.ones(samples.shape), fit)
     else:
         reported, weights = _fit(bins.force_n, bins.v, bins.samples.astype(np.float64), fit)
         covariance = bin_covariance(bins, noise, memory(correlation))
-        reported = widen(reported, *error_factors(np.log(bins.force_n), weights, covariance))
-    n = np.count_nonzero(np.isfinite(samples), axis=1).astype(np.float64)
+        a_factor, b_factor, dof = error_factors(np.log(bins.force_n), weights, covariance)
+        # where the effective number is not known (NaN), it sets no limit
+        dof = np.fmin(dof, np.maximum(independent - PARAMETERS, 1))
+        reported = widen(reported, a_factor, b_factor, dof, fit.confidence)
     return PressFits(
         reported=reported,
         on_bins=on_bins,
@@ -86,6 +96,20 @@ def autocorrelation(residuals: Floats) -> Floats:
     covariance = np.fft.irfft(spectrum.real**2 + spectrum.imag**2, size, axis=1)[:, :p]
     undefined = (n < 3) | ~np.any(centred != 0, axis=1)
     return np.asarray(covariance / np.where(undefined, np.nan, covariance[:, 0])[:, None])
+
+
+def without_line(correlation: Floats, n: Floats) -> Floats:
+    """Autocorrelation (k, p) of the noise, from that of n (k,) residuals of a line fitted to it.
+
+    A line follows slow noise, and what it takes is missing from the residuals at every lag: its two parameters' share
+    of the effective number of values, which follows from the result. An upper
+    bound rather than an estimate: it limits degrees of freedom, and no standard error rests on it.
+    """
+    share = np.zeros((len(correlation), 1))
+    for _ in range(ROUNDS):
+        worth = n / effective_number(correlation * (1 - share) + share, n)
+        share = np.nan_to_num(np.minimum(PARAMETERS * worth / np.maximum(n, 1), MOST_SHARE))[:, None]
+    return correlation * (1 - share) + share
 
 
 def memory(correlation: Floats) -> Floats:

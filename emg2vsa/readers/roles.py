@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.ati_gauges import force_of_gauges
 from emg2vsa.readers.front_door import load_named, open_recording
 from emg2vsa.readers.opened import OpenRecording, StoredChannel, scaled, unit_step
+from emg2vsa.readers.trigger import clock_offset_s
 from emg2vsa.readers.units import si_factor
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings, ReadingSettings
@@ -77,8 +78,10 @@ def read_roles(
         force = _force_in_n(force_open.path, force_stored[0], channels.force)
     else:
         force, said = force_of_gauges(force_open.path, force_stored, channels.force, cal_file)
+    force, aligned = _on_emg_clock(emg_open, force_open, force, channels.force)
     _refuse_disjoint(emg_open.path, emg, force_open.path, force)
-    return RoleChannels(emg, force, name, (*_notes(emg_open, force_open, [*emg_stored, *force_stored]), *said))
+    notes = _notes(emg_open, force_open, [*emg_stored, *force_stored])
+    return RoleChannels(emg, force, name, (*notes, *said, *aligned))
 
 
 def _refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
@@ -107,6 +110,24 @@ def read_emg(emg_file: Path, channels: ChannelSettings, reading: ReadingSettings
         role: _emg_in_v(opened.path, one, settings)
         for (role, settings), one in zip(channels.emg.items(), stored, strict=True)
     }
+
+
+def _on_emg_clock(
+    emg: OpenRecording, force_file: OpenRecording, force: Channel, settings: ForceChannelSettings
+) -> tuple[Channel, tuple[str, ...]]:
+    """The force on the clock of the EMG's file, and what is to be said of it."""
+    if settings.trigger is None:
+        return force, ()
+    if emg is force_file:
+        raise RecordingError(
+            f"{emg.path}, trigger", wanted="a force file of its own", found="EMG and force in one file, on one clock",
+            do="Remove trigger from [channels.force].",
+        )  # fmt: skip
+    (emg_trigger,), (force_trigger,) = (
+        load_named(opened, [name]) for opened, name in zip((emg, force_file), settings.trigger, strict=True)
+    )
+    offset_s, said = clock_offset_s(emg.path, emg_trigger, force_file.path, force_trigger)
+    return replace(force, start_s=force.start_s + offset_s), (said,)
 
 
 def _emg_in_v(path: Path, stored: StoredChannel, settings: EmgChannelSettings) -> Channel:

@@ -20,6 +20,9 @@ from emg2vsa.settings import FilterSettings
 TRUNCATION = 1e-12
 "Share of a transient that may be left after ``support_samples``."
 
+FEWEST_DIGITS = 7.0
+"A filter that would keep fewer decimal digits is refused."
+
 Phase = Literal["zero-phase", "compensated", "causal"]
 
 
@@ -27,7 +30,7 @@ Phase = Literal["zero-phase", "compensated", "causal"]
 class IirFilter:
     """One filter as it is run.
 
-    sos : (sections, 6). state : (sections, 2) steady state for a unit step. zero_phase : run forward and backward.
+    sos : (sections, 6). passes_offset : gain 1 at 0 Hz (a low-pass), else 0. zero_phase : run forward and backward.
     delay_s : group delay of one causal pass in the middle of its band; 0 when zero-phase.
     support_samples : after so many samples the memory of the start has fallen below ``TRUNCATION``.
     pad_samples : length of the odd extension at the ends of a record (scipy's rule); 0 for one causal pass.
@@ -36,7 +39,7 @@ class IirFilter:
 
     name: str
     sos: Floats
-    state: Floats
+    passes_offset: bool
     zero_phase: bool
     delay_s: float
     support_samples: int
@@ -131,10 +134,31 @@ def _described(
     delay = "no delay" if zero_phase else f"delay {1e3 * delay_s:.3g} ms at {delay_at_hz:.3g} Hz"
     shown = " and ".join(f"{edge:.4g} Hz" for edge in edges if not math.isnan(edge))
     said = f"{name}: {order}; true -3 dB at {shown}; {delay}"
-    state = signal.sosfilt_zi(sos)
+    _refuse_ill_conditioned(name, sos, fs_hz)
     support = support_samples(sos)
     pad = default_pad_samples(sos) if zero_phase else 0
-    return IirFilter(name, sos, state, zero_phase, delay_s, support, pad, (*notes, said))
+    return IirFilter(name, sos, delay_at_hz == 0, zero_phase, delay_s, support, pad, (*notes, said))
+
+
+def digits_kept(sos: Floats) -> float:
+    """Decimal digits of a signal near 0 Hz that survive the filter's own rounding in float64.
+
+    A section recurs with 1 + a1 + a2, about the square of its edge in radians per sample: what is left of that sum
+    after rounding is what is left of the signal.
+    """
+    return float(np.log10(np.min(np.abs(sos[:, 3:].sum(axis=1))) / (4 * np.finfo(np.float64).eps)))
+
+
+def _refuse_ill_conditioned(name: str, sos: Floats, fs_hz: float) -> None:
+    digits = digits_kept(sos)
+    if digits < FEWEST_DIGITS:
+        key = "filters.force_cutoff_hz" if "force" in name else "filters.band_hz"
+        raise SettingError(
+            key,
+            wanted=f"an edge that keeps {FEWEST_DIGITS:g} digits of the signal at {fs_hz:g} Hz",
+            found=f"one that keeps {max(digits, 0):.1f}",
+            do="Raise the lowest edge, or resample the recording to a lower rate.",
+        )
 
 
 def gain(sos: Floats, frequency_hz: float, fs_hz: float) -> float:

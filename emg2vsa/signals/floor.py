@@ -8,15 +8,15 @@ its tangent.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.signals.quality import window_means
 
 MOST_FLOOR = 0.75
 "Largest share of the power of a level that is subtracted: what is left is never below half of what was read."
+
+
+_HANKEL = np.add.outer(np.arange(3), np.arange(3))
 
 
 def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
@@ -26,30 +26,34 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
     whose force does not change, keep their mean.
     """
     counts = np.diff(offsets)
+    if force_n.size == 0:
+        return envelopes_v
     x = np.log(np.maximum(force_n, 1e-9))
     u = x - np.repeat(_means(x, offsets), counts)
     reach = _means(u * u, offsets)
     plain = (counts < 10) | (reach < 1e-7)
     u /= np.repeat(np.sqrt(np.where(plain, 1.0, reach)), counts)
-    basis = np.stack([np.ones_like(u), u, u * u - 1])
+    powers = np.stack([np.ones_like(u), u, u * u, u**3, u**4])
     mean = np.repeat(_means(envelopes_v, offsets), counts, axis=1)
-    level = mean
-    products = basis[:, None, None] * basis[:, None]
+    level, known = mean, mean > 0
     for _ in range(2):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            weights = np.where(mean > 0, (mean / np.maximum(level, 0.1 * mean)) ** 2, 1.0)
-        normal = np.moveaxis(_means(products * weights, offsets), (0, 1), (2, 3))
-        normal = np.where(plain[:, None, None], np.eye(3), normal + 1e-9 * np.eye(3))
-        right = np.moveaxis(_means(basis[:, None] * (weights * envelopes_v), offsets), 0, 2)
-        parabola = np.linalg.solve(normal, np.nan_to_num(right)[..., None])[..., 0]
-        level = np.sum(np.repeat(parabola, counts, axis=1) * basis.T, axis=2)
+        ratio = np.divide(mean, np.maximum(level, 0.1 * mean), out=np.ones_like(mean), where=known)
+        weights = ratio * ratio
+        moments = np.moveaxis(_means(powers[:, None] * weights, offsets), 0, -1)
+        normal = moments[..., _HANKEL] + 1e-9 * moments[..., :1, None] * np.eye(3)
+        normal[:, plain] = np.eye(3)
+        right = np.moveaxis(_means(powers[:3, None] * (weights * envelopes_v), offsets), 0, -1)
+        parabola = np.linalg.solve(normal, np.where(plain[:, None], 0.0, right)[..., None])[..., 0]
+        level = np.einsum("mnb,bn->mn", np.repeat(parabola, counts, axis=1), powers[:3])
     return np.asarray(np.where(np.repeat(plain, counts), mean, np.maximum(level, 0.05 * mean)))
 
 
 def _means(values: Floats, offsets: Ints) -> Floats:
     """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
-    means = window_means(values.reshape(math.prod(values.shape[:-1]), values.shape[-1]), offsets)
-    return means.reshape(*values.shape[:-1], -1)
+    with np.errstate(invalid="ignore"):
+        sums = np.add.reduceat(np.concatenate((values, np.zeros((*values.shape[:-1], 1))), axis=-1), offsets, axis=-1)
+        counts = np.diff(offsets)
+        return np.asarray(np.where(counts > 0, sums[..., :-1], 0.0) / counts)
 
 
 def subtract_floor(envelopes_v: Floats, levels_v: Floats, floor_v: Floats) -> Floats:
@@ -74,6 +78,8 @@ def slope_ratios(x: Floats, y: Floats, true_x: Floats, true_y: Floats, level: Fl
     NaN for presses of fewer than ten samples, or without a slope.
     """
     counts = np.diff(offsets)
+    if x.size == 0:
+        return np.full(counts.size, np.nan)
     top = np.repeat(_means(level, offsets), counts)
     with np.errstate(divide="ignore", invalid="ignore"):
         weights = np.where(top > 0, (top / np.maximum(level, 0.1 * top)) ** 2, 1.0)

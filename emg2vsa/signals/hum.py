@@ -78,7 +78,8 @@ def remove_hum(
     used = np.any(turned != 0, axis=(0, 2))
     turned, orders = turned[:, used], orders[used]
     cleaned = tuple(
-        _without(samples, own, orders * hz, time_s, fs_hz) for samples, own in zip(channels, turned, strict=True)
+        _without(samples, own, hz * orders.astype(np.float64), time_s, fs_hz)
+        for samples, own in zip(channels, turned, strict=True)
     )
     rms = np.sqrt(np.sum(np.mean(np.abs(turned) ** 2, axis=-1), axis=-1) / 2)
     return cleaned, Hum(hz, orders, rms)
@@ -91,19 +92,21 @@ def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]
     """
     waves, hz = _waves(pieces.shape[-1], fs_hz)
     at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begins))
-    return np.moveaxis(np.tensordot(pieces, waves, (2, 3)), 1, -1) * at_zero, np.arange(1, hz.shape[-1] + 1)
+    real, imaginary = (np.moveaxis(np.tensordot(pieces, part, (2, 3)), 1, -1) for part in waves)
+    return (real + 1j * imaginary) * at_zero, np.arange(1, hz.shape[-1] + 1)
 
 
 @lru_cache(maxsize=8)
-def _waves(size: int, fs_hz: float) -> tuple[Phasors, Floats]:
-    """Windowed waves (2, 3, h, size), blind to the mean of a piece, and their frequencies (2, 3, h)."""
+def _waves(size: int, fs_hz: float) -> tuple[tuple[Floats, Floats], Floats]:
+    """Windowed cosines and sines (2, 3, h, size), blind to the mean of a piece, and their frequencies (2, 3, h)."""
     orders = np.arange(1, HARMONICS + 1)
     orders = orders[orders * max(MAINS_HZ) < 0.45 * fs_hz]
     hz = np.multiply.outer(MAINS_HZ, orders)[:, None, :] + np.array([-ASIDE_HZ, 0.0, ASIDE_HZ])[:, None]
     window = np.hanning(size + 2)[1:-1]
     window /= window.sum()
     waves = 2 * window * np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, np.arange(size)))
-    return waves - window * waves.sum(axis=-1, keepdims=True), hz
+    waves -= window * waves.sum(axis=-1, keepdims=True)
+    return (waves.real.copy(), waves.imag.copy()), hz
 
 
 def _offset_hz(phasors: Phasors, time_s: Floats, orders: Ints) -> float:

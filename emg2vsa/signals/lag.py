@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.signals.pairing import Clock
@@ -28,15 +29,17 @@ LOWEST = 0.25
 
 @dataclass(frozen=True)
 class Lag:
-    """lag_s : force follows EMG so late; negative where force leads. se_s : its standard error. NaN: not known."""
+    """lag_s : force follows EMG so late; negative where force leads. se_s : its standard error, from so many pieces of
+    the record. NaN: not known."""
 
     lag_s: float
     se_s: float
+    pieces: int = 0
 
     @property
     def certain(self) -> bool:
-        """Whether it differs from zero by more than 3 standard errors and what the way of pressing can feign."""
-        return bool(abs(self.lag_s) > FEIGNED_S + 3 * self.se_s)
+        """Whether it differs from zero by more than its 99.7 % interval and what the way of pressing can feign."""
+        return bool(abs(self.lag_s) > FEIGNED_S + special.stdtrit(max(self.pieces - 1, 1), 0.9985) * self.se_s)
 
 
 UNKNOWN = Lag(float("nan"), float("nan"))
@@ -53,15 +56,17 @@ def estimate_lag(
     """
     step = max(1, round(STEP_S * emg.fs_hz))
     activity = _activity(channels, step)
-    time_s = emg.time_s((np.arange(activity.size) + 0.5) * step - 0.5)
+    time_s = emg.time_s(np.arange(activity.size, dtype=np.float64) * step + (step - 1) / 2)
     inside = (time_s >= force.time_s(np.zeros(1))[0]) & (time_s <= force.time_s(np.array([force.n_samples - 1]))[0])
     activity, time_s = activity[inside], time_s[inside]
     most = round(MOST_S * emg.fs_hz / step)
     if stop_s.size < 2 or activity.size < 4 * most or not np.any(activity > 0):
         return UNKNOWN
     y = np.log(np.maximum(activity, 1e-3 * activity.mean()))
-    at_n = np.interp(force.index(time_s), np.arange(force_n.size), force_n)
-    u = np.log(np.maximum(at_n, LOWEST * lower_n))
+    position = np.clip(force.index(time_s), 0, force_n.size - 1)
+    left = np.minimum(position.astype(np.int64), force_n.size - 2)
+    share = position - left
+    u = np.log(np.maximum((1 - share) * force_n[left] + share * force_n[left + 1], LOWEST * lower_n))
     coarse = _best_correlation(y, u, most)
     for _ in range(3):
         scatter, begin = _scatter(y, u, coarse)
@@ -76,7 +81,7 @@ def estimate_lag(
     lag, *without = coarse + _vertices(np.hstack((total, total - pieces)))
     n = len(without)
     se = np.sqrt((n - 1) / n * np.sum((without - np.mean(without)) ** 2)) if n > 2 else np.nan
-    return Lag(float(lag * step / emg.fs_hz), float(se * step / emg.fs_hz))
+    return Lag(float(lag * step / emg.fs_hz), float(se * step / emg.fs_hz), n)
 
 
 def _activity(channels: tuple[Floats, ...], step: int) -> Floats:

@@ -20,7 +20,7 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 from emg2vsa.study_file.problems import KeyPath, Problem, nearest, shown
-from emg2vsa.study_file.tables import RecordingsTable, RunsTable, SpecimenTable, overlaid
+from emg2vsa.study_file.tables import MvcTable, RecordingsTable, RunsTable, SpecimenTable, overlaid
 
 
 def _rising(pair: Sequence[float], path: KeyPath, equal: bool = False) -> Iterator[Problem]:
@@ -70,6 +70,8 @@ def _own_window(recordings: RecordingsTable, window: WindowSettings, raw: Mappin
 
 def _muscles(
     cocontraction: CocontractionSettings,
+    ids: tuple[str, ...],
+    mvc: tuple[MvcTable, ...],
     channels: ChannelSettings | None = None,
     recordings: RecordingsTable | None = None,
 ) -> Iterator[Problem]:
@@ -84,9 +86,11 @@ def _muscles(
         if every and muscle not in every:
             do = nearest(muscle, every, f"The muscles are {', '.join(every)}.")
             yield Problem(("cocontraction", "mvc_v", muscle), "a muscle of [channels.emg]", repr(muscle), do)
-    for muscle in every:
+    unrecorded = [name for name in ids if name not in {table.participant for table in mvc}]
+    for muscle in every if unrecorded or not ids else ():
         if cocontraction.normalise == "mvc" and muscle not in mvc_v:
-            do = "Measure it, or set normalise to another value."
+            of = ", ".join(unrecorded[:5]) + (" and others" if len(unrecorded) > 5 else "")
+            do = f"Measure it, or record it of {of} ([[mvc]]), or set normalise to another value."
             yield Problem(("cocontraction", "mvc_v", muscle), "the level of every muscle", f"none for {muscle!r}", do)
 
 

@@ -39,6 +39,8 @@ from emg2vsa.trials import Trials
 OVERVIEW_HZ = 10.0
 TOLD_BIAS = 0.01
 "A press whose b is expected to be off by a larger share says so."
+MOST_TOLD = 0.2
+"The size of a larger bias is not told: it rests on the fit that it spoils."
 TOLD_SHIFT_N = 0.1
 "A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
@@ -190,9 +192,11 @@ def extract_trials(
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
-    ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
-    late_n = force_at(conditioned.force_n, instants, emg_clock, ahead) if left.lag_s else force_n
-    lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
+    lagging = np.zeros(start_s.size)
+    if left.lag_s:
+        ahead = replace(force_clock, start_s=force_clock.start_s - left.lag_s)
+        late_n = force_at(conditioned.force_n, instants, emg_clock, ahead)
+        lagging = _lag_bias(force_n, late_n, levels_v.sum(axis=0), instants.offsets)
     activity, unit, said = cocontraction_index(envelopes_v, record.muscles, cocontraction)
     snr_db = ratio_db(window_means(measured_v, instants.offsets), rest_v[:, None])
     quality = _record_qualities(raw, instants, chain.envelope)
@@ -390,7 +394,8 @@ def _said_of_bias(
         if not subtracted and abs(floor[i]) > TOLD_BIAS:
             own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
         if abs(lagging[i]) > TOLD_BIAS:
-            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by about {100 * abs(lagging[i]):.0f} %"
+            size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
+            way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
             own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
         said.append(tuple(own))
     return said

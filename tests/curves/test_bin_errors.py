@@ -46,7 +46,10 @@ def test_factors_are_generalised_least_squares_arithmetic(seed: int) -> None:
     m = np.eye(12) - design @ a
     scale = np.trace(np.diag(w) @ m @ v @ m.T) / 10
     factors = np.sqrt(np.diag(a @ v @ a.T) / scale / np.diag(inverse))
-    np.testing.assert_allclose(np.ravel(error_factors(x[None], w[None], v[None])), factors, rtol=1e-7)
+    *found, dof = error_factors(x[None], w[None], v[None])
+    np.testing.assert_allclose(np.ravel(found), factors, rtol=1e-7)
+    share = np.diag(w) @ m @ v @ m.T
+    np.testing.assert_allclose(dof, max(np.trace(share) ** 2 / np.trace(share @ share), 1), rtol=1e-7)
 
 
 def test_independent_points_of_variance_one_over_weight_need_no_correction() -> None:
@@ -55,22 +58,25 @@ def test_independent_points_of_variance_one_over_weight_need_no_correction() -> 
     w[:, 3] = 0
     x[:, 3] = np.nan
     covariance = np.array([np.diag(np.where(row > 0, 1 / np.where(row > 0, row, 1), 7.0)) for row in w])
-    np.testing.assert_allclose(error_factors(x, w, covariance), 1, rtol=1e-12)
-    np.testing.assert_allclose(error_factors(x, w, 1e-9 * covariance), 1, rtol=1e-12)
+    for scale in (1, 1e-9):
+        *factors, dof = error_factors(x, w, scale * covariance)
+        np.testing.assert_allclose(factors, 1, rtol=1e-12)
+        np.testing.assert_allclose(dof, 19)
 
 
 def test_positive_correlation_widens() -> None:
     lag = np.abs(np.subtract.outer(np.arange(22), np.arange(22)))
     x = np.log(np.linspace(0.65, 6.9, 22))[None]
-    intercept, slope = error_factors(x, np.ones((1, 22)), (0.4**lag)[None])
+    intercept, slope, dof = error_factors(x, np.ones((1, 22)), (0.4**lag)[None])
     assert intercept[0] > 1.1
     assert slope[0] > 1.1
+    assert dof[0] < 18
 
 
 @pytest.mark.parametrize("used", [0, 1, 2])
 def test_too_few_points_leave_the_errors_alone(used: int) -> None:
     w = (np.arange(5) < used).astype(np.float64)[None]
-    np.testing.assert_array_equal(np.ravel(error_factors(np.arange(5.0)[None], w, np.eye(5)[None])), [1, 1])
+    np.testing.assert_array_equal(np.ravel(error_factors(np.arange(5.0)[None], w, np.eye(5)[None])[:2]), [1, 1])
 
 
 def test_no_trial() -> None:
@@ -80,7 +86,7 @@ def test_no_trial() -> None:
 
 def test_widen_keeps_the_estimate() -> None:
     fit = fit_log([1.0, 2.0, 3.0, 4.0], [1.0, 2.0, 2.0, 3.0])
-    wide = widen(fit, np.array([2.0]), np.array([3.0]))
+    wide = widen(fit, np.array([2.0]), np.array([3.0]), np.array([2.0]), 0.95)
     assert (wide.a[0], wide.b[0]) == (fit.a[0], fit.b[0])
     np.testing.assert_allclose([wide.a_se, wide.b_se], [2 * fit.a_se, 3 * fit.b_se])
     np.testing.assert_allclose(wide.b_hi - wide.b_lo, 3 * (fit.b_hi - fit.b_lo))

@@ -44,6 +44,8 @@ def test_a_note_said_of_every_recording_is_said_once(results):
         ),
         (lambda s: replace(s, fit=FitSettings(robust=True)), ", with Huber's weights against outliers, on the means"),
         (lambda s: with_filters(s, FilterSettings(envelope="rms", rms_window_s=0.05)), "root mean square over 50 ms"),
+        (lambda s: with_filters(s, FilterSettings(envelope="rms")), "25 % more than a rectified mean"),
+        (lambda s: with_filters(s, FilterSettings(align="lag")), "Force was moved by the lag"),
         (lambda s: with_filters(s, FilterSettings(force_filter=False)), "force was not filtered"),
         (lambda s: with_filters(s, FilterSettings(phase="causal")), "their delays were left in"),
         (lambda s: replace(s, cocontraction=CocontractionSettings(index="rudolph", normalise="mvc")), "Rudolph"),
@@ -54,6 +56,15 @@ def test_a_note_said_of_every_recording_is_said_once(results):
 def test_follows_the_settings(results, changed, said):
     assert said not in written(results.study)
     assert said in written(changed(results.study))
+
+
+def test_says_what_was_taken_out_of_the_emg_and_nothing_else(results):
+    text = written(results.study)
+    assert "Mains hum and its harmonics, fitted at rest, were subtracted" in text
+    assert "subtracted in power" in text
+    kept = written(with_filters(results.study, FilterSettings(mains="keep", rest_level="keep")))
+    assert "hum" not in kept
+    assert "in power" not in kept
 
 
 def test_recordings_with_other_settings_are_all_stated(results):

@@ -47,7 +47,8 @@ def relative_error(channels, first, counts, step, filters):
     index = np.concatenate([f + step * np.arange(c) for f, c in zip(first, counts, strict=True)])
     expected = np.stack([reference(channel, filters)[index] for channel in channels])
     assert got.shape == expected.shape
-    return np.max(np.abs(got - expected)) / np.max(expected)
+    # a causal pass is exactly zero at the first sample, where the reference shows its own rounding
+    return np.max(np.abs(got - expected)) / max(np.max(expected), 1e-6 * np.max(np.abs(channels)))
 
 
 @pytest.mark.parametrize("phase", PHASES)

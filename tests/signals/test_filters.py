@@ -11,6 +11,7 @@ from scipy import signal
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import band_pass, default_pad_samples, force_low_pass, gain, group_delay_samples
+from emg2vsa.signals.windowed import filter_record
 
 
 @pytest.mark.parametrize("phase", ["causal", "compensated"])
@@ -81,3 +82,56 @@ def test_padding_is_that_of_sosfiltfilt(order):
     signal.sosfiltfilt(sos, np.ones(pad + 1))
     with pytest.raises(ValueError, match="padlen"):
         signal.sosfiltfilt(sos, np.ones(pad))
+
+
+def by_longdouble(sos, samples):
+    """One pass that starts in the steady state of the first sample, in extended precision."""
+    x = samples.astype(np.longdouble)
+    for section in sos:
+        b0, b1, b2, _, a1, a2 = (np.longdouble(c) for c in section)
+        # what the section settles at: its gain at 0 Hz is that of the exact design, 1 or 0
+        settled = x[0] * (b0 + b1 + b2) / (1 + a1 + a2)
+        s1, s2 = settled - b0 * x[0], b2 * x[0] - a2 * settled
+        y = np.empty_like(x)
+        for i, value in enumerate(x):
+            y[i] = b0 * value + s1
+            s1, s2 = b1 * value - a1 * y[i] + s2, b2 * value - a2 * y[i]
+        x = y
+    return x
+
+
+@pytest.mark.parametrize(
+    ("kind", "edge", "fs_hz", "offset"),
+    [("low", 5.0, 1000.0, 1e6), ("low", 5.0, 20_000.0, 1e6), ("low", 0.5, 1000.0, 1e6), ("band", 20.0, 1000.0, 1e6)],
+)
+def test_an_offset_costs_no_digits(kind, edge, fs_hz, offset):
+    if kind == "low":
+        made = force_low_pass(FilterSettings(force_cutoff_hz=edge, phase="causal"), fs_hz)
+    else:
+        made = band_pass(FilterSettings(band_hz=(edge, 450.0), phase="causal"), fs_hz)
+    wave = np.round(np.random.default_rng(0).standard_normal(4000) * 2**20) / 2**20
+    wave -= wave[0]
+    got = filter_record(wave + offset, made) - (offset if kind == "low" else 0.0)
+    truth = by_longdouble(made.sos, wave)
+    error = np.max(np.abs(got - truth)) / np.max(np.abs(truth))
+    # of the sum with the offset float64 keeps 1e-16 of 1e6 times the signal; the filter itself adds nothing to that
+    assert error < 1e-9 * (1e-3 if kind == "band" else 1.0) * max(1.0, 1 / np.max(np.abs(truth)))
+
+
+@pytest.mark.parametrize(
+    ("build", "settings", "key"),
+    [
+        (force_low_pass, FilterSettings(force_cutoff_hz=0.01), "filters.force_cutoff_hz"),
+        (band_pass, FilterSettings(band_hz=(0.01, 50.0)), "filters.band_hz"),
+    ],
+)
+def test_a_filter_that_would_lose_its_digits_is_refused_with_those_it_would_keep(build, settings, key):
+    with pytest.raises(SettingError, match=rf"(?s){key}.*7 digits.*found one that keeps [34]\.\d"):
+        build(settings, 20_000.0)
+
+
+def test_practical_filters_are_built():
+    for fs_hz in (200.0, 1000.0, 20_000.0):
+        assert force_low_pass(FilterSettings(), fs_hz) is not None
+    assert band_pass(FilterSettings(), 50_000.0) is not None
+    assert force_low_pass(FilterSettings(force_cutoff_hz=0.05), 1000.0) is not None

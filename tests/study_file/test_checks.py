@@ -11,6 +11,8 @@ from emg2vsa.study import Study
 
 FILE = '[[recordings.files]]\nparticipant = "P01"\nspecimen = "S1"\n'
 NEW = '[profile]\nnew_specimen = "N"\n'
+EXCLUDE = '[[exclude]]\nparticipant = "P01"\nspecimen = "S1"\nrepetition = 2\nreason = "sneezed"\n'
+MVC = '[[mvc]]\nparticipant = "P01"\nemg = "mvc.csv"\n'
 
 CASES = [
     # names
@@ -25,6 +27,21 @@ CASES = [
     ("+", '[profile]\nparticipant = "P1"', "profile.participant", "Did you mean"),
     ("+", '[profile]\nspecimens = ["S2"]', "profile.specimens[0]", "a specimen of this study"),
     ("+", '[profile]\nnew_specimen = "S1"\nnew_stiffness_n_per_mm = 5', "profile.new_specimen", "a new name"),
+    # a person's word on presses, and maximum contractions
+    ("+", EXCLUDE.replace("P01", "P03"), "exclude[0].participant", "a participant of this study"),
+    ("+", EXCLUDE.replace("S1", "S2"), "exclude[0].specimen", "a specimen of this study"),
+    ("+", EXCLUDE + EXCLUDE, "exclude[1]", "press 2 of P01/S1 in [[exclude]] already"),
+    ("+", EXCLUDE + EXCLUDE.replace("exclude", "accept"), "accept[0]", "press 2 of P01/S1 in [[exclude]] already"),
+    ("+", EXCLUDE.replace("= 2", "= 0"), "exclude[0].repetition", ">= 1"),
+    ("+", EXCLUDE.replace('reason = "sneezed"', ""), "exclude[0].reason", "a key 'reason'"),
+    ("+", EXCLUDE.replace("sneezed", ""), "exclude[0].reason", "not empty"),
+    ("+", MVC, "mvc", "normalise = 'none'"),
+    ("+", MVC.replace("P01", "P9"), "mvc[0].participant", "a participant of this study"),
+    ("+", MVC + '[cocontraction]\nnormalise = "mvc"', "cocontraction.mvc_v.EDC", "or record it of P02"),
+    ("+", MVC.replace('emg = "mvc.csv"', ""), "mvc[0].emg", "a key 'emg'"),
+    ("+", "[fit]\nmin_adj_r2 = 1.5", "fit.min_adj_r2", "< 1"),
+    ("+", "[fit]\nmax_b_error = -1", "fit.max_b_error", ">= 0"),
+    ("+", "[window]\nmax_missed_n = 0", "window.max_missed_n", "> 0"),
     # recordings and channels
     ('layout = "pattern"', 'layout = "bids"', "recordings.root", "a key 'root'"),
     ('layout = "pattern"', 'layout = "bids"', "recordings.pattern", "keys of this layout only"),
@@ -159,3 +176,29 @@ def test_participants_table_without_the_column(
     assert "participant_id in every row" in problems(text)[0]
     (folder / "people.tsv").write_text("participant_id\nsub-P01\nsub-P01\n")
     assert "'P01' again" in problems(text)[0]
+
+
+def test_people_and_judgements_reach_the_study(small: str, load: Callable[[str], Study], tmp_path: Path) -> None:
+    folder = tmp_path / "studies" / "small"
+    folder.mkdir(parents=True)
+    (folder / "people.tsv").write_text(
+        "participant_id\tage\tsex\thandedness\nsub-P01\t24\tF\tright\nP02\tn/a\tm\tn/a\n"
+    )
+    text = small.replace('ids = ["P01", "P02"]', 'file = "people.tsv"') + EXCLUDE
+    text += EXCLUDE.replace("exclude", "accept").replace("repetition = 2\n", "").replace("S1", "S3")
+    study = load(text + MVC + MVC.replace("P01", "P02") + '[cocontraction]\nnormalise = "mvc"\n')
+    assert study.participants == ("P01", "P02")
+    assert [(p.age, p.sex, p.handedness) for p in study.people] == [("24", "F", "right"), ("", "m", "")]
+    told = [(j.specimen, j.repetition, j.excludes) for j in study.judgements]
+    assert told == [("S1", 2, True), ("S3", None, False)]
+    assert [entry.mvc_files for entry in study.recordings] == [(folder / "mvc.csv",)] * 4
+
+
+@pytest.mark.parametrize("age", ["young", "-3", "24 years"])
+def test_an_age_that_is_none(small: str, problems: Callable[[str], list[str]], tmp_path: Path, age: str) -> None:
+    folder = tmp_path / "studies" / "small"
+    folder.mkdir(parents=True)
+    (folder / "people.tsv").write_text(f"participant_id\tage\nP01\t{age}\nP02\t30\n")
+    (said,) = problems(small.replace('ids = ["P01", "P02"]', 'file = "people.tsv"'))
+    assert "participants.file: wanted an age in years" in said
+    assert repr(age) in said

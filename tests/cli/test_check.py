@@ -1,0 +1,114 @@
+"""What ``check`` prints, and which recordings it judges as they land."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from emg2vsa.cli import main
+from emg2vsa.cli.check import landings, told
+from emg2vsa.session_verdict import SessionVerdict, SpecimenVerdict
+from emg2vsa.study import RecordingEntry
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def verdicts() -> list[SessionVerdict]:
+    good = SpecimenVerdict("S1", 8, 8, 8, 0, 0, "", ())
+    slow = SpecimenVerdict("S1", 8, 8, 7, 0, 1, "", ("press 3 rejected: reached 5.6 of 7 N",))
+    return [SessionVerdict("P1", "good", (good,), good.advice), SessionVerdict("P2", "usable", (slow,), slow.advice)]
+
+
+def test_one_line_for_a_good_session_the_remedy_beside_each_remark_and_totals() -> None:
+    assert list(told(verdicts(), io.StringIO())) == [
+        "P1     GOOD        S1 8/8",
+        "P2     USABLE      S1 7/8",
+        "    S1: press 3 rejected: reached 5.6 of 7 N",
+        "      -> ask for firmer presses; show the target force",
+        "1 good, 1 usable, 0 to repeat",
+    ]
+
+
+def test_colour_on_a_terminal_unless_no_color(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    assert "\x1b[1;32mGOOD" in next(told(verdicts(), Terminal()))
+    assert "\x1b" not in "".join(told(verdicts(), io.StringIO()))
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in "".join(told(verdicts(), Terminal()))
+
+
+def test_a_recording_is_told_when_its_files_are_complete(tmp_path: Path) -> None:
+    emg, force = tmp_path / "a.csv", tmp_path / "a_force.csv"
+    old = tmp_path / "old.csv"
+    old.write_text("x")
+    entries = [SimpleNamespace(key="P/a", files=(emg, force)), SimpleNamespace(key="P/old", files=(old,))]
+
+    def write(path: Path, text: str, when: int) -> None:
+        path.write_text(text)
+        os.utime(path, (when, when))
+
+    script = {
+        1: lambda: write(emg, "1", 1), 2: lambda: write(emg, "12", 2), 3: lambda: write(force, "", 3),
+        6: lambda: write(force, "1", 4), 9: lambda: write(force, "12", 5),
+    }  # fmt: skip
+    looks = itertools.count(1)
+    at: list[int] = []
+
+    def wait(seconds: float) -> None:
+        look = next(looks)
+        at.append(look)
+        if look == 14:
+            raise KeyboardInterrupt
+        script.get(look, lambda: None)()
+
+    found = []
+    landed = landings(entries, wait)
+    while (entry := _next(landed)) is not None:
+        found.append((entry.key, at[-1]))
+    # not at looks 2 to 5, while the force file is absent or empty; once more after it changed at look 9
+    assert found == [("P/a", 7), ("P/a", 10)]
+
+
+def _next(landed: Iterator[RecordingEntry]) -> RecordingEntry | None:
+    try:
+        return next(landed)
+    except KeyboardInterrupt:
+        return None
+
+
+STUDY = """
+[study]
+name = "s"
+[participants]
+ids = ["P01"]
+[[specimens]]
+name = "S1"
+[recordings]
+layout = "pattern"
+pattern = "raw/{participant}_{specimen}.csv"
+[channels.emg.EDC]
+name = "EDC"
+[channels.force]
+name = "Fz"
+"""
+
+
+@pytest.mark.parametrize(("folder", "says"), [("absent", "a folder to watch"), ("other", "none of them belongs there")])
+def test_a_folder_that_cannot_be_watched(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: str, says: str
+) -> None:
+    (tmp_path / "study.toml").write_text(STUDY)
+    (tmp_path / "other").mkdir()
+    assert main(["check", str(tmp_path / "study.toml"), "--watch", str(tmp_path / folder)]) == 2
+    said = capsys.readouterr().err
+    assert says in said
+    assert said.count("\n") == 1

@@ -1,0 +1,123 @@
+"""Hum, rest level and lag: each is found as it was put in, and what is not there is not taken out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from emg2vsa.signals.floor import floor_bias, press_levels, subtract_floor
+from emg2vsa.signals.hum import remove_hum
+from emg2vsa.signals.lag import UNKNOWN, estimate_lag
+from emg2vsa.signals.pairing import Clock
+
+FS_HZ = 1000.0
+N = 60_000
+START = np.arange(0, N, 6000)
+STOP = START + 2000
+
+
+def hum(hz: float, amplitude: float, wander_hz: float = 0.0) -> np.ndarray:
+    time_s = np.arange(N) / FS_HZ
+    return amplitude * np.sin(2 * np.pi * np.cumsum(hz + wander_hz * np.sin(2 * np.pi * time_s / 30)) / FS_HZ + 0.3)
+
+
+@pytest.mark.parametrize(("hz", "wander_hz"), [(50.0, 0.0), (49.93, 0.0), (60.04, 0.0), (50.02, 0.02)])
+def test_hum_is_removed_wherever_the_mains_stands_and_wanders(hz: float, wander_hz: float) -> None:
+    rng = np.random.default_rng(1)
+    noise = rng.standard_normal(N)
+    noise[np.arange(N) % 6000 > 2000] *= 20
+    waves = hum(hz, 5.0, wander_hz) + hum(3 * hz, 2.0, 3 * wander_hz)
+    (cleaned,), found = remove_hum((noise + waves,), FS_HZ, START, STOP)
+    assert found is not None
+    assert found.hz == pytest.approx(hz, abs=0.03 if wander_hz else 0.003)
+    assert found.harmonics.tolist() == [1, 3]
+    assert found.rms[0] == pytest.approx(np.sqrt((25 + 4) / 2), rel=0.05)
+    left = cleaned - noise
+    assert np.sqrt(np.mean(left**2)) < (0.2 if wander_hz else 0.1) * np.sqrt(np.mean(waves**2))
+
+
+def test_without_hum_or_without_rests_the_samples_stay_as_they_are() -> None:
+    for seed in range(20):
+        noise = np.random.default_rng(seed).standard_normal(N)
+        (cleaned,), found = remove_hum((noise,), FS_HZ, START, STOP)
+        assert found is None
+        assert cleaned is noise
+    waves = hum(50.0, 5.0)
+    assert remove_hum((waves,), FS_HZ, START[:1], STOP[:1])[1] is None
+    none = np.empty(0, np.int64)
+    assert remove_hum((waves,), FS_HZ, none, none)[1] is None
+    assert remove_hum((waves,), 150.0, START, STOP)[1] is None
+
+
+def envelopes(floor: float, presses: int = 200, n: int = 250) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Noisy envelopes of v = 18 + 9 ln F over a floor, the truth, forces and offsets."""
+    rng = np.random.default_rng(3)
+    force_n = np.tile(np.linspace(0.5, 7, n), presses)
+    truth = 18 + 9 * np.log(force_n)
+    noisy = np.sqrt(truth**2 + floor**2) * (1 + 0.15 * rng.standard_normal(truth.size))
+    return noisy[None], truth, force_n, n * np.arange(presses + 1)
+
+
+@pytest.mark.parametrize("floor", [0.0, 3.0, 8.0])
+def test_the_floor_is_subtracted_without_bias(floor: float) -> None:
+    noisy, truth, force_n, offsets = envelopes(floor)
+    levels = press_levels(noisy, force_n, offsets)
+    left = subtract_floor(noisy, levels, np.array([floor]))
+    lowest = force_n < 0.8
+    assert left[0, lowest].mean() == pytest.approx(truth[lowest].mean(), rel=0.012)
+    assert left.mean() == pytest.approx(truth.mean(), rel=0.005)
+    predicted = floor_bias(levels, np.array([floor]), force_n, offsets)
+    x = np.log(force_n[:250])
+    seen = np.sqrt(truth[:250] ** 2 + floor**2)
+    exact = np.polyfit(x, seen, 1, w=1 / truth[:250])[0] / 9 - 1
+    assert np.mean(predicted) == pytest.approx(exact, abs=0.006)
+
+
+def test_a_floor_above_the_signal_leaves_something_and_nothing_negative() -> None:
+    noisy, _, force_n, offsets = envelopes(3.0, presses=3)
+    levels = press_levels(noisy, force_n, offsets)
+    left = subtract_floor(noisy, levels, np.array([100.0]))
+    assert np.all(left >= 0)
+    assert left.mean() == pytest.approx(levels.mean() / 2, rel=0.1)
+    np.testing.assert_array_equal(subtract_floor(noisy, levels, np.array([np.nan])), noisy)
+
+
+def test_presses_without_samples_or_change_have_their_mean_as_level() -> None:
+    levels = press_levels(np.array([[1.0, 3.0, *[5.0] * 12]]), np.ones(14), np.array([0, 0, 2, 14]))
+    np.testing.assert_allclose(levels, [[2.0, 2.0, *[5.0] * 12]])
+    assert press_levels(np.empty((2, 0)), np.empty(0), np.zeros(1, np.int64)).shape == (2, 0)
+    assert np.isnan(floor_bias(np.ones((1, 2)), np.ones(1), np.ones(2), np.array([0, 2]))).all()
+
+
+def session(lag_s: float, presses: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """EMG, force that follows it by ``lag_s``, and the ends of the loading phases."""
+    at = np.arange(presses) * 5.0 + 2.0
+    knots = np.concatenate([[0.0], np.ravel(at[:, None] + [0, 2.5, 2.8, 3.4]), [presses * 5.0 + 2]])
+    levels = np.concatenate([[0.0], np.tile([0.0, 7.5, 7.5, 0.0], presses), [0.0]])
+    time_s = np.arange(0, knots[-1], 1 / FS_HZ)
+    rng = np.random.default_rng(2)
+    level = 2 + 12 * np.log1p(2 * np.interp(time_s + lag_s, knots, levels))
+    return level * rng.standard_normal(time_s.size), np.interp(time_s, knots, levels), at + 2.4
+
+
+@pytest.mark.parametrize("lag_s", [-0.5, 0.0, 0.06, 0.2, 1.3])
+def test_the_lag_is_found_within_ten_milliseconds(lag_s: float) -> None:
+    emg, force_n, stop_s = session(lag_s)
+    clock = Clock(0.0, FS_HZ, emg.size)
+    lag = estimate_lag((emg,), clock, force_n, clock, 0.5, stop_s)
+    assert lag.lag_s == pytest.approx(lag_s, abs=0.01)
+    assert lag.se_s < 0.008
+    assert lag.certain == (lag_s != 0)
+    later = estimate_lag((emg,), Clock(5.0, FS_HZ, emg.size), force_n, Clock(5.0, FS_HZ, emg.size), 0.5, stop_s + 5)
+    assert later.lag_s == pytest.approx(lag.lag_s, abs=2e-3)
+
+
+def test_one_press_or_a_dead_channel_has_no_lag() -> None:
+    emg, force_n, stop_s = session(0.06)
+    clock = Clock(0.0, FS_HZ, emg.size)
+    for channel, stops in ((emg, stop_s[:1]), (np.zeros_like(emg), stop_s), (emg[:3000], stop_s)):
+        own = Clock(0.0, FS_HZ, channel.size)
+        lag = estimate_lag((channel,), own, force_n, clock, 0.5, stops)
+        assert np.isnan(lag.lag_s)
+        assert not lag.certain
+    assert not UNKNOWN.certain
