@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.signals.quality import MAINS_HZ
@@ -24,7 +25,9 @@ LARGEST_RATIO = 50.0
 "Between the envelopes of two muscles of one forearm."
 SAME, CROSSTALK = 0.9, 0.4
 "Correlation of two raw channels."
-MAINS_WIDTH_HZ = 1.5
+BLOCK_S = 0.25
+"Spectra are taken of blocks of this length."
+MAINS_WIDTH_HZ = 6.0
 "So far from a mains line its leakage is looked past."
 LOWEST_FS_HZ = 400.0
 "Below, a good part of the power of EMG lies above half the rate."
@@ -95,23 +98,27 @@ def plausibility(signals: Signals) -> Plausibility:
     n_presses = len(signals.offsets) - 1
     if n_presses == 0 or not pieces or not pieces[0]:
         return Plausibility("", (), ((),) * n_presses)
-    not_raw = dict(_not_raw(signals, pieces))
-    faults = [*not_raw.values(), *_levels(signals, not_raw), *_copies(signals, pieces)]
+    found = [_spectra(of, signals.fs_hz) for of in pieces]
+    hz, spectra = found[0][0], [each for _, each in found]
+    pairs = list(_correlations(signals, hz, spectra))
+    shares = [_share_above(hz, each, EMG_ABOVE_HZ) for each in spectra]
+    not_raw = dict(_not_raw(signals, pieces, shares))
+    faults = [*not_raw.values(), *_levels(signals, not_raw), *_copies(pairs)]
     if faults:
         return Plausibility("; ".join(faults), (), ((),) * n_presses)
     beats, spikes = dict(_beats(signals)), [dict(_spikes(signals, press)) for press in range(n_presses)]
     profiles = [_Profile.of(signals, muscle) for muscle in range(len(signals.muscles))]
     contacts = dict(_contacts(signals, profiles)) if abs(signals.lag_s) < LARGE_LAG_S else {}
-    explained = {muscle for found in (beats, contacts, *spikes) for muscle in found}
+    explained = {muscle for told in (beats, contacts, *spikes) for muscle in told}
     remarks = (
-        *_rate(signals), *_crosstalk(signals, pieces), *_ratios(signals), *_saturated(signals, pieces),
+        *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
         *_fading(signals), *contacts.values(), *beats.values(), *_repeated(signals, pieces),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []
-    for press, found in enumerate(spikes):
+    for press, own in enumerate(spikes):
         bursts = [said for muscle, said in _bursts(signals, profiles, press) if muscle not in explained]
-        of_press.append((*found.values(), *bursts))
+        of_press.append((*own.values(), *bursts))
     return Plausibility("", remarks, tuple(of_press))
 
 
@@ -150,10 +157,12 @@ def _volts(level_v: float) -> str:
     return f"{level_v:.1g} V"
 
 
-def _not_raw(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[tuple[str, str]]:
+def _not_raw(
+    signals: Signals, pieces: Sequence[Sequence[Floats]], shares: Sequence[float]
+) -> Iterator[tuple[str, str]]:
     """Rectified, enveloped, or no EMG at all: told by one-sidedness and by the power below 20 Hz."""
     for m, muscle in enumerate(signals.muscles):
-        share = _share_above(pieces[m], signals.fs_hz, EMG_ABOVE_HZ)
+        share = shares[m]
         if share < EMG_SHARE:
             follows = [
                 _correlation(piece, np.interp(np.linspace(0, 1, piece.size), np.linspace(0, 1, force.size), force))
@@ -176,42 +185,46 @@ def _not_raw(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[t
                 yield muscle, f"{muscle} is never {side}; is it rectified already?"
 
 
-def _share_above(pieces: Sequence[Floats], fs_hz: float, corner_hz: float) -> float:
-    """Share of the power of the pieces, each less its mean, above a frequency."""
-    total = above = 0.0
-    for piece in pieces:
-        power = np.abs(np.fft.rfft((piece - piece.mean()) * np.hanning(piece.size))) ** 2
-        total += float(power.sum())
-        above += float(power[int(np.ceil(corner_hz * piece.size / fs_hz)) :].sum())
-    return above / total if total > 0 else 1.0
+def _spectra(pieces: Sequence[Floats], fs_hz: float) -> tuple[Floats, NDArray[np.complex128]]:
+    """Frequencies (F,) and spectra (q, F) of all whole blocks of a quarter of a second, less their means."""
+    size = max(8, round(BLOCK_S * fs_hz))
+    blocks = np.concatenate([piece[: piece.size // size * size] for piece in pieces]).reshape(-1, size)
+    window = np.hanning(size)
+    hz = np.fft.rfftfreq(size, 1 / fs_hz).astype(np.float64)
+    return hz, np.fft.rfft((blocks - blocks.mean(axis=1, keepdims=True)) * window)
 
 
-def _correlations(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[tuple[str, str, float]]:
+def _share_above(hz: Floats, spectra: NDArray[np.complex128], corner_hz: float) -> float:
+    """Share of the power above a frequency; 1 where there is none."""
+    power = np.sum(spectra.real**2 + spectra.imag**2, axis=0)
+    total = float(power.sum())
+    return float(power[hz >= corner_hz].sum()) / total if total > 0 else 1.0
+
+
+def _correlations(signals: Signals, hz: Floats, spectra: Sequence[NDArray[np.complex128]]) -> Iterator[Pair]:
     """Muscles and correlation of every pair of raw channels, above 20 Hz and without the mains that all share."""
-    spectra = []
-    for of in pieces:
-        own = []
-        for piece in of:
-            hz = np.fft.rfftfreq(piece.size, 1 / signals.fs_hz)
-            mains = np.min([np.abs(hz - each * np.rint(hz / each)) for each in MAINS_HZ], axis=0)
-            kept = (hz > EMG_ABOVE_HZ) & (mains > MAINS_WIDTH_HZ)
-            own.append(np.fft.rfft((piece - piece.mean()) * np.hanning(piece.size))[kept])
-        spectra.append(np.concatenate(own))
-    power = [float(np.vdot(x, x).real) for x in spectra]
-    for i, j in combinations(range(len(spectra)), 2):
+    mains = np.min([np.abs(hz - each * np.rint(hz / each)) for each in MAINS_HZ], axis=0)
+    kept = (hz > EMG_ABOVE_HZ) & (mains > MAINS_WIDTH_HZ)
+    rows = [each[:, kept].ravel() for each in spectra]
+    power = [float(np.vdot(x, x).real) for x in rows]
+    for i, j in combinations(range(len(rows)), 2):
         norm = float(np.sqrt(power[i] * power[j]))
-        r = float(np.vdot(spectra[i], spectra[j]).real) / norm if norm > 0 else 0.0
+        r = float(np.vdot(rows[i], rows[j]).real) / norm if norm > 0 else 0.0
         yield signals.muscles[i], signals.muscles[j], r
 
 
-def _copies(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
-    for one, other, r in _correlations(signals, pieces):
+Pair = tuple[str, str, float]
+"""Two muscles, and how their raw channels correlate."""
+
+
+def _copies(pairs: Sequence[Pair]) -> Iterator[str]:
+    for one, other, r in pairs:
         if abs(r) > SAME:
             yield f"{one} and {other} are one signal (r = {r:.2f}); was one channel exported twice?"
 
 
-def _crosstalk(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
-    for one, other, r in _correlations(signals, pieces):
+def _crosstalk(pairs: Sequence[Pair]) -> Iterator[str]:
+    for one, other, r in pairs:
         if CROSSTALK < abs(r) <= SAME:
             share = (1 - np.sqrt(1 - r**2)) / abs(r)
             yield f"{one} and {other} share about {100 * share:.0f} % of their signal (r = {r:.2f}): crosstalk"
@@ -349,9 +362,10 @@ def _spikes(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
         typical = float(np.median(bend)) / 0.6745
         # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
         loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - np.median(x)), 0.99))
+        far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud)) if typical > 0 else np.empty(0, np.int64)
         # a spike bends three samples; a burst of noise many in a row
-        raised = np.convolve(bend > 0.4 * SPIKE_SD * typical, np.ones(21), mode="same")
-        n = int(np.count_nonzero((raised <= 3) & (bend > max(SPIKE_SD * typical, loud)))) if typical > 0 else 0
+        near = [np.count_nonzero(bend[max(i - 10, 0) : i + 11] > 0.4 * SPIKE_SD * typical) for i in far[:200].tolist()]
+        n = sum(count <= 3 for count in near)
         if n:
             yield muscle, f"{muscle} has spikes: {n} samples far from their neighbours"
 
@@ -366,7 +380,8 @@ def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
             piece = samples[begin:end]
             if piece.size < 20 * size:
                 continue
-            smooth = np.convolve(np.abs(piece - np.median(piece)), np.full(size, 1 / size), mode="same")
+            total = np.cumsum(np.abs(piece - np.median(piece)))
+            smooth = (total[size:] - total[:-size]) / size
             high = smooth > BEAT_LEVEL * np.median(smooth)
             at = np.flatnonzero(high)
             seconds += piece.size / signals.fs_hz
@@ -385,19 +400,19 @@ def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
 
 def _repeated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
     """Stretches of samples that occur twice, as when a wireless link sends a packet again."""
-    weights = np.random.default_rng(0).uniform(1, 2, PACKET)
+    weights = np.random.default_rng(0).uniform(1, 2, PACKET // 2)
     for muscle, of in zip(signals.muscles, pieces, strict=True):
         joined = np.concatenate(of)
         n = joined.size - PACKET + 1
         if n < 2:
             continue
         print_of = np.zeros(n)
-        changes = np.zeros(n, dtype=np.int64)
-        for k, weight in enumerate(weights):
-            print_of += weight * joined[k : k + n]
-            if k:
-                changes += joined[k : k + n] != joined[k - 1 : k - 1 + n]
-        own = np.sort(print_of[changes > PACKET // 2])
+        changes = np.zeros(n, dtype=np.int8)
+        for k, weight in enumerate(weights.tolist()):
+            every_other = joined[2 * k : 2 * k + n]
+            print_of += weight * every_other
+            changes += every_other != joined[2 * k + 1 : 2 * k + 1 + n]
+        own = np.sort(print_of[changes > PACKET // 4])
         share = np.count_nonzero(own[1:] == own[:-1]) / n
         if share > TWICE:
             yield f"{muscle} has {100 * share:.1f} % of its samples twice; did the link send packets again?"
