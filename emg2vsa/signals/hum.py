@@ -8,7 +8,6 @@ neighbouring half seconds agree, and between them amplitude and phase are interp
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,7 @@ STEADY = 0.5
 "A harmonic is subtracted where neighbouring pieces agree in so much of its power; noise alone agrees in none."
 CLEAR = 4.0
 "... and where it has so many times the power that is found between the harmonics."
-ASIDE_HZ = 5.0
+ASIDE_HZ = 6.0
 "Between the harmonics: so far below and above each."
 FEWEST = 8
 "Fewer half seconds of rest do not tell the frequency of the mains."
@@ -86,27 +85,22 @@ def remove_hum(
 
 
 def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]:
-    """Amplitude and phase at time 0 of sines in pieces (m, p, size) that begin at ``begins`` (p,), and the orders (h,).
+    """Amplitude and phase at time 0 of sines in pieces (m, p, size) from ``begins`` (p,) on, and the orders (h,).
 
-    (m, 2, 3, h, p): of both mains, below, at and above each of their harmonics.
+    (m, 2, 3, h, p): of both mains, below, at and above each of their harmonics. Each is the nearest bin of the piece's
+    spectrum: at the middle of a symmetric window its phase is that of the sine, wherever within the bin that stands.
     """
-    waves, hz = _waves(pieces.shape[-1], fs_hz)
-    at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begins))
-    real, imaginary = (np.moveaxis(np.tensordot(pieces, part, (2, 3)), 1, -1) for part in waves)
-    return (real + 1j * imaginary) * at_zero, np.arange(1, hz.shape[-1] + 1)
-
-
-@lru_cache(maxsize=8)
-def _waves(size: int, fs_hz: float) -> tuple[tuple[Floats, Floats], Floats]:
-    """Windowed cosines and sines (2, 3, h, size), blind to the mean of a piece, and their frequencies (2, 3, h)."""
+    size = pieces.shape[-1]
     orders = np.arange(1, HARMONICS + 1)
     orders = orders[orders * max(MAINS_HZ) < 0.45 * fs_hz]
     hz = np.multiply.outer(MAINS_HZ, orders)[:, None, :] + np.array([-ASIDE_HZ, 0.0, ASIDE_HZ])[:, None]
-    window = np.hanning(size + 2)[1:-1]
-    window /= window.sum()
-    waves = 2 * window * np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, np.arange(size)))
-    waves -= window * waves.sum(axis=-1, keepdims=True)
-    return (waves.real.copy(), waves.imag.copy()), hz
+    bins = np.rint(hz * size / fs_hz).astype(np.int64)
+    window = np.sin(np.pi * (np.arange(size) + 0.5) / size) ** 2
+    spectrum = np.fft.rfft(pieces * (2 / window.sum() * window), axis=-1)
+    middle = (size - 1) / 2
+    to_middle = np.exp(2j * np.pi * bins * middle / size)
+    at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begins + middle))
+    return np.moveaxis(spectrum[..., bins] * to_middle, 1, -1) * at_zero, orders
 
 
 def _offset_hz(phasors: Phasors, time_s: Floats, orders: Ints) -> float:
@@ -115,7 +109,7 @@ def _offset_hz(phasors: Phasors, time_s: Floats, orders: Ints) -> float:
     order, phasor = int(orders[strongest]), phasors[:, strongest]
     product = np.sum(phasor[:, 1:] * phasor[:, :-1].conj(), axis=0)
     grid_hz = np.linspace(-OFFSET_HZ, OFFSET_HZ, 161)
-    agreed = (np.exp(-2j * np.pi * order * np.outer(grid_hz, np.diff(time_s))) @ product).real
+    agreed = np.sum((np.exp(-2j * np.pi * order * np.outer(grid_hz, np.diff(time_s))) * product).real, axis=1)
     at = int(np.argmax(agreed))
     if 0 < at < grid_hz.size - 1:
         low, top, high = agreed[at - 1 : at + 2]
@@ -133,5 +127,9 @@ def _without(samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz
     )
     slow *= np.exp(2j * np.pi / fs_hz * np.outer(hz, starts))
     wave = np.exp(2j * np.pi / fs_hz * np.outer(hz, np.arange(size)))
-    hum = slow.real.T @ wave.real - slow.imag.T @ wave.imag
-    return np.asarray(samples - hum.ravel()[: samples.size], dtype=np.float64)
+    left = np.zeros(starts.size * size)
+    left[: samples.size] = samples
+    for own, turning in zip(slow, wave, strict=True):
+        blocks = left.reshape(-1, size)
+        blocks -= own.real[:, None] * turning.real - own.imag[:, None] * turning.imag
+    return left[: samples.size]

@@ -122,6 +122,9 @@ def _scatter(y: Floats, u: Floats, coarse: int) -> tuple[Floats, int]:
 
 def _vertices(scatter: Floats) -> Floats:
     """Where the parabolas through the columns (lags, p) are least, in steps from the middle; 0 where they are not."""
-    square, linear, _ = np.polyfit(np.arange(-FINE_STEPS, FINE_STEPS + 1), scatter, 2)
+    steps = np.arange(-FINE_STEPS, FINE_STEPS + 1)[:, None]
+    bow = steps**2 - np.mean(steps**2)
+    square = np.sum(bow * scatter, axis=0) / np.sum(bow * bow)
+    linear = np.sum(steps * scatter, axis=0) / np.sum(steps * steps)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(square > 0, np.clip(-linear / (2 * square), -FINE_STEPS, FINE_STEPS), 0.0))

@@ -49,7 +49,10 @@ def test_six_planted_errors_are_all_reported_on_their_lines(small: str, problems
         ('output_fs_hz = "nativ"', "filters.output_fs_hz: wanted a number or 'native'; found \"nativ\"."),
         ("output_fs_hz = 0", "filters.output_fs_hz: wanted a number > 0 or 'native'; found 0."),
         ("band_hz = {}", "filters.band_hz: wanted an array [...]; found a table."),
-        ("points = 1", "filters.points: wanted a known key; found 'points'. Did you mean 'mains'?"),
+        ("points = 1", "filters.points: wanted a known key; found 'points'. Did you mean 'mains'? [fit] has"),
+        ('mains = "notch"', "filters.mains: wanted 'remove' or 'keep'; found \"notch\"."),
+        ("rest_level = 0.5", "filters.rest_level: wanted 'subtract' or 'keep'; found 0.5."),
+        ("align = true", "filters.align: wanted 'stated' or 'lag'; found true."),
     ],
 )
 def test_one_faulty_key(small: str, problems: Problems, line: str, said: str) -> None:
