@@ -189,6 +189,9 @@ def _judged(facts: ChannelFacts, samples: Floats) -> ChannelFacts:
         may_be_emg = False
     if may_be_emg and not is_slow and facts.fs_hz >= 100 and not words.startswith("force"):
         if facts.mains_share > _HUM_SHARE:
+            if words.startswith("EMG"):
+                hum = f"EMG, by its name, but {100 * facts.mains_share:.0f} % of its power is mains"
+                return replace(facts, role="EMG", guess=hum)
             return replace(facts, guess="mains hum: was anything connected?")
         unit = f"unit ({facts.unit}) and " if known is not None else ""
         return replace(facts, role="EMG", guess=f"looks like EMG, by its {unit}spectrum")

@@ -59,8 +59,9 @@ def test_figures_of_a_channel(tmp_path: Path) -> None:
 
 def test_hum_is_no_muscle(tmp_path: Path) -> None:
     hum = 1e-4 * np.sin(2 * np.pi * 50 * TIME) + RNG.normal(0, 1e-5, N)
-    (channel,) = survey(write(tmp_path, {"time (s)": TIME, "EMG 2 (V)": hum})).channels
-    assert (channel.role, channel.guess) == ("other", "mains hum: was anything connected?")
+    plain, named = survey(write(tmp_path, {"time (s)": TIME, "ch 2 (V)": hum, "EMG 2 (V)": hum})).channels
+    assert (plain.role, plain.guess) == ("other", "mains hum: was anything connected?")
+    assert (named.role, named.guess) == ("EMG", "EMG, by its name, but 98 % of its power is mains")
 
 
 def test_the_upright_force_of_several_is_taken(tmp_path: Path) -> None:
