@@ -54,7 +54,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from casr.atomic import write_text_atomic
     from emg2vsa.errors import SettingError
-    from emg2vsa.study_file.draft import FILL, draft, naming_of
+    from emg2vsa.study_file.draft import FILL, draft, naming_of_pairs
 
     folder: Path = arguments.folder
     out: Path = arguments.out or folder / "study.toml"
@@ -73,16 +73,22 @@ def run(arguments: argparse.Namespace) -> int:
             folder, wanted="recordings", found="none that can be read", do=f"emg2vsa inspect {folder} tells why."
         )
     files = [_relative(path, out.parent) for path in usable]
-    naming = naming_of(files)
-    named = [path for path, file in zip(usable, files, strict=True) if naming is None or file not in naming.left_out]
+    naming, force_files = naming_of_pairs(files)
+    aside = {*force_files, *(naming.left_out if naming else ())}
+    named = [path for path, file in zip(usable, files, strict=True) if file not in aside]
     facts = _telling(named, reading_of(arguments, "new"), arguments.fs)
+    force_facts = facts
+    if force_files:
+        own = [path for path, file in zip(usable, files, strict=True) if file in force_files]
+        force_facts = _telling(own, reading_of(arguments, "new"), arguments.fs)
     specimens = naming.specimens if naming else ()
     _refuse_unknown(stiffness, specimens)
     ask = sys.stdin.isatty() and not (arguments.no_questions or arguments.json)
     stiffness |= _asked([name for name in specimens if name not in stiffness]) if ask else {}
     emg = {role: _drafted(channel, arguments.fs) for role, channel in _by_muscle(facts).items()}
-    force = _drafted(facts.force, arguments.fs) if facts.force else None
-    seen = [_relative(facts.path, out.parent), *(f"could not be read: {one}" for one in unread)]
+    force = _drafted(force_facts.force, arguments.fs) if force_facts.force else None
+    looked_at = dict.fromkeys(_relative(one.path, out.parent) for one in (facts, force_facts))
+    seen = [*looked_at, *(f"could not be read: {one}" for one in unread)]
     name = arguments.name or re.sub(r"[^A-Za-z0-9_.-]", "", folder.resolve().name).lstrip("_.-") or "study"
     text = draft(name, naming, files, emg, force, stiffness, seen)
     write_text_atomic(out, text)
@@ -91,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"study": str(out), "recordings": len(usable), "fill_in_lines": to_fill, "not_read": unread})
         return 0
     print(f"{out}: {len(named)} of {len(usable)} recordings, from {folder}")
-    for channel in facts.emg[:_MOST_EMG] + ([facts.force] if facts.force else []):
+    for channel in facts.emg[:_MOST_EMG] + ([force_facts.force] if force_facts.force else []):
         print(f"  {channel.name}: {channel.guess}")
     for one in unread:
         print(f"  not read: {one}")

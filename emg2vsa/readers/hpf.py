@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
 from emg2vsa.readers.opened import Contents, unique_names
-from emg2vsa.readers.units import canonical
+from emg2vsa.readers.units import canonical, si_factor
 
 _HEADER, _CHANNELS, _DATA = 0x1000, 0x2000, 0x3000
 _HEADER_XML, _CHANNELS_XML = 36, 24
@@ -137,11 +137,13 @@ def _track(
                 found=f"those from {piece.first} on", do="Copy the file again; a part of it is lost.",
             )  # fmt: skip
         n += piece.n_bytes // stored.itemsize
+    unit = canonical(channel.findtext("Unit") or "") or None
+    unit_is_voltage = (si_factor(unit) or ("",))[0] == "V"
     notes: tuple[str, ...] = ()
     if abs(sensor_hz - fs_hz) > 1e-3 * fs_hz:
-        notes = (f"{name}: the sensor samples at {sensor_hz:.6g} Hz; its values are repeated to {fs_hz:.6g} Hz.",)
+        said = f"values of a sensor of {sensor_hz:.6g} Hz are repeated to {fs_hz:.6g} Hz."
+        notes = (f"{name}: {said}" if unit_is_voltage else f"Channels that are no EMG: {said}",)
     start_s = pieces[0].first / fs_hz if pieces and fs_hz > 0 else 0.0
-    unit = canonical(channel.findtext("Unit") or "") or None
     return Track(name, unit, fs_hz if fs_hz > 0 else math.nan, n, start_s, notes), (stored, pieces)
 
 

@@ -28,6 +28,8 @@ _SLOW_SHARE = 0.5
 _REST_SHARE = 0.05
 """The noise floor is the level that the quietest blocks of a quarter of a second stay below: this share of them."""
 _REST_BLOCK_S = 0.25
+_HUM_SHARE = 0.6
+"""A channel with a larger share of mains shows nothing of a muscle."""
 _RISES_WITH_EMG = 0.4
 """Least correlation with the level of the EMG that tells a force, where neither unit nor name does."""
 _FORCE_NAME = re.compile(r"(^|[^a-z])(f[xyz]?|forces?|load([ _-]?cell)?|kraft|grip|loadcell)([^a-z]|$)", re.IGNORECASE)
@@ -186,6 +188,11 @@ def _judged(facts: ChannelFacts, samples: Floats) -> ChannelFacts:
     if facts.unit not in (None, "counts") and known is None and not words.startswith("EMG"):
         may_be_emg = False
     if may_be_emg and not is_slow and facts.fs_hz >= 100 and not words.startswith("force"):
+        if facts.mains_share > _HUM_SHARE:
+            if words.startswith("EMG"):
+                hum = f"EMG, by its name, but {100 * facts.mains_share:.0f} % of its power is mains"
+                return replace(facts, role="EMG", guess=hum)
+            return replace(facts, guess="mains hum: was anything connected?")
         unit = f"unit ({facts.unit}) and " if known is not None else ""
         return replace(facts, role="EMG", guess=f"looks like EMG, by its {unit}spectrum")
     if words == "unknown":
@@ -248,7 +255,7 @@ def _force_score(facts: ChannelFacts, channel: StoredChannel, emg: Sequence[Stor
         score = 2.0 + abs(together)
     elif facts.guess.startswith("force"):
         score = 1.0 + abs(together)
-    upright = re.search(r"f[ _-]?z(?![a-z])", facts.name, re.IGNORECASE) is not None
+    upright = re.search(r"f[ _-]?\d*[ _-]?z(?![a-z])", facts.name, re.IGNORECASE) is not None
     return score + (0.5 if score and upright else 0.0), together
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from emg2vsa.readers.units import si_factor
 from emg2vsa.study_file.patterns import REPETITION
@@ -26,6 +26,7 @@ class Naming:
 
     pattern : with placeholders and ``*``. participants, specimens : as the names have them, in their order.
     left_out : files that are named otherwise. guessed : what a person should check, a sentence each.
+    force_pattern : where force has files of its own, or "".
     """
 
     pattern: str
@@ -33,6 +34,25 @@ class Naming:
     specimens: tuple[str, ...]
     left_out: tuple[str, ...]
     guessed: tuple[str, ...]
+    force_pattern: str = ""
+
+
+_EMG_FILE, _FORCE_FILE = (
+    re.compile(rf"(^|[/_ .-])({words})([/_ .-]|$)", re.IGNORECASE)
+    for words in ("emg|delsys|trigno|bagnoli", "force|load|loadcell|ft|ati|mini45|netft|kraft")
+)
+
+
+def naming_of_pairs(files: Sequence[str]) -> tuple[Naming | None, list[str]]:
+    """The naming of all files, or of those of the EMG where as many are named after the force; and the latter."""
+    emg, force = ([file for file in files if kind.search(file)] for kind in (_EMG_FILE, _FORCE_FILE))
+    if emg and len(emg) == len(force) and not set(emg) & set(force):
+        own, other = naming_of(emg), naming_of(force)
+        if own and other and (own.participants, own.specimens) == (other.participants, other.specimens):
+            left_out = tuple(file for file in files if file not in (*emg, *force))
+            found = replace(own, left_out=(*left_out, *own.left_out), force_pattern=other.pattern)
+            return found, [file for file in force if file not in other.left_out]
+    return naming_of(files), []
 
 
 def naming_of(files: Sequence[str]) -> Naming | None:
@@ -193,7 +213,8 @@ def _recordings(naming: Naming | None, files: Sequence[str], listed: Sequence[tu
     if naming is not None:
         lines = [f"# Check: {guess}" for guess in naming.guessed]
         lines += [f"# Not among them, since it is named otherwise: {file}" for file in naming.left_out]
-        return [*lines, 'layout = "pattern"', f"pattern = {_text(naming.pattern)}"]
+        force = [f"force_pattern = {_text(naming.force_pattern)}"] if naming.force_pattern else []
+        return [*lines, 'layout = "pattern"', f"pattern = {_text(naming.pattern)}", *force]
     lines = [f'layout = "files"   # {FILL}: the names of the files show no pattern; check participant and specimen']
     for file, (person, specimen) in zip(files, listed, strict=True):
         lines += ["[[recordings.files]]", f"participant = {_text(person)}", f"specimen = {_text(specimen)}"]

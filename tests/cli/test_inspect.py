@@ -74,3 +74,19 @@ def test_bad_input(folder: Path, capsys: pytest.CaptureFixture[str], words: list
     error = capsys.readouterr().err
     assert said in error
     assert "Traceback" not in error
+
+
+def test_fit_takes_the_rate_of_a_file_without_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    emg = np.random.default_rng(0).normal(0, 1e-4, TIME.size)
+    path = tmp_path / "a.csv"
+    table = np.column_stack([emg, 4 - 4 * np.cos(np.pi * TIME / 2)])
+    np.savetxt(path, table, "%.7g", ",", header="EDC_V,Fz_N", comments="")
+    words = ["fit", str(path), "--emg", "EDC", "--force", "Fz"]
+    assert main(words) == 2
+    assert "wanted a sampling rate" in capsys.readouterr().err
+    assert main([*words, "--fs", "1000", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert len(found["trials"]) == 1
+    assert "EDC: the file states no sampling rate; 1000 Hz as the study states." in found["notes"]
+    assert main([*words, "--fs", "0"]) == 2
+    assert "channels.emg.EDC.fs_hz: wanted a number > 0" in capsys.readouterr().err

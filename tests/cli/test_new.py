@@ -85,6 +85,22 @@ def test_lines_to_fill_are_counted(folder: Path, tmp_path: Path, capsys: pytest.
     ]  # fmt: skip
 
 
+def test_force_in_files_of_its_own(folder: Path, tmp_path: Path) -> None:
+    for path in (folder / "raw").glob("*.csv"):
+        table = np.loadtxt(path, delimiter=",", skiprows=1)
+        person, specimen = path.stem.split("_")[1:3]
+        for kind, columns, head in (("emg", [0, 1, 2], "time (s),EDC (mV),FDS (mV)"), ("force", [0, 3], "time (s),F")):
+            name = tmp_path / f"{person}_{specimen}_{kind}.csv"
+            np.savetxt(name, table[:, columns], "%.7g", ",", header=head, comments="")
+    assert main(["new", str(tmp_path), "--json"]) == 0
+    study = load_study(tmp_path / "study.toml")
+    assert [entry.key for entry in study.recordings] == ["ama/hard", "ama/soft", "bob/hard", "bob/soft"]
+    assert all(path.is_file() for entry in study.recordings for path in entry.files)
+    assert study.recordings[0].force_file == tmp_path / "ama_hard_force.csv"
+    force = study.recordings[0].channels.force
+    assert (force.name, force.unit, force.sign) == ("F", "N", -1)  # the unit is a guess, and marked
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

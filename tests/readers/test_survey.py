@@ -57,6 +57,13 @@ def test_figures_of_a_channel(tmp_path: Path) -> None:
     assert (force.sign, force.duration_s) == (1, N / 1000)
 
 
+def test_hum_is_no_muscle(tmp_path: Path) -> None:
+    hum = 1e-4 * np.sin(2 * np.pi * 50 * TIME) + RNG.normal(0, 1e-5, N)
+    plain, named = survey(write(tmp_path, {"time (s)": TIME, "ch 2 (V)": hum, "EMG 2 (V)": hum})).channels
+    assert (plain.role, plain.guess) == ("other", "mains hum: was anything connected?")
+    assert (named.role, named.guess) == ("EMG", "EMG, by its name, but 98 % of its power is mains")
+
+
 def test_the_upright_force_of_several_is_taken(tmp_path: Path) -> None:
     noise = {f"F{axis} (N)": RNG.normal(0, 1, N) for axis in "xy"}
     facts = survey(write(tmp_path, {"time (s)": TIME, **noise, "Fz (N)": MADE.force_n, "EMG (V)": MADE.emg_v["EDC"]}))
