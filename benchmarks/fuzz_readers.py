@@ -34,6 +34,7 @@ MOST_GROWTH_MB = 200.0
 FOUND: dict[str, tuple[int, ...]] = {
     "nexus.vicon.csv": (10, 145, 170),
     "v150.discover.csv": (101113, 106446),
+    "counts.anc": (202886,),
     "matrix.txt": (104364, 104785),
     "two_groups.hpf": (156, 1631, 1632),
 }

@@ -47,6 +47,8 @@ def open_recording(path: Path) -> TimedColumns:
     for i, (name, range_mv) in enumerate(zip(unique_names(names), ranges_mv, strict=False), start=1):
         try:
             scale = 2 * float(range_mv) / 2**bits
+            if not 0 < scale < 1e9:
+                raise ValueError(range_mv)
         except ValueError as error:
             raise _damaged(path, f"{range_mv!r} as the range of {name!r}") from error
         columns.append(Column(name, "mV", i, 0, 1.0, fs_hz, scale=scale, notes=(note,)))

@@ -175,7 +175,7 @@ def test_a_counter_that_stands_still_is_not_followed(tmp_path: Path) -> None:
         ('"CH2"], "label"', '"CH2", "CH3"], "label"', "wanted 5 cells, as the header names; found 5"),
         ('# {"', "# {", "no JSON"),
         ("# EndOfHeader", "# Other", "no line 3"),
-        ('"column": [', '"colums": [', "None as the columns of"),
+        ('"column": [', '"columnz": [', "None as the columns of"),
     ],
 )
 def test_a_damaged_opensignals_header_is_refused(tmp_path: Path, old: str, new: str, found: str) -> None:
@@ -270,7 +270,7 @@ def test_a_labview_file_that_ends_before_it_promised_says_so(tmp_path: Path) -> 
     ("old", "new", "found"),
     [
         ("Decimal_Separator\t,", "Decimal_Separator\t;", "Decimal_Separator ';'"),
-        ("Channels\t2", "Chanels\t2", "no line 'Channels'"),
+        ("Channels\t2", "Channel\t2", "no line 'Channels'"),
         ("X_Value\tEMG", "EMG", "wanted a row of names that begins with X_Value"),
         ("***End_of_Header***", "***", "End_of_Header"),
         ("\t0,", "\t0,1x", "wanted a number; found '0.1x"),
