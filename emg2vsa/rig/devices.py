@@ -32,12 +32,28 @@ class ForceSample:
     time_s : when it arrived, on the rig's clock.
     force_n, torque_nm : (3,) along x, y, z of the sensor, N and N·m.
     status : of this reading.
+    sequence : the sensor's own number of it: another reading has another number. None where it counts none.
     """
 
     time_s: float
     force_n: NDArray[np.float64]
     torque_nm: NDArray[np.float64]
     status: SensorStatus = SensorStatus()
+    sequence: int | None = None
+
+
+class ForceCounts(NamedTuple):
+    """What has come from a force sensor since it was started, and what has not; all are numbers of records."""
+
+    records: int = 0
+    "That came in their order."
+    lost: int = 0
+    "That had not come when a later one did, less those that came late after all."
+    late: int = 0
+    "That came after a later one; their force is not used."
+    duplicated: int = 0
+    refused: int = 0
+    "That make no sense: of a wrong length, or numbered more than a second away from the newest."
 
 
 class Rating(NamedTuple):
@@ -62,6 +78,13 @@ class ForceSensor(Protocol):
     def read(self) -> ForceSample:
         """The newest sample; everything older is dropped, so a slow loop never lags. DeviceError when it is too old
         or has not changed for too long."""
+
+    def read_all(self) -> list[ForceSample]:
+        """All samples up to that of the last `read` which this has not given yet, oldest first; at most those of the
+        last second."""
+
+    def counts(self) -> ForceCounts:
+        """Since the start."""
 
     def bias(self) -> None:
         """Make the present load the new zero."""

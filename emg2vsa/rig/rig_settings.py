@@ -56,6 +56,24 @@ class GuardSettings:
     "How often the actuator is asked whether its motors are on; less than half of watchdog_s."
 
 
+Doubtful = tuple[Annotated[float, Ge(0), Le(100)], Annotated[float, Ge(0), Le(100)]]
+"""Percent beyond which a press is doubtful, and beyond which it is rejected."""
+
+
+@dataclass(frozen=True)
+class LossSettings:
+    """How much of a press may be missing: two percentages, beyond which it is doubtful, and beyond which rejected."""
+
+    late_turns_percent: Doubtful = (1.0, 50.0)
+    "Turns of the loop that began half a period or more after their time."
+    missing_turns_percent: Doubtful = (1.0, 20.0)
+    "Turns that never were: rows that log.csv has fewer than rate_hz promises."
+    lost_force_percent: Doubtful = (1.0, 20.0)
+    "Records of the force sensor that never came, or too late."
+    missing_frames_percent: Doubtful = (5.0, 20.0)
+    "Frames between the first and the last of the press."
+
+
 @dataclass(frozen=True)
 class RigSettings:
     """One rig. Depth is the travel of the probe from its retracted position towards the specimen, mm."""
@@ -86,6 +104,10 @@ class RigSettings:
     "Speed of the retraction that ends every run."
     settle_s: Annotated[float, Ge(0), Le(2)] = 0.3
     "From the last command of that retraction until the motors are switched off."
+    record_full_rate_force: bool = False
+    "true: every record of the force sensor is kept in force.csv of the run, not only the newest of each turn."
+    losses: LossSettings = field(default_factory=LossSettings)
+    "How much of a press may be missing."
     guards: GuardSettings = field(default_factory=GuardSettings)
     "Limits beyond which a run ends."
 

@@ -10,6 +10,8 @@ from emg2vsa.rig.clock import LoopTiming
 
 How = Literal["completed", "rejected", "stopped", "interrupted", "guard", "failed", "killed"]
 _ROOM_BYTES = 8192
+LATE_SHARE = 0.01
+"""Of its turns that a good loop may begin late."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,16 @@ class Ended:
 def ended_bytes(ended: Ended) -> bytes:
     """ended.json, as long as any other. Blanks after the object are JSON still."""
     return json.dumps(asdict(ended), indent=2).encode().ljust(_ROOM_BYTES - 1) + b"\n"
+
+
+def busy_loop(timing: LoopTiming) -> str:
+    """What to say of a loop that was late too often; nothing of a good one."""
+    if timing.late <= LATE_SHARE * timing.turns:
+        return ""
+    return (
+        f"The control loop was late in {timing.late} of {timing.turns} turns, by up to {1e3 * timing.latest_s:.0f} ms: "
+        "the computer was busy. Close other programs, or let this one run in real time (docs/how-to/engineer.md)."
+    )
 
 
 class EndRun(Exception):

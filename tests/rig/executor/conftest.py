@@ -16,7 +16,7 @@ from emg2vsa.actuator import Springs
 from emg2vsa.errors import DeviceError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices, ForceSample, Frame, Measurements, Rating, SensorStatus
+from emg2vsa.rig.devices import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
@@ -81,6 +81,7 @@ class Bench:
     delay_s: float = 0.0
     rating: Rating | None = None
     springs: Springs | None = None
+    force_counts: ForceCounts = field(default_factory=ForceCounts)
     _position: int = START_TICKS
     _frames: int = 0
     _fresh_s: float = 0.0
@@ -147,6 +148,12 @@ class Bench:
             faults = ("gauge saturated",)
         self.forces_n.append(force_n)
         return ForceSample(self._fresh_s, np.array([0, 0, force_n]), np.zeros(3), SensorStatus(faults=faults))
+
+    def read_all(self) -> list[ForceSample]:
+        return []
+
+    def counts(self) -> ForceCounts:
+        return self.force_counts
 
     def frames(self) -> list[Frame]:
         if self.on("dead camera"):
