@@ -25,7 +25,6 @@ which friction may hide, and in what pieces."""
 _FALL_N = 0.1
 _REST_S = 0.05
 """Between commands at rest; each of them keeps the watchdog of the motors from running out."""
-_ALIVE_AFTER = 10
 
 Log = Callable[[int, int, list[str]], ForceSample | None]
 
@@ -83,8 +82,7 @@ class _Escape:
         self.notes: list[str] = []
         self.felt_n: float | None = None
         self._depth_mm, self._preset_ticks, self._lowest_n, self._held = 0.0, 0, math.inf, False
-        self._readings: set[bytes] = set()
-        self._steps = self._failures = 0
+        self._failures = 0
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
@@ -100,9 +98,9 @@ class _Escape:
                 self._leave(start.contact_n)
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
-        if self._steps >= _ALIVE_AFTER and len(self._readings) == 1 and (self.felt_n or 0.0) >= start.contact_n:
-            self.notes.append(f"the force sensor gave the same reading all the way out, {self.felt_n:.2f} N")
-            self.felt_n = None
+            if self._failures:  # it may hear without answering
+                ticks = self._rig.ticks_at(min(start.depth_mm, 0.0))
+                self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks))
         return self.tried(lambda: self._check(start.contact_n))
 
     def tried(self, action: Callable[[], None]) -> bool:
@@ -161,13 +159,9 @@ class _Escape:
 
     def _feel(self, ticks: int) -> None:
         sample = self._log(ticks, self._preset_ticks, self.notes)
-        self._steps += 1
-        self.felt_n = None if sample is None else size(sample.force_n)
-        if sample is not None and self.felt_n is not None and math.isfinite(self.felt_n):
-            self._readings.add(sample.force_n.tobytes() + sample.torque_nm.tobytes())
-            self._lowest_n = min(self._lowest_n, self.felt_n)
-        else:
-            self.felt_n = None
+        felt_n = math.nan if sample is None else size(sample.force_n)
+        self.felt_n = felt_n if math.isfinite(felt_n) else None
+        self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)
 
     def _wait(self, duration_s: float) -> None:
         self.tried(lambda: self._clock.sleep_until(self._clock.now_s() + duration_s))
