@@ -30,7 +30,16 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 MOTOR_SPEED_RAD_PER_S = 3.0
 """Of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V) without it."""
-MOTOR_BOARD = replace(MAKER_PRO, supply_mv=12000, motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S)
+MOTOR_TORQUE_NM, MOTOR_CURRENT_MA = 0.3, 1500.0
+"""At which the rigid motor stalls, 26 N at the probe with the gear of the emulated rig: guesses. The catalogue's motor
+could not press with 7 N through that gear, which is a guess too."""
+MOTOR_BOARD = replace(
+    MAKER_PRO,
+    supply_mv=12000,
+    motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S,
+    stall_torque_nm=MOTOR_TORQUE_NM,
+    stall_current_ma=MOTOR_CURRENT_MA,
+)
 
 
 def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmware:
@@ -38,7 +47,8 @@ def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmwa
 
     Which firmware it runs is not published; it is taken to be the qbmove's, with motor 1 connected and motor 2 not.
     It has id 1, and turns a world whose ``springs`` are None; at the start its motor reads ``home_ticks``."""
-    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=MOTOR_BOARD.factory((home_ticks, 0, home_ticks)))
+    memory = MOTOR_BOARD.factory((home_ticks, 0, home_ticks))
+    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=memory, loads=world.loads_nm)
 
 
 DEVICE_ID = 1
@@ -91,7 +101,8 @@ class EmulatedRig:
         )
         on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
         switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, self.rig.home_ticks
-        qbmove = QbmoveFirmware(switches, on_springs, clock, memory=switches.factory((home_ticks,) * 3))
+        memory = switches.factory((home_ticks,) * 3)
+        qbmove = QbmoveFirmware(switches, on_springs, clock, memory=memory, loads=on_springs.loads_nm)
         motor = motor_board(on_motor, clock, home_ticks)
         self.firmware, self.idle = (motor, qbmove) if rigid else (qbmove, motor)
         self.wire = FaultyWire(self.firmware)
