@@ -16,8 +16,8 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
+from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import CameraFaults
-from emg2vsa.rig.emulated.rdt_box import BoxFaults
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan

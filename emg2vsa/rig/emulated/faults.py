@@ -1,5 +1,5 @@
-"""Faults on a line, on demand: bytes lost or changed on either way, commands that do not arrive, answers that come late,
-twice or under another id, a device that falls silent or loses power."""
+"""Faults on a line, on demand: bytes lost or changed on either way, commands that do not arrive, answers that come
+late, twice or under another id, a device that falls silent or loses power."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """The two motors of a qbmove, their encoders and the 1 kHz loop that moves them: ``motor_control`` (v6.1), simplified.
 
 PWM is computed as the firmware does in position, deflection and PWM mode, without the integral, whose gain is 0. A
-motor's speed is proportional to it at once, and does not give way to load, until the load reaches what the motor can do:
-there it stalls. Current follows the load. Without PWM the gears hold. In the current modes (2, 3, 5) the motors stand
-still: the study never uses them.
+motor's speed is proportional to it at once, and does not give way to load, until the load reaches what the motor can
+do: there it stalls. Current follows the load. Without PWM the gears hold. In the current modes (2, 3, 5) the motors
+stand still: the study never uses them.
 """
 
 from __future__ import annotations
