@@ -1,8 +1,8 @@
-"""Every fault in every phase of a run on the emulated rig, under the qbmove and under the rigid motor: what the specimen
-felt, how the run ended and why, whether what it says is true, what was lost.
+"""Every fault in every phase of a run on the emulated rig, under the qbmove and under the rigid motor: what the
+specimen felt, how the run ended and why, whether what it says is true, what was lost.
 
-Run with ``python -m benchmarks.fault_matrix [FAULT ...] [--phase PHASE ...] [--write FOLDER]``. The tests carry out some
-of these cases.
+Run with ``python -m benchmarks.fault_matrix [FAULT ...] [--phase PHASE ...] [--write FOLDER]``. The tests carry out
+some of these cases.
 """
 
 from __future__ import annotations
@@ -102,7 +102,8 @@ def _sums(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
         worst = max(outcome.peak_n for outcome in outcomes)
         hard = sum(outcome.peak_n > MOST_N for outcome in outcomes)
         yield (
-            f"{actuator}: {len(outcomes)} cases, {passed} passed; largest force {worst:.1f} N, {hard} above {MOST_N:g} N; "
+            f"{actuator}: {len(outcomes)} cases, {passed} passed; "
+            f"largest force {worst:.1f} N, {hard} above {MOST_N:g} N; "
             f"{sum(any(o.lost) for o in outcomes)} lost data; "
             f"{sum(o.next_run['how'] == 'completed' for o in outcomes)} next runs completed"
         )
@@ -111,7 +112,7 @@ def _sums(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
 def _page(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
     yield "# Fault matrix"
     yield ""
-    yield "Made by `python -m benchmarks.fault_matrix --write benchmarks/results`; every case stands in fault_matrix.csv."
+    yield "Made by `python -m benchmarks.fault_matrix --write benchmarks/results`; all cases stand in fault_matrix.csv."
     yield f"One press on S1 to 7 N, limit 10 N; no fault may put more than {MOST_N:g} N on the specimen. Force is the"
     yield "world's own, not the sensor's. A case fails also when what ended.json says of the probe or the motors is not"
     yield "true, when a completed run has not retracted, when the cause is not one that fits, when data from before the"

@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from unittest import mock
@@ -81,7 +81,7 @@ class Built:
     """How the bench is built, and what of it the program is told; ``told`` None is the truth."""
 
     rigid: bool = False
-    true: RigSettings = RigSettings()
+    true: RigSettings = field(default_factory=RigSettings)
     told: RigSettings | None = None
 
 
@@ -92,8 +92,9 @@ class FaultBench:
     stop : who asks to stop, from ``stop_s`` on SIGTERM. begun_s : when the last run began.
     """
 
-    def __init__(self, built: Built = Built()) -> None:
-        self.built, self.clock = built, WatchedClock()
+    def __init__(self, built: Built | None = None) -> None:
+        self.built, self.clock = built or Built(), WatchedClock()
+        built = self.built
         self.rig = built.told or built.true
         self.emulated = EmulatedRig(
             EmulatedSettings(gap_mm=GAP_MM, force_rate_hz=500),

@@ -100,10 +100,8 @@ def _outcome(bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], folder: 
             bench.run(_plan(bench.built.rigid), run)
         told = json.loads((run / "ended.json").read_text())
     except (SettingError, ScheduleError) as error:
-        told = {
-            "how": "refused", "cause": type(error).__name__, "retracted": False, "deactivated": False, "time_s": math.nan,
-            "phase": "",
-        }  # fmt: skip
+        told = {"how": "refused", "cause": type(error).__name__, "time_s": math.nan, "phase": ""}
+        told |= {"retracted": False, "deactivated": False}
     watch.until_safe()
     left_n, retracted = bench.true_force_n(), bench.true_probe_mm() < GAP_MM - OFF_SURFACE_MM
     left_at = [row.time_s for row in _rows(run) if row.phase == "escape" and row.time_s >= watch.from_s]
