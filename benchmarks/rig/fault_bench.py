@@ -16,6 +16,8 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.devices import Actuator, Devices
 from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
+from emg2vsa.rig.emulated.box_faults import BoxFaults
+from emg2vsa.rig.emulated.camera import CameraFaults
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.faults import WireLine
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -131,6 +133,7 @@ class FaultBench:
         put(self.emulated, "off")
         line, wire = self.line, self.emulated.wire
         wire.noisy = line.gone = line.dead = False
+        self.emulated.box.faults, self.emulated.camera.faults = BoxFaults(), CameraFaults()
         line.off_s = math.inf
         self.full = self.broken = ()
         self.stop, self.stop_s = None, math.inf

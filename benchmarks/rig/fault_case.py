@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from benchmarks.rig.fault_bench import GAP_MM, Built, FaultBench
-from benchmarks.rig.faults import BEFORE, FAULTS, SURVIVED, WRONG_RIGS, End, _put_all
+from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End, put_all
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
 from benchmarks.rig.plans import modular_plan, rigid_plan
@@ -37,16 +37,18 @@ OFF_SURFACE_MM = 0.25 * GAP_MM
 class Outcome:
     """One case.
 
-    wanted : how the run may end. told : ended.json. safe_s : from the fault until the motors were off, as the device
-    itself knows; None is never. probe_mm : where the motors have left the probe, by the device's encoders.
+    wanted : how the run may end. told : ended.json. movable : the probe could be taken away all the time.
+    safe_s : from the fault until the motors were off, as the device itself knows; None is never.
+    probe_mm : where the motors have left the probe, by the device's encoders.
     peak_n, left_n : largest true force on the specimen after the fault, and the one that is left at the end.
-    retracted : in truth, the probe is off the specimen. retreat_s, guard_s : from the fault, and from the end of the
-    loop, until the first command of the way out; None without one. lost : before the fault. next_run : its
-    ended.json.
+    retracted : in truth, the probe is off the specimen.
+    retreat_s, guard_s : from the fault, and from the end of the loop, until the first command of the way out; None
+    without one. lost : before the fault. next_run : its ended.json.
     """
 
     wanted: tuple[End, ...]
     told: dict[str, Any]
+    movable: bool
     safe_s: float | None
     probe_mm: float
     peak_n: float
@@ -67,6 +69,7 @@ class Outcome:
             "retracted is not true": told["retracted"] and not self.retracted,
             "motors off is not true": told["deactivated"] and self.safe_s is None,
             "motors stay on": self.safe_s is None,
+            "probe is left": self.movable and not (self.retracted and told["retracted"]),
             "cause": (told["how"], told["cause"]) not in self.wanted,
             "data lost": any(self.lost),
             "next run": not next_whole,
@@ -82,18 +85,18 @@ def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Out
     if phase == "escape":
         bench.stop_s = phase_times(rigid)["load"]
     if name in BEFORE:
-        _put_all(bench, BEFORE[name])
-    return _outcome(bench, watch, fault.ends_in(phase), folder)
+        put_all(bench, BEFORE[name])
+    return _outcome(bench, watch, fault.ends_in(phase), fault.probe == "retracted", folder)
 
 
 def run_wrong(name: str, folder: Path) -> Outcome:
     """As `run_case` with a rig file that is wrong from the beginning."""
     built, ends = WRONG_RIGS[name]
     bench = FaultBench(built)
-    return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, folder)
+    return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, False, folder)
 
 
-def _outcome(bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], folder: Path) -> Outcome:
+def _outcome(bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], movable: bool, folder: Path) -> Outcome:
     run = folder / "run"
     try:
         with suppress(ZeroDivisionError):
@@ -112,11 +115,19 @@ def _outcome(bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], folder: 
     bench.run(_next_plan(bench.built.rigid), folder / "next")
     known = math.isfinite(retreat_s) and told["how"] not in ("completed", "refused")
     return Outcome(
-        wanted, told, watch.safe_s, probe_mm, watch.peak_n, left_n, retracted and left_n < FREE_N,
-        retreat_s - watch.from_s if known else None, retreat_s - told["time_s"] if known else None,
-        lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
-        json.loads((folder / "next" / "ended.json").read_text()),
-    )  # fmt: skip
+        wanted=wanted,
+        told=told,
+        movable=movable and told["phase"] not in ("", "activation") and told["how"] != "killed",
+        safe_s=watch.safe_s,
+        probe_mm=probe_mm,
+        peak_n=watch.peak_n,
+        left_n=left_n,
+        retracted=retracted and left_n < FREE_N,
+        retreat_s=retreat_s - watch.from_s if known else None,
+        guard_s=retreat_s - told["time_s"] if known else None,
+        lost=lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
+        next_run=json.loads((folder / "next" / "ended.json").read_text()),
+    )
 
 
 def _rows(run: Path) -> list[Any]:
@@ -184,6 +195,3 @@ def _next_plan(rigid: bool) -> RunPlan:
 def _middle(times_s: list[float], part: float = 0.5) -> float:
     # between two turns
     return times_s[int(part * len(times_s))] - RIG.period_s / 2
-
-
-__all__ = ["MOST_N", "PHASES", "SURVIVED", "WHOLE_RUN", "Outcome", "phase_times", "run_case", "run_wrong"]

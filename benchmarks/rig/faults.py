@@ -64,12 +64,14 @@ LIMIT, RATE, TRAVEL, UNTRUSTED, PRELOAD = (
     End("guard", "force limit"), End("guard", "force rate"), End("guard", "travel"), End("guard", "untrusted force"),
     End("guard", "preload"),
 )  # fmt: skip
-FOLLOWING, LATERAL, SPRINGS, CURRENT, HOME = (
-    End("guard", "following error"), End("guard", "lateral force"), End("guard", "spring force"),
-    End("guard", "motor current"), End("guard", "home"),
+FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT, OVERLOAD = (
+    End("guard", "following"), End("guard", "motor current"), End("guard", "lateral force"),
+    End("guard", "spring limit"), End("guard", "frozen force"), End("guard", "way home"), End("guard", "no contact"),
+    End("guard", "past contact"), End("guard", "sensor overload"),
 )  # fmt: skip
+REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
 MOTION = (FOLLOWING, CURRENT)
-BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, TRAVEL, PRELOAD)
+BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
 AFTER = ("retract", "pause")
 """Of the one press of a case: nothing is measured any more."""
 FILES = ("log.csv", "force.csv", "frames.tif", "plan.json", "ended.json")
@@ -77,10 +79,11 @@ FILES = ("log.csv", "force.csv", "frames.tif", "plan.json", "ended.json")
 
 def _words(line: str) -> Strike:
     """As `put` understands it."""
-    return lambda bench: _put_all(bench, line)
+    return lambda bench: put_all(bench, line)
 
 
-def _put_all(bench: FaultBench, lines: str) -> None:
+def put_all(bench: FaultBench, lines: str) -> None:
+    """Faults by their words, parted by semicolons."""
     for line in lines.split(";"):
         put(bench.emulated, line)
 
@@ -128,11 +131,13 @@ LINE_FAULTS: dict[str, Fault] = {
     "one byte corrupt to the device": Fault(_corrupt("to device"), (SURVIVED,)),
     "one byte corrupt to the host": Fault(_corrupt("to host"), (SURVIVED,)),
     "every answer corrupt": Fault(_noisy, (LOST_ACTUATOR,), REFUSED, probe="unsure"),
-    "1 % of bytes lost": _actuator("bytes-lost 1", LOST_ACTUATOR, SURVIVED, *MOTION, OVERRUN, probe="unsure"),
+    "1 % of bytes lost": _actuator("bytes-lost 1", LOST_ACTUATOR, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"),
     "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, *MOTION, probe="unsure"),
-    "1 % of bytes wrong": _actuator("bits-wrong 1", LOST_ACTUATOR, SURVIVED, *MOTION, OVERRUN, probe="unsure"),
+    "1 % of bytes wrong": _actuator(
+        "bits-wrong 1", LOST_ACTUATOR, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
+    ),
     "replies doubled": Fault(_words("doubled"), (SURVIVED,)),
-    "replies 4 ms late": Fault(_words("late 4"), (SURVIVED, OVERRUN, *MOTION), later=True),
+    "replies 4 ms late": Fault(_words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
     "replies 30 ms late": Fault(_words("late 30"), (LOST_ACTUATOR, OVERRUN), probe="unsure"),
     "answers of another id": Fault(_words("stranger"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
     "actuator mute": Fault(_words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
@@ -172,23 +177,23 @@ LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 2 s": Fault(_held_up(2.0), (LOST_ACTUATOR, OVERRUN), SURVIVED, probe="left"),
 }
 SENSOR_FAULTS: dict[str, Fault] = {
-    "force stuck": Fault(_words("stuck"), (STALE,), later=True, unseen_in=("pause",)),
-    "ten force records lost": Fault(_words("gap 10"), (SURVIVED,)),
+    "force stuck": Fault(_words("stuck"), (STALE, FROZEN), later=True, unseen_in=("pause",)),
+    "ten force records lost": Fault(_words("gap 10"), (SURVIVED, REJECTED)),
     "hundred force records lost": Fault(_words("gap 100"), (STALE,), SURVIVED, later=True),
-    "5 % of force records lost": Fault(_words("thinned 5"), (SURVIVED,)),
-    "50 % of force records lost": Fault(_words("thinned 50"), (SURVIVED, STALE), later=True),
+    "5 % of force records lost": Fault(_words("thinned 5"), (SURVIVED, REJECTED)),
+    "50 % of force records lost": Fault(_words("thinned 50"), (SURVIVED, REJECTED, STALE), later=True),
     "force records doubled": Fault(_words("twice"), (SURVIVED,)),
-    "force records reordered": Fault(_words("shuffled 4"), (SURVIVED,)),
+    "force records reordered": Fault(_words("shuffled 4"), (SURVIVED, REJECTED)),
     "force records 20 ms late": Fault(_words("delayed 20"), (SURVIVED, STALE), later=True),
     "force records 100 ms late": Fault(_words("delayed 100"), (STALE,), later=True),
     "force lags 20 ms": Fault(_words("lag 20"), (SURVIVED, *BLIND), later=True),
     "force lags 100 ms": Fault(_words("lag 100"), (SURVIVED, *BLIND), later=True),
     "force records cut short": Fault(_words("cut"), (STALE,), later=True),
-    "one force record for ever": Fault(_words("replayed"), (STALE,), later=True),
+    "one force record for ever": Fault(_words("replayed"), (STALE, FROZEN), later=True),
     "force stream stopped": Fault(_other_client, (STALE,), later=True),
     "force sensor mute": Fault(_words("silent"), (STALE,), later=True),
     "force sensor saturated": Fault(_words("saturated"), (UNTRUSTED,)),
-    "largest counts": Fault(_words("overflow"), (LIMIT, UNTRUSTED, RATE, LATERAL)),
+    "largest counts": Fault(_words("overflow"), (LIMIT, UNTRUSTED, RATE, LATERAL, OVERLOAD)),
     "force beyond the limit": Fault(_words("push 12"), (LIMIT, RATE)),
     "force jumps": Fault(_words("push 2"), (RATE,), PRELOAD),
     "force drifts down": Fault(_words("drift -2"), (SURVIVED, *BLIND), later=True),
@@ -196,12 +201,12 @@ SENSOR_FAULTS: dict[str, Fault] = {
     "force has the wrong axis": Fault(_words("swapped"), BLIND, later=True, unseen_in=AFTER),
     "force axis dead": Fault(_words("dead"), BLIND, later=True, unseen_in=AFTER),
     "force a fifth": Fault(_words("gain 0.2"), BLIND, later=True, unseen_in=AFTER),
-    "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, STALE, UNTRUSTED), later=True),
+    "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
     "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
     "forty frames lost": Fault(_words("drop 40"), (LOST_CAMERA,), later=True),
     "camera mute": Fault(_words("dark"), (LOST_CAMERA,), later=True),
-    "half the frames": Fault(_words("few-frames"), (SURVIVED,)),
+    "half the frames": Fault(_words("few-frames"), (SURVIVED, REJECTED)),
     "pictures 0.4 s old": Fault(_words("old-frames"), (SURVIVED,)),
 }
 DISK_FAULTS: dict[str, Fault] = {
@@ -230,9 +235,9 @@ REFUSED_FILE = End("refused", "SettingError")
 WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     "push_axis along x": (Built(told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
     "push_axis upside down": (Built(told=replace(_TRUE, push_axis=(0.0, 0.0, -1.0))), BLIND),
-    "push_sign upside down": (Built(told=replace(_TRUE, push_sign=-1)), (TRAVEL, *MOTION, SPRINGS, HOME)),
-    "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (HOME, PRELOAD, LIMIT, SPRINGS, *MOTION)),
-    "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (HOME, PRELOAD, LIMIT, SPRINGS, *MOTION)),
+    "push_sign upside down": (Built(told=replace(_TRUE, push_sign=-1)), (TRAVEL, NO_CONTACT, *MOTION, SPRINGS)),
+    "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS)),
+    "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (WAY_HOME, PRELOAD, SPRINGS)),
     "gear of 0.1 for 0.2": (
         Built(true=replace(_TRUE, gear_mm_per_degree=0.1), told=_TRUE), (SURVIVED, TRAVEL, *BLIND, *MOTION),
     ),
