@@ -21,7 +21,8 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
+from emg2vsa.rig.device_settings import BAUD
+from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
