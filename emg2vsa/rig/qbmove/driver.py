@@ -90,6 +90,11 @@ class Qbmove:
         """True when the device answers."""
         return self._hear(Command.PING, ping_reply(self.device_id)) is not None
 
+    def serial_number(self) -> str:
+        """Ten digits, from firmware 7.1 on; else empty."""
+        reply = self._hear(Command.PING, ping_reply(self.device_id))
+        return f"{int.from_bytes(reply):010d}" if reply else ""
+
     def info(self) -> QbmoveInfo:
         """What the device says about itself. Generation 6 has no checksum here: two equal readings count."""
         if self.generation == "v7":
@@ -140,6 +145,10 @@ class Qbmove:
         is not answered, and one lost frame would leave the device without a watchdog."""
         if self._watching:
             self._set_watchdog()
+        return self.ask_active()
+
+    def ask_active(self) -> bool:
+        """Both motors on, by what the device says? Nothing else is sent; the question still feeds a watchdog."""
         return self._ask(Command.GET_ACTIVATE, self._wanted(Command.GET_ACTIVATE, 1))[0] == ON
 
     def set_inputs(self, motor_1_ticks: int, motor_2_ticks: int) -> None:
