@@ -9,7 +9,14 @@ from dataclasses import dataclass, replace
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.device_settings import (
+    ActuatorSettings,
+    CameraSettings,
+    DeviceSettings,
+    ForceSettings,
+    Generation,
+    MotorSettings,
+)
 from emg2vsa.rig.devices import Devices, ForceSensor
 from emg2vsa.rig.force.cal_file import read_calibration
 from emg2vsa.rig.force.daq_ft import DaqFt
@@ -102,28 +109,26 @@ def open_board(
 
 
 def board_info(board: Qbmove) -> QbmoveInfo:
-    """What the board says of itself. DeviceError where it is silent, or is of another generation than the rig file says.
+    """What the board says of itself. DeviceError where it is silent, or not of the generation of the rig file.
 
     The generations frame this text in different ways, so that a board asked in the wrong one seems to be silent; it is
     then asked in the other.
     """
-    said = board.generation
-    try:
-        info = board.info()
-    except DeviceError:
-        board.generation = "v6" if said == "v7" else "v7"
+    said, troubles = board.generation, []
+    generations: tuple[Generation, ...] = ("v7", "v6") if said == "v7" else ("v6", "v7")
+    for board.generation in generations:
         try:
             info = board.info()
-        except DeviceError:
-            info = None
+        except DeviceError as error:
+            troubles.append(error)
+            continue
         finally:
             board.generation = said
-        if info is None:
-            raise
-    if f" {said}." not in info.firmware:
-        do = f'Set generation = "{info.generation}" in the rig file.'
-        raise DeviceError(f"{board.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
-    return info
+        if info.generation != said:
+            do = f'Set generation = "{info.generation}" in the rig file.'
+            raise DeviceError(f"{board.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
+        return info
+    raise troubles[0]
 
 
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:

@@ -64,7 +64,7 @@ def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
                 f"schedule of {schedule.specimen}, {schedule.condition}, limits.actuator",
                 wanted=f"{own}, the model under [actuator] of {file.path}",
                 found=schedule.limits.actuator,
-                do="Set [schedule] actuator of the study to the model of the device and export again, or correct model.",
+                do="Set [schedule] actuator of the study to the device's model and export again, or correct model.",
             )
 
 

@@ -1,11 +1,11 @@
-"""The settings of a rig that protect it, found anew by a touch of 0.5 N on a soft pad: axis, sign, gear, home, depth."""
+"""The settings of a rig that protect it, found anew by a touch on a soft pad: axis, sign, gear, home."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -42,8 +42,8 @@ class Check:
     """One setting: key under [rig], what the file says, what was found; ``good``: they agree. found None: not found."""
 
     key: str
-    said: object
-    found: object | None
+    said: Any
+    found: Any
     good: bool
     remark: str
 
@@ -53,7 +53,7 @@ def check_rig(
 ) -> tuple[Check, ...]:
     """The settings of ``rig`` against what the rig does, ending with the probe at the home that was found.
 
-    The probe begins free, some millimetres above a soft pad that lies flat. ``say`` is told each step before it is done.
+    The probe begins free, some millimetres above a soft pad that lies flat. ``say`` is told of each step.
 
     DeviceError : as `HandMotion`; no touch within ``reach_deg``; the probe is not free at the home that was found.
     """

@@ -90,7 +90,8 @@ class HandMotion:
 
     def felt_n(self) -> Floats:
         """(3,) mean force above the zero, over 0.2 s."""
-        end_s, forces = self._clock.now_s() + _LOOK_S, []
+        end_s = self._clock.now_s() + _LOOK_S
+        forces: list[Floats] = []
         while self._clock.now_s() < end_s or not forces:
             forces.append(self._read().force_n)
             self._hold()

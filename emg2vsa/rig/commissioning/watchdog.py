@@ -106,7 +106,7 @@ def proof_file(rig_file: Path) -> Path:
 
 
 def read_proofs(rig_file: Path) -> dict[str, WatchdogProof]:
-    """Table of the rig file, actuator or motor, to its proof; empty without a file. DeviceError for a file of another form."""
+    """Table of the rig file, actuator or motor, to its proof; none without a file. DeviceError for another form."""
     path = proof_file(rig_file)
     try:
         text = path.read_text(encoding="utf-8")

@@ -120,7 +120,7 @@ def test_without_a_person_the_sign_is_searched_and_the_gear_left() -> None:
 
 def test_no_touch_is_told() -> None:
     far = Ruler(emulated=replace(SOFT, gap_mm=60.0))
-    with pytest.raises(DeviceError, match="probe: wanted a touch within 45 degrees; found none. Put the pad nearer"):
+    with pytest.raises(DeviceError, match=r"probe: wanted a touch within 45 degrees; found none\. Put the pad nearer"):
         far.check(TRUE)
 
 
