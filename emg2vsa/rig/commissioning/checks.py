@@ -33,6 +33,9 @@ class Person(Protocol):
     def towards(self, degrees: float) -> bool | None:
         """Has the probe gone towards the pad, when the shaft turned so far?"""
 
+    def zero_calliper(self) -> None:
+        """The probe touches the pad: whoever measures begins here."""
+
     def moved_mm(self, degrees: float) -> float | None:
         """How far, by a calliper, has the probe gone away from the pad, when the shaft turned so far back?"""
 
@@ -61,12 +64,15 @@ def check_rig(
     say(f"start: shaft at {start.shaft_ticks} ticks; the force of now counts as zero")
     push_sign, touch = _approach(hand, rig, person, say, reach_deg)
     say(f"touch: {touch.size_n:.2f} N at {touch.shaft_ticks} ticks")
+    with hand.resting():
+        person.zero_calliper()
     axis = _axis(rig, touch)
     sign = Check("push_sign", rig.push_sign, push_sign, push_sign == rig.push_sign, "which way the shaft pushes")
     back = hand.go(start.shaft_ticks, until_n=touch.size_n + TOUCH_N)
     _check_free(back, "after the touch")
     way_deg = abs(touch.shaft_ticks - back.shaft_ticks) / TICKS_PER_DEGREE
-    gear = _gear(rig, way_deg, person)
+    with hand.resting():
+        gear = _gear(rig, way_deg, person)
     found = replace(
         rig, push_sign=sign.found, push_axis=axis.found, gear_mm_per_degree=gear.found or rig.gear_mm_per_degree
     )
@@ -86,7 +92,8 @@ def _approach(
     place = hand.go(start + sign * _TRY_DEG * TICKS_PER_DEGREE, until_n=TOUCH_N)
     if place.touched:
         return sign, place
-    towards = person.towards(_TRY_DEG)
+    with hand.resting():
+        towards = person.towards(_TRY_DEG)
     ways = (sign, -sign) if towards is None else (sign,) if towards else (-sign,)
     for way in ways:
         say(f"move: until {TOUCH_N:g} N are felt, at most {reach_deg:g} degrees")

@@ -7,6 +7,8 @@ vector, since its push axis may be wrong.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,6 +84,15 @@ class HandMotion:
         self._command(self._at_ticks)
         self.zero()
         return self.place()
+
+    @contextmanager
+    def resting(self) -> Iterator[None]:
+        """Motors off while a person is asked: nobody feeds the watchdog meanwhile. They go on where they are then."""
+        self._actuator.deactivate()
+        yield
+        self._actuator.activate()
+        self._at_ticks = self._actuator.position_ticks()
+        self._command(self._at_ticks)
 
     def zero(self) -> None:
         """The present force is the zero from now on."""
