@@ -14,7 +14,7 @@ from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
-from emg2vsa.rig.record.run_log import Row
+from emg2vsa.rig.record.run_log import Row, full_force
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -67,26 +67,28 @@ class ControlCycle:
             with ending("lost device"):
                 readings = (*self._devices.actuator.measurements(), *self._devices.actuator.currents_ma())
         finally:
-            self._log(now_s, force, readings)
+            self._log(now_s, late_s, force, readings)
         return self.motion
 
     def log_escape(self, position_ticks: int, preset_ticks: int) -> None:
         """A row while the probe is taken away after the end. DeviceError when the disk is full."""
         assert self.motion is not None
-        force: tuple[float | None, float | None] = None, None
+        sample: ForceSample | None = None
         with suppress(DeviceError):
             sample = self._devices.force.read()
-            force = sample.time_s, self._rig.pushing_n(sample)
-        self._record.row(
-            Row(
-                self._clock.now_s(), self.motion.repetition, "escape", *force, None, position_ticks, preset_ticks,
-                None, None, None, None, None, self._record.frame_index,
-            )
+        time_s, force_n = (sample.time_s, self._rig.pushing_n(sample)) if sample else (None, None)
+        row = Row(
+            self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_ticks, preset_ticks,
+            *_UNREAD, self._record.frame_index,
         )  # fmt: skip
+        self._record.row(row._replace(**full_force(sample)) if sample else row)
+        self._record.all_forces(self._devices.force.read_all)
 
     def _feel(self) -> Force:
         with ending("stale sensor"):
             sample = self._devices.force.read()
+        with ending("recording"):
+            self._record.all_forces(self._devices.force.read_all)
         raw_n = self._rig.pushing_n(sample)
         return Force(raw_n, self._average.update(raw_n), sample)
 
@@ -135,13 +137,13 @@ class ControlCycle:
             self._devices.actuator.set_position_stiffness(*command)
         self._sent = command
 
-    def _log(self, now_s: float, force: Force, readings: Readings) -> None:
+    def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None
         position, preset = self._sent or (None, None)
         row = Row(
             now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            position, preset, *readings, self._record.frame_index,
-        )  # fmt: skip
+            position, preset, *readings, self._record.frame_index, late_s,
+        )._replace(**full_force(force.sample))  # fmt: skip
         with ending("recording"):
             self._record.row(row)
 

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from types import TracebackType
 from typing import Self
 
+from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import Generation, Model
@@ -65,6 +66,7 @@ class Qbmove:
         attempts waits for a short reply.
         """
         self.device_id, self.generation, self.model = device_id, generation, model
+        self.springs: Springs | None = SPRINGS[f"qbmove-{model}"]
         self.where = f"{line.name}, qbmove {device_id}"
         self._talk = Conversation(line, clock)
         self.counts = self._talk.counts
@@ -183,6 +185,11 @@ class Qbmove:
         """Motor currents, mA, with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
         first, second = self._ask_words(Command.GET_CURRENTS, 2)
         return first, second
+
+    def current_limit_ma(self) -> float:
+        """Largest current of a motor, mA, as the device told at its activation; its firmware keeps it only in the
+        current modes, which no run uses."""
+        return self._ready_limits().info.current_limit_ma
 
     def parameters(self) -> dict[int, Parameter]:
         """All parameters by number. Generation 6 shows what is stored, not what has been set since."""
