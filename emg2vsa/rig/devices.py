@@ -8,6 +8,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.actuator import Springs
+
 
 @dataclass(frozen=True)
 class SensorStatus:
@@ -54,10 +56,21 @@ class ForceCounts(NamedTuple):
     "That make no sense: of a wrong length, or numbered more than a second away from the newest."
 
 
+class Rating(NamedTuple):
+    """Largest load a force sensor is made for, along x, y, z of the sensor."""
+
+    force_n: tuple[float, float, float]
+    torque_nm: tuple[float, float, float]
+
+
 class ForceSensor(Protocol):
-    """A sensor that measures by itself once started. It is never biased unless `bias` is called."""
+    """A sensor that measures by itself once started. It is never biased unless `bias` is called.
+
+    rating : None where the sensor does not tell.
+    """
 
     name: str
+    rating: Rating | None
 
     def start(self) -> None:
         """Begin, and return once a first sample has come. DeviceError when none comes."""
@@ -123,7 +136,17 @@ class Measurements(NamedTuple):
 
 
 class Actuator(Protocol):
-    """A position with a stiffness. Every method raises DeviceError when the device is lost or refuses."""
+    """A position with a stiffness. Every method raises DeviceError when the device is lost or refuses.
+
+    Where it has springs, motor 1 is sent to position + preset and motor 2 to position - preset; without, motor 1 to the
+    position and motor 2 nowhere.
+
+    springs : between motors and shaft; None is a rigid motor, whose shaft is motor 1's.
+    """
+
+    @property
+    def springs(self) -> Springs | None:
+        """Of the device, or of the model it stands for."""
 
     def activate(self) -> None:
         """Motors on, where they are."""
@@ -145,6 +168,9 @@ class Actuator(Protocol):
 
     def currents_ma(self) -> tuple[int, int]:
         """Currents of both motors, mA."""
+
+    def current_limit_ma(self) -> float:
+        """What the device says a motor may draw, mA; asked once the motors are on, and answered from memory."""
 
 
 @dataclass(frozen=True)

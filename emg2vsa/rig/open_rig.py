@@ -9,15 +9,22 @@ from dataclasses import dataclass, replace
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.device_settings import (
+    ActuatorSettings,
+    CameraSettings,
+    DeviceSettings,
+    ForceSettings,
+    Generation,
+    MotorSettings,
+)
 from emg2vsa.rig.devices import Devices, ForceSensor
 from emg2vsa.rig.force.cal_file import read_calibration
 from emg2vsa.rig.force.daq_ft import DaqFt
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.force.ni_volts import NiVolts
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
-from emg2vsa.rig.qbmove.info import QbmoveInfo
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.info import QbmoveInfo, check_kind
 from emg2vsa.rig.qbmove.limits import roomy_positions
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import SerialLine
@@ -41,13 +48,16 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
 
     Raises
     ------
-    DeviceError : a device is absent, silent or not set up for runs; what was open is closed again.
+    DeviceError : a device is absent, silent, of another generation or model, or not set up for runs; what was open is
+    closed again.
     SettingError : the rig has no rigid motor and needs one.
     """
     with ExitStack() as stack:
         board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
         stack.enter_context(board)
-        info = board.info()
+        info = board_info(board)
+        if condition != RIGID:
+            check_kind(info, settings.actuator.model, board.where)
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
@@ -78,7 +88,7 @@ def open_board(
     settings: ActuatorSettings | MotorSettings, stiffness_percent: tuple[float, float], clock: Clock
 ) -> Iterator[Qbmove]:
     """The board behind its serial port. DeviceError when there is no such port or id; nothing is switched."""
-    line = SerialLine(settings.port, BAUD)
+    line = SerialLine(settings.port, settings.baud)
     try:
         board = Qbmove(
             line,
@@ -96,6 +106,29 @@ def open_board(
         yield board
     finally:
         line.close()
+
+
+def board_info(board: Qbmove) -> QbmoveInfo:
+    """What the board says of itself. DeviceError where it is silent, or not of the generation of the rig file.
+
+    The generations frame this text in different ways, so that a board asked in the wrong one seems to be silent; it is
+    then asked in the other.
+    """
+    said, troubles = board.generation, []
+    generations: tuple[Generation, ...] = ("v7", "v6") if said == "v7" else ("v6", "v7")
+    for board.generation in generations:
+        try:
+            info = board.info()
+        except DeviceError as error:
+            troubles.append(error)
+            continue
+        finally:
+            board.generation = said
+        if info.generation != said:
+            do = f'Set generation = "{info.generation}" in the rig file.'
+            raise DeviceError(f"{board.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
+        return info
+    raise troubles[0]
 
 
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:

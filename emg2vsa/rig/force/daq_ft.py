@@ -50,7 +50,7 @@ class DaqFt:
         self, source: VoltageSource, calibration: GaugeCalibration, clock: Clock, *, stale_s: float = 0.05
     ) -> None:
         self.name = f"{calibration.serial} on {source.name}"
-        self.calibration = calibration
+        self.calibration, self.rating = calibration, calibration.rating
         self._source, self._clock, self._stale_s = source, clock, stale_s
         self._bias_v = np.zeros(6)
         self._newest: tuple[NDArray[np.float64], float] | None = None

@@ -63,7 +63,7 @@ class NetFt:
         frozen_s: float = FROZEN_S,
     ) -> None:
         self.name = f"{config.product or 'Net F/T'} at {line.name}"
-        self.config = config
+        self.config, self.rating = config, config.rating
         self._line, self._clock = line, clock
         self._command = Command.BUFFERED if buffered else Command.STREAM
         self._stale_s, self._frozen_s = stale_s, frozen_s

@@ -8,7 +8,7 @@ from typing import Literal
 
 from emg2vsa.rig.clock import LoopTiming
 
-How = Literal["completed", "stopped", "interrupted", "guard", "failed", "killed"]
+How = Literal["completed", "rejected", "stopped", "interrupted", "guard", "failed", "killed"]
 _ROOM_BYTES = 8192
 LATE_SHARE = 0.01
 """Of its turns that a good loop may begin late."""
@@ -19,7 +19,8 @@ class Ended:
     """The content of ended.json."""
 
     how: How
-    "completed; stopped by request or signal; interrupted by Ctrl-C; by a guard; failed by an error of the program"
+    """completed; rejected: all presses done, but not all of them whole, or the probe not retracted; stopped by request
+    or signal; interrupted by Ctrl-C; by a guard; failed by an error of the program"""
     cause: str
     "Name of the guard, or of what stopped the run; empty when it was completed."
     why: str
@@ -33,10 +34,14 @@ class Ended:
     rows: int = 0
     "In the log."
     retracted: bool = False
-    "Read back: the motors were at the retracted position before they were switched off."
+    "Read back before the motors were switched off: they were at the retracted position, and no force was felt."
     deactivated: bool = False
     notes: tuple[str, ...] = ()
     "What else went wrong on the way out."
+    peak_force_n: float | None = None
+    "Largest force felt in the whole run, of all three axes together; None when none was."
+    last_force_n: float | None = None
+    "Force at the very end, of all three axes together; None where the sensor had gone."
     timing: LoopTiming | None = field(default=None)
 
 

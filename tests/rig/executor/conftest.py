@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emg2vsa.actuator import Springs
 from emg2vsa.errors import DeviceError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices, ForceCounts, ForceSample, Frame, Measurements, SensorStatus
+from emg2vsa.rig.devices import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
@@ -78,6 +79,8 @@ class Bench:
     "Every force handed out."
     shape: tuple[int, int] = (12, 16)
     delay_s: float = 0.0
+    rating: Rating | None = None
+    springs: Springs | None = None
     force_counts: ForceCounts = field(default_factory=ForceCounts)
     _position: int = START_TICKS
     _frames: int = 0
@@ -125,6 +128,9 @@ class Bench:
         if self.once("bug"):
             raise ZeroDivisionError("division by zero")
         return 100, -90
+
+    def current_limit_ma(self) -> float:
+        return 1500.0
 
     def read(self) -> ForceSample:
         if self.on("dead sensor"):
