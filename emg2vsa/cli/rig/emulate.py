@@ -116,7 +116,10 @@ def _obey(bench: EmulatedRig, lines: Iterable[str]) -> None:
             case "quit":
                 raise KeyboardInterrupt
             case "help":
-                print(f"{help_text()}\n  {'where':<18}the probe and its force: a calliper for emg2vsa rig commission", flush=True)
+                print(
+                    f"{help_text()}\n  {'where':<18}the probe and its force: a calliper for emg2vsa rig commission",
+                    flush=True,
+                )
             case "where":
                 print(_where(bench), flush=True)
             case words:
