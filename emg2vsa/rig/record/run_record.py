@@ -65,6 +65,8 @@ class RunRecord:
         self._begun_s, self._turned_s = 0.0, math.inf
         self._notes: list[str] = []
         self.presses_done = 0
+        self.rejected: list[str] = []
+        "A line for each press that is over and does not count."
 
     def plan(self, plan: RunPlan, rig: RigSettings, devices: Mapping[str, Any] | None = None) -> None:
         """Write plan.json, and wait for it. ``devices`` : what they say of themselves, by name."""
@@ -179,4 +181,6 @@ class RunRecord:
         counts = tally.counts()
         if counts.verdict != "ok":
             self._notes.append(f"press {counts.repetition} is {counts.verdict}: {counts.why}")
+        if counts.verdict == "rejected":
+            self.rejected.append(self._notes[-1])
         self._presses.append(line_of(counts).encode())
