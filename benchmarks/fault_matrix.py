@@ -63,7 +63,9 @@ def main() -> None:
 def cases() -> list[Case]:
     """All of them."""
     under = [Case(name, actuator, phase) for actuator in ("qbmove", "rigid") for name in FAULTS for phase in PHASES]
-    return under + [Case(name, "qbmove", WHOLE_RUN) for name in WRONG_RIGS]
+    return under + [
+        Case(name, "rigid" if wrong.rigid else "qbmove", WHOLE_RUN) for name, (wrong, _) in WRONG_RIGS.items()
+    ]
 
 
 def carry_out(case: Case) -> Outcome:
