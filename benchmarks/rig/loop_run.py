@@ -89,7 +89,7 @@ def _pressed(settings: DeviceSettings, rig: RigSettings, folder: Path, duration_
         )  # fmt: skip
         return {
             "how": ended.how, "why": ended.why, "loop": ended.timing, "timed": timed,
-            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.lost,
+            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.counts().lost,
             "replies_lost": devices.actuator.counts.lost, "memory_mb": (before_mb, _memory_mb()),
             "cpu_share": (time.process_time() - before_s) / duration_s,
         }  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.devices import Rating
 from emg2vsa.rig.force.ati_units import FORCE_N, LENGTH_M, TORQUE_NM, unit_in_si
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
@@ -23,11 +24,13 @@ class GaugeCalibration:
     serial : as in the file.
     wrench_per_volt : (6, 6) Fx, Fy, Fz in N and Tx, Ty, Tz in N·m for a volt on each gauge.
     range_v : (least, greatest) voltage of a gauge, V.
+    rating : ``max`` of the six axes; None where one of them has none.
     """
 
     serial: str
     wrench_per_volt: NDArray[np.float64]
     range_v: tuple[float, float]
+    rating: Rating | None = None
 
 
 def read_calibration(path: Path | str) -> GaugeCalibration:
@@ -55,6 +58,10 @@ def read_calibration(path: Path | str) -> GaugeCalibration:
     kind = "UserAxis" if calibration.find("UserAxis") is not None else "Axis"
     axes = [_axis(calibration, kind, name, path) for name in AXES]
     matrix = np.array([_values(axis, path) for axis in axes]) * size[:, None]
+    rating = None
+    if all(axis.get("max") for axis in axes):
+        fx, fy, fz, tx, ty, tz = (np.array([_number(axis, "max", path) for axis in axes]) * size).tolist()
+        rating = Rating((fx, fy, fz), (tx, ty, tz))
     if kind == "Axis":
         matrix = _to_origin(matrix / [[_number(axis, "scale", path)] for axis in axes], calibration, path)
     span_v = _number(calibration, "OutputRange", path)
@@ -63,6 +70,7 @@ def read_calibration(path: Path | str) -> GaugeCalibration:
         serial=_text(sensor, "Serial", path),
         wrench_per_volt=matrix,
         range_v=(-span_v / 2, span_v / 2) if bipolar else (0.0, span_v),
+        rating=rating,
     )
 
 

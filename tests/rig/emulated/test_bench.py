@@ -12,6 +12,7 @@ import pytest
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import VirtualClock, WallClock
+from emg2vsa.rig.device_settings import BAUD
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
@@ -21,7 +22,7 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
+from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
