@@ -15,7 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from benchmarks.rig.fault_case import MOST_N, PHASES, WHOLE_RUN, Outcome, run_case, run_wrong
+from benchmarks.rig.fault_case import MOST_N, PHASES, STALL_N, WHOLE_RUN, Outcome, run_case, run_wrong
 from benchmarks.rig.faults import FAULTS, WRONG_RIGS
 
 PROCESSES = 2
@@ -62,10 +62,15 @@ def main() -> None:
 
 def cases() -> list[Case]:
     """All of them."""
-    under = [Case(name, actuator, phase) for actuator in ("qbmove", "rigid") for name in FAULTS for phase in PHASES]
-    return under + [
-        Case(name, "rigid" if wrong.rigid else "qbmove", WHOLE_RUN) for name, (wrong, _) in WRONG_RIGS.items()
+    under = [
+        Case(name, actuator, phase)
+        for actuator in ("qbmove", "rigid")
+        for name, fault in FAULTS.items()
+        if actuator == "qbmove" or not fault.springs_only
+        for phase in PHASES
     ]
+    wrong = [Case(name, "rigid" if built.rigid else "qbmove", WHOLE_RUN) for name, (built, _) in WRONG_RIGS.items()]
+    return under + wrong
 
 
 def carry_out(case: Case) -> Outcome:
@@ -102,10 +107,10 @@ def _sums(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
             continue
         passed = sum(not outcome.failures() for outcome in outcomes)
         worst = max(outcome.peak_n for outcome in outcomes)
-        hard = sum(outcome.peak_n > MOST_N for outcome in outcomes)
+        hard = sum(outcome.peak_n > outcome.most_n for outcome in outcomes)
         yield (
             f"{actuator}: {len(outcomes)} cases, {passed} passed; "
-            f"largest force {worst:.1f} N, {hard} above {MOST_N:g} N; "
+            f"largest force {worst:.1f} N, {hard} above what is allowed; "
             f"{sum(any(o.lost) for o in outcomes)} lost data; "
             f"{sum(o.next_run['how'] == 'completed' for o in outcomes)} next runs completed"
         )
@@ -118,7 +123,8 @@ def _page(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
     yield f"One press on S1 to 7 N, limit 10 N; no fault may put more than {MOST_N:g} N on the specimen. Force is the"
     yield "world's own, not the sensor's. A case fails also when what ended.json says of the probe or the motors is not"
     yield "true, when a completed run has not retracted, when the cause is not one that fits, when data from before the"
-    yield "fault are lost, or when the next run does not work."
+    yield "fault are lost, or when the next run does not work. Where only springs could tell, a rigid motor may press until"
+    yield f"it stalls: {STALL_N:.0f} N on this bench."
     yield ""
     yield from _sums(rows)
     for actuator in ("qbmove", "rigid"):

@@ -24,6 +24,8 @@ class Fault:
 
     ends : of a run in which it strikes while the loop goes round; any of them tells the truth.
     activation : where it strikes before that.
+    springs_only : a rigid motor has nothing that could go wrong so.
+    shown_by_springs : nothing else tells it from a softer specimen, so that a rigid motor presses until it stalls.
     later : it shows only after a while, perhaps in a later phase.
     harmless_in : phases in which it touches nothing that the run needs.
     unseen_in : phases in which it may come too late to show.
@@ -33,6 +35,8 @@ class Fault:
     strike: Strike
     ends: tuple[End, ...]
     activation: End | None = None
+    springs_only: bool = False
+    shown_by_springs: bool = False
     later: bool = False
     harmless_in: tuple[str, ...] = ()
     unseen_in: tuple[str, ...] = ()
@@ -71,6 +75,7 @@ FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT
 )  # fmt: skip
 REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
 MOTION = (FOLLOWING, CURRENT)
+JUMP = (*MOTION, SPRINGS, UNTRUSTED, PAST_CONTACT, NO_CONTACT)
 BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
 AFTER = ("retract", "pause")
 """Of the one press of a case: nothing is measured any more."""
@@ -147,27 +152,27 @@ LINE_FAULTS: dict[str, Fault] = {
     "watchdog expired": Fault(_held_up(0.6), (LOST_ACTUATOR,), SURVIVED, probe="left"),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
-    "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED),
-    "commands ignored 1.0 s": _actuator("ignore for 1.0 s", *MOTION),
-    "commands ignored 1.5 s": _actuator("ignore for 1.5 s", *MOTION),
-    "commands ignored 2.1 s": _actuator("ignore for 2.1 s", *MOTION),
+    "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
+    "commands ignored 1.0 s": _actuator("ignore for 1.0 s", *MOTION, probe="left"),
+    "commands ignored 1.5 s": _actuator("ignore for 1.5 s", *MOTION, probe="left"),
+    "commands ignored 2.1 s": _actuator("ignore for 2.1 s", *MOTION, probe="left"),
     "commands ignored for ever": _actuator("ignore", *MOTION, probe="left"),
     "gear jammed": _actuator("jam", *MOTION, probe="left"),
-    "gear jammed 1 s": _actuator("jam for 1 s", *MOTION),
+    "gear jammed 1 s": _actuator("jam for 1 s", *MOTION, probe="left"),
     "24 V lost, USB on": _actuator("brown-out", *MOTION, probe="left"),
-    "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION),
+    "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION, probe="left"),
     "motors weak": _actuator("weak 0.02", *MOTION, probe="left"),
     "encoder of motor 1 frozen": _actuator("frozen-motor-1", *MOTION, SPRINGS, LIMIT, RATE, probe="left"),
-    "encoder of motor 2 frozen": _actuator("frozen-motor-2", *MOTION, SPRINGS, LIMIT, RATE, probe="left"),
-    "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED),
-    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *MOTION, SPRINGS, probe="left"),
-    "motor 1 reads 9000 more": _actuator("jumped-motor-1", *MOTION, probe="left"),
-    "motor 2 reads 9000 more": _actuator("jumped-motor-2", *MOTION, probe="left"),
-    "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *MOTION, LIMIT, RATE, SPRINGS, probe="left"),
-    "both motors read 4096 less": _actuator(
-        "jumped-motor-1 -4096;jumped-motor-2 -4096", *MOTION, LIMIT, RATE, SPRINGS, probe="left"
+    "encoder of motor 2 frozen": _actuator(
+        "frozen-motor-2", *MOTION, SPRINGS, LIMIT, RATE, probe="left", springs_only=True
     ),
-    "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED),
+    "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
+    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *MOTION, SPRINGS, probe="left"),
+    "motor 1 reads 9000 more": _actuator("jumped-motor-1", *JUMP, probe="left"),
+    "motor 2 reads 9000 more": _actuator("jumped-motor-2", *JUMP, probe="left", springs_only=True),
+    "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *JUMP, probe="left"),
+    "both motors read 4096 less": _actuator("jumped-motor-1 -4096;jumped-motor-2 -4096", *JUMP, probe="left"),
+    "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
     "currents of 6 A": Fault(_words("current"), (CURRENT,), unseen_in=AFTER, later=True),
 }
 ACTUATOR_FAULTS = LINE_FAULTS | MOTOR_FAULTS
@@ -194,13 +199,13 @@ SENSOR_FAULTS: dict[str, Fault] = {
     "force sensor mute": Fault(_words("silent"), (STALE,), later=True),
     "force sensor saturated": Fault(_words("saturated"), (UNTRUSTED,)),
     "largest counts": Fault(_words("overflow"), (LIMIT, UNTRUSTED, RATE, LATERAL, OVERLOAD)),
-    "force beyond the limit": Fault(_words("push 12"), (LIMIT, RATE)),
-    "force jumps": Fault(_words("push 2"), (RATE,), PRELOAD),
-    "force drifts down": Fault(_words("drift -2"), (SURVIVED, *BLIND), later=True),
+    "force beyond the limit": Fault(_words("push 12"), (LIMIT, RATE), probe="unsure"),
+    "force jumps": Fault(_words("push 2"), (RATE,), PRELOAD, probe="unsure"),
+    "force drifts down": Fault(_words("drift -2"), (SURVIVED, NOT_RETRACTED, *BLIND), later=True, probe="unsure"),
     "force has the wrong sign": Fault(_words("turned"), BLIND, later=True, unseen_in=AFTER),
     "force has the wrong axis": Fault(_words("swapped"), BLIND, later=True, unseen_in=AFTER),
     "force axis dead": Fault(_words("dead"), BLIND, later=True, unseen_in=AFTER),
-    "force a fifth": Fault(_words("gain 0.2"), BLIND, later=True, unseen_in=AFTER),
+    "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
     "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
     "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
@@ -238,7 +243,7 @@ WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     "push_sign upside down": (Built(told=replace(_TRUE, push_sign=-1)), (TRAVEL, NO_CONTACT, *MOTION, SPRINGS)),
     "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS)),
     "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (WAY_HOME, PRELOAD, SPRINGS)),
-    "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_SCHEDULE,)),
+    "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_FILE, REFUSED_SCHEDULE)),
     "gear of 0.1 for 0.2, rigid": (
         Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
     ),
