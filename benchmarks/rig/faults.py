@@ -244,14 +244,14 @@ WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS)),
     "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (WAY_HOME, PRELOAD, SPRINGS)),
     "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_FILE, REFUSED_SCHEDULE)),
-    "gear of 0.1 for 0.2, rigid": (
+    "gear of 0.1 for 0.2 (rigid)": (
         Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
     ),
-    "gear of 0.4 for 0.2, rigid": (
+    "gear of 0.4 for 0.2 (rigid)": (
         Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SURVIVED, NO_CONTACT),
     ),
-    "push_axis along x, rigid": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
-    "home 9 mm too deep, rigid": (
+    "push_axis along x (rigid)": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
+    "home 9 mm too deep (rigid)": (
         Built(rigid=True, told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS),
     ),
     "filter of 2000 samples": (Built(told=replace(_TRUE, filter_samples=2000)), (REFUSED_FILE, LIMIT, SPRINGS)),
