@@ -136,10 +136,12 @@ LINE_FAULTS: dict[str, Fault] = {
     "one byte corrupt to the device": Fault(_corrupt("to device"), (SURVIVED,)),
     "one byte corrupt to the host": Fault(_corrupt("to host"), (SURVIVED,)),
     "every answer corrupt": Fault(_noisy, (LOST_ACTUATOR,), REFUSED, probe="unsure"),
-    "1 % of bytes lost": _actuator("bytes-lost 1", LOST_ACTUATOR, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"),
-    "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, *MOTION, probe="unsure"),
+    "1 % of bytes lost": _actuator(
+        "bytes-lost 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
+    ),
+    "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, REFUSED, *MOTION, probe="unsure"),
     "1 % of bytes wrong": _actuator(
-        "bits-wrong 1", LOST_ACTUATOR, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
+        "bits-wrong 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
     ),
     "replies doubled": Fault(_words("doubled"), (SURVIVED,)),
     "replies 4 ms late": Fault(_words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
