@@ -24,6 +24,8 @@ class Fault:
 
     ends : of a run in which it strikes while the loop goes round; any of them tells the truth.
     activation : where it strikes before that.
+    springs_only : a rigid motor has nothing that could go wrong so.
+    shown_by_springs : nothing else tells it from a softer specimen, so that a rigid motor presses until it stalls.
     later : it shows only after a while, perhaps in a later phase.
     harmless_in : phases in which it touches nothing that the run needs.
     unseen_in : phases in which it may come too late to show.
@@ -33,6 +35,8 @@ class Fault:
     strike: Strike
     ends: tuple[End, ...]
     activation: End | None = None
+    springs_only: bool = False
+    shown_by_springs: bool = False
     later: bool = False
     harmless_in: tuple[str, ...] = ()
     unseen_in: tuple[str, ...] = ()
@@ -71,6 +75,7 @@ FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT
 )  # fmt: skip
 REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
 MOTION = (FOLLOWING, CURRENT)
+JUMP = (*MOTION, SPRINGS, UNTRUSTED, PAST_CONTACT, NO_CONTACT)
 BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
 AFTER = ("retract", "pause")
 """Of the one press of a case: nothing is measured any more."""
@@ -131,10 +136,12 @@ LINE_FAULTS: dict[str, Fault] = {
     "one byte corrupt to the device": Fault(_corrupt("to device"), (SURVIVED,)),
     "one byte corrupt to the host": Fault(_corrupt("to host"), (SURVIVED,)),
     "every answer corrupt": Fault(_noisy, (LOST_ACTUATOR,), REFUSED, probe="unsure"),
-    "1 % of bytes lost": _actuator("bytes-lost 1", LOST_ACTUATOR, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"),
-    "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, *MOTION, probe="unsure"),
+    "1 % of bytes lost": _actuator(
+        "bytes-lost 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
+    ),
+    "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, REFUSED, *MOTION, probe="unsure"),
     "1 % of bytes wrong": _actuator(
-        "bits-wrong 1", LOST_ACTUATOR, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
+        "bits-wrong 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
     ),
     "replies doubled": Fault(_words("doubled"), (SURVIVED,)),
     "replies 4 ms late": Fault(_words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
@@ -147,27 +154,27 @@ LINE_FAULTS: dict[str, Fault] = {
     "watchdog expired": Fault(_held_up(0.6), (LOST_ACTUATOR,), SURVIVED, probe="left"),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
-    "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED),
-    "commands ignored 1.0 s": _actuator("ignore for 1.0 s", *MOTION),
-    "commands ignored 1.5 s": _actuator("ignore for 1.5 s", *MOTION),
-    "commands ignored 2.1 s": _actuator("ignore for 2.1 s", *MOTION),
+    "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
+    "commands ignored 1.0 s": _actuator("ignore for 1.0 s", *MOTION, probe="left"),
+    "commands ignored 1.5 s": _actuator("ignore for 1.5 s", *MOTION, probe="left"),
+    "commands ignored 2.1 s": _actuator("ignore for 2.1 s", *MOTION, probe="left"),
     "commands ignored for ever": _actuator("ignore", *MOTION, probe="left"),
     "gear jammed": _actuator("jam", *MOTION, probe="left"),
-    "gear jammed 1 s": _actuator("jam for 1 s", *MOTION),
+    "gear jammed 1 s": _actuator("jam for 1 s", *MOTION, probe="left"),
     "24 V lost, USB on": _actuator("brown-out", *MOTION, probe="left"),
-    "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION),
+    "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION, probe="left"),
     "motors weak": _actuator("weak 0.02", *MOTION, probe="left"),
     "encoder of motor 1 frozen": _actuator("frozen-motor-1", *MOTION, SPRINGS, LIMIT, RATE, probe="left"),
-    "encoder of motor 2 frozen": _actuator("frozen-motor-2", *MOTION, SPRINGS, LIMIT, RATE, probe="left"),
-    "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED),
-    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *MOTION, SPRINGS, probe="left"),
-    "motor 1 reads 9000 more": _actuator("jumped-motor-1", *MOTION, probe="left"),
-    "motor 2 reads 9000 more": _actuator("jumped-motor-2", *MOTION, probe="left"),
-    "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *MOTION, LIMIT, RATE, SPRINGS, probe="left"),
-    "both motors read 4096 less": _actuator(
-        "jumped-motor-1 -4096;jumped-motor-2 -4096", *MOTION, LIMIT, RATE, SPRINGS, probe="left"
+    "encoder of motor 2 frozen": _actuator(
+        "frozen-motor-2", *MOTION, SPRINGS, LIMIT, RATE, probe="left", springs_only=True
     ),
-    "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED),
+    "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
+    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *MOTION, SPRINGS, probe="left"),
+    "motor 1 reads 9000 more": _actuator("jumped-motor-1", *JUMP, probe="left"),
+    "motor 2 reads 9000 more": _actuator("jumped-motor-2", *JUMP, probe="left", springs_only=True),
+    "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *JUMP, probe="left"),
+    "both motors read 4096 less": _actuator("jumped-motor-1 -4096;jumped-motor-2 -4096", *JUMP, probe="left"),
+    "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
     "currents of 6 A": Fault(_words("current"), (CURRENT,), unseen_in=AFTER, later=True),
 }
 ACTUATOR_FAULTS = LINE_FAULTS | MOTOR_FAULTS
@@ -200,7 +207,7 @@ SENSOR_FAULTS: dict[str, Fault] = {
     "force has the wrong sign": Fault(_words("turned"), BLIND, later=True, unseen_in=AFTER),
     "force has the wrong axis": Fault(_words("swapped"), BLIND, later=True, unseen_in=AFTER),
     "force axis dead": Fault(_words("dead"), BLIND, later=True, unseen_in=AFTER),
-    "force a fifth": Fault(_words("gain 0.2"), BLIND, later=True, unseen_in=AFTER),
+    "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
     "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
     "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
@@ -231,18 +238,23 @@ BEFORE: dict[str, str] = {"program killed, watchdog frame lost": "reset;no-watch
 FAULTS = ACTUATOR_FAULTS | LOOP_FAULTS | SENSOR_FAULTS | DISK_FAULTS | ENDINGS
 
 _TRUE = RigSettings()
-REFUSED_FILE = End("refused", "SettingError")
+REFUSED_FILE, REFUSED_SCHEDULE = End("refused", "SettingError"), End("refused", "ScheduleError")
 WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
     "push_axis along x": (Built(told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
     "push_axis upside down": (Built(told=replace(_TRUE, push_axis=(0.0, 0.0, -1.0))), BLIND),
     "push_sign upside down": (Built(told=replace(_TRUE, push_sign=-1)), (TRAVEL, NO_CONTACT, *MOTION, SPRINGS)),
     "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS)),
     "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (WAY_HOME, PRELOAD, SPRINGS)),
-    "gear of 0.1 for 0.2": (
-        Built(true=replace(_TRUE, gear_mm_per_degree=0.1), told=_TRUE), (SURVIVED, TRAVEL, *BLIND, *MOTION),
+    "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_FILE, REFUSED_SCHEDULE)),
+    "gear of 0.1 for 0.2 (rigid)": (
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
     ),
-    "gear of 0.3 for 0.2": (
-        Built(true=replace(_TRUE, gear_mm_per_degree=0.3), told=_TRUE), (SURVIVED, *BLIND, *MOTION),
+    "gear of 0.4 for 0.2 (rigid)": (
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SURVIVED, NO_CONTACT),
+    ),
+    "push_axis along x (rigid)": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
+    "home 9 mm too deep (rigid)": (
+        Built(rigid=True, told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS),
     ),
     "filter of 2000 samples": (Built(told=replace(_TRUE, filter_samples=2000)), (REFUSED_FILE, LIMIT, SPRINGS)),
     "loop at 1000 Hz": (Built(told=replace(_TRUE, rate_hz=1000.0)), (SURVIVED, REFUSED_FILE)),

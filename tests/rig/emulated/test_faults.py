@@ -164,6 +164,20 @@ def test_the_motor_follows_its_jumped_encoder() -> None:
     assert moved[1] - rad[1] == pytest.approx(-1000 * 2 * math.pi / 32768, abs=0.005)
 
 
+@pytest.mark.parametrize("flag_only", [False, True])
+def test_what_an_expired_watchdog_leaves_on(flag_only: bool) -> None:
+    bench = Bench()
+    if flag_only:
+        put(bench.rig, "flag-only")
+    bench.rig.clock.sleep_until(bench.rig.clock.now_s() + 1.0)
+    assert not bench.devices.actuator.is_active()
+    bench.send(2.0)
+    assert bench.depth_mm() == pytest.approx(2 if flag_only else 0, abs=0.05)
+    bench.devices.actuator.deactivate()
+    bench.send(0.0)
+    assert bench.depth_mm() == pytest.approx(2 if flag_only else 0, abs=0.05)
+
+
 @pytest.mark.parametrize(("late_ms", "lost"), [(4, False), (19, False), (61, True)])
 def test_replies_come_late(late_ms: int, lost: bool) -> None:
     bench = Bench()
