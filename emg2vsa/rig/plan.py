@@ -33,6 +33,8 @@ class RunPlan:
     "Length of the ramp."
     pause_s: float = 2.0
     "Between two repetitions."
+    stiffness_n_per_mm: float | None = None
+    "Of the specimen, by plate indentation; None where it is not known."
 
     def step_at(self, force_n: float) -> int:
         """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""

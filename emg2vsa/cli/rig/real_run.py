@@ -17,6 +17,7 @@ from emg2vsa.cli.rig.ending import told
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.clock import WallClock, undisturbed
 from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.experiment import run_name
@@ -91,6 +92,8 @@ def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> No
     stiffness = "rigid" if plan.condition == RIGID else f"full stiffness {rig.max_preset_ticks} ticks"
     print(f"device: {opened.info.firmware}, positions {low} to {high} ticks, {stiffness}")
     print(f"force: {MovingAverage(rig.filter_samples, rig.rate_hz).description}")
+    for line in laxer_guards(rig):
+        print(f"guard: {line}")
     if biased:
         print("force: the load at this moment is now its zero")
     sys.stdout.flush()
