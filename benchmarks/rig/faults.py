@@ -177,13 +177,12 @@ MOTOR_FAULTS: dict[str, Fault] = {
     "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
     "currents of 6 A": Fault(_words("current"), (CURRENT,), unseen_in=AFTER, later=True),
 }
-ACTUATOR_FAULTS = LINE_FAULTS | MOTOR_FAULTS
 LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 20 ms": Fault(_held_up(0.02), (SURVIVED,)),
     "loop held up 200 ms": Fault(_held_up(0.2), (OVERRUN,), SURVIVED),
     "loop held up 2 s": Fault(_held_up(2.0), (LOST_ACTUATOR, OVERRUN), SURVIVED, probe="left"),
 }
-SENSOR_FAULTS: dict[str, Fault] = {
+FORCE_FAULTS: dict[str, Fault] = {
     "force stuck": Fault(_words("stuck"), (STALE, FROZEN), later=True, unseen_in=("pause",)),
     "ten force records lost": Fault(_words("gap 10"), (SURVIVED, REJECTED)),
     "hundred force records lost": Fault(_words("gap 100"), (STALE,), SURVIVED, later=True),
@@ -210,6 +209,8 @@ SENSOR_FAULTS: dict[str, Fault] = {
     "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
     "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
+}
+CAMERA_FAULTS: dict[str, Fault] = {
     "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
     "forty frames lost": Fault(_words("drop 40"), (LOST_CAMERA,), later=True),
     "camera mute": Fault(_words("dark"), (LOST_CAMERA,), later=True),
@@ -235,7 +236,7 @@ ENDINGS: dict[str, Fault] = {
 }
 BEFORE: dict[str, str] = {"program killed, watchdog frame lost": "reset;no-watchdog for 0.3 s"}
 """What went wrong already as the run began."""
-FAULTS = ACTUATOR_FAULTS | LOOP_FAULTS | SENSOR_FAULTS | DISK_FAULTS | ENDINGS
+FAULTS = LINE_FAULTS | MOTOR_FAULTS | LOOP_FAULTS | FORCE_FAULTS | CAMERA_FAULTS | DISK_FAULTS | ENDINGS
 
 _TRUE = RigSettings()
 REFUSED_FILE, REFUSED_SCHEDULE = End("refused", "SettingError"), End("refused", "ScheduleError")
