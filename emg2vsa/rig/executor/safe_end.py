@@ -23,6 +23,8 @@ _BEYOND_MM, _UNFELT_MM, _PIECE_MM = 5.0, 1.0, 0.25
 """How far the probe may go behind a retracted position that is not free, how far of that without any fall of force,
 which friction may hide, and in what pieces."""
 _FALL_N = 0.1
+_STUCK_S = 2.5
+"""How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _REST_S = 0.05
 """Between commands at rest; each of them keeps the watchdog of the motors from running out."""
 
@@ -94,7 +96,12 @@ class _Escape:
         try:
             self._ramp(min(start.depth_mm, 0.0))
             self._rest(self._rig.settle_s)
-            if not start.home_is_free:
+            end_s = self._clock.now_s() + _STUCK_S
+            while self._touches(start.contact_n) and not self._there() and self._clock.now_s() < end_s:
+                self._rest(_REST_S)
+                if not self._touches(start.contact_n):
+                    self._rest(self._rig.settle_s)
+            if not start.home_is_free or start.depth_mm < -_THERE_MM:
                 self._leave(start.contact_n)
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
@@ -128,7 +135,7 @@ class _Escape:
 
     def _leave(self, contact_n: float) -> None:
         end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self.felt_n or 0.0
-        while self.felt_n is not None and self.felt_n >= contact_n and self._depth_mm > end_mm:
+        while self._touches(contact_n) and self._depth_mm > end_mm:
             if unfelt_mm >= _UNFELT_MM:
                 raise _Pressing(f"{self.felt_n:.2f} N do not fall on the way")
             position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
@@ -166,6 +173,14 @@ class _Escape:
     def _wait(self, duration_s: float) -> None:
         self.tried(lambda: self._clock.sleep_until(self._clock.now_s() + duration_s))
 
+    def _touches(self, contact_n: float) -> bool:
+        return self.felt_n is not None and self.felt_n >= contact_n
+
+    def _there(self) -> bool:
+        depths_mm: list[float] = []
+        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_ticks())))
+        return bool(depths_mm) and abs(depths_mm[0]) <= _THERE_MM
+
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_ticks())
         if abs(depth_mm) > _THERE_MM:
@@ -175,7 +190,7 @@ class _Escape:
                 found=f"{depth_mm:.1f} mm from it",
                 do="Take it away from the specimen by hand, or by the next run.",
             )
-        if self.felt_n is not None and self.felt_n >= contact_n:
+        if self._touches(contact_n):
             raise DeviceError(
                 "probe",
                 wanted=f"less than {contact_n:g} N at the retracted position",
