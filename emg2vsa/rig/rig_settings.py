@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -30,7 +31,7 @@ class GuardSettings:
     "Largest age of a force sample: five periods."
     frozen_mm: Annotated[float, Gt(0), Le(1)] = 0.18
     "How far the motors may press on while all six readings of the force sensor stay the same: 36 ms at 5 mm/s."
-    frozen_s: Annotated[float, Gt(0), Le(2)] = 0.25
+    frozen_s: Annotated[float, Gt(0), Le(2)] = 0.2
     "How long the readings may stay the same at rest, of a sensor that has shown that its own never do."
     spring_n: Annotated[float, Gt(0), Le(60)] = 12.0
     "Largest force on the probe by the deflection of the springs, whatever the force sensor says."
@@ -127,6 +128,11 @@ class RigSettings:
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
         return float(sample.force_n.dot(self.push_axis))
+
+    @property
+    def lever_m(self) -> float:
+        """Travel of the probe per angle of the shaft, m/rad: the torque of the shaft over the force of the probe."""
+        return math.degrees(self.gear_mm_per_degree) / 1000
 
     @property
     def _mm_per_tick(self) -> float:

@@ -11,7 +11,7 @@ from emg2vsa.rig.clock import Beat, Clock
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.plan_limits import check_plan
-from emg2vsa.rig.executor.safe_end import make_safe
+from emg2vsa.rig.executor.safe_end import SafeEnd, make_safe
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.disk import disk_for
 from emg2vsa.rig.record.ended import Ended, EndRun, busy_loop
@@ -111,8 +111,8 @@ def _finish(
     clock: Clock,
 ) -> Ended:
     motion, time_s = cycle.motion, clock.now_s()
-    start = None if motion is None else (motion.depth_mm, plan.preset_ticks(motion.step))
-    safe = make_safe(devices.actuator, rig, clock, start, cycle.log_escape)
+    safe = make_safe(devices.actuator, rig, clock, cycle.retreat_from(), cycle.log_escape)
+    end = _truly(end, safe, record)
     timing = beat.timing()
     busy = busy_loop(timing)
     why = f"{end.why} {busy}" if busy and end.cause in _SEEMS_LOST else end.why
@@ -122,5 +122,17 @@ def _finish(
             0 if motion is None else motion.repetition, time_s, "",
             retracted=safe.retracted, deactivated=safe.deactivated, timing=timing,
             notes=(*safe.notes, busy) if busy else safe.notes,
+            peak_force_n=cycle.peak_force_n, last_force_n=safe.last_force_n,
         )
     )  # fmt: skip
+
+
+def _truly(end: EndRun, safe: SafeEnd, record: RunRecord) -> EndRun:
+    """A run is completed only where every press is whole and the probe is away."""
+    if end.how != "completed":
+        return end
+    if not safe.retracted:
+        return EndRun("rejected", "not retracted", "; ".join(safe.notes))
+    if record.rejected:
+        return EndRun("rejected", "press", "; ".join(record.rejected))
+    return end

@@ -65,6 +65,8 @@ class RunRecord:
         self._begun_s, self._turned_s = 0.0, math.inf
         self._notes: list[str] = []
         self.presses_done = 0
+        self.rejected: list[str] = []
+        "A line for each press that is over and does not count."
         self.peak_force_n = 0.0
         "Largest force of the presses that are over, N."
 
@@ -182,4 +184,6 @@ class RunRecord:
         self.peak_force_n = max(self.peak_force_n, counts.peak_force_n)
         if counts.verdict != "ok":
             self._notes.append(f"press {counts.repetition} is {counts.verdict}: {counts.why}")
+        if counts.verdict == "rejected":
+            self.rejected.append(self._notes[-1])
         self._presses.append(line_of(counts).encode())
