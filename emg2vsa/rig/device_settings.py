@@ -29,6 +29,8 @@ LARGEST_PRESS_BYTES = 2**32 - 1
 
 Text = Annotated[str, MinLen(1)]
 DeviceId = Annotated[int, Ge(1), Le(255)]
+REPLY_S = 0.016
+"""Three attempts of it, and a turn of the loop before them, name a dead board within 60 ms."""
 WatchdogS = Annotated[float, Ge(0.06), Le(5)]
 """Steps of 20 ms, at most 250; 1 and 2 are rounded to a period of 0, whose meaning is unknown (cmd_set_watchdog)."""
 NetPort = Annotated[int, Ge(1), Le(65535)]
@@ -51,7 +53,7 @@ class ActuatorSettings:
     watchdog_s: WatchdogS = 0.5
     """The device is told to switch its motors off when the program has been silent for so long. Whether it does is
     unknown until emg2vsa rig prove-watchdog has shown it on this very device."""
-    reply_s: Positive = 0.02
+    reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
 
 
@@ -69,7 +71,7 @@ class MotorSettings:
     "Of the firmware: the first digit of its version."
     watchdog_s: WatchdogS = 0.5
     "The board is told to switch its motor off when the program has been silent for so long; as for [actuator]."
-    reply_s: Positive = 0.02
+    reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
 
 

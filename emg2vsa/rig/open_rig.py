@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import cv2
 
@@ -22,7 +23,7 @@ from emg2vsa.rig.device_settings import (
 from emg2vsa.rig.devices import Devices, ForceSensor
 from emg2vsa.rig.force.cal_file import read_calibration
 from emg2vsa.rig.force.daq_ft import DaqFt
-from emg2vsa.rig.force.net_ft import open_net_ft
+from emg2vsa.rig.force.net_ft import NetFt, open_net_ft
 from emg2vsa.rig.force.ni_volts import NiVolts
 from emg2vsa.rig.plan import RIGID, Condition
 from emg2vsa.rig.qbmove.driver import Qbmove
@@ -40,6 +41,8 @@ class OpenRig:
     devices: Devices
     rig: RigSettings
     info: QbmoveInfo
+    facts: dict[str, Any]
+    "What the devices say of themselves, for the record of the run."
 
 
 @contextmanager
@@ -63,6 +66,7 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
+        facts = {"board": asdict(info), "force": _force_facts(force, biased=settings.force.bias)}
         if settings.force.bias:
             force.bias()
         camera = None
@@ -70,9 +74,22 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
+            facts["camera"] = asdict(settings.camera) | {"name": camera.name, "set": camera.locked}
         rigid = condition == RIGID
         devices = Devices(RigidMotor(board) if rigid else board, force, camera)
-        yield OpenRig(devices, within_device(rig, info, rigid), info)
+        yield OpenRig(devices, within_device(rig, info, rigid), info, facts)
+
+
+def _force_facts(force: ForceSensor, *, biased: bool) -> dict[str, Any]:
+    """Of a started sensor, before it is biased."""
+    sample = force.read()
+    load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
+    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if biased else None}
+    if isinstance(force, NetFt):
+        return facts | asdict(force.config)
+    if isinstance(force, DaqFt):
+        return facts | {"calibration_serial": force.calibration.serial}
+    return facts
 
 
 def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:

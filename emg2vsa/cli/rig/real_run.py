@@ -53,7 +53,10 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
             _mark_emulated(file, folder)
             _introduce(folder, plan, opened, file.devices.force.bias)
             with PressLines(folder, plan.repetitions):
-                ended = execute(plan, opened.rig, opened.devices, folder, clock, started=started, stop=stop)
+                ended = execute(
+                    plan, opened.rig, opened.devices, folder, clock,
+                    started=started, stop=stop, facts=opened.facts, background=True,
+                )  # fmt: skip
             print(told(ended, plan.repetitions, folder, opened.rig))
     except DeviceError as error:
         if ended is None:

@@ -20,8 +20,8 @@ QUIET_S = 0.02
 "Time in which the records of an older stream run out."
 STALE_S = 0.05
 FROZEN_S = 0.25
-MOST_DATAGRAMS = 256
-"Taken in one turn, within 2 ms; more than a box sends in 30 ms. The others wait for the next turn."
+SPARE_DATAGRAMS, MOST_DATAGRAMS = 64, 4096
+"Taken in one turn beside those that the box has sent since the last, and at most; the others wait for the next turn."
 JUMP_S = 1.0
 "Records numbered so much further on than the newest, or further back, are none of this stream."
 _POLL_S = 1e-3
@@ -118,11 +118,14 @@ class NetFt:
         self._records = self._missing = self._late = self._duplicated = self._refused = 0
         self._unread: deque[tuple[Record, float]] = deque(maxlen=max(1, round(self.config.rate_hz)))
         self._newest: tuple[Record, float] | None = None
-        self._changed_s = 0.0
+        self._changed_s, self._looked_s = 0.0, self._clock.now_s()
 
     def _arrived(self) -> bool:
         """Take what waits in the line, but for records that come late; whether any has come since the start."""
-        for _ in range(MOST_DATAGRAMS):
+        now_s = self._clock.now_s()
+        due = (now_s - self._looked_s) * self.config.rate_hz
+        self._looked_s = now_s
+        for _ in range(min(SPARE_DATAGRAMS + round(due), MOST_DATAGRAMS)):
             if (datagram := self._line.receive()) is None:
                 break
             records = parse_records(datagram.data)

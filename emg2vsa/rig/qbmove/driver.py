@@ -14,7 +14,7 @@ from typing import Self
 from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import Generation, Model
+from emg2vsa.rig.device_settings import REPLY_S, Generation, Model
 from emg2vsa.rig.devices import Measurements
 from emg2vsa.rig.qbmove.conversation import Conversation
 from emg2vsa.rig.qbmove.info import Parameter, QbmoveInfo, decode_parameters, parse_info
@@ -58,7 +58,7 @@ class Qbmove:
         clock: Clock,
         stiffness_percent: tuple[float, float] = (20.0, 80.0),
         watchdog_s: float = 0.5,
-        reply_s: float = 0.02,
+        reply_s: float = REPLY_S,
     ) -> None:
         """``stiffness_percent``: the study's range, of the maximum preset.
 

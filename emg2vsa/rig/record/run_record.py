@@ -67,8 +67,6 @@ class RunRecord:
         self.presses_done = 0
         self.rejected: list[str] = []
         "A line for each press that is over and does not count."
-        self.peak_force_n = 0.0
-        "Largest force of the presses that are over, N."
 
     def plan(self, plan: RunPlan, rig: RigSettings, devices: Mapping[str, Any] | None = None) -> None:
         """Write plan.json, and wait for it. ``devices`` : what they say of themselves, by name."""
@@ -181,7 +179,6 @@ class RunRecord:
         tally, self._tally = self._tally, None
         tally.turn_back(time_s, self._force_counts())
         counts = tally.counts()
-        self.peak_force_n = max(self.peak_force_n, counts.peak_force_n)
         if counts.verdict != "ok":
             self._notes.append(f"press {counts.repetition} is {counts.verdict}: {counts.why}")
         if counts.verdict == "rejected":
