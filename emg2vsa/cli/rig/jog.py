@@ -15,7 +15,7 @@ def add_to(commands: Commands) -> None:
         run,
         "Move the probe slowly by some millimetres or degrees; a force ends the move.",
         "The move ends where a force of any direction is --limit-n above that at the start; the probe then goes back "
-        "until it is free, at most 5 degrees of the shaft. The motors are off afterwards. Exit status 0: moved; 1: a "
+        "until it is free, at most 20 degrees of the shaft. The motors are off afterwards. Exit status 0: moved; 1: a "
         "force ended it; 2: nothing has moved, or a device is lost.",
     )
     way = parser.add_mutually_exclusive_group(required=True)

@@ -32,7 +32,7 @@ _AVERAGED = 5
 _LOOK_S = 0.2
 _FOLLOWING_TICKS = 300
 """Motors so far behind their references do not follow; on their way at 25 degrees a second they are 100 behind."""
-_BACK_DEG = 5.0
+_BACK_DEG = 20.0
 _FRICTION_NM = 0.03
 """Of shaft and guide together: three times the shaft's (guess)."""
 
