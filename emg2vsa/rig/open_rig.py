@@ -162,9 +162,11 @@ def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
     """The camera, not yet started."""
     shape = settings.height, settings.width
+    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
+    lock = values if settings.lock or any(value is not None for value in values.values()) else None
     return OpenCvCamera(
         settings.source, clock,
-        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s,
+        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s, lock=lock,
     )  # fmt: skip
 
 
