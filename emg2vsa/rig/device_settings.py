@@ -110,7 +110,15 @@ class CameraSettings:
     rate_hz: Positive = RATE_HZ
     "Frames kept a second; a faster camera is thinned out."
     delay_s: Annotated[float, Ge(0), Le(0.5)] = 0.0
-    "From the exposure of a frame until it arrives here; frames are timed so much earlier, and meet the force of then."
+    "From exposure to arrival, as rig camera-delay measures it; frames are timed so much earlier."
+    lock: bool = True
+    "Exposure, gain and white balance stay as they are when a run begins: what changes by itself looks like a touch."
+    exposure: float | None = None
+    "Exposure in the camera's own unit (V4L2: 0.1 ms; DirectShow: powers of 2 s); omitted: what it has now."
+    gain: float | None = None
+    "Gain in the camera's own unit; omitted: what it has now."
+    white_balance_k: float | None = None
+    "White balance, kelvin; omitted: what it has now."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -165,9 +165,11 @@ def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -
     """The camera, not yet started."""
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
     shape = settings.height, settings.width
+    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
+    lock = values if settings.lock or any(value is not None for value in values.values()) else None
     return OpenCvCamera(
         settings.source, clock,
-        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s,
+        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s, lock=lock,
     )  # fmt: skip
 
 
