@@ -39,9 +39,11 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
         "device: QBMMP v6.1.0, positions -12000 to 12000 ticks, full stiffness 3000 ticks",
         "force: mean of 5 samples at 200 Hz: -3 dB at 18 Hz, delay 10 ms",
     ]
-    assert lines[4].startswith("completed: 2 of 2 presses, ")
-    assert lines[5] == "left: probe retracted, motors off"
-    assert lines[7].split() == ["control", "loop", "turns", "median", "99", "%", "99.9", "%", "largest", "overruns"]
+    unproven = "watchdog: the watchdog of this device (QBMMP v6.1.0) is not proven: emg2vsa rig prove-watchdog"
+    assert lines[4] == unproven
+    assert lines[5].startswith("completed: 2 of 2 presses, ")
+    assert lines[6] == "left: probe retracted, motors off"
+    assert lines[-2].split() == ["control", "loop", "turns", "median", "99", "%", "99.9", "%", "largest", "overruns"]
     assert [line.partition(" at ")[0] for line in err.splitlines()][:1] == ["press 1 of 2 done"]
     assert ended_of(folder)["how"] == "completed"
     assert motors(served.bench) == MOTORS_OFF

@@ -87,7 +87,7 @@ def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path
 def test_what_stops_one_run(how: str, rig: Rig, rig_file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[Path] = []
 
-    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, *, started: Any) -> virtual_runs.Ended:
+    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, **other: Any) -> virtual_runs.Ended:
         ran.append(folder)
         if how == "full":
             raise virtual_runs.SettingError(folder, wanted="room", found="none", do="Free some.")
