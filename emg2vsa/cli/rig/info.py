@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     file, clock = load_rig(arguments.rig), WallClock()
     devices = file.devices
     titled = {
-        f"[{name}] {board.port}, id {board.id}": partial(board_lines, board, file.rig, clock)
+        f"[{name}] {board.port or 'without a port'}, id {board.id}": partial(board_lines, board, file.rig, clock)
         for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
         if board
     }

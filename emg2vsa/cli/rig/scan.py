@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     clock, file = WallClock(), load_rig(arguments.rig) if arguments.rig else None
     boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
-    ports = {board.port: board.baud for board in boards} | dict.fromkeys(arguments.port, arguments.baud)
+    ports = {board.port: board.baud for board in boards if board.port} | dict.fromkeys(arguments.port, arguments.baud)
     adapters, ids, telling = qbmove_ports(), arguments.id or range(1, 256), Telling(arguments.json)
     for port in adapters:
         if port not in ports:
