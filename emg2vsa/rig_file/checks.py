@@ -17,7 +17,7 @@ _KEYS_OF_KIND = {
     "net-ft": ("host", "rdt_port", "http_port", "buffered"),
     "ni-daq": ("channels", "cal_file"),
 }
-_REQUIRED = {"net-ft": ("host",), "ni-daq": ("channels", "cal_file")}
+_REQUIRED: dict[str, tuple[str, ...]] = {"net-ft": (), "ni-daq": ("channels", "cal_file")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -119,6 +119,6 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iter
 
 def _one_board_each(tables: Mapping[str, Any]) -> Iterator[Problem]:
     actuator, motor = tables.get("actuator"), tables.get("motor")
-    if actuator and motor and (actuator.port, actuator.id) == (motor.port, motor.id):
+    if actuator and motor and actuator.port and (actuator.port, actuator.id) == (motor.port, motor.id):
         do = "Give one of them another id; emg2vsa rig scan lists who answers."
         yield Problem(("motor", "id"), "a board of its own", f"id {motor.id} at {motor.port}, as for [actuator]", do)

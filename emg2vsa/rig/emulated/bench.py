@@ -122,6 +122,13 @@ class EmulatedRig:
             self._advance()
             return self.wire(data)
 
+    def probe(self) -> tuple[float, float]:
+        """The probe's way down from where the shaft is at 0, mm, and its true force, N; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            now_s = self.clock.now_s()
+            return self.world.probe_mm(now_s), float(np.linalg.norm(self.world.force_n(now_s)))
+
     def reset_actuator(self) -> None:
         """Its power off and on; from any thread."""
         with self._lock:

@@ -24,12 +24,13 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 
 def run_virtual(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime, run: str = ""
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
-    rendered its frames. ``started`` : date and time to write to the run.
+    rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
+    run that goes on in another folder does not repeat its presses; the run's own where none is given.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -38,7 +39,7 @@ def run_virtual(
         do = "Choose another; no run is ever overwritten."
         raise DeviceError(folder, wanted="a new folder, or an empty one", found="files in it", do=do)
     clock = VirtualClock()
-    name = run_name(plan.specimen, plan.angle_deg, plan.condition)
+    name = run or run_name(plan.specimen, plan.angle_deg, plan.condition)
     bench = EmulatedRig(emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name)
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
