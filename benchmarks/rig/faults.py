@@ -151,7 +151,7 @@ LINE_FAULTS: dict[str, Fault] = {
     "actuator deaf": Fault(_words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "serial line gone": Fault(_line("gone", True), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "actuator reset": Fault(_words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True, probe="left"),
-    "watchdog expired": Fault(_held_up(0.6), (LOST_ACTUATOR,), SURVIVED, probe="left"),
+    "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
     "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
@@ -180,7 +180,7 @@ MOTOR_FAULTS: dict[str, Fault] = {
 LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 20 ms": Fault(_held_up(0.02), (SURVIVED,)),
     "loop held up 200 ms": Fault(_held_up(0.2), (OVERRUN,), SURVIVED),
-    "loop held up 2 s": Fault(_held_up(2.0), (LOST_ACTUATOR, OVERRUN), SURVIVED, probe="left"),
+    "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
 FORCE_FAULTS: dict[str, Fault] = {
     "force stuck": Fault(_words("stuck"), (STALE, FROZEN), later=True, unseen_in=("pause",)),
