@@ -188,7 +188,8 @@ def put(bench: EmulatedRig, line: str) -> str:
     value = _value(name, fault, parts["how"] or "")
     at, lasting_s = _number(name, parts["at"], "at"), _number(name, parts["lasting"], "for")
     said = fault.words.replace("N ", f"{value:g} ", 1)
-    said = f"{name} off: {said}" if fault.lasts and value == fault.neutral else f"{name}: {said}"
+    state = " off" if fault.lasts and value == fault.neutral else " on" if fault.kind == "switch" else ""
+    said = f"{name}{state}: {said}"
 
     def begin() -> None:
         fault.strike(bench, value)
