@@ -164,12 +164,10 @@ MOTOR_FAULTS: dict[str, Fault] = {
     "24 V lost, USB on": _actuator("brown-out", *MOTION, probe="left"),
     "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION, probe="left"),
     "motors weak": _actuator("weak 0.02", *MOTION, probe="left"),
-    "encoder of motor 1 frozen": _actuator("frozen-motor-1", *MOTION, SPRINGS, LIMIT, RATE, probe="left"),
-    "encoder of motor 2 frozen": _actuator(
-        "frozen-motor-2", *MOTION, SPRINGS, LIMIT, RATE, probe="left", springs_only=True
-    ),
+    "encoder of motor 1 frozen": _actuator("frozen-motor-1", *JUMP, probe="left"),
+    "encoder of motor 2 frozen": _actuator("frozen-motor-2", *JUMP, probe="left", springs_only=True),
     "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
-    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *MOTION, SPRINGS, probe="left"),
+    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *JUMP, probe="left"),
     "motor 1 reads 9000 more": _actuator("jumped-motor-1", *JUMP, probe="left"),
     "motor 2 reads 9000 more": _actuator("jumped-motor-2", *JUMP, probe="left", springs_only=True),
     "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *JUMP, probe="left"),
