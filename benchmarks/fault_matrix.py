@@ -113,14 +113,15 @@ def _sums(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
         passed = sum(not outcome.failures() for outcome in outcomes)
         worst = max(outcome.peak_n for outcome in outcomes)
         retreats_s = [o.guard_s for o in outcomes if o.movable and o.guard_s is not None]
+        latest_ms = 1e3 * max(retreats_s, default=0.0)
+        next_whole = sum(o.next_run["how"] == "completed" for o in outcomes)
         hard = sum(outcome.peak_n > outcome.most_n for outcome in outcomes)
         yield (
             f"{actuator}: {len(outcomes)} cases, {passed} passed; "
             f"largest force {worst:.1f} N, {hard} above what is allowed; "
             f"{sum(any(o.lost) for o in outcomes)} lost data; "
-            f"{sum(o.next_run['how'] == 'completed' for o in outcomes)} next runs completed; where the probe could be moved, "
-            f"the first command of the way out came {1e3 * max(retreats_s, default=0.0):.1f} ms after the end of the loop "
-            "at the latest (virtual time: waiting counts, computing does not)"
+            f"{next_whole} next runs completed; where the probe could be moved, the first command of the way out came at "
+            f"most {latest_ms:.1f} ms after the guard (virtual time: waiting counts, computing does not)"
         )
 
 
