@@ -120,8 +120,8 @@ def _sums(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
             f"{actuator}: {len(outcomes)} cases, {passed} passed; "
             f"largest force {worst:.1f} N, {hard} above what is allowed; "
             f"{sum(any(o.lost) for o in outcomes)} lost data; "
-            f"{next_whole} next runs completed; where the probe could be moved, the first command of the way out came at "
-            f"most {latest_ms:.1f} ms after the guard (virtual time: waiting counts, computing does not)"
+            f"{next_whole} next runs completed; where the probe could be moved, the first command of the way out "
+            f"came at most {latest_ms:.1f} ms after the guard (virtual time: waiting counts, computing does not)"
         )
 
 
