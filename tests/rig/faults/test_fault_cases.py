@@ -52,7 +52,7 @@ def _check(case: Case, folder: Path) -> None:
 
 def _check_phase(case: Case, outcome: Outcome) -> None:
     how, told = (outcome.told["how"], outcome.told["cause"]), outcome.told["phase"]
-    if how == SURVIVED or outcome.told["how"] == "killed" or case.phase == "escape":
+    if how == SURVIVED or outcome.told["how"] in ("killed", "rejected") or case.phase == "escape":
         return
     if FAULTS[case.fault].later or (case.phase == "activation" and told != case.phase):
         assert PHASES.index(told) >= PHASES.index(case.phase)
