@@ -35,6 +35,8 @@ class RunPlan:
     "Between two repetitions."
     order: int | None = None
     "Place of the run in the sequence of its experiment, from 1; None where it was asked for alone."
+    stiffness_n_per_mm: float | None = None
+    "Of the specimen, by plate indentation; None where it is not known."
 
     def step_at(self, force_n: float) -> int:
         """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""

@@ -34,6 +34,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.rig.executor.guards import laxer_guards
     from emg2vsa.rig.experiment import run_name
     from emg2vsa.rig_file import load_rig
     from emg2vsa.rig_file.plans import plans_of
@@ -45,6 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"limits": _limits(file.rig), "runs": {name: _document(found) for name, found in told.items()}})
     else:
         print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
+        for line in laxer_guards(file.rig):
+            print(line)
         print("" if arguments.details else f"\n{_HEAD}")
         for name, found in told.items():
             if isinstance(found, str):
@@ -99,7 +102,11 @@ def _row(name: str, found: DryRun) -> str:
 def _table(name: str, found: DryRun) -> str:
     head = f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"
     columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
-    return "\n".join([head, columns, *map(_line, found.legs), ""])
+    most = (
+        "unknown, as the specimen's stiffness is" if found.largest_force_n is None else f"{found.largest_force_n:.1f} N"
+    )
+    force = f"  largest force to expect: {most}; at most {found.past_contact_mm:.1f} mm past contact"
+    return "\n".join([head, columns, *map(_line, found.legs), force, ""])
 
 
 def _line(leg: Leg) -> str:
