@@ -69,9 +69,9 @@ def test_the_command_offers_the_line(run, capsys):
 @pytest.mark.parametrize("shift_s", [-0.02, 0.0, 0.043, 0.2])
 def test_a_shift_is_found_whatever_the_law(power, shift_s):
     rng = np.random.default_rng(4)
-    force_s = np.arange(0, 1.5, 1 / 200)
-    force_n = 1.5 * np.maximum(force_s - 0.5, 0) ** 1.3 * 3
-    taken_s = np.arange(0.02, 1.3, 1 / 20)
+    force_s = np.arange(-0.5, 2.5, 1 / 200)
+    force_n = 2 * np.maximum(force_s - 0.5, 0) ** 1.3
+    taken_s = np.arange(0.02, 1.5, 1 / 20)  # up to 2 N
     motion = 5 * np.interp(taken_s, force_s, force_n) ** power + rng.normal(0, 0.01, taken_s.size)
     noisy_n = force_n + rng.normal(0, 0.01, force_n.size)
     assert shift_of(taken_s + shift_s, motion, force_s, noisy_n) == pytest.approx(shift_s, abs=0.008)
