@@ -79,8 +79,8 @@ class Door:
 
     It wraps an application whose every path begins with the token.
 
-    A request that says it comes from another page (Origin) is refused. The Host header is checked because a foreign page
-    can make its own name point to 127.0.0.1 (DNS rebinding). Whatever changes something must carry the token in a
+    A request that says it comes from another page (Origin) is refused. The Host header is checked because a foreign
+    page can make its own name point to 127.0.0.1 (DNS rebinding). Whatever changes something must carry the token in a
     header as well: a foreign page can send a form here, but no such header.
     """
 

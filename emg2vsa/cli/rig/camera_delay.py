@@ -25,7 +25,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.run_folders.camera_delay import measure_delay
+    from emg2vsa.run_folders.camera_delay import SYSTEMATIC_S, measure_delay
 
     found = measure_delay([folder for path in arguments.runs for folder in _folders(path)])
     if arguments.json:
@@ -34,10 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
     for why in found.left_out:
         print(f"left out: {why}")
     print(f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}")
-    print(f"delay: {_ms(found.delay_s)}, 95 % interval of half width {_ms(found.half_width_s)}")
+    print(
+        f"delay: {_ms(found.delay_s)}, 95 % interval of half width {_ms(found.half_width_s)}, and up to {_ms(SYSTEMATIC_S)} of the method"
+    )
     print(f"set when they were recorded: {_ms(found.set_s)}")
-    if abs(found.delay_s - found.set_s) <= found.half_width_s:
-        print("what is set lies within the interval: nothing to change")
+    if abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S:
+        print("what is set lies within that: nothing to change")
     else:
         print(f"for the rig file, in [camera]:\ndelay_s = {max(0.0, found.delay_s):.4f}")
     return 0
