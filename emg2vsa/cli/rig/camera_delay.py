@@ -34,9 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     for why in found.left_out:
         print(f"left out: {why}")
     print(f"presses: {len(found.by_press_s)}, of {_ms(min(found.by_press_s))} to {_ms(max(found.by_press_s))}")
-    print(
-        f"delay: {_ms(found.delay_s)}, 95 % interval of half width {_ms(found.half_width_s)}, and up to {_ms(SYSTEMATIC_S)} of the method"
-    )
+    interval = f"95 % interval of half width {_ms(found.half_width_s)}"
+    print(f"delay: {_ms(found.delay_s)}, {interval}, and up to {_ms(SYSTEMATIC_S)} of the method")
     print(f"set when they were recorded: {_ms(found.set_s)}")
     if abs(found.delay_s - found.set_s) <= found.half_width_s + SYSTEMATIC_S:
         print("what is set lies within that: nothing to change")
