@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from unittest import mock
@@ -16,6 +16,8 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.devices import Actuator, Devices
 from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
+from emg2vsa.rig.emulated.box_faults import BoxFaults
+from emg2vsa.rig.emulated.camera import CameraFaults
 from emg2vsa.rig.emulated.fault_words import put
 from emg2vsa.rig.emulated.faults import WireLine
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -81,7 +83,7 @@ class Built:
     """How the bench is built, and what of it the program is told; ``told`` None is the truth."""
 
     rigid: bool = False
-    true: RigSettings = RigSettings()
+    true: RigSettings = field(default_factory=RigSettings)
     told: RigSettings | None = None
 
 
@@ -92,8 +94,9 @@ class FaultBench:
     stop : who asks to stop, from ``stop_s`` on SIGTERM. begun_s : when the last run began.
     """
 
-    def __init__(self, built: Built = Built()) -> None:
-        self.built, self.clock = built, WatchedClock()
+    def __init__(self, built: Built | None = None) -> None:
+        self.built, self.clock = built or Built(), WatchedClock()
+        built = self.built
         self.rig = built.told or built.true
         self.emulated = EmulatedRig(
             EmulatedSettings(gap_mm=GAP_MM, force_rate_hz=500),
@@ -130,6 +133,7 @@ class FaultBench:
         put(self.emulated, "off")
         line, wire = self.line, self.emulated.wire
         wire.noisy = line.gone = line.dead = False
+        self.emulated.box.faults, self.emulated.camera.faults = BoxFaults(), CameraFaults()
         line.off_s = math.inf
         self.full = self.broken = ()
         self.stop, self.stop_s = None, math.inf

@@ -12,11 +12,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from benchmarks.rig.fault_bench import GAP_MM, Built, FaultBench
-from benchmarks.rig.faults import BEFORE, FAULTS, SURVIVED, WRONG_RIGS, End, _put_all
+from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End, put_all
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from emg2vsa.errors import ScheduleError, SettingError
+from emg2vsa.rig.emulated.bench import MOTOR_TORQUE_NM
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -29,6 +30,8 @@ WATCHDOG_S = 1.0
 RIG = RigSettings()
 MOST_N = 1.3 * RIG.guards.force_n
 """What a specimen may feel, whatever goes wrong."""
+STALL_N = 1.05 * MOTOR_TORQUE_NM / RIG.lever_m
+"""What it may feel of a rigid motor where only springs could have told."""
 FREE_N = 0.05
 OFF_SURFACE_MM = 0.25 * GAP_MM
 
@@ -37,16 +40,20 @@ OFF_SURFACE_MM = 0.25 * GAP_MM
 class Outcome:
     """One case.
 
-    wanted : how the run may end. told : ended.json. safe_s : from the fault until the motors were off, as the device
-    itself knows; None is never. probe_mm : where the motors have left the probe, by the device's encoders.
+    wanted : how the run may end. told : ended.json. movable : the probe could be taken away all the time.
+    most_n : what the specimen may feel.
+    safe_s : from the fault until the motors were off, as the device itself knows; None is never.
+    probe_mm : where the motors have left the probe, by the device's encoders.
     peak_n, left_n : largest true force on the specimen after the fault, and the one that is left at the end.
-    retracted : in truth, the probe is off the specimen. retreat_s, guard_s : from the fault, and from the end of the
-    loop, until the first command of the way out; None without one. lost : before the fault. next_run : its
-    ended.json.
+    retracted : in truth, the probe is off the specimen.
+    retreat_s, guard_s : from the fault, and from the end of the loop, until the first command of the way out; None
+    without one. lost : before the fault. next_run : its ended.json.
     """
 
     wanted: tuple[End, ...]
     told: dict[str, Any]
+    movable: bool
+    most_n: float
     safe_s: float | None
     probe_mm: float
     peak_n: float
@@ -62,11 +69,12 @@ class Outcome:
         told = self.told
         next_whole = self.next_run["how"] == "completed" and self.next_run["retracted"]
         rules = {
-            f"more than {MOST_N:g} N": self.peak_n > MOST_N,
+            f"more than {self.most_n:.3g} N": self.peak_n > self.most_n,
             "completed, not retracted": told["how"] == "completed" and not (self.retracted and told["retracted"]),
             "retracted is not true": told["retracted"] and not self.retracted,
             "motors off is not true": told["deactivated"] and self.safe_s is None,
             "motors stay on": self.safe_s is None,
+            "probe is left": self.movable and not (self.retracted and told["retracted"]),
             "cause": (told["how"], told["cause"]) not in self.wanted,
             "data lost": any(self.lost),
             "next run": not next_whole,
@@ -82,28 +90,29 @@ def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Out
     if phase == "escape":
         bench.stop_s = phase_times(rigid)["load"]
     if name in BEFORE:
-        _put_all(bench, BEFORE[name])
-    return _outcome(bench, watch, fault.ends_in(phase), folder)
+        put_all(bench, BEFORE[name])
+    most_n = STALL_N if rigid and fault.shown_by_springs else MOST_N
+    return _outcome(bench, watch, fault.ends_in(phase), fault.probe == "retracted", most_n, folder)
 
 
 def run_wrong(name: str, folder: Path) -> Outcome:
     """As `run_case` with a rig file that is wrong from the beginning."""
     built, ends = WRONG_RIGS[name]
     bench = FaultBench(built)
-    return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, folder)
+    return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, False, MOST_N, folder)
 
 
-def _outcome(bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], folder: Path) -> Outcome:
+def _outcome(
+    bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], movable: bool, most_n: float, folder: Path
+) -> Outcome:
     run = folder / "run"
     try:
         with suppress(ZeroDivisionError):
             bench.run(_plan(bench.built.rigid), run)
         told = json.loads((run / "ended.json").read_text())
     except (SettingError, ScheduleError) as error:
-        told = {
-            "how": "refused", "cause": type(error).__name__, "retracted": False, "deactivated": False, "time_s": math.nan,
-            "phase": "",
-        }  # fmt: skip
+        told = {"how": "refused", "cause": type(error).__name__, "time_s": math.nan, "phase": ""}
+        told |= {"retracted": False, "deactivated": False}
     watch.until_safe()
     left_n, retracted = bench.true_force_n(), bench.true_probe_mm() < GAP_MM - OFF_SURFACE_MM
     left_at = [row.time_s for row in _rows(run) if row.phase == "escape" and row.time_s >= watch.from_s]
@@ -114,11 +123,20 @@ def _outcome(bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], folder: 
     bench.run(_next_plan(bench.built.rigid), folder / "next")
     known = math.isfinite(retreat_s) and told["how"] not in ("completed", "refused")
     return Outcome(
-        wanted, told, watch.safe_s, probe_mm, watch.peak_n, left_n, retracted and left_n < FREE_N,
-        retreat_s - watch.from_s if known else None, retreat_s - told["time_s"] if known else None,
-        lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
-        json.loads((folder / "next" / "ended.json").read_text()),
-    )  # fmt: skip
+        wanted=wanted,
+        told=told,
+        movable=movable and told["phase"] not in ("", "activation") and told["how"] != "killed",
+        most_n=most_n,
+        safe_s=watch.safe_s,
+        probe_mm=probe_mm,
+        peak_n=watch.peak_n,
+        left_n=left_n,
+        retracted=retracted and left_n < FREE_N,
+        retreat_s=retreat_s - watch.from_s if known else None,
+        guard_s=retreat_s - told["time_s"] if known else None,
+        lost=lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
+        next_run=json.loads((folder / "next" / "ended.json").read_text()),
+    )
 
 
 def _rows(run: Path) -> list[Any]:
@@ -186,6 +204,3 @@ def _next_plan(rigid: bool) -> RunPlan:
 def _middle(times_s: list[float], part: float = 0.5) -> float:
     # between two turns
     return times_s[int(part * len(times_s))] - RIG.period_s / 2
-
-
-__all__ = ["MOST_N", "PHASES", "SURVIVED", "WHOLE_RUN", "Outcome", "phase_times", "run_case", "run_wrong"]

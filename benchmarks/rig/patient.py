@@ -32,7 +32,7 @@ F_MAX_N, MOST_N = 5.0, 100.0
 def patient_run(settings: DeviceSettings, folder: Path) -> None:
     """One light press, recorded in ``folder``."""
     clock = WallClock()
-    line = SerialLine(settings.actuator.port, BAUD)
+    line = SerialLine(settings.actuator.port or "", BAUD)
     force = open_net_ft(
         settings.force.host or "", clock, rdt_port=settings.force.rdt_port, http_port=settings.force.http_port,
         stale_s=LONG_S,

@@ -40,8 +40,8 @@ NetPort = Annotated[int, Ge(1), Le(65535)]
 class ActuatorSettings:
     """The qbmove."""
 
-    port: Text
-    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3."
+    port: Text | None = None
+    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Baud = BAUD
@@ -61,7 +61,7 @@ class ActuatorSettings:
 class MotorSettings:
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 
-    port: Text
+    port: Text | None = None
     "Serial port; may be the actuator's when the ids differ."
     id: DeviceId = 1
     "Device id."
@@ -82,7 +82,7 @@ class ForceSettings:
     kind: Literal["net-ft", "ni-daq"]
     "net-ft: Net F/T box or Ethernet Axia; ni-daq: gauge voltages and the transducer's calibration."
     host: Text | None = None
-    "net-ft: address of the box; 192.168.1.1 when it leaves the factory."
+    "net-ft: address of the box; 192.168.1.1 when it leaves the factory. Omitted: only the emulated rig can run."
     rdt_port: NetPort = RDT_PORT
     "net-ft: UDP port of its raw data."
     http_port: NetPort = 80

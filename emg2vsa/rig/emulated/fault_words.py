@@ -102,6 +102,7 @@ FAULTS = {
     "no-watchdog": Fault(
         "no SET_WATCHDOG reaches the actuator", _ignore(frozenset((Command.SET_WATCHDOG,))), "switch"
     ),
+    "flag-only": Fault("an expired watchdog says off, and the motors stay on", _of_motors("flag_only"), "switch"),
     "late": Fault("replies of the actuator come N ms late", _of_wire("late_s", _MS), "amount", 4, 0, 0, 1000),
     "bytes-lost": Fault(
         "N % of the bytes of both ways are lost", _of_wire("lost_share", _PERCENT), "amount", 1, 0, 0, 100

@@ -191,6 +191,7 @@ class QbmoveFirmware:
         refused = any(abs(ticks) > START_LIMIT for ticks in measured)
         keeps = self._shadow.control_mode not in _POSITION_MODES
         ticks = self._loop.new.ticks if keeps else measured[:2]
+        self._loop.bridge_on = None
         self._loop.new = References(ticks, 0 if refused else self._buffer[1])
         return b""
 

@@ -48,6 +48,8 @@ class Loop:
         self.motors = Motors(switches, (*motors_rad, shaft.shaft_rad(start_s, motors_rad)))
         self._now_ms = int(start_s * 1000)
         self.new = self.current = self.old = References()
+        self.bridge_on: int | None = None
+        "What the motors go by after a watchdog that has cleared no more than the flag, until the next ACTIVATE."
         self._watchdog_ms = _NEVER_MS
 
     def advance(self, current: Memory, shadow: Memory) -> None:
@@ -57,6 +59,7 @@ class Loop:
             return
         while self._now_ms < until_ms:
             if self._now_ms >= self._watchdog_ms:
+                self.bridge_on = self.current.on if self.motors.faults.flag_only else None
                 self.new, self._watchdog_ms = replace(self.new, on=0), _NEVER_MS
             resting = self._turn(current, shadow)
             # nothing moves and nothing is on its way: only the watchdog can change that
@@ -72,6 +75,7 @@ class Loop:
     def restart(self, on: int) -> None:
         """Power comes back: references 0."""
         self.new = self.current = self.old = References(on=on)
+        self.bridge_on = None
         self.motors.pwm = [0, 0]
 
     def _turn_shaft(self) -> None:
@@ -84,7 +88,7 @@ class Loop:
         if current.input_mode:
             shaft = self.motors.measured(shadow)[2]
             ticks = limited(shaft, 0, current), limited(shaft, 1, current)
-        on = self.current.on
+        on = self.current.on if self.bridge_on is None else self.bridge_on
         powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
         still = self.motors.step(ticks, current, shadow, powered)
         settled = self.old is self.current is self.new

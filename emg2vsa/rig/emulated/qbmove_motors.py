@@ -40,7 +40,7 @@ class MotorFaults:
     jammed : no motor moves, whatever pulls. unsupplied : nor draws it current; the electronics live on USB.
     torque_nm : most that a motor can do; None is what it is built for.
     frozen : what an encoder goes on reading, internal ticks. jumped_ticks : wire ticks added to what it reads.
-    current_ma : added to the measured currents.
+    current_ma : added to the measured currents. flag_only : an expired watchdog leaves the motors on.
     """
 
     jammed: bool = False
@@ -49,6 +49,7 @@ class MotorFaults:
     frozen: dict[int, int] = field(default_factory=dict)
     jumped_ticks: list[int] = field(default_factory=lambda: [0, 0, 0])
     current_ma: float = 0.0
+    flag_only: bool = False
 
 
 class Motors:

@@ -25,7 +25,7 @@ from emg2vsa.rig.rig_settings import RigSettings
 Readings = tuple[int | None, int | None, int | None, int | None, int | None]
 """Motor 1, motor 2 and shaft in ticks, and the two currents in mA; None where the turn did not come so far."""
 _LAG_MM = 1.0
-"""How far motors may be behind their command."""
+"""How far motors are behind their command in ordinary motion, and more."""
 _UNREAD: Readings = (None, None, None, None, None)
 
 
@@ -75,7 +75,6 @@ class ControlCycle:
         readings = _UNREAD
         try:
             self._look(now_s)
-            self._ask(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
             self._judge(force, wanted, now_s, late_s)
             self._enter(wanted, force)
@@ -85,6 +84,8 @@ class ControlCycle:
                 at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
             readings = (*at, *currents_ma)
             self._witnesses.read(at, currents_ma, force.raw_n, wanted, begins=wanted.phase != before.phase)
+            self._ask(now_s)
+            self._judge(force, wanted, now_s, late_s)
         finally:
             self._log(now_s, late_s, force, readings)
         return self.motion
@@ -92,19 +93,27 @@ class ControlCycle:
     def retreat_from(self) -> Start | None:
         """Where to begin taking the probe away; None when nothing has been moved.
 
-        Motors that have not obeyed are where they were measured, and no motor is deeper than its command. Encoders that
-        have failed may say anything: behind the retracted position they are believed only where the command is near.
+        That is where the motors were measured, in the eyes of the device, which goes by the same encoders: from there
+        it can only be told to go away. No motor is deeper than its command.
         """
         if self.motion is None:
             return None
-        sent_mm, plan = self.motion.depth_mm, self._plan
+        plan = self._plan
         return Start(
-            depth_mm=max(min(sent_mm, self._witnesses.depth_mm), min(sent_mm - _LAG_MM, 0.0)),
+            depth_mm=min(self.motion.depth_mm, self._measured_mm()),
             preset_ticks=plan.preset_ticks(self.motion.step),
             softest_ticks=0 if plan.schedule is None else int(plan.schedule.preset_ticks.min()),
             contact_n=plan.f_contact_n,
             home_is_free=self._pressed,
         )
+
+    def _measured_mm(self) -> float:
+        measured_mm = self._witnesses.depth_mm
+        if self.motion is not None and measured_mm < self.motion.depth_mm - _LAG_MM:
+            # one wrong reading would send the probe far away
+            with suppress(DeviceError):
+                measured_mm = max(measured_mm, self._rig.depth_at(self._devices.actuator.position_ticks()))
+        return measured_mm
 
     def log_escape(self, position_ticks: int, preset_ticks: int, notes: list[str]) -> ForceSample | None:
         """A row while the probe is taken away after the end, and the force then; None where the sensor has gone.

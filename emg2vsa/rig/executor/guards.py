@@ -1,7 +1,7 @@
 """Guards of a running rig: each compares one moment with one limit, and says what is wrong, or None.
 
-No guard hangs on one instrument alone. The force sensor is judged by the springs, the motors by their commands, the
-commands by where the shaft is; what must hold for a guard to be believed is said in docs/how-to/rig-risks.md.
+They do not hang on one instrument: the springs judge the force sensor, the commands judge the motors, and the shaft's
+encoder tells how deep the probe is.
 """
 
 from __future__ import annotations
@@ -196,8 +196,11 @@ def overrun(moment: Moment, limits: GuardSettings) -> str | None:
 
 GUARDS: dict[str, Check] = {
     "force limit": force_limit,
-    "untrusted force": untrusted_force,
     "sensor overload": overload,
+    "lost device": lost_device,
+    "overrun": overrun,
+    "following": following,
+    "untrusted force": untrusted_force,
     "force rate": force_rate,
     "lateral force": lateral_force,
     "torque": torque,
@@ -207,15 +210,12 @@ GUARDS: dict[str, Check] = {
     "travel": travel,
     "no contact": no_contact,
     "past contact": past_contact,
-    "lost device": lost_device,
-    "overrun": overrun,
+    "motor current": motor_current,
     "stale sensor": stale_sensor,
     "lost camera": lost_camera,
-    "following": following,
-    "motor current": motor_current,
 }
-"""The first that speaks names the cause: a loop held up makes samples and frames look old, and motors that have gone
-off stay behind their commands, so what explains them comes before them."""
+"""The first that speaks names the cause: a loop held up makes samples and frames look old, motors that have gone off
+stay behind their commands, and springs are known by the motors' encoders, so what explains them comes before them."""
 
 
 def tripped(moment: Moment, limits: GuardSettings) -> tuple[str, str] | None:

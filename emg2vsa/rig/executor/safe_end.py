@@ -23,9 +23,10 @@ _BEYOND_MM, _UNFELT_MM, _PIECE_MM = 5.0, 1.0, 0.25
 """How far the probe may go behind a retracted position that is not free, how far of that without any fall of force,
 which friction may hide, and in what pieces."""
 _FALL_N = 0.1
+_STUCK_S = 2.5
+"""How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _REST_S = 0.05
 """Between commands at rest; each of them keeps the watchdog of the motors from running out."""
-_ALIVE_AFTER = 10
 
 Log = Callable[[int, int, list[str]], ForceSample | None]
 
@@ -83,8 +84,7 @@ class _Escape:
         self.notes: list[str] = []
         self.felt_n: float | None = None
         self._depth_mm, self._preset_ticks, self._lowest_n, self._held = 0.0, 0, math.inf, False
-        self._readings: set[bytes] = set()
-        self._steps = self._failures = 0
+        self._failures = 0
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
@@ -96,13 +96,18 @@ class _Escape:
         try:
             self._ramp(min(start.depth_mm, 0.0))
             self._rest(self._rig.settle_s)
-            if not start.home_is_free:
+            end_s = self._clock.now_s() + _STUCK_S
+            while self._touches(start.contact_n) and not self._there() and self._clock.now_s() < end_s:
+                self._rest(_REST_S)
+                if not self._touches(start.contact_n):
+                    self._rest(self._rig.settle_s)
+            if not start.home_is_free or start.depth_mm < -_THERE_MM:
                 self._leave(start.contact_n)
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
-        if self._steps >= _ALIVE_AFTER and len(self._readings) == 1 and (self.felt_n or 0.0) >= start.contact_n:
-            self.notes.append(f"the force sensor gave the same reading all the way out, {self.felt_n:.2f} N")
-            self.felt_n = None
+            if self._failures:  # it may hear without answering
+                ticks = self._rig.ticks_at(min(start.depth_mm, 0.0))
+                self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks))
         return self.tried(lambda: self._check(start.contact_n))
 
     def tried(self, action: Callable[[], None]) -> bool:
@@ -130,7 +135,7 @@ class _Escape:
 
     def _leave(self, contact_n: float) -> None:
         end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self.felt_n or 0.0
-        while self.felt_n is not None and self.felt_n >= contact_n and self._depth_mm > end_mm:
+        while self._touches(contact_n) and self._depth_mm > end_mm:
             if unfelt_mm >= _UNFELT_MM:
                 raise _Pressing(f"{self.felt_n:.2f} N do not fall on the way")
             position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
@@ -161,16 +166,20 @@ class _Escape:
 
     def _feel(self, ticks: int) -> None:
         sample = self._log(ticks, self._preset_ticks, self.notes)
-        self._steps += 1
-        self.felt_n = None if sample is None else size(sample.force_n)
-        if sample is not None and self.felt_n is not None and math.isfinite(self.felt_n):
-            self._readings.add(sample.force_n.tobytes() + sample.torque_nm.tobytes())
-            self._lowest_n = min(self._lowest_n, self.felt_n)
-        else:
-            self.felt_n = None
+        felt_n = math.nan if sample is None else size(sample.force_n)
+        self.felt_n = felt_n if math.isfinite(felt_n) else None
+        self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)
 
     def _wait(self, duration_s: float) -> None:
         self.tried(lambda: self._clock.sleep_until(self._clock.now_s() + duration_s))
+
+    def _touches(self, contact_n: float) -> bool:
+        return self.felt_n is not None and self.felt_n >= contact_n
+
+    def _there(self) -> bool:
+        depths_mm: list[float] = []
+        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_ticks())))
+        return bool(depths_mm) and abs(depths_mm[0]) <= _THERE_MM
 
     def _check(self, contact_n: float) -> None:
         depth_mm = self._rig.depth_at(self._actuator.position_ticks())
@@ -181,7 +190,7 @@ class _Escape:
                 found=f"{depth_mm:.1f} mm from it",
                 do="Take it away from the specimen by hand, or by the next run.",
             )
-        if self.felt_n is not None and self.felt_n >= contact_n:
+        if self._touches(contact_n):
             raise DeviceError(
                 "probe",
                 wanted=f"less than {contact_n:g} N at the retracted position",

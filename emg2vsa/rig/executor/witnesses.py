@@ -36,7 +36,7 @@ class Witnesses:
 
     def feel(self, sample: ForceSample, phase: Phase) -> None:
         """The sample of a turn, in the phase that the turn before has led to."""
-        self._stillness.see(sample, self.depth_mm, loading=phase == "load")
+        self._stillness.see(sample, self.depth_mm, phase)
         felt_n, rise_n = size(sample.force_n), None
         if phase == "home":
             self._lowest_n = min(self._lowest_n, felt_n)
@@ -116,15 +116,15 @@ class Stillness:
         self.still_mm = 0.0
         self.still_s: float | None = None
 
-    def see(self, sample: ForceSample, depth_mm: float, loading: bool) -> None:
-        """The sample of a turn, the depth of the motors, and whether they press on."""
+    def see(self, sample: ForceSample, depth_mm: float, phase: Phase) -> None:
+        """The sample of a turn, the depth of the motors, and what they do."""
         reading = sample.force_n.tobytes(), sample.torque_nm.tobytes()
         if reading != self._last:
-            if not loading:
+            if phase in ("approach", "pause"):
                 self._calm = self._calm or (self._last is not None and sample.time_s - self._changed_s > _RESTLESS_S)
                 self._changes += 1
             self._last, self._changed_s, self._from_mm = reading, sample.time_s, depth_mm
-        if not loading:
+        if phase != "load":
             self._from_mm = depth_mm
         self.still_mm = depth_mm - self._from_mm
         restless = not self._calm and self._changes >= _RESTLESS_CHANGES

@@ -117,6 +117,8 @@ class Bench:
         self._position = position_ticks
 
     def position_ticks(self) -> float:
+        if self.on("dead actuator"):
+            raise lost("qbmove 1")
         return self._position
 
     def measurements(self) -> Measurements:
