@@ -10,6 +10,9 @@ from dataclasses import asdict, replace
 from emg2vsa.live.follow import Follower
 from emg2vsa.live.snapshot import Curves, Snapshot, joined
 
+MOST_AT_ONCE = 5
+"""Newcomers of one moment, each with all curves, some 300 kB; the others come in with the next, and STOP between."""
+
 
 class Audience:
     """Server-sent events for any number of viewers; the follower looks only while there is one.
@@ -19,7 +22,7 @@ class Audience:
 
     def __init__(self, follower: Follower, period_s: float) -> None:
         self._follower, self._period_s = follower, period_s
-        self._viewers = self._newcomers = self._moment = 0
+        self._viewers = self._newcomers = self._moment = self._places = 0
         self._curves, self._folder = Curves(), ""
         self._new = self._whole = ""
         self._came = asyncio.Condition()
@@ -38,9 +41,10 @@ class Audience:
                 moment, text, whole = await self._next()
                 # a viewer that is slow has missed moments, and begins anew
                 missed = moment != seen + 1
-                if missed and not whole:
+                if missed and (not whole or not self._places):
                     seen = 0
                     continue
+                self._places -= missed
                 seen = moment
                 yield whole if missed else text
         finally:
@@ -59,7 +63,7 @@ class Audience:
             while self._viewers:
                 newcomers, self._newcomers = self._newcomers, 0
                 self._new, self._whole = await asyncio.to_thread(self._look, newcomers > 0)
-                self._moment += 1
+                self._moment, self._places = self._moment + 1, MOST_AT_ONCE
                 await self._tell()
                 await asyncio.sleep(self._period_s)
         finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mimetypes
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -9,8 +10,7 @@ from pathlib import Path
 import cv2
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
-from starlette.routing import BaseRoute, Mount, Route
-from starlette.staticfiles import StaticFiles
+from starlette.routing import BaseRoute, Route
 
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.live.audience import Audience
@@ -57,8 +57,18 @@ def watch_routes(folder: Path) -> list[BaseRoute]:
         Route("/stream", stream),
         Route("/frame", frame),
         Route("/stop", stop, methods=["POST"]),
-        Mount("/", StaticFiles(directory=_PAGE, html=True)),
+        *(_file("" if path.name == "index.html" else path.name, path) for path in sorted(_PAGE.iterdir())),
     ]
+
+
+def _file(name: str, path: Path) -> Route:
+    """A file of the page; read now, so that many who come at once wait for no disk."""
+    content, kind = path.read_bytes(), mimetypes.guess_type(path.name)[0]
+
+    async def answer(request: Request) -> Response:
+        return Response(content, media_type=kind)
+
+    return Route(f"/{name}", answer)
 
 
 def newest_frame(run: Path) -> bytes | None:
