@@ -181,7 +181,7 @@ LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
 FORCE_FAULTS: dict[str, Fault] = {
-    "force stuck": Fault(_words("stuck"), (STALE, FROZEN), later=True, unseen_in=("pause",)),
+    "force stuck": Fault(_words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),
     "ten force records lost": Fault(_words("gap 10"), (SURVIVED, REJECTED)),
     "hundred force records lost": Fault(_words("gap 100"), (STALE,), SURVIVED, later=True),
     "5 % of force records lost": Fault(_words("thinned 5"), (SURVIVED, REJECTED)),
