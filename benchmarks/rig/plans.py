@@ -23,12 +23,13 @@ CONTACT_N, F_MAX_N = 0.5, 7.0
 def modular_plan(repetitions: int, *, specimen: str = SPECIMEN, **changes: Any) -> RunPlan:
     """Presses up to the paper's F_max, stiffer with every force step; ``changes`` to `RunPlan`."""
     plan = RunPlan(specimen, 0.0, "modular", repetitions, _schedule(specimen), F_MAX_N)
-    return replace(plan, **changes)
+    return replace(plan, stiffness_n_per_mm=SPECIMENS[specimen], **changes)
 
 
 def rigid_plan(repetitions: int, *, specimen: str = SPECIMEN, **changes: Any) -> RunPlan:
     """The same under the rigid motor."""
-    return replace(RunPlan(specimen, 0.0, RIGID, repetitions, None, F_MAX_N), **changes)
+    plan = RunPlan(specimen, 0.0, RIGID, repetitions, None, F_MAX_N)
+    return replace(plan, stiffness_n_per_mm=SPECIMENS[specimen], **changes)
 
 
 @cache

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
-from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
@@ -32,6 +32,8 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
         yield from _angles(experiment)
         if rig:
             yield from _presses(experiment, rig)
+            if plate := tables.get("plate"):
+                yield from _plate(plate, rig)
         if camera := tables.get("camera"):
             yield from _frames(experiment, camera)
         yield from _stiffness(experiment)
@@ -115,6 +117,13 @@ def _presses(experiment: ExperimentSettings, rig: RigSettings) -> Iterator[Probl
     if experiment.travel_mm > rig.travel_mm:
         wanted = f"at most rig.travel_mm, {rig.travel_mm:g}"
         yield Problem(("experiment", "travel_mm"), wanted, f"{experiment.travel_mm:g}")
+
+
+def _plate(plate: PlateSettings, rig: RigSettings) -> Iterator[Problem]:
+    low, high = plate.f_contact_n, rig.guards.force_n
+    if not low < plate.f_max_n < high:
+        wanted = f"a force above contact, {low:g} N, and below the guard rig.guards.force_n, {high:g} N"
+        yield Problem(("plate", "f_max_n"), wanted, f"{plate.f_max_n:g}")
 
 
 def _frames(experiment: ExperimentSettings, camera: CameraSettings) -> Iterator[Problem]:

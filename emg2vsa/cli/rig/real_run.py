@@ -66,6 +66,11 @@ def press_run(file: RigFile, run: Run, plan: RunPlan, root: Path, *, quiet: bool
     Raises as `open_rig` and `execute`, and DataError where the run has all its presses: nothing has moved then.
     """
     folder = new_folder(root, run_name(*run), file.experiment.repetitions, emulated=file.leads_to_emulated)
+    return folder, press_plan(file, plan, folder, quiet=quiet)
+
+
+def press_plan(file: RigFile, plan: RunPlan, folder: Path, *, quiet: bool = False) -> Ended:
+    """Carry out ``plan`` on the devices of the rig file, recorded in ``folder``. Raises as `open_rig` and `execute`."""
     clock, started = WallClock(), datetime.now(UTC)
     ended = None
     try:
@@ -93,7 +98,7 @@ def press_run(file: RigFile, run: Run, plan: RunPlan, root: Path, *, quiet: bool
         # the run is on disk; what failed is the way a device was left
         print(f"emg2vsa: {error}", file=sys.stderr)
         ended = replace(ended, how="failed", cause="device", why=str(error))
-    return folder, ended
+    return ended
 
 
 def _watchdog(file: RigFile, condition: Condition, opened: OpenRig) -> tuple[str, dict[str, Any] | None]:

@@ -45,6 +45,13 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("--seed", type=int, metavar="N", help="of --order random (default: drawn, and kept)")
     parser.add_argument("--yes", action="store_true", help="with --all: ask nothing, for scripts")
+    parser.add_argument(
+        "--plate",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="indent this specimen with a flat plate, as [plate] says, for emg2vsa stiffness; repeat",
+    )
     parser.add_argument("--virtual", action="store_true", help="emulated rig, minutes in seconds; no device is opened")
     add_jobs(parser)
     add_json(parser)
@@ -66,8 +73,16 @@ def run(arguments: argparse.Namespace) -> int:
         do = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
         raise SettingError("--repetitions", wanted="one run", found="--all", do=do)
     file = load_rig(arguments.rig)
-    runs = runs_chosen(arguments, file)
     root = arguments.out or (file.virtual_runs if arguments.virtual else file.runs)
+    if arguments.plate:
+        from emg2vsa.cli.rig.plate_runs import run_plates
+
+        if arguments.all or arguments.specimen or arguments.angle or arguments.condition or arguments.repetitions:
+            do = "Leave the others out: [plate] says how its trials go."
+            raise SettingError("--plate", wanted="--plate alone", found="a choice of runs beside it", do=do)
+        options = {"virtual": arguments.virtual, "yes": arguments.yes, "as_json": arguments.json}
+        return run_plates(file, arguments.plate, root, **options)
+    runs = runs_chosen(arguments, file)
     order = run_order(root, file.experiment.all_runs(), arguments.order, arguments.seed) if arguments.all else None
     if arguments.virtual:
         from emg2vsa.cli.rig.virtual_runs import run_virtually

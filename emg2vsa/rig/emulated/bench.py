@@ -68,7 +68,7 @@ class EmulatedRig:
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
     rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
-    run : name of the run; other names, other draws.
+    run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
 
     Attributes
     ----------
@@ -92,10 +92,11 @@ class EmulatedRig:
         *,
         rig: RigSettings | None = None,
         run: str = "",
+        plate: bool = False,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)

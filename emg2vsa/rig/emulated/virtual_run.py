@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -40,8 +40,14 @@ def run_virtual(
         raise DeviceError(folder, wanted="a new folder, or an empty one", found="files in it", do=do)
     clock = VirtualClock()
     name = run or run_name(plan.specimen, plan.angle_deg, plan.condition)
-    bench = EmulatedRig(emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name)
+    bench = EmulatedRig(
+        emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name, plate=plan.plate
+    )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
-    write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    return execute(plan, rig, bench.devices(), folder, clock, started=started)
+    devices = bench.devices()
+    if plan.plate:
+        devices = replace(devices, camera=None)
+    else:
+        write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
+    return execute(plan, rig, devices, folder, clock, started=started)

@@ -101,3 +101,11 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
         "32: experiment.contact_s: wanted a number >= 0; found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
+
+
+def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) -> None:
+    path = rig_file(("[actuator]\n", '[actuator]\nmodel = "advanced"\n'))
+    status, _, err = rig("dry-run", path)
+    assert status == 2
+    assert "schedule of S1, modular, limits.actuator: wanted qbmove-advanced, the model under [actuator] of " in err
+    assert "found qbmove-maker-pro. Set [schedule] actuator of the study to the device's model" in err
