@@ -133,7 +133,7 @@ def _outcome(
         left_n=left_n,
         retracted=retracted and left_n < FREE_N,
         retreat_s=retreat_s - watch.from_s if known else None,
-        guard_s=retreat_s - told["time_s"] if known else None,
+        guard_s=retreat_s - told["time_s"] if known and told["time_s"] >= watch.from_s else None,
         lost=lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
         next_run=json.loads((folder / "next" / "ended.json").read_text()),
     )
