@@ -26,6 +26,7 @@ from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.packets import Command, frame
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
@@ -33,6 +34,7 @@ SPECIMEN = "S1"
 """The stiffest of the paper."""
 WATCH_S = 0.005
 GAP_MM, START_MM, START_PRESET, START_S = 2.0, 1.0, 600, 0.8
+_COMMAND = 4
 OFF = frame(DEVICE_ID, Command.ACTIVATE, b"\0")
 
 
@@ -61,6 +63,8 @@ class BreakingLine(WireLine):
 
     gone = dead = False
     error: BaseException | None = None
+    loses: bytes = b""
+    "Command of which the next frame gets lost."
     off_s = math.inf
     "When the host first told the motors to go off."
 
@@ -73,6 +77,9 @@ class BreakingLine(WireLine):
         if self.gone:
             do = "Check the cable."
             raise DeviceError(self.name, wanted="a line that answers", found="[Errno 5] Input/output error", do=do)
+        if self.loses and data[_COMMAND:][:1] == self.loses:
+            self.loses = b""
+            return
         if data == OFF:
             self.off_s = min(self.off_s, self._time.now_s())
         super().write(data)
@@ -114,14 +121,15 @@ class FaultBench:
         self.stop_s, self.begun_s = math.inf, 0.0
         self._leave_probe_down()
 
-    def run(self, plan: RunPlan, folder: Path) -> None:
-        """One run, with devices opened for it; what became of it stands in ``folder``.
+    def run(self, plan: RunPlan, folder: Path) -> Ended | None:
+        """One run, with devices opened for it; None of a program that was killed.
 
         SettingError, ScheduleError, DeviceError : it was refused."""
         devices = self._devices()
         self.begun_s = self.clock.now_s()
         with self._disk(), suppress(Killed):
-            execute(plan, self.rig, devices, folder, self.clock, started=STARTED, stop=self._asked)
+            return execute(plan, self.rig, devices, folder, self.clock, started=STARTED, stop=self._asked)
+        return None
 
     def kill(self) -> None:
         """The program ends here and now, as by kill -9."""

@@ -40,8 +40,8 @@ NetPort = Annotated[int, Ge(1), Le(65535)]
 class ActuatorSettings:
     """The qbmove."""
 
-    port: Text
-    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3."
+    port: Text | None = None
+    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Baud = BAUD
@@ -61,7 +61,7 @@ class ActuatorSettings:
 class MotorSettings:
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 
-    port: Text
+    port: Text | None = None
     "Serial port; may be the actuator's when the ids differ."
     id: DeviceId = 1
     "Device id."
@@ -82,7 +82,7 @@ class ForceSettings:
     kind: Literal["net-ft", "ni-daq"]
     "net-ft: Net F/T box or Ethernet Axia; ni-daq: gauge voltages and the transducer's calibration."
     host: Text | None = None
-    "net-ft: address of the box; 192.168.1.1 when it leaves the factory."
+    "net-ft: address of the box; 192.168.1.1 when it leaves the factory. Omitted: only the emulated rig can run."
     rdt_port: NetPort = RDT_PORT
     "net-ft: UDP port of its raw data."
     http_port: NetPort = 80
@@ -110,7 +110,15 @@ class CameraSettings:
     rate_hz: Positive = RATE_HZ
     "Frames kept a second; a faster camera is thinned out."
     delay_s: Annotated[float, Ge(0), Le(0.5)] = 0.0
-    "From the exposure of a frame until it arrives here; frames are timed so much earlier, and meet the force of then."
+    "From exposure to arrival, as rig camera-delay measures it; frames are timed so much earlier."
+    lock: bool = True
+    "Exposure, gain and white balance stay as they are when a run begins: what changes by itself looks like a touch."
+    exposure: float | None = None
+    "Exposure in the camera's own unit (V4L2: 0.1 ms; DirectShow: powers of 2 s); omitted: what it has now."
+    gain: float | None = None
+    "Gain in the camera's own unit; omitted: what it has now."
+    white_balance_k: float | None = None
+    "White balance, kelvin; omitted: what it has now."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,6 +63,40 @@ class ExperimentSettings:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class PlateSettings:
+    """Indentation of specimens by a flat plate on the rigid motor, for their stiffness (paper, section IV.B)."""
+
+    trials: Annotated[int, Ge(1)] = 5
+    "Of each specimen."
+    f_max_n: Annotated[float, Gt(0)] = 5.0
+    "The plate turns back here."
+    f_contact_n: Annotated[float, Gt(0)] = 0.3
+    "Force of first contact."
+    ramp_mm_per_s: Annotated[float, Gt(0)] = 1.0
+    "Speed of the plate."
+    pause_s: Annotated[float, Ge(0)] = 5.0
+    "Between two trials, for a viscous specimen to come back."
+
+
+def plate_plan(plate: PlateSettings, experiment: ExperimentSettings, specimen: str) -> RunPlan:
+    """The plan of all trials of one specimen, along its normal and without a schedule."""
+    return RunPlan(
+        specimen=specimen,
+        angle_deg=0.0,
+        condition=RIGID,
+        repetitions=plate.trials,
+        schedule=None,
+        f_max_n=plate.f_max_n,
+        f_contact_n=plate.f_contact_n,
+        contact_s=experiment.contact_s,
+        ramp_mm_per_s=plate.ramp_mm_per_s,
+        travel_mm=experiment.travel_mm,
+        pause_s=plate.pause_s,
+        plate=True,
+    )
+
+
 def run_name(specimen: str, angle_deg: float, condition: str) -> str:
     """Name of a run and of its folder."""
     return f"{specimen}_{angle_deg:g}_{condition}"

@@ -7,6 +7,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import cv2
+
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import Clock
@@ -104,7 +106,13 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
 def open_board(
     settings: ActuatorSettings | MotorSettings, stiffness_percent: tuple[float, float], clock: Clock
 ) -> Iterator[Qbmove]:
-    """The board behind its serial port. DeviceError when there is no such port or id; nothing is switched."""
+    """The board behind its serial port; nothing is switched.
+
+    DeviceError : no such port or id. SettingError : the rig file names no port: none is guessed.
+    """
+    if settings.port is None:
+        table = "actuator" if isinstance(settings, ActuatorSettings) else "motor"
+        raise _no_address(f"{table}.port", "the serial port of the device", "emg2vsa rig scan lists the ports.")
     line = SerialLine(settings.port, settings.baud)
     try:
         board = Qbmove(
@@ -149,22 +157,32 @@ def board_info(board: Qbmove) -> QbmoveInfo:
 
 
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
-    """The force sensor, not yet started. DeviceError when it is absent."""
+    """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
     stale_s = 2 * guards.stale_s
     if settings.kind == "net-ft":
+        if settings.host is None:
+            raise _no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
         ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
-        return open_net_ft(settings.host or "", clock, buffered=settings.buffered, stale_s=stale_s, **ports)
+        return open_net_ft(settings.host, clock, buffered=settings.buffered, stale_s=stale_s, **ports)
     calibration = read_calibration(settings.cal_file or "")
     return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock, stale_s=stale_s)
 
 
+def _no_address(key: str, wanted: str, do: str) -> SettingError:
+    do = f"Write it into the rig file, or use the emulated rig (--virtual). {do}"
+    return SettingError(key, wanted=wanted, found="nothing", do=do)
+
+
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
     """The camera, not yet started."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
     shape = settings.height, settings.width
+    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
+    lock = values if settings.lock or any(value is not None for value in values.values()) else None
     return OpenCvCamera(
         settings.source, clock,
-        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s,
+        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s, lock=lock,
     )  # fmt: skip
 
 

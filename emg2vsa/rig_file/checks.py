@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
-from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
@@ -17,7 +17,7 @@ _KEYS_OF_KIND = {
     "net-ft": ("host", "rdt_port", "http_port", "buffered"),
     "ni-daq": ("channels", "cal_file"),
 }
-_REQUIRED = {"net-ft": ("host",), "ni-daq": ("channels", "cal_file")}
+_REQUIRED: dict[str, tuple[str, ...]] = {"net-ft": (), "ni-daq": ("channels", "cal_file")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -32,6 +32,8 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
         yield from _angles(experiment)
         if rig:
             yield from _presses(experiment, rig)
+            if plate := tables.get("plate"):
+                yield from _plate(plate, rig)
         if camera := tables.get("camera"):
             yield from _frames(experiment, camera)
         yield from _stiffness(experiment)
@@ -117,6 +119,13 @@ def _presses(experiment: ExperimentSettings, rig: RigSettings) -> Iterator[Probl
         yield Problem(("experiment", "travel_mm"), wanted, f"{experiment.travel_mm:g}")
 
 
+def _plate(plate: PlateSettings, rig: RigSettings) -> Iterator[Problem]:
+    low, high = plate.f_contact_n, rig.guards.force_n
+    if not low < plate.f_max_n < high:
+        wanted = f"a force above contact, {low:g} N, and below the guard rig.guards.force_n, {high:g} N"
+        yield Problem(("plate", "f_max_n"), wanted, f"{plate.f_max_n:g}")
+
+
 def _frames(experiment: ExperimentSettings, camera: CameraSettings) -> Iterator[Problem]:
     longest_s = experiment.travel_mm / experiment.ramp_mm_per_s + experiment.contact_s
     size_bytes = longest_s * camera.rate_hz * camera.height * camera.width
@@ -145,6 +154,6 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iter
 
 def _one_board_each(tables: Mapping[str, Any]) -> Iterator[Problem]:
     actuator, motor = tables.get("actuator"), tables.get("motor")
-    if actuator and motor and (actuator.port, actuator.id) == (motor.port, motor.id):
+    if actuator and motor and actuator.port and (actuator.port, actuator.id) == (motor.port, motor.id):
         do = "Give one of them another id; emg2vsa rig scan lists who answers."
         yield Problem(("motor", "id"), "a board of its own", f"id {motor.id} at {motor.port}, as for [actuator]", do)

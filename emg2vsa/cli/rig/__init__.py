@@ -6,7 +6,7 @@ from casr.command_line import Commands, add_subcommands
 
 SUBCOMMANDS = (
     "scan", "info", "commission", "prove-watchdog", "dry-run", "run", "watch", "off", "home", "jog", "tare", "zero",
-    "parameters", "emulate",
+    "parameters", "camera-delay", "emulate",
 )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from emg2vsa.cli.rig.hand import add_hand_command, add_yes, answer, confirmed, h
 
 if TYPE_CHECKING:
     from emg2vsa.rig.commissioning.checks import Check
+    from emg2vsa.study_file.problems import KeyPath
 
 _BEGIN = """\
 Put a soft pad flat on the force sensor, where the specimen lies.
@@ -50,11 +51,11 @@ def run(arguments: argparse.Namespace) -> int:
         rig, person = ready.opened.rig, Asked(arguments.yes)
         checks = check_rig(ready.hand, rig, person, _say, arguments.reach_deg)
     print("\n".join(_table(checks)))
-    wrong = {("rig", check.key): check.found for check in checks if not check.good}
+    wrong: dict[KeyPath, object] = {("rig", check.key): check.found for check in checks if not check.good}
     if not wrong:
         print(f"{file.path}: these settings are right")
         return 0
-    if not confirmed(f"Write {', '.join(key for _, key in wrong)} into {file.path}?", arguments.yes):
+    if not confirmed(f"Write {', '.join(str(key[-1]) for key in wrong)} into {file.path}?", arguments.yes):
         return 1
     write_values(file.path, wrong)
     print(f"written: {file.path}; run emg2vsa rig commission once more to confirm it")

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from emg2vsa.rig.rig_settings import RigSettings
 
 
+_HEAD = f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'at most, s':>10}"
+
+
 def add_to(commands: Commands) -> None:
     parser = add_command(
         commands,
@@ -26,6 +29,7 @@ def add_to(commands: Commands) -> None:
     )
     add_rig(parser)
     add_choice(parser)
+    parser.add_argument("--details", action="store_true", help="every part of a press: ramps, rests, steps of force")
     add_json(parser)
 
 
@@ -44,8 +48,12 @@ def run(arguments: argparse.Namespace) -> int:
         print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
         for line in laxer_guards(file.rig):
             print(line)
+        print("" if arguments.details else f"\n{_HEAD}")
         for name, found in told.items():
-            print(f"\n{name}: " + (f"not possible. {found}" if isinstance(found, str) else _table(found)))
+            if isinstance(found, str):
+                print(f"{name}: not possible. {found}")
+            else:
+                print(_table(name, found) if arguments.details else _row(name, found))
         seconds = sum(found.at_most_s for found in told.values() if not isinstance(found, str))
         print(f"\n{len(told)} runs, at most {seconds / 60:.1f} min; nothing was sent")
     return int(any(isinstance(found, str) for found in told.values()))
@@ -78,14 +86,27 @@ def _document(found: DryRun | str) -> dict[str, Any]:
     return {"problem": found} if isinstance(found, str) else dataclasses.asdict(found)
 
 
-def _table(found: DryRun) -> str:
-    head = f"{found.repetitions} presses, at most {found.at_most_s:.1f} s"
+def _row(name: str, found: DryRun) -> str:
+    presets = [leg.preset_ticks for leg in found.legs]
+    ticks = [tick for leg in found.legs for tick in leg.position_ticks]
+    low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
+    high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
+    columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
+    return (
+        f"{name:<26}{found.repetitions:>8}"
+        + "".join(f"{column:>16}" for column in columns)
+        + f"{found.at_most_s:>10.1f}"
+    )
+
+
+def _table(name: str, found: DryRun) -> str:
+    head = f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"
     columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
     most = (
         "unknown, as the specimen's stiffness is" if found.largest_force_n is None else f"{found.largest_force_n:.1f} N"
     )
     force = f"  largest force to expect: {most}; at most {found.past_contact_mm:.1f} mm past contact"
-    return "\n".join([head, columns, *map(_line, found.legs), force])
+    return "\n".join([head, columns, *map(_line, found.legs), force, ""])
 
 
 def _line(leg: Leg) -> str:

@@ -121,21 +121,12 @@ def _obey(bench: EmulatedRig, lines: Iterable[str]) -> None:
                     flush=True,
                 )
             case "where":
-                print(_where(bench), flush=True)
+                print("probe {:.2f} mm down, {:.2f} N".format(*bench.probe()), flush=True)
             case words:
                 try:
                     print(put(bench, words), flush=True)
                 except SettingError as error:
                     print(error, flush=True)
-
-
-def _where(bench: EmulatedRig) -> str:
-    """The probe's way down from where the shaft reads 0, and the true force."""
-    with bench.lock:
-        bench.firmware.advance()
-        now_s = bench.clock.now_s()
-        way_mm, force_n = bench.world.probe_mm(now_s), float(sum(bench.world.force_n(now_s) ** 2)) ** 0.5
-    return f"probe {way_mm:.2f} mm down, {force_n:.2f} N"
 
 
 def served_tables(servers: EmulatedServers) -> dict[str, dict[str, Any]]:

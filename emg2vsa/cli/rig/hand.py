@@ -78,9 +78,8 @@ def hand_rig(arguments: argparse.Namespace, file: RigFile) -> Iterator[HandRig]:
         signals_interrupt(),
         open_rig(devices, file.rig, RIGID if arguments.motor else "modular", clock) as opened,
     ):
-        model = None if arguments.motor else file.devices.actuator.model
         both = Devices(opened.devices.actuator, opened.devices.force)
-        yield HandRig(opened, HandMotion(both, opened.rig, model, clock), clock)
+        yield HandRig(opened, HandMotion(both, opened.rig, clock), clock)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ def add_to(commands: Commands) -> None:
         run,
         "Move the probe slowly by some millimetres or degrees; a force ends the move.",
         "The move ends where a force of any direction is --limit-n above that at the start; the probe then goes back "
-        "until it is free, at most 5 degrees of the shaft. The motors are off afterwards. Exit status 0: moved; 1: a "
+        "until it is free, at most 20 degrees of the shaft. The motors are off afterwards. Exit status 0: moved; 1: a "
         "force ended it; 2: nothing has moved, or a device is lost.",
     )
     way = parser.add_mutually_exclusive_group(required=True)
@@ -41,7 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
         begin = ready.hand.at_ticks
         target = begin + degrees * TICKS_PER_DEGREE
         place = ready.hand.go(target, until_n=arguments.limit_n, deg_per_s=arguments.deg_per_s)
-        if place.touched:
+        touched = place.touched
+        if touched:
             print(f"{place.size_n:.2f} N at {place.shaft_ticks} ticks ended the move; back until the probe is free")
             place = ready.hand.away(begin)
     moved = place.shaft_ticks - start.shaft_ticks
@@ -51,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     print(f"{way_mm:.2f} mm towards the specimen by the gear of the rig file")
     print("force {:.2f}, {:.2f}, {:.2f} N above that at the start; motors off".format(*place.force_n))
-    return int(abs(moved - degrees * TICKS_PER_DEGREE) > TICKS_PER_DEGREE)
+    return int(touched)
 
 
 def _check(name: str, value: float, most: float) -> None:

@@ -22,7 +22,7 @@ def add_to(commands: Commands) -> None:
         "parameters",
         run,
         "List the parameters of a device; set and store one; write them to a file.",
-        "A parameter is set, stored and read back; the motors must be off. Example: --backup before.json --set 13=1200. "
+        "A parameter is set, stored and read back; the motors must be off. Example: --backup old.json --set 13=1200. "
         "Exit status 0: done; 1: not asked for.",
     )
     parser.add_argument("--set", type=_setting, metavar="N=V,V", help="set parameter N to these values, and store it")

@@ -24,10 +24,10 @@ def add_to(commands: Commands) -> None:
         "prove-watchdog",
         run,
         "Try whether the motors go off when the program is silent for longer than watchdog_s, and keep the proof.",
-        "The probe must be free. It moves 2.5 degrees away from the specimen and back, the line is silent, and the same "
-        "move is commanded again: motors that follow are on, whatever the device says. The proof is kept beside the "
-        "rig file; emg2vsa rig run says so when there is none for the device at hand. Exit status 0: the motors go "
-        "off; 1: they do not; 2: nothing was proven.",
+        "It moves the free probe 2.5 degrees away from the specimen and back, is silent, and commands the same "
+        "move again: motors that follow are on, whatever the device says. The proof is kept beside the rig file; "
+        "emg2vsa rig run says so when there is none for the device at hand. Exit status 0: the motors go off; 1: they "
+        "do not; 2: nothing was proven.",
     )
     add_yes(parser)
 
@@ -52,10 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         board,
     ):
         info = board_info(board)
-        proof = prove_watchdog(
-            board, info, clock,
-            watchdog_s=settings.watchdog_s, away_sign=-file.rig.push_sign, date=datetime.now(UTC).isoformat(timespec="seconds"),
-        )  # fmt: skip
+        date, away_sign = datetime.now(UTC).isoformat(timespec="seconds"), -file.rig.push_sign
+        proof = prove_watchdog(board, info, clock, watchdog_s=settings.watchdog_s, away_sign=away_sign, date=date)
     path = write_proof(file.path, table_of(arguments), proof)
     print(f"{board.where}, {proof.firmware}: silent for {proof.silence_s:g} s with watchdog_s = {proof.watchdog_s:g}")
     print(f"moved by one command: {proof.moved_before_ticks} ticks before, {proof.moved_after_ticks} ticks after")

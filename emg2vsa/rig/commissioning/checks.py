@@ -138,7 +138,7 @@ def _home(rig: RigSettings, touch: Place, start: Place) -> tuple[Check, float]:
         rig.depth_at(touch.shaft_ticks) - rig.depth_at(start.shaft_ticks),
     )
     least_mm, usual_mm = _CLEAR_MM
-    if least_mm <= depth_mm <= rig.travel_mm - _ROOM_MM:
+    if least_mm <= depth_mm <= min(rig.travel_mm - _ROOM_MM, rig.guards.contact_mm):
         return Check("home_ticks", said, said, True, f"{depth_mm:.1f} mm before the touch"), depth_mm
     clear_mm = min(usual_mm, free_mm)  # no further up than the probe is known to come
     if clear_mm < least_mm:

@@ -13,11 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, ticks_of_percent
+from emg2vsa.actuator import RAD_PER_TICK, ticks_of_percent
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import Model
 from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.settings import TICKS_PER_TURN
@@ -33,7 +32,7 @@ _AVERAGED = 5
 _LOOK_S = 0.2
 _FOLLOWING_TICKS = 300
 """Motors so far behind their references do not follow; on their way at 25 degrees a second they are 100 behind."""
-_BACK_DEG = 5.0
+_BACK_DEG = 20.0
 _FRICTION_NM = 0.03
 """Of shaft and guide together: three times the shaft's (guess)."""
 
@@ -60,7 +59,7 @@ class HandMotion:
 
     Parameters
     ----------
-    devices : opened, force sensor started. rig : with the limits of the device. model : None of a rigid motor.
+    devices : opened, force sensor started. rig : with the limits of the device.
 
     Raises
     ------
@@ -68,11 +67,11 @@ class HandMotion:
     springs give way while no force is felt. The motors then hold where they are.
     """
 
-    def __init__(self, devices: Devices, rig: RigSettings, model: Model | None, clock: Clock) -> None:
-        self._devices, self._rig, self._model, self._clock = devices, rig, model, clock
+    def __init__(self, devices: Devices, rig: RigSettings, clock: Clock) -> None:
+        self._rig, self._clock = rig, clock
         self._actuator, self._force = devices.actuator, devices.force
         low, _ = ticks_of_percent(rig.stiffness_percent, rig.max_preset_ticks)
-        self.preset_ticks = int(low) if model else 0
+        self.preset_ticks = int(low) if self._actuator.springs else 0
         "The softest that the rig may have: what is touched by mistake is pressed least."
         self._at_ticks = 0.0
         self._zero_n: Floats = np.zeros(3)
@@ -184,14 +183,16 @@ class HandMotion:
             raise DeviceError(
                 "probe", wanted=f"motors within {_FOLLOWING_TICKS} ticks of their command", found=found, do=do
             )
-        if self._model and size_n < TOUCH_N and (pull_n := self._springs_n(self._model)) > 2 * LIMIT_N:
+        if size_n < TOUCH_N and (pull_n := self._springs_n()) > 2 * LIMIT_N:
             found = f"springs that press with {pull_n:.1f} N or more, and {size_n:.2f} N felt"
             do = "Check the force sensor, and what the probe stands against."
             raise DeviceError("probe", wanted="a force felt where the springs give way", found=found, do=do)
 
-    def _springs_n(self, model: Model) -> float:
+    def _springs_n(self) -> float:
         """Force of the springs on the probe beyond what friction may hold, N, by the model of `emg2vsa.actuator`."""
-        at, springs = self._actuator.measurements(), SPRINGS[f"qbmove-{model}"]
+        at, springs = self._actuator.measurements(), self._actuator.springs
+        if springs is None:
+            return 0.0
         torque_nm = springs.k1_nm * math.sinh(springs.a1_per_rad * (at.shaft - at.motor_1) * RAD_PER_TICK)
         torque_nm += springs.k2_nm * math.sinh(springs.a2_per_rad * (at.shaft - at.motor_2) * RAD_PER_TICK)
         return max(0.0, abs(torque_nm) - _FRICTION_NM) / (math.degrees(self._rig.gear_mm_per_degree) / 1000)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -67,7 +68,7 @@ class EmulatedRig:
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
     rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
-    run : name of the run; other names, other draws.
+    run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
 
     Attributes
     ----------
@@ -91,10 +92,11 @@ class EmulatedRig:
         *,
         rig: RigSettings | None = None,
         run: str = "",
+        plate: bool = False,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
@@ -121,6 +123,19 @@ class EmulatedRig:
         with self._lock:
             self._advance()
             return self.wire(data)
+
+    def probe(self) -> tuple[float, float]:
+        """The probe's way down from where the shaft is at 0, mm, and its true force, N; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            now_s = self.clock.now_s()
+            return self.world.probe_mm(now_s), float(np.linalg.norm(self.world.force_n(now_s)))
+
+    def interrupt(self, action: Callable[[], None]) -> None:
+        """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            action()
 
     def reset_actuator(self) -> None:
         """Its power off and on; from any thread."""

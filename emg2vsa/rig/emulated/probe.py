@@ -7,6 +7,22 @@ import math
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.specimen_contact import SpecimenContact
 
+
+class PlateContact:
+    """Force of a flat plate on a specimen, F = kappa d: what stiffness by plate indentation means (paper, IV.B)."""
+
+    def __init__(self, stiffness_n_per_mm: float) -> None:
+        self._stiffness_n_per_mm = stiffness_n_per_mm
+
+    def force_n(self, depth_mm: float) -> float:
+        """As `SpecimenContact`."""
+        return self._stiffness_n_per_mm * max(0.0, depth_mm)
+
+    def resistance(self, depth_mm: float) -> tuple[float, float]:
+        """As `SpecimenContact`."""
+        return self.force_n(depth_mm), self._stiffness_n_per_mm if depth_mm > 0 else 0.0
+
+
 Force = tuple[float, float, float]
 
 
@@ -14,7 +30,8 @@ class Probe:
     """Where the probe is with the shaft at an angle, and what pushes back. A larger angle is further down."""
 
     def __init__(self, settings: WorldSettings) -> None:
-        self._contact = SpecimenContact(settings.contact, settings.stiffness_n_per_mm)
+        stiffness = settings.stiffness_n_per_mm
+        self._contact = PlateContact(stiffness) if settings.plate else SpecimenContact(settings.contact, stiffness)
         self._mm_per_rad = math.degrees(settings.mm_per_degree)
         tilt = math.radians(settings.angle_deg)
         self._sin, self._cos = math.sin(tilt), math.cos(tilt)

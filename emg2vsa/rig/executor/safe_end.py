@@ -126,10 +126,10 @@ class _Escape:
                 return
             self._wait(self._rig.period_s)
 
-    def _rest(self, duration_s: float) -> None:
+    def _rest(self, duration_s: float, step_s: float = _REST_S) -> None:
         end_s = self._clock.now_s() + duration_s
         while (left_s := end_s - self._clock.now_s()) > 0:
-            self._wait(min(left_s, _REST_S))
+            self._wait(min(left_s, step_s))
             self._step(self._depth_mm)
 
     def _leave(self) -> None:
@@ -161,7 +161,8 @@ class _Escape:
                 raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
             self._held, self._preset_ticks = True, self._softest_ticks
             self._lowest_n = math.inf
-            self._rest(_HOLD_S)
+            # an encoder that has jumped sends its motor on at full speed
+            self._rest(_HOLD_S, self._rig.period_s)
 
     def _feel(self, ticks: int) -> None:
         sample = self._log(ticks, self._preset_ticks, self.notes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import threading
 from pathlib import Path
 from types import FrameType
 from typing import Any, Self
@@ -12,6 +13,7 @@ from casr.atomic import write_text_atomic
 STOP_FILE = "stop"
 _NAMES = ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGINT")  # not every system has SIGHUP and SIGQUIT
 _LONGEST_TEXT = 200
+_LOOK_S = 0.01
 
 
 class StopRequests:
@@ -28,9 +30,11 @@ class StopRequests:
         self._reason: str | None = None
         self._told = self._interrupted = False
         self._before: dict[signal.Signals, Any] = {}
+        self._watch: threading.Thread | None = None
+        self._over = threading.Event()
 
     def __call__(self) -> str | None:
-        if self._reason is None:
+        if self._reason is None and self._watch is None:
             self._reason = self._asked_by_file()
         self._told = self._reason is not None
         return self._reason
@@ -39,9 +43,13 @@ class StopRequests:
         for name in _NAMES:
             if number := getattr(signal, name, None):
                 self._before[number] = signal.signal(number, self._caught)
+        # a disk that is held up holds up this thread, and not the control loop
+        self._watch = threading.Thread(target=self._look_on, daemon=True)
+        self._watch.start()
         return self
 
     def __exit__(self, *error: object) -> None:
+        self._over.set()
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
@@ -51,6 +59,11 @@ class StopRequests:
             raise KeyboardInterrupt
         name = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
         self._reason = self._reason or name
+
+    def _look_on(self) -> None:
+        while self._reason is None and not self._over.wait(_LOOK_S):
+            found = self._asked_by_file()
+            self._reason = self._reason or found
 
     def _asked_by_file(self) -> str | None:
         try:

@@ -72,6 +72,16 @@ def verdicts(folder: Path) -> dict[int, tuple[Verdict, str]]:
     return dict(_verdicts(text[: text.rfind("\n") + 1]))
 
 
+def largest_forces(folder: Path) -> tuple[float, float]:
+    """Largest force along and across the push axis of the presses that are over, N; 0 before the first."""
+    try:
+        rows = list(csv.DictReader((folder / PRESSES_FILE).read_text(encoding="utf-8").splitlines()))
+        peaks = [(float(row["peak_force_n"]), float(row["peak_lateral_n"])) for row in rows]
+    except (OSError, ValueError, TypeError, KeyError):
+        return 0.0, 0.0
+    return max((along for along, _ in peaks), default=0.0), max((across for _, across in peaks), default=0.0)
+
+
 def _verdicts(text: str) -> Iterator[tuple[int, tuple[Verdict, str]]]:
     for row in csv.DictReader(text.splitlines()):
         number, verdict = row.get("repetition") or "", _VERDICTS.get(row.get("verdict") or "")
@@ -92,7 +102,7 @@ class PressTally:
 
     def row(self, row: Row) -> None:
         """A turn."""
-        force_n, across_n = _forces(row)
+        force_n, across_n = forces_of(row)
         self._peak_n, self._lateral_n = max(self._peak_n, force_n), max(self._lateral_n, across_n)
         if self._turned:
             return
@@ -150,7 +160,7 @@ class PressTally:
                 yield "rejected" if percent > limits[1] else "doubtful", f"{percent:.2g} % of its {of}"
 
 
-def _forces(row: Row) -> tuple[float, float]:
+def forces_of(row: Row) -> tuple[float, float]:
     """Force along and across the push axis, N; 0 where the row has none."""
     if row.force_n is None or not math.isfinite(row.force_n):
         return 0.0, 0.0

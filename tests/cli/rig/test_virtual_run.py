@@ -52,8 +52,8 @@ def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFil
     far = rig_file(("gap_mm = 2", "gap_mm = 14.8"))
     status, out, err = rig("run", far, *options)
     assert status == 1
-    assert "1/1 S1_0_high-stiffness: guard: travel in approach of press 1 (" in err or "in load of press 1 (" in err
-    assert "high-stiffness, 0 degrees     0, travel\n" in out
+    assert "1/1 S1_0_high-stiffness: guard: no contact in approach of press 1 (" in err
+    assert "high-stiffness, 0 degrees  0, no contact\n" in out
     assert rig("run", rig_file(), *options)[0] == 0
     assert how_ended(tmp_path / "runs-virtual" / "S1_0_high-stiffness-2") == "completed"
 
@@ -87,7 +87,7 @@ def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path
 def test_what_stops_one_run(how: str, rig: Rig, rig_file: RigFile, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[Path] = []
 
-    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, *, started: Any) -> virtual_runs.Ended:
+    def run_virtual(plan: Any, rig: Any, emulated: Any, folder: Path, **other: Any) -> virtual_runs.Ended:
         ran.append(folder)
         if how == "full":
             raise virtual_runs.SettingError(folder, wanted="room", found="none", do="Free some.")

@@ -57,8 +57,7 @@ class Ruler:
 
     def check(self, said: RigSettings, person: Any = None) -> dict[str, Check]:
         devices = self.bench.devices()
-        model = None if self.bench.rigid else self.bench.model
-        hand = HandMotion(Devices(devices.actuator, devices.force), said, model, self.clock)
+        hand = HandMotion(Devices(devices.actuator, devices.force), said, self.clock)
         found = check_rig(hand, said, person or self, lambda text: None)
         devices.actuator.deactivate()
         return {check.key: check for check in found}
