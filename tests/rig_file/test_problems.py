@@ -164,7 +164,8 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             '["S1", "S3"]', '["S1"]\nramp_mm_per_s = 41\nstiffness_n_per_mm = { S1 = 7, S2 = 5 }',
             [
                 "13: experiment.ramp_mm_per_s: wanted at most rig.max_mm_per_s, 40; found 41.",
-                "14: experiment.stiffness_n_per_mm.S2: wanted a specimen of the experiment; found 'S2'.",
+                "14: experiment.stiffness_n_per_mm.S2: wanted a specimen of the experiment; found \"S2\". "
+                "Did you mean 'S1'?",
             ],
         ),
     ],

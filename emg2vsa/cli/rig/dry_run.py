@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from emg2vsa.rig.rig_settings import RigSettings
 
 
-_HEAD = f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'largest, N':>12}{'at most, s':>12}"
+_HEAD = (
+    f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'largest, N':>12}"
+    f"{'at most, s':>12}"
+)
 
 
 def add_to(commands: Commands) -> None:
