@@ -101,7 +101,7 @@ class _Escape:
                 if not self._touches(start.contact_n):
                     self._rest(self._rig.settle_s)
             if not start.home_is_free or goal_mm < 0:
-                self._leave(start.contact_n)
+                self._leave()
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
             if self._failures:  # it may hear without answering
@@ -132,9 +132,9 @@ class _Escape:
             self._wait(min(left_s, step_s))
             self._step(self._depth_mm)
 
-    def _leave(self, contact_n: float) -> None:
+    def _leave(self) -> None:
         end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self.felt_n or 0.0
-        while self._touches(contact_n) and self._depth_mm > end_mm:
+        while self._touches(_FALL_N) and self._depth_mm > end_mm:
             if unfelt_mm >= _UNFELT_MM:
                 raise _Pressing(f"{self.felt_n:.2f} N do not fall on the way")
             position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
@@ -151,7 +151,7 @@ class _Escape:
         ticks = self._rig.ticks_at(depth_mm)
         if self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks)):
             self._depth_mm, self._failures = depth_mm, 0
-        else:
+        elif self.notes[-1] != KeyboardInterrupt.__name__:
             self._failures += 1
             if self._failures == _SEND_ATTEMPTS:
                 raise _Pressing("the actuator takes no commands")
