@@ -16,7 +16,7 @@ import pytest
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
-from emg2vsa.rig.devices import ForceCounts
+from emg2vsa.rig.devices import ForceCounts, Rating
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
@@ -173,6 +173,13 @@ def test_nothing_is_sent_for_a_plan_beyond_limits(
         bench.run(tmp_path / "run", plan_of(**changes))
     assert bench.calls == []
     assert not (tmp_path / "run").exists()
+
+
+def test_nothing_is_sent_where_the_force_limit_is_beyond_the_sensor(bench: Any, tmp_path: Path) -> None:
+    bench.rating = Rating((50.0, 50.0, 8.0), (1.0, 1.0, 1.0))
+    with pytest.raises(SettingError, match=r"rig\.guards\.force_n: wanted at most 8 N, the rating of the force sensor"):
+        bench.run(tmp_path / "run")
+    assert bench.calls == []
 
 
 def test_a_signal_handler_needs_only_to_set_a_name(bench: Any, tmp_path: Path) -> None:
