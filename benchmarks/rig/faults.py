@@ -76,7 +76,7 @@ FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT
 )  # fmt: skip
 REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
 MOTION = (FOLLOWING, CURRENT)
-JUMP = (*MOTION, SPRINGS, UNTRUSTED, PAST_CONTACT, NO_CONTACT)
+JUMP = (*MOTION, SPRINGS, UNTRUSTED, PAST_CONTACT, NO_CONTACT, TRAVEL, WAY_HOME)
 BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
 AFTER = ("retract", "pause")
 """Of the one press of a case: nothing is measured any more."""
@@ -196,9 +196,9 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force records doubled": Fault(_words("twice"), (SURVIVED,)),
     "force records reordered": Fault(_words("shuffled 4"), (SURVIVED, REJECTED)),
     "force records 20 ms late": Fault(_words("delayed 20"), (SURVIVED, STALE), later=True),
-    "force records 100 ms late": Fault(_words("delayed 100"), (STALE,), later=True),
+    "force records 100 ms late": Fault(_words("delayed 100"), (STALE,), UNTRUSTED, later=True, probe="unsure"),
     "force lags 20 ms": Fault(_words("lag 20"), (SURVIVED, *BLIND), later=True),
-    "force lags 100 ms": Fault(_words("lag 100"), (SURVIVED, *BLIND), later=True),
+    "force lags 100 ms": Fault(_words("lag 100"), (SURVIVED, *BLIND), later=True, probe="unsure"),
     "force records cut short": Fault(_words("cut"), (STALE,), later=True),
     "one force record for ever": Fault(_words("replayed"), (STALE, FROZEN), later=True),
     "force stream stopped": Fault(_other_client, (STALE,), later=True),
