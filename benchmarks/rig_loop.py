@@ -15,8 +15,8 @@ import numpy as np
 from benchmarks.rig.loop_run import LoopReport, run_loop
 from emg2vsa.rig.clock import LoopTiming
 
-TARGET_MS = 1.0
-"""99.9 % of period errors below."""
+MOST_P999, MOST_P99, MOST_P99_MS = 2.0, 3.0, 1.0
+"""Period errors of the loop over those of one with nothing to do; or those of 99 % of turns in ms."""
 
 
 def main() -> None:
@@ -41,7 +41,7 @@ def _table(report: LoopReport) -> str:
         f"{'period error, ms':<24}{'turns':>8}{'median':>9}{'p99':>9}{'p99.9':>9}{'largest':>9}{'overruns':>10}",
         _timing("control loop", report.loop),
         _timing("nothing to do", report.bare),
-        f"p99.9 below {TARGET_MS:g} ms: {'yes' if 1e3 * report.loop.p999_s < TARGET_MS else 'no'}",
+        _beside_bare(report),
         f"rows {report.rows}, turns without a row {report.rows_lost}",
         f"frames kept {report.frames_kept}, missing {report.frames_dropped}; force records lost {report.force_lost}; "
         f"replies lost {report.replies_lost}",
@@ -53,6 +53,14 @@ def _table(report: LoopReport) -> str:
         f"memory {report.memory_mb[0]:.0f} to {report.memory_mb[1]:.0f} MB",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _beside_bare(report: LoopReport) -> str:
+    p99, p999 = report.loop.p99_s / report.bare.p99_s, report.loop.p999_s / report.bare.p999_s
+    met = p999 <= MOST_P999 and (p99 <= MOST_P99 or 1e3 * report.loop.p99_s <= MOST_P99_MS)
+    wanted = f"wanted p99.9 at most {MOST_P999:g}, and p99 at most {MOST_P99:g} or {MOST_P99_MS:g} ms"
+    said = f"loop over nothing to do: p99 {p99:.1f}, p99.9 {p999:.1f}; {wanted}: {'met' if met else 'missed'}"
+    return said if report.real_time else f"{said}. Real-time priority was not granted, so that this says little."
 
 
 def _timing(name: str, timing: LoopTiming) -> str:

@@ -88,11 +88,21 @@ def _opened(path: Path, parse: Callable[[str, Path], Document]) -> Schedule:
 
 def _parse_json(text: str, path: Path) -> Document:
     try:
-        document = json.loads(text)
+        document = json.loads(text, object_pairs_hook=lambda pairs: _once(pairs, path))
     except (ValueError, RecursionError) as error:
         raise ScheduleError(path, wanted="a JSON object", found=str(error), do=EXPORT_AGAIN) from error
     if not isinstance(document, dict):
         raise ScheduleError(path, wanted="a JSON object", found=type(document).__name__, do=EXPORT_AGAIN)
+    return document
+
+
+def _once(pairs: list[tuple[str, Any]], path: Path) -> Document:
+    """An object of JSON, whose keys stand once: of two values for one key a reader cannot know which was meant."""
+    document = dict(pairs)
+    if len(document) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ScheduleError(f"{path}, {twice}", wanted="every key once", found="one key twice", do=EXPORT_AGAIN)
     return document
 
 

@@ -22,6 +22,8 @@ class Specimen:
     name: str
     stiffness_n_per_mm: float | None
     stiffness_se_n_per_mm: float = 0.0
+    plate_adjusted_r2: float | None = None
+    "Worst of its plate indentations."
 
 
 @dataclass(frozen=True)

@@ -6,29 +6,36 @@ import errno
 import math
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from unittest import mock
 
-from benchmarks.rig.plans import SPECIMEN
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.devices import Actuator, Devices
 from emg2vsa.rig.emulated.bench import DEVICE_ID, EmulatedRig
+from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import CameraFaults
-from emg2vsa.rig.emulated.rdt_box import BoxFaults
+from emg2vsa.rig.emulated.fault_words import put
+from emg2vsa.rig.emulated.faults import WireLine
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.transport import LoopbackLine
+from emg2vsa.rig.qbmove.packets import Command, frame
+from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
+SPECIMEN = "S1"
+"""The stiffest of the paper."""
 WATCH_S = 0.005
 GAP_MM, START_MM, START_PRESET, START_S = 2.0, 1.0, 600, 0.8
+_COMMAND = 4
+OFF = frame(DEVICE_ID, Command.ACTIVATE, b"\0")
 
 
 class WatchedClock(VirtualClock):
@@ -47,20 +54,44 @@ class WatchedClock(VirtualClock):
                 self.strike()
 
 
-class BreakingLine(LoopbackLine):
-    """A line whose port can vanish, or whose next word can be cut off by an error."""
+class Killed(BaseException):
+    """The program is no more: nothing that it would do after this reaches a device or the disk."""
 
-    gone = False
+
+class BreakingLine(WireLine):
+    """A line whose port can vanish, whose next word can be cut off by an error, or whose host is dead."""
+
+    gone = dead = False
     error: BaseException | None = None
+    loses: bytes = b""
+    "Command of which the next frame gets lost."
+    off_s = math.inf
+    "When the host first told the motors to go off."
 
     def write(self, data: bytes) -> None:
         if self.error:
             error, self.error = self.error, None
             raise error
+        if self.dead:
+            return
         if self.gone:
             do = "Check the cable."
             raise DeviceError(self.name, wanted="a line that answers", found="[Errno 5] Input/output error", do=do)
+        if self.loses and data[_COMMAND:][:1] == self.loses:
+            self.loses = b""
+            return
+        if data == OFF:
+            self.off_s = min(self.off_s, self._time.now_s())
         super().write(data)
+
+
+@dataclass(frozen=True)
+class Built:
+    """How the bench is built, and what of it the program is told; ``told`` None is the truth."""
+
+    rigid: bool = False
+    true: RigSettings = field(default_factory=RigSettings)
+    told: RigSettings | None = None
 
 
 class FaultBench:
@@ -70,61 +101,97 @@ class FaultBench:
     stop : who asks to stop, from ``stop_s`` on SIGTERM. begun_s : when the last run began.
     """
 
-    def __init__(self) -> None:
-        self.clock = WatchedClock()
+    def __init__(self, built: Built | None = None) -> None:
+        self.built, self.clock = built or Built(), WatchedClock()
+        built = self.built
+        self.rig = built.told or built.true
         self.emulated = EmulatedRig(
-            EmulatedSettings(gap_mm=GAP_MM, force_rate_hz=500), SPECIMEN, 0.0, rigid=False, clock=self.clock
+            EmulatedSettings(gap_mm=GAP_MM, force_rate_hz=500),
+            SPECIMEN,
+            0.0,
+            rigid=built.rigid,
+            clock=self.clock,
+            rig=built.true,
         )
-        self.line = BreakingLine("emulated bus", self.emulated.answer, self.clock)
+        wire = self.emulated.wire
+        self.line = BreakingLine("emulated bus", self.emulated.answer, lambda: wire.due_s, self.clock)
         self.full: tuple[str, ...] = ()
         self.broken: tuple[str, ...] = ()
         self.stop: str | None = None
         self.stop_s, self.begun_s = math.inf, 0.0
         self._leave_probe_down()
 
-    def run(self, plan: RunPlan, folder: Path) -> Ended:
-        """One run, with devices opened for it."""
+    def run(self, plan: RunPlan, folder: Path) -> Ended | None:
+        """One run, with devices opened for it; None of a program that was killed.
+
+        SettingError, ScheduleError, DeviceError : it was refused."""
         devices = self._devices()
         self.begun_s = self.clock.now_s()
-        with self._disk():
-            return execute(plan, RigSettings(), devices, folder, self.clock, started=STARTED, stop=self._asked)
+        with self._disk(), suppress(Killed):
+            return execute(plan, self.rig, devices, folder, self.clock, started=STARTED, stop=self._asked)
+        return None
+
+    def kill(self) -> None:
+        """The program ends here and now, as by kill -9."""
+        self.line.dead = True
+        raise Killed
 
     def heal(self) -> None:
         """No fault any more."""
-        wire, line = self.emulated.wire, self.line
-        wire.mute = wire.deaf = wire.noisy = line.gone = False
+        put(self.emulated, "off")
+        line, wire = self.line, self.emulated.wire
+        wire.noisy = line.gone = line.dead = False
         self.emulated.box.faults, self.emulated.camera.faults = BoxFaults(), CameraFaults()
+        line.off_s = math.inf
         self.full = self.broken = ()
         self.stop, self.stop_s = None, math.inf
+
+    def tell_the_truth(self) -> None:
+        """The rig file is put right."""
+        self.rig = self.built.true
 
     def _asked(self) -> str | None:
         return "SIGTERM" if self.clock.now_s() >= self.stop_s else self.stop
 
     def probe_mm(self) -> float:
-        """Depth of the probe by the encoders of both motors."""
-        return RigSettings().depth_at(self._actuator().position_ticks())
+        """Depth of the probe by the encoders of the motors."""
+        return self.built.true.depth_at(self._actuator().position_ticks())
 
-    def _actuator(self) -> Qbmove:
-        return Qbmove(self.line, DEVICE_ID, clock=self.clock)
+    def true_force_n(self) -> float:
+        """On the specimen, along the normal of its surface."""
+        return self.emulated.world.normal_force_n(self.clock.now_s())
+
+    def true_probe_mm(self) -> float:
+        """Where the probe is, from where the shaft is at 0."""
+        return self.emulated.world.probe_mm(self.clock.now_s())
+
+    def _actuator(self) -> Actuator:
+        board = Qbmove(self.line, DEVICE_ID, clock=self.clock)
+        return RigidMotor(board) if self.built.rigid else board
 
     def _devices(self) -> Devices:
         started = self.emulated.devices()
         return Devices(self._actuator(), started.force, started.camera)
 
     def _leave_probe_down(self) -> None:
-        with self._actuator() as actuator:
-            actuator.activate()
-            actuator.set_position_stiffness(RigSettings().ticks_at(START_MM), START_PRESET)
-            for _ in range(round(START_S / 0.1)):
-                actuator.is_active()
-                self.clock.sleep_until(self.clock.now_s() + 0.1)
+        actuator, position_ticks = self._actuator(), self.built.true.ticks_at(START_MM)
+        actuator.activate()
+        actuator.set_position_stiffness(position_ticks, 0 if self.built.rigid else START_PRESET)
+        for _ in range(round(START_S / 0.1)):
+            actuator.is_active()
+            self.clock.sleep_until(self.clock.now_s() + 0.1)
+        actuator.deactivate()
+        self.line.off_s = math.inf
 
     @contextmanager
     def _disk(self) -> Iterator[None]:
-        """The disk as the program sees it: a full one takes part of a piece, a broken one refuses."""
+        """The disk as the program sees it: a full one takes part of a piece, a broken one refuses; a program that is
+        dead writes nothing."""
         pwrite = os.pwrite
 
         def fail(file: int, piece: bytes, offset: int) -> int:
+            if self.line.dead:
+                return len(piece)
             if self.full or self.broken:
                 name = os.path.basename(os.readlink(f"/proc/self/fd/{file}"))
                 if name in self.broken:

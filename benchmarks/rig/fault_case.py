@@ -1,4 +1,4 @@
-"""One fault in one phase of a run: what happened, on the devices' own word and on that of the files."""
+"""One fault in one phase of a run: what happened, by the world's own truth, and what the files say of it."""
 
 from __future__ import annotations
 
@@ -11,69 +11,149 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from benchmarks.rig.fault_bench import FaultBench
-from benchmarks.rig.faults import FAULTS, End
+from benchmarks.rig.fault_bench import GAP_MM, Built, FaultBench
+from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
-from benchmarks.rig.plans import modular_plan
+from benchmarks.rig.plans import modular_plan, rigid_plan
+from emg2vsa.errors import ScheduleError, SettingError
+from emg2vsa.rig.emulated.bench import MOTOR_TORQUE_NM
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 
 PHASES = ("activation", "home", "approach", "contact", "load", "retract", "pause", "escape")
-F_MAX_N, PAUSE_S = 5.0, 1.0
+WHOLE_RUN = "whole run"
+"""The phase of a wrong rig file."""
+F_MAX_N, PAUSE_S = 7.0, 1.0
 WATCHDOG_S = 1.0
 """Longer than any watchdog of a run."""
 RIG = RigSettings()
+MOST_N = 1.3 * RIG.guards.force_n
+"""What a specimen may feel, whatever goes wrong."""
+STALL_N = 1.05 * MOTOR_TORQUE_NM / RIG.lever_m
+"""What it may feel of a rigid motor where only springs could have told."""
+FREE_N = 0.05
+OFF_SURFACE_MM = 0.25 * GAP_MM
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One case."""
+    """One case.
 
-    wanted: End
+    wanted : how the run may end. told : ended.json. movable : the probe could be taken away all the time.
+    most_n : what the specimen may feel.
+    safe_s : from the fault until the motors were off, as the device itself knows; None is never.
+    probe_mm : where the motors have left the probe, by the device's encoders.
+    peak_n, left_n : largest true force on the specimen after the fault, and the one that is left at the end.
+    retracted : in truth, the probe is off the specimen.
+    retreat_s, guard_s : from the fault, and from the end of the loop, until the first command of the way out; None
+    without one. lost : before the fault. next_run : its ended.json.
+    """
+
+    wanted: tuple[End, ...]
     told: dict[str, Any]
-    "ended.json."
+    movable: bool
+    most_n: float
     safe_s: float | None
-    "From the fault until the motors were off, as the device itself knows."
     probe_mm: float
-    "Where the motors have left the probe, by the device's encoders."
     peak_n: float
-    "Largest true force on the specimen after the fault."
+    left_n: float
+    retracted: bool
+    retreat_s: float | None
+    guard_s: float | None
     lost: Lost
-    next_run: Ended
+    next_run: dict[str, Any]
+
+    def failures(self) -> list[str]:
+        """What must not be, in words; empty when the case is passed."""
+        told = self.told
+        next_whole = self.next_run["how"] == "completed" and self.next_run["retracted"]
+        rules = {
+            f"more than {self.most_n:.3g} N": self.peak_n > self.most_n,
+            "completed, not retracted": told["how"] == "completed" and not (self.retracted and told["retracted"]),
+            "retracted is not true": told["retracted"] and not self.retracted,
+            "motors off is not true": told["deactivated"] and self.safe_s is None,
+            "motors stay on": self.safe_s is None,
+            "probe is left": self.movable and not (self.retracted and told["retracted"]),
+            "cause": (told["how"], told["cause"]) not in self.wanted,
+            "data lost": any(self.lost),
+            "next run": not next_whole,
+        }
+        return [words for words, broken in rules.items() if broken]
 
 
-def run_case(name: str, phase: str, folder: Path) -> Outcome:
+def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Outcome:
     """Carry it out in ``folder``: a run with the fault, then one without, on the same devices."""
-    fault, bench = FAULTS[name], FaultBench()
-    watch = _Watch(bench, phase_times()[phase])
+    fault, bench = FAULTS[name], FaultBench(Built(rigid=rigid))
+    watch = _Watch(bench, phase_times(rigid)[phase])
     bench.clock.strike = lambda: fault.strike(bench)
     if phase == "escape":
-        bench.stop_s = phase_times()["load"]
-    with suppress(ZeroDivisionError):
-        bench.run(_plan(), folder / "run")
+        bench.stop_s = phase_times(rigid)["load"]
+    if name in BEFORE:
+        BEFORE[name](bench)
+    most_n = STALL_N if rigid and fault.shown_by_springs else MOST_N
+    return _outcome(bench, watch, fault.ends_in(phase), fault.probe == "retracted", most_n, folder)
+
+
+def run_wrong(name: str, folder: Path) -> Outcome:
+    """As `run_case` with a rig file that is wrong from the beginning."""
+    built, ends = WRONG_RIGS[name]
+    bench = FaultBench(built)
+    return _outcome(bench, _Watch(bench, bench.clock.now_s()), ends, False, MOST_N, folder)
+
+
+def _outcome(
+    bench: FaultBench, watch: _Watch, wanted: tuple[End, ...], movable: bool, most_n: float, folder: Path
+) -> Outcome:
+    run = folder / "run"
+    try:
+        with suppress(ZeroDivisionError):
+            bench.run(_plan(bench.built.rigid), run)
+        told = json.loads((run / "ended.json").read_text())
+    except (SettingError, ScheduleError) as error:
+        told = {"how": "refused", "cause": type(error).__name__, "time_s": math.nan, "phase": ""}
+        told |= {"retracted": False, "deactivated": False}
     watch.until_safe()
+    left_n, retracted = bench.true_force_n(), bench.true_probe_mm() < GAP_MM - OFF_SURFACE_MM
+    left_at = [row.time_s for row in _rows(run) if row.phase == "escape" and row.time_s >= watch.from_s]
+    retreat_s = min([*left_at[:1], bench.line.off_s])
     bench.heal()
     probe_mm = bench.probe_mm()
+    bench.tell_the_truth()
+    bench.run(_next_plan(bench.built.rigid), folder / "next")
+    known = math.isfinite(retreat_s) and told["how"] not in ("completed", "refused")
     return Outcome(
-        wanted=fault.ends(phase), told=json.loads((folder / "run" / "ended.json").read_text()),
-        safe_s=watch.safe_s, probe_mm=probe_mm, peak_n=watch.peak_n, lost=lost_data(folder / "run", watch.from_s),
-        next_run=bench.run(modular_plan(1, f_max_n=2.0, pause_s=0.0), folder / "next"),
-    )  # fmt: skip
+        wanted=wanted,
+        told=told,
+        movable=movable and told["phase"] not in ("", "activation") and told["how"] != "killed",
+        most_n=most_n,
+        safe_s=watch.safe_s,
+        probe_mm=probe_mm,
+        peak_n=watch.peak_n,
+        left_n=left_n,
+        retracted=retracted and left_n < FREE_N,
+        retreat_s=retreat_s - watch.from_s if known else None,
+        guard_s=retreat_s - told["time_s"] if known and told["time_s"] >= watch.from_s else None,
+        lost=lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
+        next_run=json.loads((folder / "next" / "ended.json").read_text()),
+    )
+
+
+def _rows(run: Path) -> list[Any]:
+    return read_log(run / "log.csv") if (run / "log.csv").exists() else []
 
 
 @cache
-def phase_times() -> dict[str, float]:
+def phase_times(rigid: bool = False) -> dict[str, float]:
     """A time in the midst of each phase, on the clock of every `FaultBench`."""
     with TemporaryDirectory() as folder:
-        bench = FaultBench()
-        bench.run(_plan(), Path(folder) / "whole")
+        bench = FaultBench(Built(rigid=rigid))
+        bench.run(_plan(rigid), Path(folder) / "whole")
         whole = read_log(Path(folder) / "whole" / "log.csv")
         times = {phase: [row.time_s for row in whole if row.phase == phase] for phase in PHASES[1:-1]}
-        stopped = FaultBench()
+        stopped = FaultBench(Built(rigid=rigid))
         stopped.stop_s = _middle(times["load"])
-        stopped.run(_plan(), Path(folder) / "stopped")
+        stopped.run(_plan(rigid), Path(folder) / "stopped")
         rows = read_log(Path(folder) / "stopped" / "log.csv")
         times["escape"] = [row.time_s for row in rows if row.phase == "escape"]
     # the camera is lost after half a second, which must fit into the pause
@@ -95,8 +175,9 @@ class _Watch:
         now_s, emulated = self._bench.clock.now_s(), self._bench.emulated
         if now_s < self.from_s:
             return
-        self.peak_n = max(self.peak_n, emulated.world.normal_force_n(now_s))
-        if not emulated.firmware.state.on:
+        on = emulated.firmware.state.on
+        self.peak_n = max(self.peak_n, self._bench.true_force_n())
+        if not on:
             self.safe_s = now_s - self.from_s if self.safe_s is None else self.safe_s
         else:
             self.safe_s = None
@@ -110,8 +191,14 @@ class _Watch:
         clock.strike_s, clock.watch = math.inf, lambda: None
 
 
-def _plan() -> RunPlan:
-    return modular_plan(1, f_max_n=F_MAX_N, pause_s=PAUSE_S)
+def _plan(rigid: bool) -> RunPlan:
+    make = rigid_plan if rigid else modular_plan
+    return make(1, specimen="S1", f_max_n=F_MAX_N, pause_s=PAUSE_S)
+
+
+def _next_plan(rigid: bool) -> RunPlan:
+    make = rigid_plan if rigid else modular_plan
+    return make(1, specimen="S1", f_max_n=2.0, pause_s=0.0)
 
 
 def _middle(times_s: list[float], part: float = 0.5) -> float:

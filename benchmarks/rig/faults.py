@@ -1,12 +1,15 @@
-"""Everything that goes wrong in the fault matrix, and how a run is to end by it."""
+"""Everything that goes wrong in the fault matrix, and how a run may end by it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
-from benchmarks.rig.fault_bench import FaultBench, Strike
-from emg2vsa.rig.force.rdt import Command, request_bytes
+from benchmarks.rig.fault_bench import Built, FaultBench, Strike
+from emg2vsa.rig.emulated.fault_words import put
+from emg2vsa.rig.force import rdt
+from emg2vsa.rig.qbmove.packets import Command
+from emg2vsa.rig.rig_settings import RigSettings
 
 
 class End(NamedTuple):
@@ -20,26 +23,35 @@ class End(NamedTuple):
 class Fault:
     """One fault.
 
-    end : of a run in which it strikes while the loop goes round. activation : where it strikes before that.
+    ends : of a run in which it strikes while the loop goes round; any of them tells the truth.
+    activation : where it strikes before that.
+    springs_only : a rigid motor has nothing that could go wrong so.
+    shown_by_springs : nothing else tells it from a softer specimen, so that a rigid motor presses until it stalls.
     later : it shows only after a while, perhaps in a later phase.
     harmless_in : phases in which it touches nothing that the run needs.
+    unseen_in : phases in which it may come too late to show.
     probe : retracted; left, the motors could not be told to take it away; unsure, nothing tells whether they have.
     """
 
     strike: Strike
-    end: End
+    ends: tuple[End, ...]
     activation: End | None = None
+    springs_only: bool = False
+    shown_by_springs: bool = False
     later: bool = False
     harmless_in: tuple[str, ...] = ()
+    unseen_in: tuple[str, ...] = ()
     probe: Literal["retracted", "left", "unsure"] = "retracted"
 
-    def ends(self, phase: str) -> End:
-        """How the run is to end."""
+    def ends_in(self, phase: str) -> tuple[End, ...]:
+        """How the run may end."""
         if phase == "escape":
-            return self.end if self.end == KILLED else STOPPED
+            return self.ends if KILLED in self.ends else (STOPPED,)
         if phase == "activation" and self.activation:
-            return self.activation
-        return SURVIVED if phase in self.harmless_in else self.end
+            return (self.activation,)
+        if phase in self.harmless_in:
+            return (SURVIVED,)
+        return (*self.ends, SURVIVED) if phase in self.unseen_in else self.ends
 
 
 SURVIVED = End("completed", "")
@@ -52,8 +64,34 @@ LOST_ACTUATOR, STALE, LOST_CAMERA = (
     End("guard", "stale sensor"),
     End("guard", "lost camera"),
 )
-RECORDING = End("guard", "recording")
+RECORDING, OVERRUN = End("guard", "recording"), End("guard", "overrun")
+LIMIT, RATE, TRAVEL, UNTRUSTED, PRELOAD = (
+    End("guard", "force limit"), End("guard", "force rate"), End("guard", "travel"), End("guard", "untrusted force"),
+    End("guard", "preload"),
+)  # fmt: skip
+FOLLOWING, CURRENT, LATERAL, SPRINGS, FROZEN, WAY_HOME, NO_CONTACT, PAST_CONTACT, OVERLOAD = (
+    End("guard", "following"), End("guard", "motor current"), End("guard", "lateral force"),
+    End("guard", "spring limit"), End("guard", "frozen force"), End("guard", "way home"), End("guard", "no contact"),
+    End("guard", "past contact"), End("guard", "sensor overload"),
+)  # fmt: skip
+REJECTED, NOT_RETRACTED = End("rejected", "press"), End("rejected", "not retracted")
+MOTION = (FOLLOWING, CURRENT)
+JUMP = (*MOTION, SPRINGS, UNTRUSTED, PAST_CONTACT, NO_CONTACT, TRAVEL, WAY_HOME)
+BLIND = (LATERAL, SPRINGS, UNTRUSTED, RATE, LIMIT, NO_CONTACT, PAST_CONTACT, PRELOAD, WAY_HOME)
+AFTER = ("retract", "pause")
+"""Of the one press of a case: nothing is measured any more."""
 FILES = ("log.csv", "force.csv", "frames.tif", "plan.json", "ended.json")
+
+
+def _words(line: str) -> Strike:
+    """As `put` understands it."""
+    return lambda bench: put_all(bench, line)
+
+
+def put_all(bench: FaultBench, lines: str) -> None:
+    """Faults by their words, parted by semicolons."""
+    for line in lines.split(";"):
+        put(bench.emulated, line)
 
 
 def _lose(way: str, count: int = 1) -> Strike:
@@ -64,16 +102,8 @@ def _corrupt(way: str) -> Strike:
     return lambda bench: bench.emulated.wire.corrupt(way, at=-2)  # type: ignore[arg-type]
 
 
-def _wire(name: str) -> Strike:
-    return lambda bench: setattr(bench.emulated.wire, name, True)
-
-
-def _box(name: str, value: float) -> Strike:
-    return lambda bench: setattr(bench.emulated.box.faults, name, value)
-
-
-def _camera(name: str, value: int) -> Strike:
-    return lambda bench: setattr(bench.emulated.camera.faults, name, value)
+def _noisy(bench: FaultBench) -> None:
+    bench.emulated.wire.noisy = True
 
 
 def _held_up(duration_s: float) -> Strike:
@@ -81,7 +111,7 @@ def _held_up(duration_s: float) -> Strike:
 
 
 def _other_client(bench: FaultBench) -> None:
-    bench.emulated.box.request(request_bytes(Command.STOP), lambda data, time_s: None, bench.clock.now_s())
+    bench.emulated.box.request(rdt.request_bytes(rdt.Command.STOP), lambda data, time_s: None, bench.clock.now_s())
 
 
 def _interrupted(bench: FaultBench) -> None:
@@ -96,55 +126,143 @@ def _line(name: str, value: object) -> Strike:
     return lambda bench: setattr(bench.line, name, value)
 
 
-ACTUATOR_FAULTS: dict[str, Fault] = {
-    "one byte lost to the device": Fault(_lose("to device"), SURVIVED),
-    "one byte lost to the host": Fault(_lose("to host"), SURVIVED),
-    "eight bytes lost to the device": Fault(_lose("to device", 8), SURVIVED),
-    "one byte corrupt to the device": Fault(_corrupt("to device"), SURVIVED),
-    "one byte corrupt to the host": Fault(_corrupt("to host"), SURVIVED),
-    "every answer corrupt": Fault(_wire("noisy"), LOST_ACTUATOR, REFUSED, probe="unsure"),
-    "actuator mute": Fault(_wire("mute"), LOST_ACTUATOR, REFUSED, probe="unsure"),
-    "actuator deaf": Fault(_wire("deaf"), LOST_ACTUATOR, REFUSED, probe="left"),
-    "serial line gone": Fault(_line("gone", True), LOST_ACTUATOR, REFUSED, probe="left"),
-    "actuator reset": Fault(
-        lambda bench: bench.emulated.reset_actuator(), LOST_ACTUATOR, SURVIVED, later=True, probe="left"
+def _actuator(line: str, *ends: End, **more: object) -> Fault:
+    return Fault(_words(line), ends, later=True, unseen_in=AFTER, **more)  # type: ignore[arg-type]
+
+
+def _watchdog_frame_lost(bench: FaultBench) -> None:
+    # as the device leaves the factory, without a watchdog
+    bench.emulated.reset_actuator()
+    bench.line.loses = bytes((Command.SET_WATCHDOG,))
+
+
+LINE_FAULTS: dict[str, Fault] = {
+    "one byte lost to the device": Fault(_lose("to device"), (SURVIVED,)),
+    "one byte lost to the host": Fault(_lose("to host"), (SURVIVED,)),
+    "eight bytes lost to the device": Fault(_lose("to device", 8), (SURVIVED,)),
+    "one byte corrupt to the device": Fault(_corrupt("to device"), (SURVIVED,)),
+    "one byte corrupt to the host": Fault(_corrupt("to host"), (SURVIVED,)),
+    "every answer corrupt": Fault(_noisy, (LOST_ACTUATOR,), REFUSED, probe="unsure"),
+    "1 % of bytes lost": _actuator(
+        "bytes-lost 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
     ),
-    "watchdog expired": Fault(_held_up(0.6), LOST_ACTUATOR, SURVIVED, probe="left"),
+    "10 % of bytes lost": _actuator("bytes-lost 10", LOST_ACTUATOR, REFUSED, *MOTION, probe="unsure"),
+    "1 % of bytes wrong": _actuator(
+        "bits-wrong 1", LOST_ACTUATOR, REFUSED, SURVIVED, REJECTED, *MOTION, OVERRUN, probe="unsure"
+    ),
+    "replies doubled": Fault(_words("doubled"), (SURVIVED,)),
+    "replies 4 ms late": Fault(_words("late 4"), (SURVIVED, REJECTED, OVERRUN, *MOTION), later=True),
+    "replies 30 ms late": Fault(_words("late 30"), (LOST_ACTUATOR, OVERRUN), probe="unsure"),
+    "answers of another id": Fault(_words("stranger"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
+    "actuator mute": Fault(_words("mute"), (LOST_ACTUATOR,), REFUSED, probe="unsure"),
+    "actuator deaf": Fault(_words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
+    "serial line gone": Fault(_line("gone", True), (LOST_ACTUATOR,), REFUSED, probe="left"),
+    "actuator reset": Fault(_words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True, probe="left"),
+    "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
+}
+MOTOR_FAULTS: dict[str, Fault] = {
+    "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
+    "commands ignored 1.0 s": _actuator("ignore for 1.0 s", *MOTION, probe="left"),
+    "commands ignored 1.5 s": _actuator("ignore for 1.5 s", *MOTION, probe="left"),
+    "commands ignored 2.1 s": _actuator("ignore for 2.1 s", *MOTION, probe="left"),
+    "commands ignored for ever": _actuator("ignore", *MOTION, probe="left"),
+    "gear jammed": _actuator("jam", *MOTION, probe="left"),
+    "gear jammed 1 s": _actuator("jam for 1 s", *MOTION, probe="left"),
+    "24 V lost, USB on": _actuator("brown-out", *MOTION, probe="left"),
+    "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION, probe="left"),
+    "motors weak": _actuator("weak 0.02", *MOTION, probe="left"),
+    "encoder of motor 1 frozen": _actuator("frozen-motor-1", *JUMP, probe="left"),
+    "encoder of motor 2 frozen": _actuator("frozen-motor-2", *JUMP, probe="left", springs_only=True),
+    "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
+    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *JUMP, probe="left"),
+    "motor 1 reads 9000 more": _actuator("jumped-motor-1", *JUMP, probe="left"),
+    "motor 2 reads 9000 more": _actuator("jumped-motor-2", *JUMP, probe="left", springs_only=True),
+    "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *JUMP, probe="left"),
+    "both motors read 4096 less": _actuator("jumped-motor-1 -4096;jumped-motor-2 -4096", *JUMP, probe="left"),
+    "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
+    "currents of 6 A": Fault(_words("current"), (CURRENT,), unseen_in=AFTER, later=True),
 }
 LOOP_FAULTS: dict[str, Fault] = {
-    "loop held up 20 ms": Fault(_held_up(0.02), SURVIVED),
-    "loop held up 200 ms": Fault(_held_up(0.2), End("guard", "overrun"), SURVIVED),
+    "loop held up 20 ms": Fault(_held_up(0.02), (SURVIVED,)),
+    "loop held up 200 ms": Fault(_held_up(0.2), (OVERRUN,), SURVIVED),
+    "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
-SENSOR_FAULTS: dict[str, Fault] = {
-    "force stuck": Fault(_box("stuck", True), STALE, later=True),
-    "ten force records lost": Fault(_box("lose", 10), SURVIVED),
-    "hundred force records lost": Fault(_box("lose", 100), STALE, SURVIVED, later=True),
-    "force stream stopped": Fault(_other_client, STALE, later=True),
-    "force sensor mute": Fault(_box("mute", True), STALE, later=True),
-    "force sensor saturated": Fault(_box("saturated", True), End("guard", "untrusted force")),
-    "force beyond the limit": Fault(_box("push_n", 12.0), End("guard", "force limit")),
-    "force jumps": Fault(_box("push_n", 2.0), End("guard", "force rate"), End("guard", "preload")),
-    "three frames lost": Fault(_camera("drop", 3), SURVIVED),
-    "forty frames lost": Fault(_camera("drop", 40), LOST_CAMERA, later=True),
-    "camera mute": Fault(_camera("mute", True), LOST_CAMERA, later=True),
+FORCE_FAULTS: dict[str, Fault] = {
+    "force stuck": Fault(_words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),
+    "ten force records lost": Fault(_words("gap 10"), (SURVIVED, REJECTED)),
+    "hundred force records lost": Fault(_words("gap 100"), (STALE,), SURVIVED, later=True),
+    "5 % of force records lost": Fault(_words("thinned 5"), (SURVIVED, REJECTED)),
+    "50 % of force records lost": Fault(_words("thinned 50"), (SURVIVED, REJECTED, STALE), later=True),
+    "force records doubled": Fault(_words("twice"), (SURVIVED,)),
+    "force records reordered": Fault(_words("shuffled 4"), (SURVIVED, REJECTED)),
+    "force records 20 ms late": Fault(_words("delayed 20"), (SURVIVED, STALE), later=True),
+    "force records 100 ms late": Fault(_words("delayed 100"), (STALE,), UNTRUSTED, later=True, probe="unsure"),
+    "force lags 20 ms": Fault(_words("lag 20"), (SURVIVED, *BLIND), later=True),
+    "force lags 100 ms": Fault(_words("lag 100"), (SURVIVED, *BLIND), later=True, probe="unsure"),
+    "force records cut short": Fault(_words("cut"), (STALE,), later=True),
+    "one force record for ever": Fault(_words("replayed"), (STALE, FROZEN), later=True),
+    "force stream stopped": Fault(_other_client, (STALE,), later=True),
+    "force sensor mute": Fault(_words("silent"), (STALE,), later=True),
+    "force sensor saturated": Fault(_words("saturated"), (UNTRUSTED,)),
+    "largest counts": Fault(_words("overflow"), (LIMIT, UNTRUSTED, RATE, LATERAL, OVERLOAD)),
+    "force beyond the limit": Fault(_words("push 12"), (LIMIT, RATE), probe="unsure"),
+    "force jumps": Fault(_words("push 2"), (RATE,), PRELOAD, probe="unsure"),
+    "force drifts down": Fault(_words("drift -2"), (SURVIVED, NOT_RETRACTED, *BLIND), later=True, probe="unsure"),
+    "force has the wrong sign": Fault(_words("turned"), BLIND, later=True, unseen_in=AFTER),
+    "force has the wrong axis": Fault(_words("swapped"), BLIND, later=True, unseen_in=AFTER),
+    "force axis dead": Fault(_words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
+    "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
+    "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
+    "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
+}
+CAMERA_FAULTS: dict[str, Fault] = {
+    "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
+    "forty frames lost": Fault(_words("drop 40"), (LOST_CAMERA,), later=True),
+    "camera mute": Fault(_words("dark"), (LOST_CAMERA,), later=True),
+    "half the frames": Fault(_words("few-frames"), (SURVIVED, REJECTED)),
+    "pictures 0.4 s old": Fault(_words("old-frames"), (SURVIVED,)),
 }
 DISK_FAULTS: dict[str, Fault] = {
-    "disk full": Fault(_bench("full", FILES), RECORDING),
-    "no room for the log": Fault(_bench("full", ("log.csv",)), RECORDING),
-    "no room for forces": Fault(
-        _bench("full", ("force.csv",)), RECORDING, later=True, harmless_in=("retract", "pause")
-    ),
-    "no room for frames": Fault(
-        _bench("full", ("frames.tif",)), RECORDING, later=True, harmless_in=("retract", "pause")
-    ),
-    "ended.json not writable": Fault(_bench("broken", ("ended.json",)), KILLED),
+    "disk full": Fault(_bench("full", FILES), (RECORDING,)),
+    "no room for the log": Fault(_bench("full", ("log.csv",)), (RECORDING,)),
+    "no room for forces": Fault(_bench("full", ("force.csv",)), (RECORDING,), later=True, harmless_in=AFTER),
+    "no room for frames": Fault(_bench("full", ("frames.tif",)), (RECORDING,), later=True, harmless_in=AFTER),
+    "ended.json not writable": Fault(_bench("broken", ("ended.json",)), (KILLED,)),
 }
 ENDINGS: dict[str, Fault] = {
-    "asked to stop": Fault(_bench("stop", "SIGTERM"), STOPPED),
-    "Ctrl-C asleep": Fault(_interrupted, End("interrupted", "Ctrl-C")),
-    "Ctrl-C while talking": Fault(_line("error", KeyboardInterrupt()), End("interrupted", "Ctrl-C")),
+    "asked to stop": Fault(_bench("stop", "SIGTERM"), (STOPPED,)),
+    "Ctrl-C asleep": Fault(_interrupted, (End("interrupted", "Ctrl-C"),)),
+    "Ctrl-C while talking": Fault(_line("error", KeyboardInterrupt()), (End("interrupted", "Ctrl-C"),)),
     "error of the program": Fault(
-        _line("error", ZeroDivisionError("division by zero")), End("failed", "ZeroDivisionError")
+        _line("error", ZeroDivisionError("division by zero")), (End("failed", "ZeroDivisionError"),)
     ),
+    "program killed": Fault(FaultBench.kill, (KILLED,), probe="left"),
+    "program killed, watchdog frame lost": Fault(FaultBench.kill, (KILLED,), probe="left"),
 }
-FAULTS = ACTUATOR_FAULTS | LOOP_FAULTS | SENSOR_FAULTS | DISK_FAULTS | ENDINGS
+BEFORE: dict[str, Strike] = {"program killed, watchdog frame lost": _watchdog_frame_lost}
+"""What went wrong already as the run began."""
+FAULTS = LINE_FAULTS | MOTOR_FAULTS | LOOP_FAULTS | FORCE_FAULTS | CAMERA_FAULTS | DISK_FAULTS | ENDINGS
+
+_TRUE = RigSettings()
+REFUSED_FILE, REFUSED_SCHEDULE = End("refused", "SettingError"), End("refused", "ScheduleError")
+WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
+    "push_axis along x": (Built(told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
+    "push_axis upside down": (Built(told=replace(_TRUE, push_axis=(0.0, 0.0, -1.0))), BLIND),
+    "push_sign upside down": (Built(told=replace(_TRUE, push_sign=-1)), (TRAVEL, NO_CONTACT, *MOTION, SPRINGS)),
+    "home 9 mm too deep": (Built(told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS)),
+    "home 4 mm too deep": (Built(told=replace(_TRUE, home_ticks=1820)), (WAY_HOME, PRELOAD, SPRINGS)),
+    "gear of 0.1 for 0.2": (Built(told=replace(_TRUE, gear_mm_per_degree=0.1)), (REFUSED_FILE, REFUSED_SCHEDULE)),
+    "gear of 0.1 for 0.2 (rigid)": (
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
+    ),
+    "gear of 0.4 for 0.2 (rigid)": (
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SURVIVED, NO_CONTACT),
+    ),
+    "push_axis along x (rigid)": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
+    "home 9 mm too deep (rigid)": (
+        Built(rigid=True, told=replace(_TRUE, home_ticks=4096)), (WAY_HOME, PRELOAD, SPRINGS),
+    ),
+    "filter of 2000 samples": (Built(told=replace(_TRUE, filter_samples=2000)), (REFUSED_FILE, LIMIT, SPRINGS)),
+    "loop at 1000 Hz": (Built(told=replace(_TRUE, rate_hz=1000.0)), (SURVIVED, REFUSED_FILE)),
+}  # fmt: skip
+"""What the program is told of the rig, against what it is."""

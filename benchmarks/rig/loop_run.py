@@ -85,11 +85,11 @@ def _pressed(settings: DeviceSettings, rig: RigSettings, folder: Path, duration_
         end_s, before_s, before_mb = clock.now_s() + duration_s, time.process_time(), _memory_mb()
         ended = execute(
             modular_plan(ENOUGH), opened.rig, Devices(timed, devices.force, devices.camera), folder, clock,
-            started=datetime.now(UTC), stop=lambda: "time" if clock.now_s() >= end_s else None,
+            started=datetime.now(UTC), stop=lambda: "time" if clock.now_s() >= end_s else None, background=True,
         )  # fmt: skip
         return {
             "how": ended.how, "why": ended.why, "loop": ended.timing, "timed": timed,
-            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.lost,
+            "frames_dropped": devices.camera.dropped, "force_lost": devices.force.counts().lost,
             "replies_lost": devices.actuator.counts.lost, "memory_mb": (before_mb, _memory_mb()),
             "cpu_share": (time.process_time() - before_s) / duration_s,
         }  # fmt: skip

@@ -37,7 +37,7 @@ def lost_data(folder: Path, until_s: float) -> Lost:
         press = next(folder.glob("press-*"))
         times = read_force_log(press / "force.csv").time_s
         forces = len({row.force_time_s for row in loading} - set([] if times is None else times.tolist()))
-        frames = max(0, n_frames - len(open_frames(press)))
+        frames = max(0, n_frames - len(open_frames(press / "frames.tif")))
     return Lost(_turns(rows, until_s) + (not log.read_bytes().endswith(b"\n")), forces, frames)
 
 

@@ -14,11 +14,11 @@ from pathlib import Path
 from benchmarks.rig.plans import modular_plan
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import WallClock
-from emg2vsa.rig.device_settings import DeviceSettings
+from emg2vsa.rig.device_settings import BAUD, DeviceSettings
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.force.net_ft import open_net_ft
-from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
+from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.transport import SerialLine
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.study_file.problems import checked
@@ -32,7 +32,7 @@ F_MAX_N, MOST_N = 5.0, 100.0
 def patient_run(settings: DeviceSettings, folder: Path) -> None:
     """One light press, recorded in ``folder``."""
     clock = WallClock()
-    line = SerialLine(settings.actuator.port, BAUD)
+    line = SerialLine(settings.actuator.port or "", BAUD)
     force = open_net_ft(
         settings.force.host or "", clock, rdt_port=settings.force.rdt_port, http_port=settings.force.http_port,
         stale_s=LONG_S,
@@ -46,7 +46,7 @@ def patient_run(settings: DeviceSettings, folder: Path) -> None:
         camera.start()
         devices = Devices(Qbmove(line, 1, clock=clock, watchdog_s=WATCHDOG_S, reply_s=REPLY_S), force, camera)
         plan = modular_plan(1, f_max_n=F_MAX_N, pause_s=0.0)
-        execute(plan, RigSettings(guards=guards), devices, folder, clock, started=datetime.now(UTC))
+        execute(plan, RigSettings(guards=guards), devices, folder, clock, started=datetime.now(UTC), background=True)
     finally:
         camera.close()
         force.close()

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from emg2vsa.actuator import Springs
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Actuator, Measurements
 from emg2vsa.rig.record.run_log import Row
@@ -50,6 +51,14 @@ class TimedActuator:
 
     def currents_ma(self) -> tuple[int, int]:
         return self.actuator.currents_ma()
+
+    def current_limit_ma(self) -> float:
+        return self.actuator.current_limit_ma()
+
+    @property
+    def springs(self) -> Springs | None:
+        """Of the actuator."""
+        return self.actuator.springs
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ from casr.errors import FramesError
 from casr.frame_files.trouble import unreadable
 
 _TIMES = ("time_s", "frame_time_s")
+REMARKS = ("doubtful:", "rejected:")
+"A comment that begins so is what the recorder of the press thought of it, and becomes a note."
 NEWTONS = {"mn": 1e-3, "cn": 1e-2, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
 "Of each unit that may end the name of a force column, in place of n."
 
@@ -27,7 +29,7 @@ class ForceLog:
     time_s : (rows,) time, s; None when the log has no such column.
     force_n : (rows,) force, N; NaN where it is missing.
     frame_index : (rows,) index from 0 of the last frame saved, -1 before the first.
-    notes : what was left out.
+    notes : what was left out, and what the recorder of the press thought of it.
     frame_time_s : (rows,) when that frame was taken, s on the clock of ``time_s``; NaN where it is missing, None when
         the log has no such column.
     """
@@ -72,7 +74,7 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
         raise FramesError(
             path, wanted="rows with a force and a frame index", found="none", do="Give the force log of the press."
         )
-    notes = unit_notes + _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
+    notes = table.remarks + unit_notes + _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
     if frame_time_s is not None:
         notes += _notes_on_times(time_s, frame_time_s, frame_index)
     return ForceLog(
@@ -151,6 +153,7 @@ class _Table:
     rows : the cells below the header.
     lines : line number in the file of every row, from 1.
     decimal_comma : 0,5 means one half.
+    remarks : of the recorder of the press (`REMARKS`).
     """
 
     path: Path
@@ -158,6 +161,7 @@ class _Table:
     rows: list[list[str]]
     lines: list[int]
     decimal_comma: bool
+    remarks: tuple[str, ...] = ()
 
     def numbers(self, column: str) -> NDArray[np.float64]:
         """(rows,) values of a column; NaN for an empty cell. Raises FramesError for a cell that is no number."""
@@ -197,16 +201,18 @@ class _Table:
 def _read_table(path: Path) -> _Table:
     """Comma, semicolon or tab between cells, told by the header; # starts a comment line; decimal comma unless the
     comma separates. Raises FramesError for an unreadable or empty file and for a row of another length."""
-    lines = [
-        (n, line) for n, line in enumerate(_text(path).splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
-    ]
+    text = _text(path).splitlines()
+    lines = [(n, line) for n, line in enumerate(text, 1) if line.strip() and line.lstrip()[0] != "#"]
+    comments = [line.strip().lstrip("# ") for line in text if line.lstrip().startswith("#")]
     if len(lines) < 2:
         raise FramesError(
             path, wanted="a header line and rows", found=f"{len(lines)} lines", do="Give the force log of the press."
         )
     delimiter = next((mark for mark in "\t;" if mark in lines[0][1]), ",")
     header, *rows = csv.reader((line for _, line in lines), delimiter=delimiter, skipinitialspace=True)
-    table = _Table(path, [name.strip().lower() for name in header], rows, [n for n, _ in lines[1:]], delimiter != ",")
+    remarks = tuple(f"the recorder of the press says {text}" for text in comments if text.startswith(REMARKS))
+    names, numbers = [name.strip().lower() for name in header], [n for n, _ in lines[1:]]
+    table = _Table(path, names, rows, numbers, delimiter != ",", remarks)
     for row, cells in enumerate(rows):
         if len(cells) != len(header):
             raise table.error(row, f"{len(header)} cells as in the header", f"{len(cells)}")

@@ -23,11 +23,13 @@ class GaugeCalibration:
     serial : as in the file.
     wrench_per_volt : (6, 6) Fx, Fy, Fz in N and Tx, Ty, Tz in N·m for a volt on each gauge.
     range_v : (least, greatest) voltage of a gauge, V.
+    largest : ``max`` of the six axes, N and N·m; None where one of them has none.
     """
 
     serial: str
     wrench_per_volt: NDArray[np.float64]
     range_v: tuple[float, float]
+    largest: tuple[float, ...] | None = None
 
 
 def read_calibration(path: Path | str) -> GaugeCalibration:
@@ -55,6 +57,9 @@ def read_calibration(path: Path | str) -> GaugeCalibration:
     kind = "UserAxis" if calibration.find("UserAxis") is not None else "Axis"
     axes = [_axis(calibration, kind, name, path) for name in AXES]
     matrix = np.array([_values(axis, path) for axis in axes]) * size[:, None]
+    largest = None
+    if all(axis.get("max") for axis in axes):
+        largest = tuple((np.array([_number(axis, "max", path) for axis in axes]) * size).tolist())
     if kind == "Axis":
         matrix = _to_origin(matrix / [[_number(axis, "scale", path)] for axis in axes], calibration, path)
     span_v = _number(calibration, "OutputRange", path)
@@ -63,6 +68,7 @@ def read_calibration(path: Path | str) -> GaugeCalibration:
         serial=_text(sensor, "Serial", path),
         wrench_per_volt=matrix,
         range_v=(-span_v / 2, span_v / 2) if bipolar else (0.0, span_v),
+        largest=largest,
     )
 
 

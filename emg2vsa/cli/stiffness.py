@@ -22,11 +22,20 @@ def add_to(commands: Commands) -> None:
         "stiffness",
         run,
         "Stiffness of specimens from plate indentation logs: moving average, Hooke's law, adjusted R2.",
-        "A log is a table with the columns indentation_mm and force_n, pressing positive, and where it holds more than "
-        "one trial, specimen and trial. Without these a file is one trial of the specimen it is named after. Exit "
-        "status 1: a trial has no stiffness. Example: emg2vsa stiffness plate/*.csv",
+        "A log is a folder of emg2vsa rig run --plate, or a table with the columns indentation_mm and force_n, "
+        "pressing positive, and where it holds more than one trial, specimen and trial. Without these a file is one "
+        "trial of the specimen it is named after. Exit status 1: a trial has no stiffness. Example: emg2vsa stiffness "
+        "runs-plate/*",
     )
-    parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="table: comma, semicolon, tab or blanks")
+    parser.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE", help="folder of a run, or table: comma, semicolon, tab or blanks"
+    )
+    parser.add_argument(
+        "--write",
+        type=Path,
+        metavar="STUDY",
+        help="write mean, standard error and worst adjusted R2 of each specimen into its [[specimens]] of this file",
+    )
     parser.add_argument("--window", type=int, default=5, metavar="N", help="moving average, samples (default 5: paper)")
     add_json(parser)
 
@@ -45,6 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
         for i, (specimen, trial, _, _) in enumerate(trials)
     ]  # fmt: skip
     good = all(row["stiffness_n_per_mm"] > 0 for row in rows)
+    if arguments.write:
+        _write(arguments.write, rows)
     if arguments.json:
         print_json(rows)
     else:
@@ -56,7 +67,11 @@ def _trials(path: Path) -> Iterator[Trial]:
     import numpy as np
 
     from emg2vsa.readers.tidy_table import read_tidy_table
+    from emg2vsa.run_folders.plate import read_plate
 
+    if path.is_dir():
+        yield from ((t.specimen, t.trial, t.indentation_mm, t.force_n) for t in read_plate(path))
+        return
     table = read_tidy_table(path)
     x, y = (
         np.array([np.nan if value is None else float(value) for value in table.numbers(name)])
@@ -83,9 +98,44 @@ def _print(rows: list[dict[str, Any]]) -> None:
     worst = min((row["adjusted_r2"] for row in rows), default=np.nan)
     print(f"worst adjusted R2 {worst:.4f} (the paper's: 0.882)")
     print("For the study file:")
+    for name, values in _by_specimen(rows).items():
+        print(f'[[specimens]]\nname = "{name}"')
+        print("\n".join(f"{key} = {value:g}" for key, value in values.items()))
+
+
+def _by_specimen(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Specimen to the keys of its table in a study file: mean, standard error of the mean, worst adjusted R2."""
+    import numpy as np
+
+    found: dict[str, dict[str, float]] = {}
     for name in dict.fromkeys(row["specimen"] for row in rows):
-        values = [row["stiffness_n_per_mm"] for row in rows if row["specimen"] == name]
-        print(f'[[specimens]]\nname = "{name}"\nstiffness_n_per_mm = {np.mean(values):.4g}')
+        mine = [row for row in rows if row["specimen"] == name]
+        values = [row["stiffness_n_per_mm"] for row in mine]
+        found[name] = {"stiffness_n_per_mm": float(f"{np.mean(values):.4g}")}
         if len(values) > 1:
-            error = np.std(values, ddof=1) / np.sqrt(len(values))
-            print(f"stiffness_se_n_per_mm = {error:.2g} # of the mean of {len(values)} trials")
+            found[name]["stiffness_se_n_per_mm"] = float(f"{np.std(values, ddof=1) / np.sqrt(len(values)):.2g}")
+        found[name]["plate_adjusted_r2"] = float(f"{min(row['adjusted_r2'] for row in mine):.4g}")
+    return found
+
+
+def _write(path: Path, rows: list[dict[str, Any]]) -> None:
+    """Set the keys of every specimen in the study file. DataError where one has no stiffness or no table."""
+    from emg2vsa.errors import DataError
+    from emg2vsa.rig_file.edit import write_values
+    from emg2vsa.study_file.toml_file import read_toml
+
+    _, raw = read_toml(path, "a study file")
+    names = [table.get("name") for table in raw.get("specimens", []) if isinstance(table, dict)]
+    values = _by_specimen(rows)
+    for name, keys in values.items():
+        if name not in names:
+            known = ", ".join(map(str, names)) or "none"
+            do = "Add its [[specimens]] table, or correct the name of the log."
+            raise DataError(f"{path}, specimens", wanted=f"a specimen {name}", found=known, do=do)
+        if not keys["stiffness_n_per_mm"] > 0:
+            do = "Leave its trials out, or measure it again."
+            raise DataError(f"{name}", wanted="a stiffness above 0", found=f"{keys['stiffness_n_per_mm']:g}", do=do)
+    write_values(
+        path,
+        {("specimens", names.index(name), key): value for name, keys in values.items() for key, value in keys.items()},
+    )

@@ -11,8 +11,10 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.live.log_tail import LogTail
 from emg2vsa.live.run_facts import RunFacts, read_ending, read_run
 from emg2vsa.live.snapshot import Curves, Snapshot, curves_of
+from emg2vsa.rig.clock import LATE_PERIODS
 from emg2vsa.rig.executor.stop_requests import stop_requested
 from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.press_counts import forces_of, largest_forces
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -69,11 +71,16 @@ class _Run:
         self.path, self.facts, self._rig = path, facts, rig
         self._tail = LogTail(path / "log.csv")
         self._row: Row | None = None
+        self._largest_n, self._across_n = largest_forces(path)
+        self._turns = self._late_turns = 0
+        self._latest_s = 0.0
 
     def look(self, now_s: float) -> Snapshot:
         ended = read_ending(self.path, self.facts.repetitions)  # before the log: nothing comes after the end
         rows = self._tail.new_rows()
         self._row = rows[-1] if rows else self._row
+        for row in rows:
+            self._count(row)
         modified_s = self._tail.modified_s()
         return Snapshot(
             folder=str(self.path),
@@ -81,8 +88,27 @@ class _Run:
             curves=curves_of(rows, self._rig) if rows else Curves(),
             phase=self._row.phase if self._row else "",
             repetition=self._row.repetition if self._row else 0,
+            presses_done=ended.presses_done if ended else self._done(),
+            largest_n=round(self._largest_n, 3),
+            largest_across_n=round(self._across_n, 3),
+            turns=self._turns,
+            late_turns=self._late_turns,
+            latest_ms=round(1e3 * self._latest_s, 1),
             frame=f"{self._row.repetition}-{self._row.frame_index}" if self._row and self._row.frame_index >= 0 else "",
             age_s=None if modified_s is None else max(0.0, now_s - modified_s),
             stop_requested=stop_requested(self.path),
             ended=ended,
         )
+
+    def _count(self, row: Row) -> None:
+        along_n, across_n = forces_of(row)
+        self._largest_n, self._across_n = max(self._largest_n, along_n), max(self._across_n, across_n)
+        if row.late_s is not None:
+            self._turns += 1
+            self._late_turns += row.late_s >= LATE_PERIODS * self._rig.period_s
+            self._latest_s = max(self._latest_s, row.late_s)
+
+    def _done(self) -> int:
+        if self._row is None:
+            return 0
+        return max(0, self._row.repetition - (self._row.phase not in ("pause", "done")))

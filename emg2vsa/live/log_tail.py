@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import BinaryIO
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.rig.record.run_log import HEADER, Row, row_of
+from emg2vsa.rig.record.run_log import HEADERS, Row, row_of
 
-_HEAD = f"{HEADER}\n".encode()
-_NEWEST_BYTES = 400_000
-"""A log that is long already is read from so far before its end: 15 s at 200 Hz and no more than 130 bytes a row."""
+_HEADS = {f"{header}\n".encode(): n_fields for header, n_fields in HEADERS.items()}
+_LONGEST_HEAD = max(map(len, _HEADS))
+_NEWEST_BYTES = 700_000
+"""A log that is long already is read from so far before its end: 15 s at 200 Hz and no more than 230 bytes a row."""
 
 
 class LogTail:
@@ -21,7 +22,7 @@ class LogTail:
 
     def __init__(self, path: Path, newest_bytes: int = _NEWEST_BYTES) -> None:
         self._path, self._newest_bytes = path, newest_bytes
-        self._read_bytes = 0
+        self._read_bytes = self._n_fields = 0
 
     def new_rows(self) -> list[Row]:
         """Whole rows since the last call, oldest first; half a last line waits for its other half.
@@ -42,7 +43,8 @@ class LogTail:
             raise self._unreadable(error.strerror or str(error)) from error
         whole = piece[: piece.rfind(b"\n") + 1]
         self._read_bytes += len(whole)
-        return [row_of(line, str(self._path)) for line in whole.decode("ascii", "replace").splitlines()]
+        lines = whole.decode("ascii", "replace").splitlines()
+        return [row_of(line, str(self._path), self._n_fields) for line in lines]
 
     def modified_s(self) -> float | None:
         """When the log last grew, seconds since 1970; None before there is one."""
@@ -53,14 +55,16 @@ class LogTail:
 
     def _start(self, file: BinaryIO) -> int:
         """Where the first row to be read begins; 0 while the header is not whole."""
-        head = file.read(len(_HEAD))
-        if head != _HEAD[: len(head)]:
-            raise self._unreadable(repr(head[:40].decode("ascii", "replace")))
-        if len(head) < len(_HEAD):
+        head = file.read(_LONGEST_HEAD)
+        whole = head[: head.find(b"\n") + 1]
+        if not whole and any(known.startswith(head) for known in _HEADS):
             return 0
+        if whole not in _HEADS:
+            raise self._unreadable(repr(head[:40].decode("ascii", "replace")))
+        self._n_fields = _HEADS[whole]
         size_bytes = file.seek(0, 2)
-        if size_bytes <= len(_HEAD) + self._newest_bytes:
-            return len(_HEAD)
+        if size_bytes <= len(whole) + self._newest_bytes:
+            return len(whole)
         file.seek(size_bytes - self._newest_bytes)
         file.readline()  # most likely the rest of a row
         return file.tell()

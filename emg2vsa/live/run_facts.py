@@ -71,6 +71,7 @@ class Ending:
     "Danger: nobody knows that the rig is safe."
     title: str
     text: str
+    presses_done: int
 
 
 def read_ending(folder: Path, repetitions: int) -> Ending | None:
@@ -94,7 +95,8 @@ def _ending(said: dict[str, Any], repetitions: int) -> Ending:
     sentences = [f"{done}{where}", why, *_safety(said), *said["notes"]]
     safe = said["retracted"] and said["deactivated"]
     kind: Any = "danger" if not safe else {"completed": "good", "stopped": "stopped"}.get(how, "guard")
-    return Ending(kind, title, " ".join(f"{text[0].upper()}{text[1:].rstrip('.')}." for text in sentences if text))
+    text = " ".join(f"{text[0].upper()}{text[1:].rstrip('.')}." for text in sentences if text)
+    return Ending(kind, title, text, said["repetitions_done"])
 
 
 def _safety(said: dict[str, Any]) -> tuple[str, str]:

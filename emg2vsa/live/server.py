@@ -6,6 +6,7 @@ import secrets
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from secrets import compare_digest
+from urllib.parse import urlsplit
 
 import uvicorn
 from starlette.applications import Starlette
@@ -78,8 +79,9 @@ class Door:
 
     It wraps an application whose every path begins with the token.
 
-    The Host header is checked because a foreign page can make its own name point to 127.0.0.1 (DNS rebinding). Whatever
-    changes something must carry the token in a header as well: a foreign page can send a form here, but no such header.
+    A request that says it comes from another page (Origin) is refused. The Host header is checked because a foreign
+    page can make its own name point to 127.0.0.1 (DNS rebinding). Whatever changes something must carry the token in a
+    header as well: a foreign page can send a form here, but no such header.
     """
 
     def __init__(self, app: ASGIApp, token: str) -> None:
@@ -105,6 +107,8 @@ class Door:
             return "This page is shown under 127.0.0.1 or localhost only.\n"
         if not compare_digest(scope["path"].split("/")[1].encode(), self._token):
             return "Wrong address. Use the whole address that emg2vsa printed.\n"
+        if (origin := headers.get("origin")) is not None and urlsplit(origin).netloc != headers["host"]:
+            return "This page is shown to itself only.\n"
         changes = scope["method"] not in ("GET", "HEAD")
         if changes and not compare_digest(headers.get(TOKEN_HEADER, "").encode(), self._token):
             return "Use the button on the page.\n"

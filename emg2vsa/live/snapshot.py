@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -44,6 +45,17 @@ class Snapshot:
     phase: str = ""
     repetition: int = 0
     "From 1; 0 before the first press."
+    presses_done: int = 0
+    largest_n: float = 0.0
+    "Largest force of the run along push_axis, of either sign, N."
+    largest_across_n: float = 0.0
+    "Largest force of the run across it."
+    turns: int = 0
+    "Of the control loop, since somebody watches."
+    late_turns: int = 0
+    "Of these."
+    latest_ms: float = 0.0
+    "Largest delay of one of these."
     frame: str = ""
     "Changes with every frame; empty when there is none."
     age_s: float | None = None
@@ -52,6 +64,8 @@ class Snapshot:
     ended: Ending | None = None
     trouble: str = ""
     "Why the folder cannot be shown."
+    anew: bool = False
+    "The curves are all there are, and not what came since the last moment."
 
 
 def curves_of(rows: Sequence[Row], rig: RigSettings) -> Curves:
@@ -66,6 +80,14 @@ def curves_of(rows: Sequence[Row], rig: RigSettings) -> Curves:
         [_depth(row.position_ticks, rig) for row in recent],
         [_depth(row.shaft_ticks, rig) for row in recent],
     )
+
+
+def joined(before: Curves, after: Curves) -> Curves:
+    """Both, as far as they are within ``WINDOW_S`` of the last sample."""
+    columns = {name: [*values, *getattr(after, name)] for name, values in vars(before).items()}
+    times_s = columns["time_s"]
+    first = bisect_left(times_s, times_s[-1] - WINDOW_S) if times_s else 0
+    return Curves(**{name: values[first:] for name, values in columns.items()})
 
 
 def _half_difference(row: Row) -> float | None:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import asyncio
-import json
-from collections.abc import AsyncIterator
-from dataclasses import asdict
+import mimetypes
+from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 
 import cv2
-from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
-from starlette.routing import BaseRoute, Mount, Route
-from starlette.staticfiles import StaticFiles
+from starlette.routing import BaseRoute, Route
 
 from emg2vsa.errors import Emg2vsaError
+from emg2vsa.live.audience import Audience
 from emg2vsa.live.follow import Follower, newest_run
 from emg2vsa.live.run_facts import read_ending
 from emg2vsa.rig.executor.stop_requests import request_stop
@@ -31,8 +29,10 @@ _PAGE = Path(__file__).parent / "page" / "watch"
 def watch_routes(folder: Path) -> list[BaseRoute]:
     """Page, stream of moments, newest frame and stop button for the run, or the newest of the runs, in ``folder``."""
 
+    audience = Audience(Follower(folder), _PERIOD_S)
+
     async def stream(request: Request) -> Response:
-        return StreamingResponse(moments(Follower(folder)), media_type="text/event-stream")
+        return StreamingResponse(audience.events(), media_type="text/event-stream")
 
     def frame(request: Request) -> Response:
         run = newest_run(folder)
@@ -42,7 +42,8 @@ def watch_routes(folder: Path) -> list[BaseRoute]:
             return Response(str(error), status_code=500)
         return Response(jpeg, media_type="image/jpeg") if jpeg else Response(status_code=204)
 
-    def stop(request: Request) -> Response:
+    # not in the pool of threads, which those who come and their frames may have taken whole
+    async def stop(request: Request) -> Response:
         run = newest_run(folder)
         if run is None or read_ending(run, 0):
             return PlainTextResponse("nothing is running", status_code=409)
@@ -56,17 +57,18 @@ def watch_routes(folder: Path) -> list[BaseRoute]:
         Route("/stream", stream),
         Route("/frame", frame),
         Route("/stop", stop, methods=["POST"]),
-        Mount("/", StaticFiles(directory=_PAGE, html=True)),
+        *(_file("" if path.name == "index.html" else path.name, path) for path in sorted(_PAGE.iterdir())),
     ]
 
 
-async def moments(follower: Follower, period_s: float = _PERIOD_S) -> AsyncIterator[str]:
-    """Server-sent events without end, each the `Snapshot` of a moment as JSON."""
-    yield "retry: 500\n\n"
-    while True:
-        snapshot = await run_in_threadpool(follower.look)
-        yield f"data: {json.dumps(asdict(snapshot), separators=(',', ':'))}\n\n"
-        await asyncio.sleep(period_s)
+def _file(name: str, path: Path) -> Route:
+    """A file of the page; read now, so that many who come at once wait for no disk."""
+    content, kind = path.read_bytes(), mimetypes.guess_type(path.name)[0]
+
+    async def answer(request: Request) -> Response:
+        return Response(content, media_type=kind)
+
+    return Route(f"/{name}", answer)
 
 
 def newest_frame(run: Path) -> bytes | None:
@@ -75,8 +77,17 @@ def newest_frame(run: Path) -> bytes | None:
     DeviceError when the file is not the rig's.
     """
     for frames in sorted(run.glob("press-*/frames.tif"), key=lambda path: (len(path.parent.name), path), reverse=True):
-        image = newest_page(frames)
-        if image is not None:
-            _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
-            return jpeg.tobytes()
+        with suppress(FileNotFoundError):
+            if jpeg := _jpeg(frames, frames.stat().st_size):
+                return jpeg
     return None
+
+
+@lru_cache(maxsize=4)
+def _jpeg(frames: Path, size_bytes: int) -> bytes | None:
+    """Of the newest page; made once for all who look while the file has this size."""
+    image = newest_page(frames)
+    if image is None:
+        return None
+    _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
+    return jpeg.tobytes()

@@ -32,7 +32,7 @@ def study_lock(folder: Path, *, wait: bool, say: Callable[[str], None]) -> Itera
     handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     try:
         looks = 0
-        while not _taken(handle):
+        while not taken(handle):
             looks += 1
             if looks > _PATIENCE and not wait:
                 do = "Wait until it ends, or run again without --no-wait."
@@ -56,7 +56,7 @@ def holder(folder: Path) -> str:
     except OSError:
         return ""
     try:
-        return "" if _taken(handle) else told(path)
+        return "" if taken(handle) else told(path)
     finally:
         os.close(handle)
 
@@ -64,7 +64,8 @@ def holder(folder: Path) -> str:
 if sys.platform == "win32":
     import msvcrt
 
-    def _taken(handle: int) -> bool:
+    def taken(handle: int) -> bool:
+        """Take the lock of an open file, unless another process holds it; closing the file gives it back."""
         os.lseek(handle, _BYTE, os.SEEK_SET)
         try:
             msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
@@ -75,7 +76,8 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-    def _taken(handle: int) -> bool:
+    def taken(handle: int) -> bool:
+        """Take the lock of an open file, unless another process holds it; closing the file gives it back."""
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

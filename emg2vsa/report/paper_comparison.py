@@ -56,6 +56,7 @@ def _papers_bounds() -> tuple[float, float]:
 def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Table:
     """Quantity, the paper's value, ours, and what to mind; ours is missing where its stage failed."""
     rows = [
+        *_plate(results),
         *_curves(found),
         *_tests(results, found),
         *_new_specimen(results, found),
@@ -64,6 +65,16 @@ def paper_comparison(results: StudyResults, found: Mapping[str, Quantity]) -> Ta
     ]
     caption = f"The paper's numbers beside ours ({origin(results).source})"
     return Table("paper_comparison", caption, _COLUMNS, tuple(rows))
+
+
+def _plate(results: StudyResults) -> list[tuple[Cell, ...]]:
+    """How straight the plate indentations are; no row where the study file does not say."""
+    said = {s.name: s.plate_adjusted_r2 for s in results.study.specimens if s.plate_adjusted_r2 is not None}
+    if not said:
+        return []
+    worst = min(said, key=lambda name: said[name])
+    mind = f"{worst} is the worst; the line begins where contact is found (emg2vsa stiffness)"
+    return [("worst adjusted R² of the plate indentations", ".882", number(said[worst], 3), mind)]
 
 
 def _curves(found: Mapping[str, Quantity]) -> list[tuple[Cell, ...]]:

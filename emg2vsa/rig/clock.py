@@ -20,6 +20,8 @@ import numpy as np
 _WAIT_S = 2e-4
 LEAST_PRIORITY = 1
 """The lowest of the real-time priorities is above every ordinary program."""
+LATE_PERIODS = 0.5
+"""A turn that begins so much of a period after its due time is late."""
 _SWITCH_S = 2e-4
 """A thread that fetches frames, or watches the log, hands the interpreter over after this time instead of 5 ms."""
 
@@ -74,6 +76,10 @@ class LoopTiming:
     largest_s: float
     overruns: int
     "Beats that passed while a turn was still going on."
+    late: int = 0
+    "Turns that began half a period or more after their due time."
+    latest_s: float = 0.0
+    "Largest delay of a turn after its due time."
 
 
 class Beat:
@@ -82,7 +88,8 @@ class Beat:
     def __init__(self, clock: Clock, period_s: float) -> None:
         self._clock, self._period_s = clock, period_s
         self._errors_s = array("d")
-        self._turns = self._overruns = 0
+        self._turns = self._overruns = self._late = 0
+        self._latest_s = 0.0
         self.restart()
 
     def restart(self) -> None:
@@ -101,13 +108,16 @@ class Beat:
         self._last_s, self._beat = now_s, self._beat + 1 + over
         self._turns += 1
         self._overruns += over
-        return now_s, now_s - due_s
+        late_s = now_s - due_s
+        self._late += late_s >= LATE_PERIODS * self._period_s
+        self._latest_s = max(self._latest_s, late_s)
+        return now_s, late_s
 
     def timing(self) -> LoopTiming:
         """So far."""
         errors_s = np.array(self._errors_s) if self._errors_s else np.zeros(1)
         median, p99, p999, largest = np.quantile(errors_s, (0.5, 0.99, 0.999, 1)).tolist()
-        return LoopTiming(self._turns, median, p99, p999, largest, self._overruns)
+        return LoopTiming(self._turns, median, p99, p999, largest, self._overruns, self._late, self._latest_s)
 
 
 @contextmanager
@@ -133,6 +143,22 @@ def undisturbed() -> Iterator[bool]:
             _real_time(False)
         sys.setswitchinterval(usual_s)
         gc.unfreeze()
+
+
+@contextmanager
+def ahead() -> Iterator[None]:
+    """The calling thread goes before those that it has started, where `undisturbed` was permitted.
+
+    A frame that a thread makes grey takes a millisecond or two, which is a large part of a turn.
+    """
+    real_time = hasattr(os, "sched_getscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO
+    if real_time:
+        os.sched_setparam(0, os.sched_param(LEAST_PRIORITY + 1))
+    try:
+        yield
+    finally:
+        if real_time:
+            os.sched_setparam(0, os.sched_param(LEAST_PRIORITY))
 
 
 def _real_time(on: bool) -> bool:

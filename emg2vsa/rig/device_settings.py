@@ -13,6 +13,9 @@ from emg2vsa.settings import Ge, Gt, Le, MinLen, Positive
 Generation = Literal["v6", "v7"]
 """Of a qbmove's firmware; they differ in acknowledgements, and in replies that do not fit one length byte."""
 Model = Literal["maker-pro", "advanced"]
+Baud = Literal[2_000_000, 460_800]
+"""Of the serial line: that of generations 6 and 7, and that of generation 5 and of whoever sets it (SET_BAUDRATE)."""
+BAUD: Baud = 2_000_000
 RDT_PORT = 49152
 """UDP port of the raw data of ATI's boxes."""
 RATE_HZ = 20.0
@@ -26,6 +29,8 @@ LARGEST_PRESS_BYTES = 2**32 - 1
 
 Text = Annotated[str, MinLen(1)]
 DeviceId = Annotated[int, Ge(1), Le(255)]
+REPLY_S = 0.016
+"""Three attempts of it, and a turn of the loop before them, name a dead board within 60 ms."""
 WatchdogS = Annotated[float, Ge(0.06), Le(5)]
 """Steps of 20 ms, at most 250; 1 and 2 are rounded to a period of 0, whose meaning is unknown (cmd_set_watchdog)."""
 NetPort = Annotated[int, Ge(1), Le(65535)]
@@ -35,17 +40,20 @@ NetPort = Annotated[int, Ge(1), Le(65535)]
 class ActuatorSettings:
     """The qbmove."""
 
-    port: Text
-    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3."
+    port: Text | None = None
+    "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
+    baud: Baud = BAUD
+    "Bits a second on the serial line; devices of generation 5 have 460800."
     generation: Generation = "v6"
     "Of the firmware: the first digit of its version."
     model: Model = "maker-pro"
     "The Advanced counts its encoders the other way round."
     watchdog_s: WatchdogS = 0.5
-    "The motors go off by themselves when the program has been silent for so long."
-    reply_s: Positive = 0.02
+    """The device is told to switch its motors off when the program has been silent for so long. Whether it does is
+    unknown until emg2vsa rig prove-watchdog has shown it on this very device."""
+    reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
 
 
@@ -53,15 +61,17 @@ class ActuatorSettings:
 class MotorSettings:
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 
-    port: Text
+    port: Text | None = None
     "Serial port; may be the actuator's when the ids differ."
     id: DeviceId = 1
     "Device id."
+    baud: Baud = BAUD
+    "Bits a second on the serial line."
     generation: Generation = "v6"
     "Of the firmware: the first digit of its version."
     watchdog_s: WatchdogS = 0.5
-    "The motor goes off by itself when the program has been silent for so long."
-    reply_s: Positive = 0.02
+    "The board is told to switch its motor off when the program has been silent for so long; as for [actuator]."
+    reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
 
 
@@ -72,7 +82,7 @@ class ForceSettings:
     kind: Literal["net-ft", "ni-daq"]
     "net-ft: Net F/T box or Ethernet Axia; ni-daq: gauge voltages and the transducer's calibration."
     host: Text | None = None
-    "net-ft: address of the box; 192.168.1.1 when it leaves the factory."
+    "net-ft: address of the box; 192.168.1.1 when it leaves the factory. Omitted: only the emulated rig can run."
     rdt_port: NetPort = RDT_PORT
     "net-ft: UDP port of its raw data."
     http_port: NetPort = 80
@@ -100,7 +110,15 @@ class CameraSettings:
     rate_hz: Positive = RATE_HZ
     "Frames kept a second; a faster camera is thinned out."
     delay_s: Annotated[float, Ge(0), Le(0.5)] = 0.0
-    "From the exposure of a frame until it arrives here; frames are timed so much earlier, and meet the force of then."
+    "From exposure to arrival, as rig camera-delay measures it; frames are timed so much earlier."
+    lock: bool = True
+    "Exposure, gain and white balance stay as they are when a run begins: what changes by itself looks like a touch."
+    exposure: float | None = None
+    "Exposure in the camera's own unit (V4L2: 0.1 ms; DirectShow: powers of 2 s); omitted: what it has now."
+    gain: float | None = None
+    "Gain in the camera's own unit; omitted: what it has now."
+    white_balance_k: float | None = None
+    "White balance, kelvin; omitted: what it has now."
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.actuator import Springs
+
 
 @dataclass(frozen=True)
 class SensorStatus:
@@ -30,18 +32,45 @@ class ForceSample:
     time_s : when it arrived, on the rig's clock.
     force_n, torque_nm : (3,) along x, y, z of the sensor, N and N·m.
     status : of this reading.
+    sequence : the sensor's own number of it: another reading has another number. None where it counts none.
     """
 
     time_s: float
     force_n: NDArray[np.float64]
     torque_nm: NDArray[np.float64]
     status: SensorStatus = SensorStatus()
+    sequence: int | None = None
+
+
+class ForceCounts(NamedTuple):
+    """What has come from a force sensor since it was started, and what has not; all are numbers of records."""
+
+    records: int = 0
+    "That came in their order."
+    lost: int = 0
+    "That had not come when a later one did, less those that came late after all."
+    late: int = 0
+    "That came after a later one; their force is not used."
+    duplicated: int = 0
+    refused: int = 0
+    "That make no sense: of a wrong length, or numbered more than a second away from the newest."
+
+
+class Rating(NamedTuple):
+    """Largest load a force sensor is made for, along x, y, z of the sensor."""
+
+    force_n: tuple[float, float, float]
+    torque_nm: tuple[float, float, float]
 
 
 class ForceSensor(Protocol):
-    """A sensor that measures by itself once started. It is never biased unless `bias` is called."""
+    """A sensor that measures by itself once started. It is never biased unless `bias` is called.
+
+    rating : None where the sensor does not tell.
+    """
 
     name: str
+    rating: Rating | None
 
     def start(self) -> None:
         """Begin, and return once a first sample has come. DeviceError when none comes."""
@@ -49,6 +78,13 @@ class ForceSensor(Protocol):
     def read(self) -> ForceSample:
         """The newest sample; everything older is dropped, so a slow loop never lags. DeviceError when it is too old
         or has not changed for too long."""
+
+    def read_all(self) -> list[ForceSample]:
+        """All samples up to that of the last `read` which this has not given yet, oldest first; at most those of the
+        last second."""
+
+    def counts(self) -> ForceCounts:
+        """Since the start."""
 
     def bias(self) -> None:
         """Make the present load the new zero."""
@@ -100,7 +136,17 @@ class Measurements(NamedTuple):
 
 
 class Actuator(Protocol):
-    """A position with a stiffness. Every method raises DeviceError when the device is lost or refuses."""
+    """A position with a stiffness. Every method raises DeviceError when the device is lost or refuses.
+
+    Where it has springs, motor 1 is sent to position + preset and motor 2 to position - preset; without, motor 1 to the
+    position and motor 2 nowhere.
+
+    springs : between motors and shaft; None is a rigid motor, whose shaft is motor 1's.
+    """
+
+    @property
+    def springs(self) -> Springs | None:
+        """Of the device, or of the model it stands for."""
 
     def activate(self) -> None:
         """Motors on, where they are."""
@@ -122,6 +168,9 @@ class Actuator(Protocol):
 
     def currents_ma(self) -> tuple[int, int]:
         """Currents of both motors, mA."""
+
+    def current_limit_ma(self) -> float:
+        """What the device says a motor may draw, mA; asked once the motors are on, and answered from memory."""
 
 
 @dataclass(frozen=True)

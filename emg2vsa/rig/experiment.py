@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,6 +49,9 @@ class ExperimentSettings:
     "Length of the ramp."
     pause_s: Annotated[float, Ge(0)] = 2.0
     "Between two presses."
+    stiffness_n_per_mm: dict[str, Annotated[float, Gt(0)]] = field(default_factory=dict)
+    """Specimen to its stiffness by plate indentation, N/mm: it tells the largest force to expect, and how deep a press
+    may go. Of a specimen not named here that of [emulated] is taken."""
 
     def all_runs(self) -> tuple[tuple[str, float, Condition], ...]:
         """Specimen, angle in degrees and condition of every run, in their order."""
@@ -58,6 +61,40 @@ class ExperimentSettings:
             for angle_deg in angles
             for specimen in self.specimens
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlateSettings:
+    """Indentation of specimens by a flat plate on the rigid motor, for their stiffness (paper, section IV.B)."""
+
+    trials: Annotated[int, Ge(1)] = 5
+    "Of each specimen."
+    f_max_n: Annotated[float, Gt(0)] = 5.0
+    "The plate turns back here."
+    f_contact_n: Annotated[float, Gt(0)] = 0.3
+    "Force of first contact."
+    ramp_mm_per_s: Annotated[float, Gt(0)] = 1.0
+    "Speed of the plate."
+    pause_s: Annotated[float, Ge(0)] = 5.0
+    "Between two trials, for a viscous specimen to come back."
+
+
+def plate_plan(plate: PlateSettings, experiment: ExperimentSettings, specimen: str) -> RunPlan:
+    """The plan of all trials of one specimen, along its normal and without a schedule."""
+    return RunPlan(
+        specimen=specimen,
+        angle_deg=0.0,
+        condition=RIGID,
+        repetitions=plate.trials,
+        schedule=None,
+        f_max_n=plate.f_max_n,
+        f_contact_n=plate.f_contact_n,
+        contact_s=experiment.contact_s,
+        ramp_mm_per_s=plate.ramp_mm_per_s,
+        travel_mm=experiment.travel_mm,
+        pause_s=plate.pause_s,
+        plate=True,
+    )
 
 
 def run_name(specimen: str, angle_deg: float, condition: str) -> str:
@@ -71,8 +108,12 @@ def plan_of(
     angle_deg: float,
     condition: Condition,
     schedules: Sequence[Schedule],
+    emulated_n_per_mm: Mapping[str, float] | None = None,
 ) -> RunPlan:
-    """The plan of one run. ScheduleError where the specimen has no schedule for its condition."""
+    """The plan of one run. ScheduleError where the specimen has no schedule for its condition.
+
+    ``emulated_n_per_mm`` : stiffness of specimens on the emulated bench, for those that the experiment does not name.
+    """
     return RunPlan(
         specimen=specimen,
         angle_deg=angle_deg,
@@ -85,6 +126,7 @@ def plan_of(
         ramp_mm_per_s=experiment.ramp_mm_per_s,
         travel_mm=experiment.travel_mm,
         pause_s=experiment.pause_s,
+        stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(specimen),
     )
 
 

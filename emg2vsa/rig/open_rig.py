@@ -4,20 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import cv2
 
 from emg2vsa.ati.cal_file import read_calibration
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, DeviceSettings, ForceSettings, MotorSettings
+from emg2vsa.rig.device_settings import (
+    ActuatorSettings,
+    CameraSettings,
+    DeviceSettings,
+    ForceSettings,
+    Generation,
+    MotorSettings,
+)
 from emg2vsa.rig.devices import Devices, ForceSensor
 from emg2vsa.rig.force.daq_ft import DaqFt
-from emg2vsa.rig.force.net_ft import open_net_ft
+from emg2vsa.rig.force.net_ft import NetFt, open_net_ft
 from emg2vsa.rig.force.ni_volts import NiVolts
 from emg2vsa.rig.plan import RIGID, Condition
-from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
-from emg2vsa.rig.qbmove.info import QbmoveInfo
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.info import QbmoveInfo, check_kind
 from emg2vsa.rig.qbmove.limits import roomy_positions
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import SerialLine
@@ -31,6 +41,8 @@ class OpenRig:
     devices: Devices
     rig: RigSettings
     info: QbmoveInfo
+    facts: dict[str, Any]
+    "What the devices say of themselves, for the record of the run."
 
 
 @contextmanager
@@ -41,16 +53,20 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
 
     Raises
     ------
-    DeviceError : a device is absent, silent or not set up for runs; what was open is closed again.
+    DeviceError : a device is absent, silent, of another generation or model, or not set up for runs; what was open is
+    closed again.
     SettingError : the rig has no rigid motor and needs one.
     """
     with ExitStack() as stack:
         board = stack.enter_context(open_board(board_settings(settings, condition), rig.stiffness_percent, clock))
         stack.enter_context(board)
-        info = board.info()
+        info = board_info(board)
+        if condition != RIGID:
+            check_kind(info, settings.actuator.model, board.where)
         force = open_force(settings.force, rig.guards, clock)
         stack.callback(force.close)
         force.start()
+        facts = {"board": asdict(info), "force": _force_facts(force, biased=settings.force.bias)}
         if settings.force.bias:
             force.bias()
         camera = None
@@ -58,9 +74,22 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
             camera = open_camera(settings.camera, rig.guards, clock)
             stack.callback(camera.close)
             camera.start()
+            facts["camera"] = asdict(settings.camera) | {"name": camera.name, "set": camera.locked}
         rigid = condition == RIGID
         devices = Devices(RigidMotor(board) if rigid else board, force, camera)
-        yield OpenRig(devices, within_device(rig, info, rigid), info)
+        yield OpenRig(devices, within_device(rig, info, rigid), info, facts)
+
+
+def _force_facts(force: ForceSensor, *, biased: bool) -> dict[str, Any]:
+    """Of a started sensor, before it is biased."""
+    sample = force.read()
+    load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
+    facts = {"name": force.name, "status": sample.status.code, "biased_by": load if biased else None}
+    if isinstance(force, NetFt):
+        return facts | asdict(force.config)
+    if isinstance(force, DaqFt):
+        return facts | {"calibration_serial": force.calibration.serial}
+    return facts
 
 
 def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSettings | MotorSettings:
@@ -77,8 +106,14 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
 def open_board(
     settings: ActuatorSettings | MotorSettings, stiffness_percent: tuple[float, float], clock: Clock
 ) -> Iterator[Qbmove]:
-    """The board behind its serial port. DeviceError when there is no such port or id; nothing is switched."""
-    line = SerialLine(settings.port, BAUD)
+    """The board behind its serial port; nothing is switched.
+
+    DeviceError : no such port or id. SettingError : the rig file names no port: none is guessed.
+    """
+    if settings.port is None:
+        table = "actuator" if isinstance(settings, ActuatorSettings) else "motor"
+        raise _no_address(f"{table}.port", "the serial port of the device", "emg2vsa rig scan lists the ports.")
+    line = SerialLine(settings.port, settings.baud)
     try:
         board = Qbmove(
             line,
@@ -98,23 +133,56 @@ def open_board(
         line.close()
 
 
+def board_info(board: Qbmove) -> QbmoveInfo:
+    """What the board says of itself. DeviceError where it is silent, or not of the generation of the rig file.
+
+    The generations frame this text in different ways, so that a board asked in the wrong one seems to be silent; it is
+    then asked in the other.
+    """
+    said, troubles = board.generation, []
+    generations: tuple[Generation, ...] = ("v7", "v6") if said == "v7" else ("v6", "v7")
+    for board.generation in generations:
+        try:
+            info = board.info()
+        except DeviceError as error:
+            troubles.append(error)
+            continue
+        finally:
+            board.generation = said
+        if info.generation != said:
+            do = f'Set generation = "{info.generation}" in the rig file.'
+            raise DeviceError(f"{board.where}, generation", wanted=f"firmware {said}", found=info.firmware, do=do)
+        return info
+    raise troubles[0]
+
+
 def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> ForceSensor:
-    """The force sensor, not yet started. DeviceError when it is absent."""
+    """The force sensor, not yet started. DeviceError when it is absent; SettingError when the rig file has no host."""
     # the sensor gives up later than the guard, which tells a late sample from a late loop
     stale_s = 2 * guards.stale_s
     if settings.kind == "net-ft":
+        if settings.host is None:
+            raise _no_address("force.host", "the address of the box", "It leaves the factory with 192.168.1.1.")
         ports = {"rdt_port": settings.rdt_port, "http_port": settings.http_port}
-        return open_net_ft(settings.host or "", clock, buffered=settings.buffered, stale_s=stale_s, **ports)
+        return open_net_ft(settings.host, clock, buffered=settings.buffered, stale_s=stale_s, **ports)
     calibration = read_calibration(settings.cal_file or "")
     return DaqFt(NiVolts(settings.channels or "", calibration.range_v), calibration, clock, stale_s=stale_s)
 
 
+def _no_address(key: str, wanted: str, do: str) -> SettingError:
+    do = f"Write it into the rig file, or use the emulated rig (--virtual). {do}"
+    return SettingError(key, wanted=wanted, found="nothing", do=do)
+
+
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:
     """The camera, not yet started."""
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # the driver says it in words
     shape = settings.height, settings.width
+    values = {"exposure": settings.exposure, "gain": settings.gain, "white_balance_k": settings.white_balance_k}
+    lock = values if settings.lock or any(value is not None for value in values.values()) else None
     return OpenCvCamera(
         settings.source, clock,
-        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s,
+        shape=shape, rate_hz=settings.rate_hz, delay_s=settings.delay_s, lost_s=guards.camera_s, lock=lock,
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,20 +16,63 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GuardSettings:
-    """Limits beyond which a run ends. All but force_n are guesses, to be set for each rig; the paper gives none."""
+    """Limits beyond which a run ends, each with a bound that no rig file may pass. The paper gives none: where nothing
+    is said of its source a value is a guess, to be set for each rig."""
 
-    force_n: Positive = 10.0
-    "Largest force, of either sign, as measured and not filtered; above the F_max of 7 N."
-    force_rate_n_per_s: Positive = 300.0
+    force_n: Annotated[float, Gt(0), Le(50)] = 10.0
+    "Largest force along push_axis, of either sign, as measured and not filtered; above the F_max of 7 N."
+    lateral_n: Annotated[float, Gt(0), Le(20)] = 3.0
+    "Largest force across push_axis, beyond what the angle between probe and surface makes of force_n."
+    torque_nm: Annotated[float, Gt(0), Le(5)] = 1.0
+    "Largest torque on the force sensor."
+    force_rate_n_per_s: Annotated[float, Gt(0), Le(3000)] = 300.0
     "Largest change of force; 5 mm/s into 20 N/mm is 100 N/s."
-    stale_s: Positive = 0.025
+    stale_s: Annotated[float, Gt(0), Le(0.1)] = 0.025
     "Largest age of a force sample: five periods."
-    camera_s: Positive = LOST_S
+    frozen_mm: Annotated[float, Gt(0), Le(1)] = 0.18
+    "How far the motors may press on while all six readings of the force sensor stay the same: 36 ms at 5 mm/s."
+    frozen_s: Annotated[float, Gt(0), Le(2)] = 0.2
+    "How long the readings may stay the same at rest, of a sensor that has shown that its own never do."
+    spring_n: Annotated[float, Gt(0), Le(60)] = 12.0
+    "Largest force on the probe by the deflection of the springs, whatever the force sensor says."
+    spring_gap_n: Annotated[float, Gt(0), Le(20)] = 4.0
+    "Largest difference between that force and the felt one; friction and motion of the shaft make 2.8 N of it."
+    following_ticks: Annotated[float, Gt(0), Le(600)] = 100.0
+    "How far a motor may be beyond its command, or behind a slow motor's way there: 0.22 mm at 0.2 mm per degree."
+    following_s: Annotated[float, Gt(0), Le(0.2)] = 0.05
+    "Time constant of that slow motor; the emulated Maker Pro, made after its firmware, has 0.033 s."
+    following_ticks_per_s: Annotated[float, Ge(3000), Le(60000)] = 12000.0
+    "Largest speed of that slow motor; a Maker Pro's is 19600."
+    current_ma: Annotated[float, Gt(0), Le(6000)] = 1500.0
+    "Largest mean current of a motor over ten turns; the limit that the device tells holds too."
+    contact_mm: Annotated[float, Gt(0), Le(100)] = 6.0
+    "Deepest place of the shaft at which contact may come."
+    past_contact_mm: Annotated[float, Gt(0), Le(30)] = 10.0
+    "How far the shaft may go on after contact; less where the stiffness of the specimen is known."
+    camera_s: Annotated[float, Gt(0), Le(5)] = LOST_S
     "Longest time without a frame."
-    late_s: Positive = 0.05
+    late_s: Annotated[float, Gt(0), Le(0.1)] = 0.05
     "How late a turn of the loop may begin; the probe goes 0.25 mm meanwhile."
-    motors_every_s: Positive = 0.1
-    "How often the actuator is asked whether its motors are on."
+    motors_every_s: Annotated[float, Gt(0), Le(1)] = 0.1
+    "How often the actuator is asked whether its motors are on; less than half of watchdog_s."
+
+
+Doubtful = tuple[Annotated[float, Ge(0), Le(100)], Annotated[float, Ge(0), Le(100)]]
+"""Percent beyond which a press is doubtful, and beyond which it is rejected."""
+
+
+@dataclass(frozen=True)
+class LossSettings:
+    """How much of a press may be missing: two percentages, beyond which it is doubtful, and beyond which rejected."""
+
+    late_turns_percent: Doubtful = (1.0, 50.0)
+    "Turns of the loop that began half a period or more after their time."
+    missing_turns_percent: Doubtful = (1.0, 20.0)
+    "Turns that never were: rows that log.csv has fewer than rate_hz promises."
+    lost_force_percent: Doubtful = (1.0, 20.0)
+    "Records of the force sensor that never came, or too late."
+    missing_frames_percent: Doubtful = (5.0, 20.0)
+    "Frames between the first and the last of the press."
 
 
 @dataclass(frozen=True)
@@ -55,10 +99,16 @@ class RigSettings:
     "Turns of the control loop per second."
     filter_samples: Annotated[int, Ge(1)] = 5
     "Moving average of the force that chooses phase and stiffness."
-    escape_mm_per_s: Positive = 20.0
-    "Speed of the retraction that ends every run; a guess below the 43 mm/s of a Maker Pro at this gear."
-    settle_s: NonNegative = 0.3
+    max_mm_per_s: Annotated[float, Gt(0), Le(200)] = 40.0
+    "Largest speed of any motion; a Maker Pro at this gear makes 43 mm/s."
+    escape_mm_per_s: Annotated[float, Ge(5), Le(200)] = 20.0
+    "Speed of the retraction that ends every run."
+    settle_s: Annotated[float, Ge(0), Le(2)] = 0.3
     "From the last command of that retraction until the motors are switched off."
+    record_full_rate_force: bool = False
+    "true: every record of the force sensor is kept in force-full-rate.csv, not only the newest of each turn."
+    losses: LossSettings = field(default_factory=LossSettings)
+    "How much of a press may be missing."
     guards: GuardSettings = field(default_factory=GuardSettings)
     "Limits beyond which a run ends."
 
@@ -78,6 +128,11 @@ class RigSettings:
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
         return float(sample.force_n.dot(self.push_axis))
+
+    @property
+    def lever_m(self) -> float:
+        """Travel of the probe per angle of the shaft, m/rad: the torque of the shaft over the force of the probe."""
+        return math.degrees(self.gear_mm_per_degree) / 1000
 
     @property
     def _mm_per_tick(self) -> float:

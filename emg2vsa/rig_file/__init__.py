@@ -53,4 +53,5 @@ def _rig_file(path: Path, tables: RigTables) -> RigFile:
         schedules=beside(folder, schedules) if schedules else reports_beside(folder, folder.name) / "schedules",
         runs=beside(folder, tables.experiment.runs),
         emulated=tables.emulated,
+        plate=tables.plate,
     )

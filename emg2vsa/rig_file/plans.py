@@ -47,11 +47,26 @@ def chosen_runs(
 def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None) -> tuple[RunPlan, ...]:
     """The plans of ``runs``, with the schedules in the file's folder. ``repetitions``: instead of the experiment's.
 
-    ScheduleError : a schedule is absent, or not as it was exported.
+    ScheduleError : a schedule is absent, not as it was exported, or for another model of actuator.
     """
     schedules = read_schedules(file.schedules, runs)
+    _check_springs(file, schedules)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
-    return tuple(plan_of(experiment, *run, schedules) for run in runs)
+    emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
+    return tuple(plan_of(experiment, *run, schedules, emulated_n_per_mm) for run in runs)
+
+
+def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
+    """The same ticks are another stiffness on springs of another model (decision 13)."""
+    own = f"qbmove-{file.devices.actuator.model}"
+    for schedule in schedules:
+        if schedule.limits.actuator != own:
+            raise ScheduleError(
+                f"schedule of {schedule.specimen}, {schedule.condition}, limits.actuator",
+                wanted=f"{own}, the model under [actuator] of {file.path}",
+                found=schedule.limits.actuator,
+                do="Set [schedule] actuator of the study to the device's model and export again, or correct model.",
+            )
 
 
 def read_schedules(folder: Path, runs: Sequence[Run]) -> tuple[Schedule, ...]:

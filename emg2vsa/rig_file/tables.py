@@ -17,7 +17,7 @@ from emg2vsa.rig.device_settings import (
     Text,
 )
 from emg2vsa.rig.emulated.settings import EmulatedSettings
-from emg2vsa.rig.experiment import ExperimentSettings
+from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.rig_settings import RigSettings
 
 
@@ -47,6 +47,8 @@ class RigTables:
     "The tactile camera; without it no frames are kept."
     experiment: ExperimentTable
     "What is pressed, and how."
+    plate: PlateSettings = field(default_factory=PlateSettings)
+    "Indentation of the specimens by a flat plate (emg2vsa rig run --plate)."
     emulated: EmulatedSettings | None = None
     "The bench that emg2vsa rig emulate and emg2vsa rig run --virtual put in place of a real one."
 
@@ -64,6 +66,7 @@ class RigFile:
     runs: Path
     "Folder of the runs."
     emulated: EmulatedSettings | None
+    plate: PlateSettings = field(default_factory=PlateSettings)
 
     @property
     def virtual_runs(self) -> Path:

@@ -19,6 +19,7 @@ from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.record.press_counts import verdicts
 from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.runs.press import Press
 
@@ -33,13 +34,18 @@ def is_simulated(folders: Sequence[Path]) -> bool:
 
 
 def run_notes(folders: Sequence[Path]) -> tuple[str, ...]:
-    """What a reader of the scores should know of runs that were not completed."""
+    """What a reader of the scores should know of runs that were not completed, and of presses that lost something."""
     notes = []
     for folder in folders:
         ended = _json(folder / "ended.json")
         if ended and ended.get("how") != "completed":
             cause = ended.get("cause") or ended.get("why") or "unknown"
             notes.append(f"{folder.name} ended early: {ended.get('how')}, {cause}")
+        notes += [
+            f"{folder.name}, press {number} is doubtful: {why}"
+            for number, (verdict, why) in verdicts(folder).items()
+            if verdict == "doubtful"
+        ]
     return tuple(notes)
 
 
@@ -52,13 +58,18 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     """
     repetition = 0
     for folder in folders:
-        travel = _travel(folder)
+        travel, found = _travel(folder), verdicts(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)
         for number, path in enumerate(_press_folders(folder), start=1):
             repetition += 1
             force_n, depth_mm = travel.get(_number(path, number), (_NONE, _NONE))
+            verdict, why = found.get(_number(path, number), ("ok", ""))
             unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
+            if verdict == "rejected":
+                reason = f"{folder.name}, press {_number(path, number)} was rejected by the rig: {why}"
+                yield Press(repetition, None, reason, force_n, depth_mm, unit)
+                continue
             try:
                 if trouble:
                     raise trouble

@@ -12,6 +12,7 @@ from emg2vsa.settings import (
     FilterSettings,
     ForceChannelSettings,
     Ge,
+    Le,
     MinLen,
     NonNegative,
     Positive,
@@ -63,6 +64,8 @@ class SpecimenTable:
     "Stiffness by plate indentation, N/mm; omitted: not measured."
     stiffness_se_n_per_mm: NonNegative = 0.0
     "Its standard error, which the interval of a calibrated stiffness counts in (emg2vsa stiffness)."
+    plate_adjusted_r2: Annotated[float, Le(1)] | None = None
+    "Worst adjusted R2 of its plate indentations, for the report (emg2vsa stiffness)."
 
 
 @dataclass(frozen=True, kw_only=True)

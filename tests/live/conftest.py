@@ -23,7 +23,9 @@ STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 
 
 def make_row(time_s: float = 0.0, **changes: Any) -> Row:
-    return Row(time_s, 1, "load", time_s, 1.5, 1.25, 1100, 600, 1400, 200, 1000, 10, -10, -1)._replace(**changes)
+    wrench = 0.3, 0.4, 1.5, 0.01, 0.02, 0.03
+    row = Row(time_s, 1, "load", time_s, 1.5, 1.25, 1100, 600, 1400, 200, 1000, 10, -10, -1, 1e-4, *wrench, 0, 7000)
+    return row._replace(**changes)
 
 
 @pytest.fixture

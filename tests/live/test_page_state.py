@@ -106,3 +106,29 @@ def test_stop_button(computed, now, stop, clock_s, title, enabled):
 )
 def test_the_newest_frame_is_asked_for_once(computed, run, frame, shown, asked):
     assert computed("frameToAsk", run, frame, shown) == asked
+
+
+@pytest.mark.parametrize(
+    ("repetitions", "done", "pressing", "kinds"),
+    [
+        (2, 0, False, ["", ""]),
+        (2, 0, True, ["now", ""]),
+        (2, 1, True, ["done", "now"]),
+        (2, 2, False, ["done", "done"]),
+        (0, 0, False, []),
+    ],
+)
+def test_the_bar_of_presses(computed, repetitions, done, pressing, kinds):
+    assert computed("pressesOf", repetitions, done, pressing) == kinds
+
+
+def test_ten_million_presses_are_a_hundred_parts(computed):
+    assert computed("pressesOf", 10_000_000, 2_500_000, True) == ["done"] * 25 + ["now"] + [""] * 74
+
+
+def test_a_busy_computer_is_named(computed):
+    health = {"largest_n": 7.123, "largest_across_n": 0.3, "turns": 1000, "latest_ms": 12.34}
+    assert computed("healthOf", health | {"late_turns": 1}) == (
+        "largest force 7.12 N, across 0.30 N · loop late in 0.10 % of turns, by up to 12.3 ms"
+    )
+    assert computed("healthOf", health | {"late_turns": 100}).endswith("by up to 12.3 ms: the computer is busy")

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
+from emg2vsa.live.audience import Audience
 from emg2vsa.live.follow import Follower
 from emg2vsa.live.server import TOKEN_HEADER, application
-from emg2vsa.live.watch_routes import moments, watch_routes
+from emg2vsa.live.watch_routes import watch_routes
 from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.record.press_recorder import PressRecorder
 
@@ -91,7 +92,7 @@ def test_a_stop_that_cannot_be_written_is_said(client, begin, monkeypatch):
 
 def test_a_stop_is_no_link(client, begin, runs):
     begin("run")
-    assert client.get(f"{IN}/stop").status_code == 404
+    assert client.get(f"{IN}/stop").status_code == 405
     assert not (runs / "run" / "stop").exists()
 
 
@@ -130,25 +131,96 @@ def test_the_page_loads_nothing_from_elsewhere_and_everything_it_names(client):
         assert "//" not in re.sub(r"^\s*//.*|\s// .*", "", file.text, flags=re.MULTILINE), name
 
 
+async def until(stream, wanted, times_s=()):
+    """The first moment that is as wanted, and the times of all curves up to it, after ``times_s``."""
+    async for event in stream:
+        if event.startswith("retry"):
+            continue
+        assert event.startswith("data: ")
+        assert event.endswith("\n\n")
+        assert event.count("\n") == 2
+        moment = json.loads(event.removeprefix("data: "))
+        times_s = [*([] if moment["anew"] else times_s), *moment["curves"]["time_s"]]
+        if wanted(moment):
+            return moment, times_s
+    raise AssertionError("the stream has ended")
+
+
 def test_the_stream_tells_each_moment_as_it_comes(begin, row, runs, ended):
     async def listened():
-        stream = moments(Follower(runs), period_s=0)
-        assert await anext(stream) == "retry: 500\n\n"
-        told = [await anext(stream)]
+        stream = Audience(Follower(runs), 0.001).events()
+        assert (await until(stream, lambda moment: moment["run"] is None))[1] == []
         record = begin("run")
         record.row(row(0.005))
-        told.append(await anext(stream))
-        record.row(row(0.010, force_n=float("nan")))
-        told.append(await anext(stream))
+        _, times_s = await until(stream, lambda moment: moment["phase"] == "load")
+        record.row(row(0.010, force_n=float("nan"), phase="pause"))
+        paused, times_s = await until(stream, lambda moment: moment["phase"] == "pause", times_s)
+        assert (times_s, paused["curves"]["raw_n"][-1], paused["presses_done"]) == ([0.005, 0.01], None, 1)
         record.end(ended())
-        told.append(await anext(stream))
-        return told
+        over, times_s = await until(stream, lambda moment: moment["ended"], times_s)
+        assert (times_s, over["ended"]["title"], over["ended"]["presses_done"]) == ([0.005, 0.01], "Completed", 0)
+        await stream.aclose()
 
-    told = asyncio.run(listened())
-    assert all(event.startswith("data: ") and event.endswith("\n\n") and event.count("\n") == 2 for event in told)
-    waiting, first, second, over = (json.loads(event.removeprefix("data: ")) for event in told)
-    assert waiting["run"] is None
-    assert first["run"]["name"] == "run"
-    assert (first["curves"]["time_s"], second["curves"]["time_s"], over["curves"]["time_s"]) == ([0.005], [0.01], [])
-    assert second["curves"]["raw_n"] == [None]
-    assert (second["ended"], over["ended"]["title"]) == (None, "Completed")
+    asyncio.run(listened())
+
+
+def test_the_folder_is_read_once_for_all_who_watch_and_each_has_all_curves(begin, row, runs):
+    record = begin("run")
+    for turn in range(400):
+        record.row(row(turn / 200))
+    follower = Follower(runs)
+    looks = []
+    look = follower.look
+    follower.look = lambda: looks.append(1) or look()
+
+    async def viewer(audience):
+        stream = audience.events()
+        found = await until(stream, lambda moment: moment["run"])
+        await stream.aclose()
+        return found
+
+    async def watched():
+        audience = Audience(follower, 0.02)
+        return await asyncio.gather(*(viewer(audience) for _ in range(50)))
+
+    seen = asyncio.run(watched())
+    assert all(times_s == [turn / 200 for turn in range(400)] for _, times_s in seen)
+    assert len(looks) <= 20
+
+
+def test_what_ends_the_looking_ends_the_stream(runs):
+    class Broken:
+        def look(self):
+            raise ZeroDivisionError
+
+    async def listened():
+        await until(Audience(Broken(), 0.001).events(), lambda moment: True)
+
+    with pytest.raises(ZeroDivisionError):
+        asyncio.run(listened())
+
+
+@pytest.mark.parametrize(
+    "origin", ["null", "http://evil.example", "http://127.0.0.1:9", "https://127.0.0.1.evil.example"]
+)
+def test_a_request_from_another_page_is_refused(client, begin, runs, origin):
+    begin("run")
+    assert client.post(f"{IN}/stop", headers=HEADER | {"origin": origin}).status_code == 403
+    assert StopRequests(runs / "run")() is None
+
+
+def test_a_request_from_the_page_itself_is_obeyed(client, begin):
+    begin("run")
+    assert client.post(f"{IN}/stop", headers=HEADER | {"origin": "http://127.0.0.1:8420"}).status_code == 200
+
+
+def test_largest_forces_and_lateness_are_of_the_whole_run(begin, row, runs):
+    record = begin("run")
+    record.begin_press(1, 0.0)
+    record.row(row(0.005, force_n=-4.0, fx_n=0.0, fy_n=3.0, fz_n=-4.0, late_s=0.004))
+    record.end_loading(0.01)
+    record.end_press()
+    record.row(row(0.010, repetition=2))
+    moment = Follower(runs).look()
+    assert (moment.largest_n, moment.largest_across_n, moment.presses_done) == (4.0, 3.0, 1)
+    assert (moment.turns, moment.late_turns, moment.latest_ms) == (2, 1, 4.0)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import tifffile
 
-from emg2vsa.run_folders.presses import read_presses
+from emg2vsa.rig.record.press_counts import PRESSES_FILE
+from emg2vsa.run_folders.presses import read_presses, run_notes
 
 
 @pytest.fixture
@@ -40,3 +41,12 @@ def test_errors_of_a_press_name_its_run(run):
     first = next(read_presses([run]))
     assert first.frames is not None
     assert first.frames.name == "monday-1/press-001"
+
+
+def test_what_the_rig_rejected_is_not_scored_and_what_it_doubts_is_told(run):
+    (run / PRESSES_FILE).write_text("repetition,verdict,why\n1,rejected,encoders broken\n10,doubtful,2 % lost\n")
+    (run / "ended.json").write_text('{"how": "completed"}')
+    presses = list(read_presses([run]))
+    assert [press.frames is None for press in presses] == [True, True, False]
+    assert presses[0].problem == "monday-1, press 1 was rejected by the rig: encoders broken"
+    assert run_notes([run]) == ("monday-1, press 10 is doubtful: 2 % lost",)

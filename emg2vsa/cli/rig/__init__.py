@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from casr.command_line import Commands, add_subcommands
 
-SUBCOMMANDS = ("scan", "info", "dry-run", "run", "emulate", "watch")
+SUBCOMMANDS = (
+    "scan", "info", "commission", "prove-watchdog", "dry-run", "run", "watch", "off", "home", "jog", "tare", "zero",
+    "parameters", "camera-delay", "emulate",
+)  # fmt: skip
 
 
 def add_to(commands: Commands) -> None:

@@ -15,6 +15,12 @@ if TYPE_CHECKING:
     from emg2vsa.rig.rig_settings import RigSettings
 
 
+_HEAD = (
+    f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'largest, N':>12}"
+    f"{'at most, s':>12}"
+)
+
+
 def add_to(commands: Commands) -> None:
     parser = add_command(
         commands,
@@ -26,10 +32,12 @@ def add_to(commands: Commands) -> None:
     )
     add_rig(parser)
     add_choice(parser)
+    parser.add_argument("--details", action="store_true", help="every part of a press: ramps, rests, steps of force")
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.rig.executor.guards import laxer_guards
     from emg2vsa.rig.experiment import run_name
     from emg2vsa.rig_file import load_rig
     from emg2vsa.rig_file.plans import plans_of
@@ -41,8 +49,14 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"limits": _limits(file.rig), "runs": {name: _document(found) for name, found in told.items()}})
     else:
         print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
+        for line in laxer_guards(file.rig):
+            print(line)
+        print("" if arguments.details else f"\n{_HEAD}")
         for name, found in told.items():
-            print(f"\n{name}: " + (f"not possible. {found}" if isinstance(found, str) else _table(found)))
+            if isinstance(found, str):
+                print(f"{name}: not possible. {found}")
+            else:
+                print(_table(name, found) if arguments.details else _row(name, found))
         seconds = sum(found.at_most_s for found in told.values() if not isinstance(found, str))
         print(f"\n{len(told)} runs, at most {seconds / 60:.1f} min; nothing was sent")
     return int(any(isinstance(found, str) for found in told.values()))
@@ -75,10 +89,29 @@ def _document(found: DryRun | str) -> dict[str, Any]:
     return {"problem": found} if isinstance(found, str) else dataclasses.asdict(found)
 
 
-def _table(found: DryRun) -> str:
-    head = f"{found.repetitions} presses, at most {found.at_most_s:.1f} s"
+def _row(name: str, found: DryRun) -> str:
+    presets = [leg.preset_ticks for leg in found.legs]
+    ticks = [tick for leg in found.legs for tick in leg.position_ticks]
+    low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
+    high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
+    columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
+    return (
+        f"{name:<26}{found.repetitions:>8}"
+        + "".join(f"{column:>16}" for column in columns)
+        + f"{_largest(found):>12}{found.at_most_s:>12.1f}"
+    )
+
+
+def _largest(found: DryRun) -> str:
+    """Unknown where the stiffness of the specimen is."""
+    return "unknown" if found.largest_force_n is None else f"{found.largest_force_n:.1f}"
+
+
+def _table(name: str, found: DryRun) -> str:
+    head = f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"
     columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
-    return "\n".join([head, columns, *map(_line, found.legs)])
+    force = f"  largest force to expect: {_largest(found)} N; at most {found.past_contact_mm:.1f} mm past contact"
+    return "\n".join([head, columns, *map(_line, found.legs), force, ""])
 
 
 def _line(leg: Leg) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import os
 import signal
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from emg2vsa.rig.emulated.servers import EmulatedServers
     from emg2vsa.rig_file import RigFile
 _HEAD = "# Written by emg2vsa rig emulate, good for as long as it runs."
-_SWITCH_S = 2e-4
 
 
 def add_to(commands: Commands) -> None:
@@ -39,15 +37,24 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--specimen", metavar="NAME", help="on the bench (default: the first of the rig file)")
     parser.add_argument("--angle", type=float, default=0.0, metavar="DEG", help="of its surface (default: 0)")
     parser.add_argument("--rigid", action="store_true", help="under the rigid motor, for the condition high-stiffness")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="LINE",
+        help='put on before anybody asks, e.g. "ignore at 2 N for 1.5 s"; may be given again (help: the line help)',
+    )
     parser.add_argument("--write", type=Path, metavar="FILE", help="a copy of RIG that leads to the emulated devices")
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.rig.emulated.fault_words import put
     from emg2vsa.rig_file import load_rig
 
     file = load_rig(arguments.rig)
     with _served(file, arguments) as servers:
-        _introduce(file, servers, arguments)
+        faults = [put(servers.bench, line) for line in arguments.fault]
+        _introduce(file, servers, arguments, faults)
         try:
             _obey(servers.bench, sys.stdin)
             threading.Event().wait()  # nobody types: serve on
@@ -59,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
 @contextmanager
 def _served(file: RigFile, arguments: argparse.Namespace) -> Iterator[EmulatedServers]:
     from emg2vsa.errors import SettingError
-    from emg2vsa.rig.clock import WallClock
+    from emg2vsa.rig.clock import WallClock, undisturbed
     from emg2vsa.rig.emulated.bench import EmulatedRig
     from emg2vsa.rig.emulated.servers import EmulatedServers
 
@@ -72,19 +79,16 @@ def _served(file: RigFile, arguments: argparse.Namespace) -> Iterator[EmulatedSe
         )
     specimen = arguments.specimen or file.experiment.specimens[0]
     bench = EmulatedRig(file.emulated, specimen, arguments.angle, arguments.rigid, WallClock(), rig=file.rig)
-    # a thread that is to answer at once would else wait 5 ms for the one that draws a frame
-    usual_s, before = sys.getswitchinterval(), signal.signal(signal.SIGTERM, signal.default_int_handler)
-    sys.setswitchinterval(_SWITCH_S)
-    gc.freeze()  # a search of all that is loaded for garbage takes 50 ms, in which no device would answer
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        with EmulatedServers(bench) as servers:
+        # a busy computer keeps no real device waiting
+        with undisturbed(), EmulatedServers(bench) as servers:
             yield servers
     finally:
-        sys.setswitchinterval(usual_s)
         signal.signal(signal.SIGTERM, before)
 
 
-def _introduce(file: RigFile, servers: EmulatedServers, arguments: argparse.Namespace) -> None:
+def _introduce(file: RigFile, servers: EmulatedServers, arguments: argparse.Namespace, faults: Iterable[str]) -> None:
     from casr.atomic import write_text_atomic
 
     specimen = arguments.specimen or file.experiment.specimens[0]
@@ -95,6 +99,8 @@ def _introduce(file: RigFile, servers: EmulatedServers, arguments: argparse.Name
         check_replaceable(arguments.write)
         write_text_atomic(arguments.write, served_file(file, servers, arguments.write.absolute().parent))
         print(f"\n# written: {arguments.write}")
+    for fault in faults:
+        print(f"# {fault}")
     print("# help for faults, Ctrl-C to end", flush=True)
 
 
@@ -110,7 +116,12 @@ def _obey(bench: EmulatedRig, lines: Iterable[str]) -> None:
             case "quit":
                 raise KeyboardInterrupt
             case "help":
-                print(help_text(), flush=True)
+                print(
+                    f"{help_text()}\n  {'where':<18}the probe and its force: a calliper for emg2vsa rig commission",
+                    flush=True,
+                )
+            case "where":
+                print("probe {:.2f} mm down, {:.2f} N".format(*bench.probe()), flush=True)
             case words:
                 try:
                     print(put(bench, words), flush=True)

@@ -15,6 +15,8 @@ def told(ended: Ended, repetitions: int, folder: Path, rig: RigSettings) -> str:
     probe = "probe retracted" if ended.retracted else "probe NOT retracted"
     lines.append(f"left: {probe}, motors {'off' if ended.deactivated else 'NOT confirmed off'}")
     lines += [f"note: {note}" for note in ended.notes]
+    if ended.peak_force_n:
+        lines.append(f"largest force: {ended.peak_force_n:.2f} N")
     lines.append(f"recorded: {folder / 'log.csv'} (rows: {ended.rows})")
     if ended.timing:
         lines += _table(ended.timing, rig)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
-from casr.command_line import Commands, add_command
+from casr.command_line import Commands, add_command, add_json
 from emg2vsa.cli.rig.choice import add_rig
 
 
@@ -18,22 +18,25 @@ def add_to(commands: Commands) -> None:
         "Exit status 0: all devices can be used; 1: some cannot, and why; 2: the rig file has problems.",
     )
     add_rig(parser)
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.cli.rig.states import board_lines, camera_lines, force_lines, said
+    from emg2vsa.cli.rig.states import Telling, board_lines, camera_lines, force_lines
     from emg2vsa.rig.clock import WallClock
     from emg2vsa.rig_file import load_rig
 
     file, clock = load_rig(arguments.rig), WallClock()
     devices = file.devices
     titled = {
-        f"[{name}] {board.port}, id {board.id}": partial(board_lines, board, file.rig, clock)
+        f"[{name}] {board.port or 'without a port'}, id {board.id}": partial(board_lines, board, file.rig, clock)
         for name, board in (("actuator", devices.actuator), ("motor", devices.motor))
         if board
     }
     titled["[force]"] = partial(force_lines, devices.force, file.rig.guards, clock)
     if devices.camera:
         titled[f"[camera] {devices.camera.source}"] = partial(camera_lines, devices.camera, file.rig.guards, clock)
-    good = [said(title, lines) for title, lines in titled.items()]
-    return int(not all(good))
+    telling = Telling(arguments.json)
+    for title, lines in titled.items():
+        telling.say(title, lines)
+    return telling.end()

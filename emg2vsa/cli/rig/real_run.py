@@ -1,4 +1,4 @@
-"""One run on the devices of the rig file."""
+"""Runs on the devices of the rig file, one at a time."""
 
 from __future__ import annotations
 
@@ -7,23 +7,29 @@ import json
 import sys
 import threading
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from casr.atomic import write_text_atomic
+from casr.command_line import print_json
 from emg2vsa.cli.rig.ending import told
-from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.cli.rig.prove_watchdog import remark
+from emg2vsa.cli.rig.rig_lock import rig_lock
+from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import WallClock, undisturbed
+from emg2vsa.rig.commissioning.watchdog import read_proofs
 from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.force.moving_average import MovingAverage
-from emg2vsa.rig.open_rig import OpenRig, open_rig
-from emg2vsa.rig.plan import RIGID, RunPlan
-from emg2vsa.rig.record.new_folder import EMULATED_FILE, completed_folder, how_ended, new_folder, presses_done
+from emg2vsa.rig.open_rig import OpenRig, board_settings, open_rig
+from emg2vsa.rig.plan import RIGID, Condition, RunPlan
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, how_ended, new_folder, presses_left
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
 from emg2vsa.run_folders.find import left_by_emulator
@@ -32,36 +38,77 @@ _LOOK_S = 0.2
 _TAIL_BYTES = 512
 
 
-def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None) -> int:
-    """The one run of ``runs``; exit status. Lists what is to do, and raises SettingError, where it is not one."""
+def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None, *, as_json: bool) -> int:
+    """The one run of ``runs``, as many presses as it still lacks; more than one are listed. Exit status."""
     if root == file.runs and not file.leads_to_emulated:
         _tell_left(file)
     if len(runs) != 1:
-        raise _not_one(file, runs, root)
-    (plan,) = plans_of(file, runs, repetitions)
+        _list(file, runs, root, as_json=as_json)
+        return 0
+    presses = repetitions or missing(file, runs[0], root) or file.experiment.repetitions
+    (plan,) = plans_of(file, runs, presses)
     check_plan(plan, file.rig)
-    folder = new_folder(root, run_name(*runs[0]), file.experiment.repetitions, emulated=file.leads_to_emulated)
+    folder, ended = press_run(file, runs[0], plan, root, quiet=as_json)
+    if as_json:
+        print_json({"folder": str(folder), "ended": asdict(ended)})
+    return int(ended.how != "completed")
+
+
+def missing(file: RigFile, run: Run, root: Path) -> int:
+    """Presses that a run of the experiment still lacks."""
+    presses, emulated = file.experiment.repetitions, file.leads_to_emulated
+    return presses_left(root, run_name(*run), presses, emulated=emulated)
+
+
+def press_run(file: RigFile, run: Run, plan: RunPlan, root: Path, *, quiet: bool = False) -> tuple[Path, Ended]:
+    """Carry out ``plan`` on the devices of the rig file, in a new folder; it, and how the run ended.
+
+    Raises as `open_rig` and `execute`, and DataError where the run has all its presses: nothing has moved then.
+    """
+    folder = new_folder(root, run_name(*run), file.experiment.repetitions, emulated=file.leads_to_emulated)
+    return folder, press_plan(file, plan, folder, quiet=quiet)
+
+
+def press_plan(file: RigFile, plan: RunPlan, folder: Path, *, quiet: bool = False) -> Ended:
+    """Carry out ``plan`` on the devices of the rig file, recorded in ``folder``. Raises as `open_rig` and `execute`."""
     clock, started = WallClock(), datetime.now(UTC)
     ended = None
     try:
         with (
+            rig_lock(file.path, folder),
             undisturbed(),
             StopRequests(folder) as stop,
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
         ):
             check_plan(plan, opened.rig)
             _mark_emulated(file, folder)
-            _introduce(folder, plan, opened, file.devices.force.bias)
+            watchdog, proof = _watchdog(file, plan.condition, opened)
+            if not quiet:
+                _introduce(folder, plan, opened, file.devices.force.bias, watchdog)
             with PressLines(folder, plan.repetitions):
-                ended = execute(plan, opened.rig, opened.devices, folder, clock, started=started, stop=stop)
-            print(told(ended, plan.repetitions, folder, opened.rig))
+                ended = execute(
+                    plan, opened.rig, opened.devices, folder, clock,
+                    started=started, stop=stop, facts=opened.facts | {"watchdog": proof}, background=True,
+                )  # fmt: skip
+            if not quiet:
+                print(told(ended, plan.repetitions, folder, opened.rig))
     except DeviceError as error:
         if ended is None:
             raise
         # the run is on disk; what failed is the way a device was left
         print(f"emg2vsa: {error}", file=sys.stderr)
-        return 1
-    return int(ended.how != "completed")
+        ended = replace(ended, how="failed", cause="device", why=str(error))
+    return ended
+
+
+def _watchdog(file: RigFile, condition: Condition, opened: OpenRig) -> tuple[str, dict[str, Any] | None]:
+    """What to say of the watchdog of this device, and the proof of it; an emulated one needs none."""
+    name, board = "motor" if condition == RIGID else "actuator", board_settings(file.devices, condition)
+    proof = read_proofs(file.path).get(name)
+    if proof and not proof.is_of(opened.info, board.watchdog_s):
+        proof = None
+    text = "" if file.leads_to_emulated else remark(proof, opened.info.firmware)
+    return text, asdict(proof) if proof else None
 
 
 def _tell_left(file: RigFile) -> None:
@@ -80,7 +127,7 @@ def _mark_emulated(file: RigFile, folder: Path) -> None:
         write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(file.emulated), indent=2) + "\n")
 
 
-def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> None:
+def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool, watchdog: str) -> None:
     rig = opened.rig
     low, high = rig.position_ticks
     print(f"folder: {folder}")
@@ -88,28 +135,31 @@ def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool) -> No
     stiffness = "rigid" if plan.condition == RIGID else f"full stiffness {rig.max_preset_ticks} ticks"
     print(f"device: {opened.info.firmware}, positions {low} to {high} ticks, {stiffness}")
     print(f"force: {MovingAverage(rig.filter_samples, rig.rate_hz).description}")
+    if watchdog:
+        print(f"watchdog: {watchdog}")
+    for line in laxer_guards(rig):
+        print(f"guard: {line}")
     if biased:
         print("force: the load at this moment is now its zero")
     sys.stdout.flush()
 
 
-def _not_one(file: RigFile, runs: Sequence[Run], root: Path) -> SettingError:
+def _list(file: RigFile, runs: Sequence[Run], root: Path, *, as_json: bool) -> None:
+    """What is still to do, as options to copy."""
     presses = file.experiment.repetitions
-    emulated = file.leads_to_emulated
-    left = [run for run in runs if completed_folder(root, run_name(*run), presses, emulated=emulated) is None]
-    for specimen, angle_deg, condition in left:
-        before = root / run_name(specimen, angle_deg, condition)
-        how = how_ended(before)
-        note = f"   # {how} before, {presses_done(before)} of {presses} presses" if how else ""
-        print(f"--specimen {specimen} --angle {angle_deg:g} --condition {condition}{note}")
-    return SettingError(
-        file.path,
-        wanted="one run",
-        found=f"{len(runs)}, of which {len(left)} are still to do",
-        do="Name one as listed, or add --virtual to emulate them all."
-        if left
-        else "To repeat one, move its folder away, or choose another folder with --out.",
-    )
+    left = {run: count for run in runs if (count := missing(file, run, root))}
+    if as_json:
+        names = ("specimen", "angle_deg", "condition")
+        to_do = [dict(zip(names, run, strict=True)) | {"presses_left": count} for run, count in left.items()]
+        print_json({"runs": len(runs), "to_do": to_do})
+        return
+    for run, count in left.items():
+        how = how_ended(root / run_name(*run))
+        note = f"   # {how} before, {presses - count} of {presses} presses" if how else ""
+        print("--specimen {} --angle {:g} --condition {}".format(*run) + note)
+    do = "Name one as listed; --all leads through them; --virtual emulates them."
+    again = "To repeat one, move its folder away, or choose another folder with --out."
+    print(f"{len(runs)} runs, {len(left)} still to do. {do if left else again}", file=sys.stderr)
 
 
 class PressLines:

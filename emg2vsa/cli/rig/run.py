@@ -1,11 +1,11 @@
-"""``emg2vsa rig run``: carry out one run on the real rig, or any number on the emulated one in virtual time."""
+"""``emg2vsa rig run``: carry out runs on the real rig, one or a sequence, or any number on the emulated one."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from casr.command_line import Commands, add_command, whole_number
+from casr.command_line import Commands, add_command, add_json, whole_number
 from emg2vsa.cli.arguments import add_jobs, jobs_of
 from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
 
@@ -15,11 +15,11 @@ def add_to(commands: Commands) -> None:
         commands,
         "run",
         run,
-        "Press one specimen at one angle under one condition; with --virtual, do all runs on the emulated rig.",
+        "Press one specimen at one angle under one condition, or with --all one after the other; alone, list them.",
         "Before anything moves, the run is checked against the rig file and the limits the device tells. Ctrl-C, a "
         "signal, a file named stop in the folder of the run, or a guard end a run: the probe is retracted, the motors "
-        "go off, ended.json says why. A second Ctrl-C does not wait for the loop. Exit status 0: completed; 1: ended "
-        "otherwise; 2: unusable rig file, schedule or device, nothing has moved.",
+        "go off, ended.json says why. A second Ctrl-C does not wait for the loop. Exit status 0: completed, or listed; "
+        "1: ended otherwise; 2: unusable rig file, schedule or device, nothing has moved.",
     )
     add_rig(parser)
     add_choice(parser)
@@ -30,21 +30,69 @@ def add_to(commands: Commands) -> None:
         help="folder of the runs (default: as the rig file says; with --virtual another beside that one)",
     )
     parser.add_argument(
-        "--repetitions", type=whole_number, metavar="N", help="presses of the run (default: as the rig file says)"
+        "--repetitions", type=whole_number, metavar="N", help="presses of the run (default: those it still lacks)"
+    )
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="lead through all runs that are chosen: put the specimen there, press Enter; goes on where it stopped, "
+        "and repeats presses that were rejected",
+    )
+    parser.add_argument(
+        "--order",
+        choices=("file", "random"),
+        help="with --all: of the rig file (default), or shuffled; kept in order.json",
+    )
+    parser.add_argument("--seed", type=int, metavar="N", help="of --order random (default: drawn, and kept)")
+    parser.add_argument("--yes", action="store_true", help="with --all: ask nothing, for scripts")
+    parser.add_argument(
+        "--plate",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="indent this specimen with a flat plate, as [plate] says, for emg2vsa stiffness; repeat",
     )
     parser.add_argument("--virtual", action="store_true", help="emulated rig, minutes in seconds; no device is opened")
     add_jobs(parser)
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.errors import SettingError
     from emg2vsa.rig_file import load_rig
+    from emg2vsa.rig_file.sequence import run_order
 
+    for name in ("order", "seed"):
+        if getattr(arguments, name) is not None and not arguments.all:
+            do = "Add --all, or leave it out."
+            raise SettingError(f"--{name}", wanted="--all beside it", found="one run", do=do)
+    if arguments.seed is not None and (arguments.order == "file" or arguments.seed < 0):
+        do = "Choose --order random and a seed from 0."
+        raise SettingError("--seed", wanted="a seed for a random order", found=str(arguments.seed), do=do)
+    if arguments.all and arguments.repetitions:
+        do = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
+        raise SettingError("--repetitions", wanted="one run", found="--all", do=do)
     file = load_rig(arguments.rig)
+    root = arguments.out or (file.virtual_runs if arguments.virtual else file.runs)
+    if arguments.plate:
+        from emg2vsa.cli.rig.plate_runs import run_plates
+
+        if arguments.all or arguments.specimen or arguments.angle or arguments.condition or arguments.repetitions:
+            do = "Leave the others out: [plate] says how its trials go."
+            raise SettingError("--plate", wanted="--plate alone", found="a choice of runs beside it", do=do)
+        options = {"virtual": arguments.virtual, "yes": arguments.yes, "as_json": arguments.json}
+        return run_plates(file, arguments.plate, root, **options)
     runs = runs_chosen(arguments, file)
+    order = run_order(root, file.experiment.all_runs(), arguments.order, arguments.seed) if arguments.all else None
     if arguments.virtual:
         from emg2vsa.cli.rig.virtual_runs import run_virtually
 
-        return run_virtually(file, runs, arguments.out or file.virtual_runs, arguments.repetitions, jobs_of(arguments))
+        jobs = jobs_of(arguments)
+        return run_virtually(file, runs, root, arguments.repetitions, jobs, order=order, as_json=arguments.json)
+    if order:
+        from emg2vsa.cli.rig.run_sequence import run_sequence
+
+        return run_sequence(file, runs, root, order, yes=arguments.yes, as_json=arguments.json)
     from emg2vsa.cli.rig.real_run import run_for_real
 
-    return run_for_real(file, runs, arguments.out or file.runs, arguments.repetitions)
+    return run_for_real(file, runs, root, arguments.repetitions, as_json=arguments.json)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
+from casr.command_line import print_json
 from emg2vsa.errors import DeviceError, InputError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import ActuatorSettings, CameraSettings, ForceSettings, MotorSettings
 from emg2vsa.rig.force.net_ft import NetFt
-from emg2vsa.rig.open_rig import open_board, open_camera, open_force, within_device
+from emg2vsa.rig.open_rig import board_info, open_board, open_camera, open_force, within_device
 from emg2vsa.rig.qbmove.driver import Qbmove
-from emg2vsa.rig.qbmove.info import QbmoveInfo
+from emg2vsa.rig.qbmove.info import QbmoveInfo, check_kind
 from emg2vsa.rig.qbmove.limits import QbmoveLimits
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -19,24 +21,49 @@ _WATCH_S = 1.0
 Lines = Iterator[str]
 
 
-def said(title: str, lines: Callable[[], Lines]) -> bool:
-    """Print ``title`` and the lines of one device; False when it is not usable, which is then said."""
-    print(title)
-    try:
-        for line in lines():
-            print(f"  {line}", flush=True)
-    except InputError as error:
-        print(f"  not usable: {error}")
-        return False
-    return True
+class Telling:
+    """Prints device after device as they answer, or all of them as JSON at the end."""
+
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
+        self._devices: list[dict[str, Any]] = []
+
+    def say(self, title: str, lines: Callable[[], Lines]) -> None:
+        """``title`` and the lines of one device; that it is not usable, and why, where that is so."""
+        told: dict[str, Any] = {"device": title, "usable": True, "problem": None, "lines": []}
+        self._devices.append(told)
+        self._print(title)
+        try:
+            for line in lines():
+                told["lines"].append(line.strip())
+                self._print(f"  {line}")
+        except InputError as error:
+            told |= {"usable": False, "problem": str(error)}
+            self._print(f"  not usable: {error}")
+
+    def remark(self, text: str) -> None:
+        """Something of no one device."""
+        self._print(text)
+
+    def end(self, *, good: bool = True) -> int:
+        """Exit status: 0 where ``good`` and all devices are usable."""
+        if self._as_json:
+            print_json({"devices": self._devices})
+        return int(not (good and all(told["usable"] for told in self._devices)))
+
+    def _print(self, text: str) -> None:
+        if not self._as_json:
+            print(text, flush=True)
 
 
 def board_lines(settings: ActuatorSettings | MotorSettings, rig: RigSettings, clock: Clock) -> Lines:
     """Info text, state, what a run may use, and parameters. DeviceError when the board is absent."""
     rigid = isinstance(settings, MotorSettings)
     with open_board(settings, rig.stiffness_percent, clock) as board:
-        info = board.info()
+        info = board_info(board)
         yield from _facts(info)
+        if isinstance(settings, ActuatorSettings):
+            check_kind(info, settings.model, board.where)
         yield from _state(board, rigid)
         yield _ready(info, board.where, rig)
         usable = within_device(rig, info, rigid)

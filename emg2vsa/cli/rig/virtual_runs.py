@@ -8,23 +8,28 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+from casr.command_line import print_json
 from emg2vsa.cli.rig.ending import summary
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
-from emg2vsa.rig.record.new_folder import completed_folder, new_folder
+from emg2vsa.rig.record.new_folder import new_folder, presses_left
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
+from emg2vsa.rig_file.sequence import RunOrder
 
 _BEFORE = "done before"
 
@@ -32,39 +37,61 @@ _BEFORE = "done before"
 Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path]
 
 
-def run_virtually(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None, jobs: int) -> int:
-    """All ``runs`` that have not been completed; exit status.
+def run_virtually(
+    file: RigFile,
+    runs: Sequence[Run],
+    root: Path,
+    repetitions: int | None,
+    jobs: int,
+    *,
+    order: RunOrder | None = None,
+    as_json: bool = False,
+) -> int:
+    """The presses that ``runs`` lack, in ``order`` where there is one; exit status.
 
     SettingError : the rig file has no emulated rig, or a plan breaks a limit. ScheduleError : as `plans_of`.
     """
     if file.emulated is None:
         do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
+    runs = [run for run in order.runs if run in runs] if order else runs
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
     for plan in plans.values():
         check_plan(plan, file.rig)
+    for line in laxer_guards(file.rig):
+        print(f"guard: {line}")
     start = time.monotonic()
-    results: dict[Run, Ended | str] = {
-        run: _BEFORE
-        for run, plan in plans.items()
-        if completed_folder(root, run_name(*run), plan.repetitions, emulated=True)
-    }
-    waiting: dict[Run, Job] = {
-        run: (plan, file.rig, file.emulated, new_folder(root, run_name(*run), plan.repetitions, emulated=True))
-        for run, plan in plans.items()
-        if run not in results
-    }
+    results: dict[Run, Ended | str] = {}
+    waiting: dict[Run, Job] = {}
+    for run, plan in plans.items():
+        if presses := presses_left(root, run_name(*run), plan.repetitions, emulated=True):
+            plans[run] = replace(plan, repetitions=presses, order=order.place(run) if order else None)
+            folder = new_folder(root, run_name(*run), plan.repetitions, emulated=True)
+            waiting[run] = plans[run], file.rig, file.emulated, folder
+        else:
+            results[run] = _BEFORE
     for run, result in _carried_out(waiting, jobs):
         results[run] = result
         line = result if isinstance(result, str) else summary(result, plans[run].repetitions)
         print(f"{len(results)}/{len(runs)} {run_name(*run)}: {line}", file=sys.stderr, flush=True)
         if isinstance(result, Ended) and result.how == "interrupted":
             raise KeyboardInterrupt
-    print("\n".join(_table(results, plans)))
     ends = [result for result in results.values() if isinstance(result, Ended)]
     rig_min, took_min = sum(ended.time_s for ended in ends) / 60, (time.monotonic() - start) / 60
+    status = int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
+    if as_json:
+        print_json({"folder": str(root), "runs": [_document(run, results[run]) for run in plans]})
+        return status
+    print("\n".join(_table(results, plans)))
     print(f"runs done: {len(ends)}, {rig_min:.1f} min of the rig's time in {took_min:.1f} min; folder {root}")
-    return int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
+    return status
+
+
+def _document(run: Run, result: Ended | str) -> dict[str, Any]:
+    of_run = dict(zip(("specimen", "angle_deg", "condition"), run, strict=True))
+    if isinstance(result, Ended):
+        return of_run | {"ended": asdict(result)}
+    return of_run | {"ended": None, "note": result}
 
 
 def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
@@ -85,7 +112,7 @@ def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, E
 
 
 def _run(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path) -> Ended:
-    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC))
+    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC), run=folder.name)
 
 
 def _outcome(make: Callable[[], Ended]) -> Ended | str:

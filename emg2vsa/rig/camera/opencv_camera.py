@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import cv2
@@ -54,6 +55,43 @@ class FramePace:
         return missing
 
 
+_AUTO = {"exposure": cv2.CAP_PROP_AUTO_EXPOSURE, "white_balance_k": cv2.CAP_PROP_AUTO_WB}
+_VALUE = {
+    "exposure": cv2.CAP_PROP_EXPOSURE, "gain": cv2.CAP_PROP_GAIN, "white_balance_k": cv2.CAP_PROP_WB_TEMPERATURE,
+}  # fmt: skip
+_MANUAL_EXPOSURE = {cv2.CAP_V4L2: 1.0}
+"""By hand, for V4L2; other backends take 0.25, or 0."""
+WARM_UP_S = 1.0
+"""A camera that chooses by itself has chosen after this time."""
+
+
+def lock_settings(capture: Any, wanted: Mapping[str, float | None], name: str) -> dict[str, float | None]:
+    """Switch off what a camera changes by itself; exposure, gain and white_balance_k as they then are.
+
+    ``wanted`` : a value for each of them; None keeps the one that the camera has now. A camera that does not know one
+    of them, as network cameras know none, has None in the answer.
+
+    DeviceError : a value that the rig file gives is not taken.
+    """
+    now = {key: float(capture.get(number)) for key, number in _VALUE.items()}
+    backend = int(capture.get(cv2.CAP_PROP_BACKEND))
+    by_hand = {"exposure": _MANUAL_EXPOSURE.get(backend, 0.25), "white_balance_k": 0.0}
+    locked: dict[str, float | None] = {}
+    for key, number in _VALUE.items():
+        asked = wanted[key]
+        free = key not in _AUTO or bool(capture.set(_AUTO[key], by_hand[key]))
+        taken = bool(capture.set(number, now[key] if asked is None else asked))
+        locked[key] = float(capture.get(number)) if free and taken else None
+        if asked is not None and not math.isclose(locked[key] or 0.0, asked, rel_tol=0.01, abs_tol=0.01):
+            raise DeviceError(
+                f"{name}, {key}",
+                wanted=f"{asked:g}, as the rig file says",
+                found="a camera that does not take it" if locked[key] is None else f"{locked[key]:g}",
+                do="Choose a value that the camera has (v4l2-ctl --list-ctrls), or leave it out.",
+            )
+    return locked
+
+
 FIRST_S = 5.0
 "Time in which a started camera must bring its first frame; webcams set their exposure first."
 _POLL_S = 5e-3
@@ -78,6 +116,7 @@ class OpenCvCamera:
     rate_hz : frames a second.
     delay_s : from exposure to arrival.
     lost_s : without a frame for so long it is lost.
+    lock : exposure, gain and white_balance_k to keep, None for what the camera has chosen; None leaves it alone.
     open_capture : what opens the source.
     """
 
@@ -90,11 +129,14 @@ class OpenCvCamera:
         rate_hz: float = RATE_HZ,
         delay_s: float = 0.0,
         lost_s: float = LOST_S,
+        lock: Mapping[str, float | None] | None = None,
         open_capture: Callable[[int | str], Any] = open_capture,
     ) -> None:
         self.name, self.shape, self.rate_hz = f"camera {source}", shape, rate_hz
         self.dropped, self.delay_s, self._lost_s = 0, delay_s, lost_s
         self._source, self._clock, self._open = source, clock, open_capture
+        self._lock, self.locked = lock, dict[str, float | None]()
+        "What stays as it is, in the camera's own units; None for what it does not know."
         self._pace = FramePace(rate_hz)
         self._waiting: deque[Frame] = deque()
         self._newest_s: float | None = None
@@ -109,6 +151,9 @@ class OpenCvCamera:
         self._capture.set(cv2.CAP_PROP_FPS, self.rate_hz)
         # one frame in the driver's queue: an older one would be taken for new
         self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+        if self._lock is not None:
+            self._warm_up()
+            self.locked = lock_settings(self._capture, self._lock, self.name)
         self._thread.start()
         end_s = self._clock.now_s() + FIRST_S
         while not self._waiting:
@@ -136,6 +181,13 @@ class OpenCvCamera:
         if self._thread.is_alive():
             # a dead network camera keeps the thread waiting; it gives the device back when it comes to
             self._thread.join(LOST_S)
+
+    def _warm_up(self) -> None:
+        """Let the camera choose; one that does not choose by itself has nothing to wait for."""
+        if any(self._capture.get(number) > 0 for number in _AUTO.values()):
+            end_s = self._clock.now_s() + WARM_UP_S
+            while self._clock.now_s() < end_s and self._capture.grab():
+                pass
 
     def _watch(self) -> None:
         while not self._ended.is_set() and self._capture.grab():

@@ -28,12 +28,18 @@ class Joint(Protocol):
         """Shaft angle, rad, that long after it was at ``shaft_rad``, with the motors where they are; the same angle
         when it rests."""
 
+    def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
+        """Torque, N m, that each motor must do to turn on to larger angles."""
+
 
 class RigidJoint:
     """The shaft is motor 1's, and no load moves it."""
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
         return motors_rad[0]
+
+    def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
+        return probe.torque_nm(motors_rad[0])[0], 0.0
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,13 @@ class SpringJoint:
             return shaft_rad
         left = math.exp(-duration_s / self.settling_s) if self.settling_s else 0.0
         return rest_rad + (shaft_rad - rest_rad) * left
+
+    def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
+        s = self.springs
+        return (
+            s.k1_nm * math.sinh(s.a1_per_rad * (motors_rad[0] - shaft_rad)),
+            s.k2_nm * math.sinh(s.a2_per_rad * (motors_rad[1] - shaft_rad)),
+        )
 
     def _needed(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> tuple[float, float]:
         """Torque that would hold the shaft there against springs and specimen, N m, and its growth, N m/rad."""

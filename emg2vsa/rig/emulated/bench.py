@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,10 @@ from emg2vsa.arrays import Floats
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import Model
 from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import EmulatedCamera
-from emg2vsa.rig.emulated.faults import FaultyWire
+from emg2vsa.rig.emulated.fault_plan import FaultPlan
+from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
@@ -25,12 +28,20 @@ from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.force.netft_config import parse_config
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
-from emg2vsa.rig.qbmove.transport import LoopbackLine
 from emg2vsa.rig.rig_settings import RigSettings
 
 MOTOR_SPEED_RAD_PER_S = 3.0
 """Of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V) without it."""
-MOTOR_BOARD = replace(MAKER_PRO, supply_mv=12000, motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S)
+MOTOR_TORQUE_NM, MOTOR_CURRENT_MA = 0.3, 1500.0
+"""At which the rigid motor stalls, 26 N at the probe with the gear of the emulated rig: guesses. The catalogue's motor
+could not press with 7 N through that gear, which is a guess too."""
+MOTOR_BOARD = replace(
+    MAKER_PRO,
+    supply_mv=12000,
+    motor_speed_rad_per_s=MOTOR_SPEED_RAD_PER_S,
+    stall_torque_nm=MOTOR_TORQUE_NM,
+    stall_current_ma=MOTOR_CURRENT_MA,
+)
 
 
 def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmware:
@@ -38,7 +49,8 @@ def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmwa
 
     Which firmware it runs is not published; it is taken to be the qbmove's, with motor 1 connected and motor 2 not.
     It has id 1, and turns a world whose ``springs`` are None; at the start its motor reads ``home_ticks``."""
-    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=MOTOR_BOARD.factory((home_ticks, 0, home_ticks)))
+    memory = MOTOR_BOARD.factory((home_ticks, 0, home_ticks))
+    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=memory, loads=world.loads_nm)
 
 
 DEVICE_ID = 1
@@ -56,12 +68,13 @@ class EmulatedRig:
     ----------
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
     rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
-    run : name of the run; other names, other draws.
+    run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
 
     Attributes
     ----------
     world : what is pressed. firmware : of the actuator. idle : of the other one, whose probe is not over the specimen.
     wire, box, camera : the ends that fail on demand: `FaultyWire`, and ``faults`` of the two others.
+    plan : of faults that begin or end later.
     model : of the qbmove.
 
     Raises
@@ -79,10 +92,11 @@ class EmulatedRig:
         *,
         rig: RigSettings | None = None,
         run: str = "",
+        plate: bool = False,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
@@ -91,20 +105,37 @@ class EmulatedRig:
         )
         on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
         switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, self.rig.home_ticks
-        qbmove = QbmoveFirmware(switches, on_springs, clock, memory=switches.factory((home_ticks,) * 3))
+        memory = switches.factory((home_ticks,) * 3)
+        qbmove = QbmoveFirmware(switches, on_springs, clock, memory=memory, loads=on_springs.loads_nm)
         motor = motor_board(on_motor, clock, home_ticks)
         self.firmware, self.idle = (motor, qbmove) if rigid else (qbmove, motor)
-        self.wire = FaultyWire(self.firmware)
+        self.plan = FaultPlan()
+        self.wire = FaultyWire(self.firmware, clock, seed=self._draws.sensor_seed)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
         self._mounting = _turned_to(self.rig.push_axis)
         self.box = RdtBox(self._wrench, box)
+        self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
         self.camera = EmulatedCamera(self._draws.scene(0), self._normal_force_n, clock)
 
     def answer(self, data: bytes) -> bytes:
         """What comes back over the actuator's wire; from any thread."""
         with self._lock:
+            self._advance()
             return self.wire(data)
+
+    def probe(self) -> tuple[float, float]:
+        """The probe's way down from where the shaft is at 0, mm, and its true force, N; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            now_s = self.clock.now_s()
+            return self.world.probe_mm(now_s), float(np.linalg.norm(self.world.force_n(now_s)))
+
+    def interrupt(self, action: Callable[[], None]) -> None:
+        """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            action()
 
     def reset_actuator(self) -> None:
         """Its power off and on; from any thread."""
@@ -114,7 +145,7 @@ class EmulatedRig:
     def devices(self) -> Devices:
         """The real drivers on lines within this process, force sensor and camera started."""
         board = Qbmove(
-            LoopbackLine("emulated bus", self.answer, self.clock),
+            WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock),
             DEVICE_ID,
             model="maker-pro" if self.rigid else self.model,
             clock=self.clock,
@@ -126,15 +157,19 @@ class EmulatedRig:
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
 
+    def _advance(self) -> None:
+        self.firmware.advance()
+        self.plan.look(self.clock.now_s(), self.world.normal_force_n)
+
     def _wrench(self, time_s: float) -> tuple[float, ...]:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
-            self.firmware.advance()
+            self._advance()
             return (*(self._mounting @ self.world.force_n(time_s)).tolist(), 0.0, 0.0, 0.0)
 
     def _normal_force_n(self, time_s: float) -> float:
         with self._lock:
-            self.firmware.advance()
+            self._advance()
             if self.world.press != self._press:
                 self._press = self.world.press
                 self.camera.scene = self._draws.scene(self._press)

@@ -18,10 +18,16 @@ from emg2vsa.rig.devices import Frame
 
 @dataclass
 class CameraFaults:
-    """What goes wrong, changed while the camera runs. drop : the next so many frames. mute : all from now on."""
+    """What goes wrong, changed while the camera runs.
+
+    drop : the next so many frames. mute : all from now on. kept_of : of so many frames only the first comes.
+    late_s : pictures show what was so long before the time they bear.
+    """
 
     drop: int = 0
     mute: bool = False
+    kept_of: int = 1
+    late_s: float = 0.0
 
 
 class DrawnFrame(Frame):
@@ -94,7 +100,7 @@ class EmulatedCamera:
             if self._is_lost():
                 self._missing += 1
             else:
-                force_n = self._force_n(time_s)
+                force_n = self._force_n(max(0.0, time_s - self.faults.late_s))
                 frames.append(DrawnFrame(time_s, self._missing, self.scene, force_n, self._exposed))
                 self.dropped += self._missing
                 self._newest_s, self._missing = time_s, 0
@@ -108,4 +114,4 @@ class EmulatedCamera:
         if self.faults.drop:
             self.faults.drop -= 1
             return True
-        return self.faults.mute
+        return self.faults.mute or self._exposed % self.faults.kept_of != 0

@@ -1,13 +1,24 @@
-"""Faults on a line, on demand: bytes lost or changed on either way, a device that falls silent or loses power."""
+"""Faults on a line, on demand: bytes lost or changed on either way, commands that do not arrive, answers that come
+late, twice or under another id, a device that falls silent or loses power."""
 
 from __future__ import annotations
 
+import math
+import random
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.qbmove.packets import HEADER, Command
+from emg2vsa.rig.qbmove.transport import LoopbackLine
+
 Way = Literal["to device", "to host"]
 Spoil = Callable[[bytes], bytes]
+POSITION_COMMANDS = frozenset((Command.SET_POS_STIFF, Command.SET_INPUTS))
+_ID, _LENGTH, _COMMAND = 2, 3, 4
+"""Where these stand in a frame."""
 
 
 class Device(Protocol):
@@ -25,20 +36,51 @@ class _Fault:
 
 
 class FaultyWire:
-    """A device behind a wire that fails when told to. Each fault strikes the next bytes of its way, once."""
+    """A device behind a wire that fails when told to. Each fault strikes the next bytes of its way, once.
 
-    def __init__(self, device: Device) -> None:
-        self._device = device
+    ``clock`` is needed for answers that come late, ``seed`` for bytes that are lost or wrong by chance.
+    """
+
+    def __init__(self, device: Device, clock: Clock | None = None, seed: int = 0) -> None:
+        self._device, self._clock = device, clock
+        self._chance = random.Random(seed)
         self._faults: list[_Fault] = []
-        self.mute = self.deaf = self.noisy = False
+        self._coming: deque[tuple[float, bytes]] = deque()
+        self.mute = self.deaf = self.noisy = self.doubled = False
         """While True: mute, the device hears but nothing of it comes back; deaf, nothing reaches it; noisy, one byte of
-        every answer is wrong."""
+        every answer is wrong; doubled, every answer comes twice."""
+        self.ignored: frozenset[int] = frozenset()
+        "Commands of which no frame reaches the device, while all others do."
+        self.id_shift = 0
+        "Added to the id of every answer, whose checksum does not cover it."
+        self.late_s = self.lost_share = self.wrong_share = 0.0
+        "How late answers come; which share of the bytes of both ways gets lost, or has a wrong bit."
 
     def __call__(self, data: bytes) -> bytes:
-        answer = self._carry("to host", self._device(b"" if self.deaf else self._carry("to device", data)))
+        heard = b"" if self.deaf else _without(self._carry("to device", data), self.ignored)
+        answer = self._carry("to host", self._device(heard))
         if self.noisy:
             answer = answer[:-1] + bytes(byte ^ 1 for byte in answer[-1:])
-        return b"" if self.mute else answer
+        if self.id_shift:
+            answer = _renamed(answer, self.id_shift)
+        if self.doubled:
+            answer += answer
+        if self.mute:
+            answer = b""
+        if self._clock is None:
+            return answer
+        now_s = self._clock.now_s()
+        if answer:
+            self._coming.append((now_s + self.late_s, answer))
+        arrived = b""
+        while self._coming and self._coming[0][0] <= now_s:
+            arrived += self._coming.popleft()[1]
+        return arrived
+
+    @property
+    def due_s(self) -> float:
+        """When the next late answer comes; inf when none is on its way."""
+        return self._coming[0][0] if self._coming else math.inf
 
     def lose(self, way: Way, at: int, count: int = 1) -> None:
         """Drop ``count`` bytes from the index ``at`` on, which may be negative."""
@@ -57,8 +99,50 @@ class FaultyWire:
         self._device.reset()
 
     def _carry(self, way: Way, data: bytes) -> bytes:
+        if self.lost_share:
+            data = bytes(byte for byte in data if self._chance.random() >= self.lost_share)
+        if self.wrong_share:
+            data = bytes(byte ^ self._wrong_bit() for byte in data)
         struck = next((fault for fault in self._faults if fault.way == way), None) if data else None
         if struck is None:
             return data
         self._faults.remove(struck)
         return struck.spoil(data)
+
+    def _wrong_bit(self) -> int:
+        return 1 << self._chance.randrange(8) if self._chance.random() < self.wrong_share else 0
+
+
+class WireLine(LoopbackLine):
+    """A line within this process that also waits for answers which come late.
+
+    ``device`` is what bytes are given to, ``due_s`` tells when its next late answer comes."""
+
+    def __init__(self, name: str, device: Callable[[bytes], bytes], due_s: Callable[[], float], clock: Clock) -> None:
+        super().__init__(name, device, clock)
+        self._ask, self._due_s, self._time = device, due_s, clock
+
+    def read(self, count: int, timeout_s: float) -> bytes:
+        end_s = self._time.now_s() + timeout_s
+        while len(self._unread) < count and (due_s := self._due_s()) <= end_s:
+            self._time.sleep_until(due_s)
+            self._unread += self._ask(b"")
+        return super().read(count, max(0.0, end_s - self._time.now_s()))
+
+
+def _without(data: bytes, commands: frozenset[int]) -> bytes:
+    """``data`` but for the frames of ``commands``; what is no whole frame stays as it is."""
+    if not commands:
+        return data
+    kept, at = b"", 0
+    while (start := data.find(HEADER, at)) >= 0 and start + _COMMAND < len(data):
+        end = start + _COMMAND + data[start + _LENGTH]
+        kept += data[at : start if data[start + _COMMAND] in commands and end <= len(data) else end]
+        at = end
+    return kept + data[at:]
+
+
+def _renamed(data: bytes, shift: int) -> bytes:
+    if data[:2] != HEADER or len(data) <= _ID:
+        return data
+    return data[:_ID] + bytes(((data[_ID] + shift) % 256,)) + data[_ID + 1 :]

@@ -27,7 +27,7 @@ class PressDraws:
     ----------
     emulated : the bench. specimen : on it; SettingError when its stiffness is not known.
     angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear, and which way it turns.
-    run : name of the run; other names, other draws.
+    run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     """
 
     emulated: EmulatedSettings
@@ -36,6 +36,7 @@ class PressDraws:
     rigid: bool
     rig: RigSettings
     run: str = ""
+    plate: bool = False
 
     def __post_init__(self) -> None:
         known = self.emulated.stiffness_n_per_mm
@@ -58,6 +59,7 @@ class PressDraws:
             springs=None if self.rigid else SPRINGS[e.springs],
             mm_per_degree=self.rig.gear_mm_per_degree,
             turns_to_push=self.rig.push_sign,
+            plate=self.plate,
             gap_mm=e.gap_mm + e.gap_sd_mm * gap,
         )
 

@@ -16,8 +16,9 @@ from dataclasses import replace
 import numpy as np
 
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.emulated.qbmove_loop import Loop, References, Shaft, limited
+from emg2vsa.rig.emulated.qbmove_loop import Loads, Loop, References, Shaft, limited, no_loads
 from emg2vsa.rig.emulated.qbmove_memory import Memory, set_slot, slots
+from emg2vsa.rig.emulated.qbmove_motors import Motors
 from emg2vsa.rig.emulated.qbmove_parser import INFO_REQUEST, FrameParser
 from emg2vsa.rig.emulated.qbmove_switches import Switches
 from emg2vsa.rig.emulated.qbmove_texts import Now, info_text, parameter_list
@@ -46,12 +47,13 @@ class QbmoveFirmware:
         *,
         memory: Memory | None = None,
         motors_rad: tuple[float, float] = (0.0, 0.0),
+        loads: Loads = no_loads,
     ) -> None:
-        """``memory``: what is stored at the start, instead of the factory's settings."""
+        """``memory``: what is stored at the start, instead of the factory's settings. ``loads``: on the motors."""
         self._switches, self._clock = switches, clock
         self._stored = memory or switches.factory()
         self._default = copy.deepcopy(self._stored)
-        self._loop = Loop(switches, shaft, clock, motors_rad)
+        self._loop = Loop(switches, shaft, clock, motors_rad, loads)
         self._handlers = self._commands()
         self._start()
 
@@ -67,6 +69,12 @@ class QbmoveFirmware:
     def advance(self) -> None:
         """Run the control loop up to the clock, for those who look at the world and not at the line."""
         self._loop.advance(self._current, self._shadow)
+
+    @property
+    def motors(self) -> Motors:
+        """Of this device, with their faults."""
+        self.advance()
+        return self._loop.motors
 
     @property
     def state(self) -> References:
@@ -183,6 +191,7 @@ class QbmoveFirmware:
         refused = any(abs(ticks) > START_LIMIT for ticks in measured)
         keeps = self._shadow.control_mode not in _POSITION_MODES
         ticks = self._loop.new.ticks if keeps else measured[:2]
+        self._loop.bridge_on = None
         self._loop.new = References(ticks, 0 if refused else self._buffer[1])
         return b""
 
@@ -256,7 +265,10 @@ class QbmoveFirmware:
         return self._acknowledge(command, self._shadow.device_id)
 
     def _info(self) -> bytes:
-        now = Now(self._references(), tuple(self._measured()), self._loop.motors.currents_ma(), self._loop.current.on)
+        motors = self._loop.motors
+        supply_mv = 0 if motors.faults.unsupplied else self._switches.supply_mv
+        on = self._loop.current.on
+        now = Now(self._references(), tuple(self._measured()), motors.currents_ma(), on, supply_mv)
         return info_text(self._current, self._shadow, now, self._switches)
 
 

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.qbmove_memory import Memory
-from emg2vsa.rig.emulated.qbmove_motors import Motors, Pair
+from emg2vsa.rig.emulated.qbmove_motors import Motors, Pair, Torques
 from emg2vsa.rig.emulated.qbmove_switches import Switches
 
 _WATCHDOG_COUNT_S = 0.04096
 _NEVER_MS = 1 << 62
+Loads = Callable[[Torques], Torques]
+"""Torque on each motor, N m, that it must do to go on the way it counts, with the motors at these angles, rad."""
+
+
+def no_loads(motors_rad: Torques) -> Torques:
+    """Motors that nothing holds back."""
+    return 0.0, 0.0
 
 
 class Shaft(Protocol):
@@ -32,12 +40,16 @@ class References:
 class Loop:
     """Motors and references of one device."""
 
-    def __init__(self, switches: Switches, shaft: Shaft, clock: Clock, motors_rad: tuple[float, float]) -> None:
-        self._switches, self._shaft, self._clock = switches, shaft, clock
+    def __init__(
+        self, switches: Switches, shaft: Shaft, clock: Clock, motors_rad: tuple[float, float], loads: Loads
+    ) -> None:
+        self._switches, self._shaft, self._clock, self._loads = switches, shaft, clock, loads
         start_s = clock.now_s()
         self.motors = Motors(switches, (*motors_rad, shaft.shaft_rad(start_s, motors_rad)))
         self._now_ms = int(start_s * 1000)
         self.new = self.current = self.old = References()
+        self.bridge_on: int | None = None
+        "What the motors go by after a watchdog that has cleared no more than the flag, until the next ACTIVATE."
         self._watchdog_ms = _NEVER_MS
 
     def advance(self, current: Memory, shadow: Memory) -> None:
@@ -47,11 +59,14 @@ class Loop:
             return
         while self._now_ms < until_ms:
             if self._now_ms >= self._watchdog_ms:
+                self.bridge_on = self.current.on if self.motors.faults.flag_only else None
                 self.new, self._watchdog_ms = replace(self.new, on=0), _NEVER_MS
             resting = self._turn(current, shadow)
             # nothing moves and nothing is on its way: only the watchdog can change that
             self._now_ms = max(self._now_ms + 1, min(until_ms, self._watchdog_ms)) if resting else self._now_ms + 1
-        self.motors.turn_shaft(self._shaft.shaft_rad(self._now_ms / 1000, self.motors.angles_rad()))
+            if self.motors.strained:
+                self._turn_shaft()
+        self._turn_shaft()
 
     def feed_watchdog(self, counts: int) -> None:
         """Something was heard. Periods of 0 counts are taken as no watchdog: what they mean is unknown."""
@@ -60,14 +75,20 @@ class Loop:
     def restart(self, on: int) -> None:
         """Power comes back: references 0."""
         self.new = self.current = self.old = References(on=on)
+        self.bridge_on = None
         self.motors.pwm = [0, 0]
+
+    def _turn_shaft(self) -> None:
+        angles_rad = self.motors.angles_rad()
+        self.motors.turn_shaft(self._shaft.shaft_rad(self._now_ms / 1000, angles_rad))
+        self.motors.loads_nm = self._loads(angles_rad)
 
     def _turn(self, current: Memory, shadow: Memory) -> bool:
         ticks = self.current.ticks
         if current.input_mode:
             shaft = self.motors.measured(shadow)[2]
             ticks = limited(shaft, 0, current), limited(shaft, 1, current)
-        on = self.current.on
+        on = self.current.on if self.bridge_on is None else self.bridge_on
         powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
         still = self.motors.step(ticks, current, shadow, powered)
         settled = self.old is self.current is self.new

@@ -1,7 +1,8 @@
 """The two motors of a qbmove, their encoders and the 1 kHz loop that moves them: ``motor_control`` (v6.1), simplified.
 
 PWM is computed as the firmware does in position, deflection and PWM mode, without the integral, whose gain is 0. A
-motor's speed is proportional to it at once, and does not give way to load. In the current modes (2, 3, 5) the motors
+motor's speed is proportional to it at once, and does not give way to load, until the load reaches what the motor can
+do: there it stalls. Current follows the load. Without PWM the gears hold. In the current modes (2, 3, 5) the motors
 stand still: the study never uses them.
 """
 
@@ -9,8 +10,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
-from emg2vsa.rig.emulated.qbmove_memory import Memory
+from emg2vsa.rig.emulated.qbmove_memory import INTERNAL_PER_TICK, Memory
 from emg2vsa.rig.emulated.qbmove_switches import Switches
 
 INTERNAL_PER_TURN = 65536
@@ -18,14 +20,36 @@ INTERNAL_PER_RAD = INTERNAL_PER_TURN / (2 * math.pi)
 ENCODER_STEP = 16
 """AS5045, 12 bit: 8 wire ticks."""
 PWM_MOST = 100
-FULL_CURRENT_MA = 1500
-"""Current at full PWM: a guess; the real one depends on load."""
+IDLE_CURRENT_MA = 150
+"""Current at full PWM without load: a guess."""
 _POSITION, _PWM, _DEFLECTION = 0, 1, 4
 _SHAFT = 2
 _WITHOUT_RATE = 13
 """Parameters of a firmware that knows no greatest PWM rate."""
 
 Pair = tuple[int, int]
+Torques = tuple[float, float]
+_STRAINED = 0.5
+"""Part of the stall torque from which the load is looked at in every turn."""
+
+
+@dataclass
+class MotorFaults:
+    """What goes wrong, changed while the motors run.
+
+    jammed : no motor moves, whatever pulls. unsupplied : nor draws it current; the electronics live on USB.
+    torque_nm : most that a motor can do; None is what it is built for.
+    frozen : what an encoder goes on reading, internal ticks. jumped_ticks : wire ticks added to what it reads.
+    current_ma : added to the measured currents. flag_only : an expired watchdog leaves the motors on.
+    """
+
+    jammed: bool = False
+    unsupplied: bool = False
+    torque_nm: float | None = None
+    frozen: dict[int, int] = field(default_factory=dict)
+    jumped_ticks: list[int] = field(default_factory=lambda: [0, 0, 0])
+    current_ma: float = 0.0
+    flag_only: bool = False
 
 
 class Motors:
@@ -37,10 +61,26 @@ class Motors:
         self._limits_rate = switches.parameters > _WITHOUT_RATE
         # reversed encoders have reversed gains: in the wire's direction they are the same
         self._sign = -1 if switches.counts_backwards else 1
+        self._stall_nm, self._stall_ma = switches.stall_torque_nm, switches.stall_current_ma
         self._at = [angle * INTERNAL_PER_RAD for angle in angles_rad]
         self._turns_lost = [0, 0, 0]
         self._seen = [0, 0]
         self.pwm = [0, 0]
+        self.faults = MotorFaults()
+        self.loads_nm: Torques = (0.0, 0.0)
+        "Torque that each motor must do to go on in the direction of its counting."
+
+    @property
+    def strained(self) -> bool:
+        """Whether a motor may stall soon."""
+        return max(map(abs, self.loads_nm)) > _STRAINED * self._most_nm
+
+    def freeze(self, sensor: int, frozen: bool) -> None:
+        """Encoder 0, 1 or 2, the shaft's, stays where it is, or goes on."""
+        if frozen:
+            self.faults.frozen.setdefault(sensor, self._raw(sensor))
+        else:
+            self.faults.frozen.pop(sensor, None)
 
     def angles_rad(self) -> tuple[float, float]:
         """Where the motors are."""
@@ -70,16 +110,40 @@ class Motors:
             pwm = self._rate_limited(wanted, self.pwm[motor], memory) if self._limits_rate else wanted
             still = still and pwm == self.pwm[motor] == 0 and seen == self._seen[motor]
             self.pwm[motor], self._seen[motor] = pwm, seen
-            self._at[motor] += self._full_step * pwm / PWM_MOST
+            if not self._blocked(motor):
+                self._at[motor] += self._full_step * pwm / PWM_MOST
         return still
 
     def currents_ma(self) -> Pair:
         """Motor currents, with the sign of the PWM."""
-        first, second = (FULL_CURRENT_MA * pwm // PWM_MOST for pwm in self.pwm)
-        return first, second
+        return self._current_ma(0), self._current_ma(1)
+
+    def _current_ma(self, motor: int) -> int:
+        pwm, current_ma = self.pwm[motor], 0.0
+        if pwm and not self.faults.unsupplied:
+            stall_ma = math.copysign(self._stall_ma, pwm)
+            load_nm = max(0.0, math.copysign(1.0, pwm) * self.loads_nm[motor])
+            current_ma = stall_ma * load_nm / self._stall_nm + IDLE_CURRENT_MA * pwm / PWM_MOST
+            if self._blocked(motor):
+                current_ma = stall_ma * abs(pwm) / PWM_MOST
+        return int(current_ma + self.faults.current_ma)
+
+    @property
+    def _most_nm(self) -> float:
+        weak_nm = self.faults.torque_nm
+        return self._stall_nm if weak_nm is None else weak_nm
+
+    def _blocked(self, motor: int) -> bool:
+        against_nm = math.copysign(1.0, self.pwm[motor]) * self.loads_nm[motor]
+        return self.faults.jammed or self.faults.unsupplied or against_nm >= self._most_nm
+
+    def _raw(self, sensor: int) -> int:
+        held = self.faults.frozen.get(sensor)
+        return math.floor(self._at[sensor] / ENCODER_STEP) * ENCODER_STEP if held is None else held
 
     def _reading(self, sensor: int, memory: Memory) -> int:
-        raw = math.floor(self._at[sensor] / ENCODER_STEP) * ENCODER_STEP + memory.offsets[sensor]
+        jumped = self.faults.jumped_ticks[sensor] * INTERNAL_PER_TICK
+        raw = self._raw(sensor) + jumped + memory.offsets[sensor]
         return int((raw - self._turns_lost[sensor] * INTERNAL_PER_TURN) * memory.multipliers[sensor])
 
     def _pwm(self, motor: int, reference: int, seen: int, memory: Memory) -> int:

@@ -24,6 +24,10 @@ class Switches:
     pwm_limit: int
     supply_mv: int
     motor_speed_rad_per_s: float
+    stall_torque_nm: float
+    "Load at which a motor stops."
+    stall_current_ma: float
+    "What it draws there at full PWM."
     has_counters: bool
     max_pwm_rate: int
     both_motors_or_none: bool
@@ -51,6 +55,9 @@ MAKER_PRO = Switches(
     pwm_limit=43,  # the firmware's table at 24 V, for a motor of 8 V
     supply_mv=24000,
     motor_speed_rad_per_s=3.75,  # nickparnenzini/qbmove_plugin, qbmove_project.pdf
+    # of the same source: 8 V over 2.3 ohm, 0.8 N m/A, less 0.8 N m of friction
+    stall_torque_nm=2.0,
+    stall_current_ma=3480.0,
     has_counters=False,
     max_pwm_rate=0,
     both_motors_or_none=False,
@@ -66,6 +73,8 @@ ADVANCED = Switches(
     pwm_limit=100,
     supply_mv=24000,
     motor_speed_rad_per_s=6.0,  # default of the Gazebo plugin of NMMI, a simulation's number
+    stall_torque_nm=6.0,  # of the same
+    stall_current_ma=7500.0,  # 0.8 N m/A as in the Maker Pro: a guess
     has_counters=True,
     max_pwm_rate=0,
     both_motors_or_none=True,

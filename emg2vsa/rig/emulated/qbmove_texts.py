@@ -27,6 +27,7 @@ class Now:
     measurements: tuple[int, ...]
     currents_ma: tuple[int, int]
     on: int
+    supply_mv: int
 
 
 def parameter_list(memory: Memory, count: int, device_bytes: int) -> bytes:
@@ -51,7 +52,7 @@ def info_text(current: Memory, shadow: Memory, now: Now, switches: Switches) -> 
         "MOTOR INFO", f"{label} {now.references[0]} {now.references[1]} ",
         f"Motor enabled: {'YES' if now.on & 3 else 'NO'}", "",
         "MEASUREMENTS INFO", "Sensor value:", *_numbered(now.measurements),
-        f"Voltage (mV): {switches.supply_mv}",
+        f"Voltage (mV): {now.supply_mv}",
         *(f"Current {k} (mA): {current_ma}" for k, current_ma in enumerate(now.currents_ma, 1)), "",
         "DEVICE PARAMETERS", "PID Controller:", *_gains(current.position_pid),
         "Current PID Controller:", *_gains(current.current_pid), "",

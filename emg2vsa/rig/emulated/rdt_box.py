@@ -14,12 +14,12 @@ from operator import add, gt, mul, sub, truediv
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.rig.emulated.box_faults import BoxFaults, Client, FaultyPost
 from emg2vsa.rig.force.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
 INTERNAL_RATE_HZ = 7000
 NETBOX_SATURATED = 0x80020000
 AXIA_OUT_OF_RANGE = 0xC0000000
-Client = Callable[[bytes, float], None]
 _LEAST, _MOST = -(2**31), 2**31 - 1
 _NOISE_BLOCK = 256
 "Draws made at once; the records come out the same for any number."
@@ -58,26 +58,6 @@ class BoxSettings:
 
 
 @dataclass
-class BoxFaults:
-    """What goes wrong, changed while the box runs.
-
-    lose, repeat, swap : the next so many datagrams are lost, sent twice, or sent after the one that follows.
-    skip : the box leaves out so many internal samples once, without a gap in rdt_sequence.
-    mute : sends nothing. stuck : the counts stay. saturated : the status says so.
-    push_n : somebody leans on the sensor, N along z.
-    """
-
-    lose: int = 0
-    repeat: int = 0
-    swap: int = 0
-    skip: int = 0
-    mute: bool = False
-    stuck: bool = False
-    saturated: bool = False
-    push_n: float = 0.0
-
-
-@dataclass
 class _Stream:
     client: Client
     left: float
@@ -110,13 +90,13 @@ class RdtBox:
         self._bias = [0.0] * 6
         self._skipped = 0
         self._stream: _Stream | None = None
-        self._held: bytes | None = None
+        self._post = FaultyPost()
         self._counts: tuple[int, ...] = (0,) * 6
 
     @property
     def next_s(self) -> float:
-        """Time of the next record, s; inf when nothing streams."""
-        return self._stream.next_s if self._stream else math.inf
+        """Time of the next record, s; inf when nothing streams and nothing is on its way."""
+        return min(self._stream.next_s if self._stream else math.inf, self._post.due_s)
 
     def request(self, data: bytes, client: Client, time_s: float) -> None:
         """A datagram came for RDT; ``client`` takes the datagrams for its sender."""
@@ -131,7 +111,7 @@ class RdtBox:
             per_datagram = min(self.settings.buffer, LARGEST_BUFFER) if command == Command.BUFFERED else 1
             first = math.floor(time_s * INTERNAL_RATE_HZ) + 1
             self._stream = _Stream(client, count or math.inf, per_datagram, first / INTERNAL_RATE_HZ)
-            self._held = None
+            self._post.forget()
         elif command == Command.BIAS:
             self._bias = self._load(time_s)
 
@@ -146,6 +126,7 @@ class RdtBox:
                 self._stream = None
             sample = round(stream.next_s * INTERNAL_RATE_HZ) + self.settings.divisor
             stream.next_s = sample / INTERNAL_RATE_HZ
+        self._post.deliver(time_s)
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
         """Status word and the six counts at a time."""
@@ -156,13 +137,14 @@ class RdtBox:
             noisy = map(mul, map(add, quiet, next(self._noise)), self._counts_per_unit)
             # beyond 32 bits means far out of range, which the status tells
             self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
+        if self.faults.overflow:
+            self._counts = (_MOST,) * 6
         return self._alarm if out_of_range else 0, self._counts
 
     def _load(self, time_s: float) -> list[float]:
         """Six loads in the box's units, before bias."""
-        load = list(map(truediv, self._wrench(time_s), self._size))
-        load[2] += self.faults.push_n / self._size[2]
-        return load
+        wrench = self._wrench(max(0.0, time_s - self.faults.lag_s))
+        return list(map(truediv, self.faults.felt(wrench, time_s), self._size))
 
     def _measure(self, stream: _Stream) -> None:
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
@@ -172,23 +154,8 @@ class RdtBox:
         stream.waiting.append(record_bytes(record))
 
     def _send(self, stream: _Stream) -> None:
-        data = b"".join(stream.waiting)
+        self._post.send(b"".join(stream.waiting), stream.next_s, stream.client, self.faults)
         stream.waiting.clear()
-        faults = self.faults
-        if faults.mute:
-            return
-        if faults.lose:
-            faults.lose -= 1
-        elif faults.swap and self._held is None:
-            self._held = data
-        else:
-            stream.client(data, stream.next_s)
-            if faults.repeat:
-                faults.repeat -= 1
-                stream.client(data, stream.next_s)
-            if self._held is not None:
-                stream.client(self._held, stream.next_s)
-                self._held, faults.swap = None, faults.swap - 1
 
 
 def _noise(settings: BoxSettings) -> Iterator[list[float]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import select
 import sys
@@ -27,9 +28,10 @@ _CHUNK_BYTES = 4096
 class VirtualSerialPort:
     """A pseudo-terminal and the thread that answers on it. ``name`` is the port to open."""
 
-    def __init__(self, device: Callable[[bytes], bytes]) -> None:
-        """``device`` is called from the thread, one call at a time."""
-        self._device = device
+    def __init__(self, device: Callable[[bytes], bytes], waits_s: Callable[[], float] = lambda: math.inf) -> None:
+        """``device`` is called from the thread, one call at a time; without bytes when an answer that is late has come,
+        as ``waits_s`` tells."""
+        self._device, self._waits_s = device, waits_s
         self._device_end, self._host_end, self.name = _pseudo_terminal()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._serve, name=f"device at {self.name}", daemon=True)
@@ -48,8 +50,9 @@ class VirtualSerialPort:
 
     def _serve(self) -> None:
         while not self._stop.is_set():
-            if select.select([self._device_end], [], [], _LOOK_UP_S)[0]:
-                answer = self._device(os.read(self._device_end, _CHUNK_BYTES))
+            asked = select.select([self._device_end], [], [], max(0.0, min(_LOOK_UP_S, self._waits_s())))[0]
+            if asked or self._waits_s() <= 0:
+                answer = self._device(os.read(self._device_end, _CHUNK_BYTES) if asked else b"")
                 while answer:
                     answer = answer[os.write(self._device_end, answer) :]
 
@@ -74,7 +77,7 @@ class EmulatedServers:
 
     def __init__(self, bench: EmulatedRig) -> None:
         self.bench = bench
-        self._serial = VirtualSerialPort(bench.answer)
+        self._serial = VirtualSerialPort(bench.answer, lambda: bench.wire.due_s - bench.clock.now_s())
         self.force = RdtServer(bench.box, bench.clock)
         self._camera = CameraServer(bench.camera)
         self._idle = VirtualSerialPort(bench.idle)

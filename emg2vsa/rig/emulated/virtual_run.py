@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -24,12 +24,13 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 
 def run_virtual(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime, run: str = ""
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
-    rendered its frames. ``started`` : date and time to write to the run.
+    rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
+    run that goes on in another folder does not repeat its presses; the run's own where none is given.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -38,9 +39,15 @@ def run_virtual(
         do = "Choose another; no run is ever overwritten."
         raise DeviceError(folder, wanted="a new folder, or an empty one", found="files in it", do=do)
     clock = VirtualClock()
-    name = run_name(plan.specimen, plan.angle_deg, plan.condition)
-    bench = EmulatedRig(emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name)
+    name = run or run_name(plan.specimen, plan.angle_deg, plan.condition)
+    bench = EmulatedRig(
+        emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name, plate=plan.plate
+    )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
-    write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    return execute(plan, rig, bench.devices(), folder, clock, started=started)
+    devices = bench.devices()
+    if plan.plate:
+        devices = replace(devices, camera=None)
+    else:
+        write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
+    return execute(plan, rig, devices, folder, clock, started=started)

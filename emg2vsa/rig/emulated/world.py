@@ -109,6 +109,13 @@ class World:
         self._run(time_s, motors_rad)
         return side * self._path.end_rad
 
+    def loads_nm(self, motors_rad: Motors) -> Motors:
+        """Torque, N m, that each motor must do to go on the way it counts, with the motors there and the shaft where it
+        is."""
+        side, shaft_rad = self.settings.turns_to_push, self._path.end_rad
+        first, second = self._joint.loads_nm(shaft_rad, (side * motors_rad[0], side * motors_rad[1]), self._probe)
+        return side * first, side * second
+
     def probe_mm(self, time_s: float) -> float:
         """Way of the probe from where the shaft is at 0, mm, down is positive."""
         return self._probe.position_mm(self._shaft_at(time_s))

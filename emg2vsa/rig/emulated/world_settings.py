@@ -25,6 +25,7 @@ class WorldSettings:
     settling_s : time constant with which the shaft comes to rest, 0 is at once (guess).
     mm_per_degree : of the probe per turn of the shaft: a cogwheel of 11.5 mm pitch radius (guess; the paper is silent).
     turns_to_push : which way the shaft turns to move the probe down, 1 or -1.
+    plate : a flat plate presses, in place of the dome of the tactile sensor.
     gap_mm : from the probe with the shaft at 0 to first contact, along the probe's axis (guess).
     """
 
@@ -37,6 +38,7 @@ class WorldSettings:
     mm_per_degree: float = 0.2
     turns_to_push: Literal[1, -1] = 1
     gap_mm: float = 5.0
+    plate: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.angle_deg < 90:

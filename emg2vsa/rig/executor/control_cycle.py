@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import NamedTuple
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Devices, ForceSample
-from emg2vsa.rig.executor.guards import Moment, tripped
+from emg2vsa.rig.executor.expected import most_past_contact_mm
+from emg2vsa.rig.executor.guards import Moment, size, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
+from emg2vsa.rig.executor.safe_end import Start
+from emg2vsa.rig.executor.witnesses import Witnesses
 from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
-from emg2vsa.rig.record.run_log import Row
+from emg2vsa.rig.record.run_log import Row, full_force
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 
 Readings = tuple[int | None, int | None, int | None, int | None, int | None]
 """Motor 1, motor 2 and shaft in ticks, and the two currents in mA; None where the turn did not come so far."""
+_LAG_MM = 1.0
+"""How far motors are behind their command in ordinary motion, and more."""
 _UNREAD: Readings = (None, None, None, None, None)
 
 
@@ -39,14 +46,26 @@ class ControlCycle:
         self._average = MovingAverage(rig.filter_samples, rig.rate_hz)
         self._sent: tuple[int, int] | None = None
         self._before: Force | None = None
+        self._pressed = False
         self.motion: Motion | None = None
         "Where the run is; None before ``start``."
+        self.peak_force_n: float | None = None
+        "Largest force felt, of all three axes together, N; None before the first."
 
     def start(self) -> None:
         """Motors on; the run begins where they are."""
+        actuator = self._devices.actuator
         with ending("activation"):
-            self._devices.actuator.activate()
-            position_ticks = self._devices.actuator.position_ticks()
+            actuator.activate()
+            position_ticks, at = actuator.position_ticks(), actuator.measurements()
+            device_ma = actuator.current_limit_ma()
+        guards = self._rig.guards
+        self._limits = replace(
+            guards,
+            current_ma=min(guards.current_ma, device_ma) if device_ma > 0 else guards.current_ma,
+            past_contact_mm=most_past_contact_mm(self._plan, self._rig),
+        )
+        self._witnesses = Witnesses(self._rig, actuator.springs, at)
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
@@ -54,39 +73,86 @@ class ControlCycle:
     def turn(self, now_s: float, late_s: float) -> Motion:
         """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""
         assert self.motion is not None
+        before = self.motion
         force = self._feel()
         readings = _UNREAD
         try:
             self._look(now_s)
-            self._ask(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
             self._judge(force, wanted, now_s, late_s)
             self._enter(wanted, force)
-            self._send(wanted)
+            self._send(wanted, now_s)
             self._turned_s, self._before = now_s, force
             with ending("lost device"):
-                readings = (*self._devices.actuator.measurements(), *self._devices.actuator.currents_ma())
+                at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
+            readings = (*at, *currents_ma)
+            self._witnesses.read(at, currents_ma, force.raw_n, wanted, begins=wanted.phase != before.phase)
+            self._ask(now_s)
+            self._judge(force, wanted, now_s, late_s)
         finally:
-            self._log(now_s, force, readings)
+            self._log(now_s, late_s, force, readings)
         return self.motion
 
-    def log_escape(self, position_ticks: int, preset_ticks: int) -> None:
-        """A row while the probe is taken away after the end. DeviceError when the disk is full."""
+    def retreat_from(self) -> Start | None:
+        """Where to begin taking the probe away; None when nothing has been moved.
+
+        That is where the motors were measured, in the eyes of the device, which goes by the same encoders: from there
+        it can only be told to go away. No motor is deeper than its command.
+        """
+        if self.motion is None:
+            return None
+        plan = self._plan
+        return Start(
+            depth_mm=min(self.motion.depth_mm, self._measured_mm()),
+            preset_ticks=plan.preset_ticks(self.motion.step),
+            softest_ticks=0 if plan.schedule is None else int(plan.schedule.preset_ticks.min()),
+            contact_n=plan.f_contact_n,
+            home_is_free=self._pressed,
+        )
+
+    def _measured_mm(self) -> float:
+        measured_mm = self._witnesses.depth_mm
+        if self.motion is not None and measured_mm < self.motion.depth_mm - _LAG_MM:
+            # one wrong reading would send the probe far away
+            with suppress(DeviceError):
+                measured_mm = max(measured_mm, self._rig.depth_at(self._devices.actuator.position_ticks()))
+        return measured_mm
+
+    def log_escape(self, position_ticks: int, preset_ticks: int, notes: list[str]) -> ForceSample | None:
+        """A row while the probe is taken away after the end, and the force then; None where the sensor has gone.
+
+        ``notes`` is told when the disk is full."""
         assert self.motion is not None
-        force: tuple[float | None, float | None] = None, None
+        sample: ForceSample | None = None
         with suppress(DeviceError):
             sample = self._devices.force.read()
-            force = sample.time_s, self._rig.pushing_n(sample)
-        self._record.row(
-            Row(
-                self._clock.now_s(), self.motion.repetition, "escape", *force, None, position_ticks, preset_ticks,
-                None, None, None, None, None, self._record.frame_index,
-            )
+        time_s, force_n = (sample.time_s, self._rig.pushing_n(sample)) if sample else (None, None)
+        if sample:
+            self._note_peak(sample)
+        row = Row(
+            self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_ticks, preset_ticks,
+            *_UNREAD, self._record.frame_index,
         )  # fmt: skip
+        try:
+            self._record.row(row._replace(**full_force(sample)) if sample else row)
+            self._record.all_forces(self._devices.force.read_all)
+        except DeviceError as error:
+            notes.append(str(error))
+        return sample
+
+    def _note_peak(self, sample: ForceSample) -> None:
+        felt_n = size(sample.force_n)
+        if math.isfinite(felt_n):
+            self.peak_force_n = max(self.peak_force_n or 0.0, felt_n)
 
     def _feel(self) -> Force:
         with ending("stale sensor"):
             sample = self._devices.force.read()
+        assert self.motion is not None
+        self._note_peak(sample)
+        self._witnesses.feel(sample, self.motion.phase)
+        with ending("recording"):
+            self._record.all_forces(self._devices.force.read_all)
         raw_n = self._rig.pushing_n(sample)
         return Force(raw_n, self._average.update(raw_n), sample)
 
@@ -101,7 +167,9 @@ class ControlCycle:
                 self._frame_s = now_s
 
     def _ask(self, now_s: float) -> None:
-        if now_s - self._asked_s >= self._rig.guards.motors_every_s:
+        # motors that have gone off do not follow, and that is then the cause
+        astray = self._witnesses.seen.astray_ticks > self._limits.following_ticks
+        if astray or now_s - self._asked_s >= self._limits.motors_every_s:
             with ending("lost device"):
                 self._active = self._devices.actuator.is_active()
             self._asked_s = now_s
@@ -110,12 +178,13 @@ class ControlCycle:
         before = self._before or force
         moment = Moment(
             now_s=now_s, late_s=late_s, period_s=self._rig.period_s,
-            force_n=force.raw_n, force_time_s=force.sample.time_s,
-            force_before_n=before.raw_n, force_before_s=before.sample.time_s, faults=force.sample.status.faults,
+            force=force.sample, before=before.sample, force_n=force.raw_n, force_before_n=before.raw_n,
+            angle_deg=self._plan.angle_deg, rating=self._devices.force.rating,
             frame_s=self._frame_s if self._devices.camera else None,
             depth_mm=wanted.depth_mm, travel_mm=self._plan.travel_mm, active=self._active,
+            seen=self._witnesses.seen, contact_n=self._plan.f_contact_n,
         )  # fmt: skip
-        if found := tripped(moment, self._rig.guards):
+        if found := tripped(moment, self._limits):
             raise EndRun("guard", *found)
 
     def _enter(self, wanted: Motion, force: Force) -> None:
@@ -124,24 +193,27 @@ class ControlCycle:
         self.motion = wanted
         if begins:
             # taken for contact, a wrong zero would press that much harder than the plan
-            if abs(force.filtered_n) >= self._plan.f_contact_n:
-                raise EndRun("guard", "preload", f"{force.filtered_n:.2f} N before the press, with the probe retracted")
+            felt_n = max(abs(force.filtered_n), size(force.sample.force_n))
+            if felt_n >= self._plan.f_contact_n:
+                raise EndRun("guard", "preload", f"{felt_n:.2f} N before the press, with the probe retracted")
             with ending("recording"):
+                self._pressed = True
                 self._record.begin_press(wanted.repetition, force.sample.time_s)
 
-    def _send(self, wanted: Motion) -> None:
+    def _send(self, wanted: Motion, now_s: float) -> None:
         command = self._rig.ticks_at(wanted.depth_mm), self._plan.preset_ticks(wanted.step)
         with ending("lost device"):
             self._devices.actuator.set_position_stiffness(*command)
         self._sent = command
+        self._witnesses.send(*command, now_s)
 
-    def _log(self, now_s: float, force: Force, readings: Readings) -> None:
+    def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None
         position, preset = self._sent or (None, None)
         row = Row(
             now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            position, preset, *readings, self._record.frame_index,
-        )  # fmt: skip
+            position, preset, *readings, self._record.frame_index, late_s,
+        )._replace(**full_force(force.sample))  # fmt: skip
         with ending("recording"):
             self._record.row(row)
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
-from emg2vsa.rig.clock import Beat, Clock
+from emg2vsa.rig.clock import Beat, Clock, ahead
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.executor.control_cycle import ControlCycle
-from emg2vsa.rig.executor.plan_limits import check_plan
-from emg2vsa.rig.executor.safe_end import make_safe
+from emg2vsa.rig.executor.plan_limits import check_plan, check_rating
+from emg2vsa.rig.executor.safe_end import SafeEnd, make_safe
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.record.ended import Ended, EndRun
+from emg2vsa.rig.record.disk import disk_for
+from emg2vsa.rig.record.ended import Ended, EndRun, busy_loop
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
+
+_SEEMS_LOST = ("lost device", "stale sensor", "lost camera", "overrun")
+"""Causes that a loop held up by a busy computer brings about as well."""
 
 
 def execute(
@@ -26,23 +31,43 @@ def execute(
     *,
     started: datetime,
     stop: Callable[[], str | None] = lambda: None,
+    facts: Mapping[str, Any] | None = None,
+    background: bool = False,
 ) -> Ended:
     """Run ``plan`` and record it in ``folder``; how it ended.
 
     Whatever the end, the probe is retracted, the motors are switched off, and ended.json says how, when and why.
     ``stop`` is asked in every turn, and ends the run by naming a reason: a signal that has come, a button. ``started``
-    is the date and time at 0 s of ``clock``.
+    is the date and time at 0 s of ``clock``. ``facts`` : what the devices say of themselves, for plan.json.
+    ``background`` : a thread writes to the disk, so that the loop never waits for it; wanted where time is real.
 
     Raises
     ------
-    SettingError, ScheduleError : the plan breaks a limit; nothing has been sent.
+    SettingError, ScheduleError : the plan, or a guard, breaks a limit; nothing has been sent.
     DeviceError : ``folder`` cannot be recorded to, or holds a run; nothing has been sent.
     Any error of the program itself, after the safe end.
     """
     check_plan(plan, rig)
-    seen = devices.camera
-    record = RunRecord(folder, started, seen.shape if seen else None, delay_s=seen.delay_s if seen else 0.0)
-    record.plan(plan, rig)
+    check_rating(rig, devices.force.rating)
+    with disk_for(background) as disk:
+        seen = devices.camera
+        record = RunRecord(
+            folder, started, seen.shape if seen else None,
+            delay_s=seen.delay_s if seen else 0.0, disk=disk, force_counts=devices.force.counts,
+        )  # fmt: skip
+        record.plan(plan, rig, facts)
+        with ahead():
+            return _recorded(plan, rig, devices, record, clock, stop)
+
+
+def _recorded(
+    plan: RunPlan,
+    rig: RigSettings,
+    devices: Devices,
+    record: RunRecord,
+    clock: Clock,
+    stop: Callable[[], str | None],
+) -> Ended:
     cycle = ControlCycle(plan, rig, devices, record, clock)
     beat = Beat(clock, rig.period_s)
     end = EndRun("interrupted", "Ctrl-C", "interrupted at the keyboard")
@@ -88,12 +113,28 @@ def _finish(
     clock: Clock,
 ) -> Ended:
     motion, time_s = cycle.motion, clock.now_s()
-    start = None if motion is None else (motion.depth_mm, plan.preset_ticks(motion.step))
-    safe = make_safe(devices.actuator, rig, clock, start, cycle.log_escape)
+    safe = make_safe(devices.actuator, rig, clock, cycle.retreat_from(), cycle.log_escape)
+    end = _truly(end, safe, record)
+    timing = beat.timing()
+    busy = busy_loop(timing)
+    why = f"{end.why} {busy}" if busy and end.cause in _SEEMS_LOST else end.why
     return record.end(
         Ended(
-            end.how, end.cause, end.why, "activation" if motion is None else motion.phase,
+            end.how, end.cause, why, "activation" if motion is None else motion.phase,
             0 if motion is None else motion.repetition, time_s, "",
-            retracted=safe.retracted, deactivated=safe.deactivated, notes=safe.notes, timing=beat.timing(),
+            retracted=safe.retracted, deactivated=safe.deactivated, timing=timing,
+            notes=(*safe.notes, busy) if busy else safe.notes,
+            peak_force_n=cycle.peak_force_n, last_force_n=safe.last_force_n,
         )
     )  # fmt: skip
+
+
+def _truly(end: EndRun, safe: SafeEnd, record: RunRecord) -> EndRun:
+    """A run is completed only where every press is whole and the probe is away."""
+    if end.how != "completed":
+        return end
+    if not safe.retracted:
+        return EndRun("rejected", "not retracted", "; ".join(safe.notes))
+    if record.rejected:
+        return EndRun("rejected", "press", "; ".join(record.rejected))
+    return end

@@ -1,15 +1,44 @@
-"""Guards of a running rig: each compares one moment with one limit, and says what is wrong, or None."""
+"""Guards of a running rig: each compares one moment with one limit, and says what is wrong, or None.
+
+They do not hang on one instrument: the springs judge the force sensor, the commands judge the motors, and the shaft's
+encoder tells how deep the probe is.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
-from emg2vsa.rig.rig_settings import GuardSettings
+from emg2vsa.rig.devices import ForceSample, Rating
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 
 @dataclass(frozen=True)
+class Seen:
+    """What `Witnesses` make of several turns. None is what is not known, or not to be judged now."""
+
+    still_mm: float = 0.0
+    "How far the motors have pressed on while the readings of the force sensor stayed the same."
+    still_s: float | None = None
+    "How long they have stayed the same; None of a sensor whose readings often do."
+    astray_ticks: float = 0.0
+    "How far a motor is outside of where it may be on the way to its command."
+    spring_n: float | None = None
+    "Force on the probe by the springs, when the motors were last read."
+    felt_n: float = 0.0
+    "Force along the push axis in the turn of that reading."
+    current_ma: float = 0.0
+    "Mean over the last turns, of the motor that draws more."
+    approach_mm: float | None = None
+    "Depth of the shaft, before contact."
+    past_contact_mm: float | None = None
+    "How far the shaft has gone after contact."
+    rise_n: float | None = None
+    "On the way home: by how much the force has grown from its smallest there."
+
+
+@dataclass(frozen=True, kw_only=True)
 class Moment:
     """What the guards look at, once in each turn of the loop."""
 
@@ -17,12 +46,16 @@ class Moment:
     late_s: float
     "How much after its due time the turn began."
     period_s: float
+    force: ForceSample
+    before: ForceSample
+    "Of the turn before."
     force_n: float
-    force_time_s: float
+    "Along the push axis."
     force_before_n: float
-    force_before_s: float
-    faults: tuple[str, ...]
-    "What the force sensor says against itself."
+    angle_deg: float
+    "Between probe and surface, by the plan."
+    rating: Rating | None
+    "Of the force sensor."
     frame_s: float | None
     "Time of the newest frame; None without a camera."
     depth_mm: float
@@ -30,20 +63,108 @@ class Moment:
     travel_mm: float
     active: bool
     "Motors on, when last asked."
+    seen: Seen
+    contact_n: float
+    "The plan's force of contact."
 
 
 Check = Callable[[Moment, GuardSettings], str | None]
 
 
 def force_limit(moment: Moment, limits: GuardSettings) -> str | None:
-    """Pushed, or pulled, too hard."""
-    return _above(abs(moment.force_n), limits.force_n, "N")
+    """Pushed, or pulled, too hard: along the push axis, or in any direction."""
+    along = _above(abs(moment.force_n), limits.force_n, "N")
+    whole_n = limits.force_n / math.cos(math.radians(moment.angle_deg))
+    return along or _above(size(moment.force.force_n), whole_n, "N in all three axes")
+
+
+def lateral_force(moment: Moment, limits: GuardSettings) -> str | None:
+    """Force across the push axis that the angle does not explain: a wrong push_axis or angle, or a crash."""
+    across_n = math.sqrt(max(0.0, size(moment.force.force_n) ** 2 - moment.force_n**2))
+    by_angle_n = abs(moment.force_n) * math.tan(math.radians(moment.angle_deg))
+    return _above(across_n, limits.lateral_n + by_angle_n, "N across push_axis")
+
+
+def torque(moment: Moment, limits: GuardSettings) -> str | None:
+    """The probe presses far from the middle of the sensor, or something else leans on it."""
+    return _above(size(moment.force.torque_nm), limits.torque_nm, "N m")
+
+
+def overload(moment: Moment, limits: GuardSettings) -> str | None:
+    """More than the force sensor is made for."""
+    if moment.rating is None:
+        return None
+    loads = (*moment.force.force_n.tolist(), *moment.force.torque_nm.tolist())
+    for name, load, most in zip(("Fx", "Fy", "Fz", "Tx", "Ty", "Tz"), loads, sum(moment.rating, ()), strict=True):
+        if found := _above(abs(load), most, f"{name}, the sensor's rating"):
+            return found
+    return None
 
 
 def force_rate(moment: Moment, limits: GuardSettings) -> str | None:
     """Force that jumps. Two samples may arrive close together, so their distance counts as a period at least."""
-    between_s = max(moment.force_time_s - moment.force_before_s, moment.period_s)
+    between_s = max(moment.force.time_s - moment.before.time_s, moment.period_s)
     return _above(abs(moment.force_n - moment.force_before_n) / between_s, limits.force_rate_n_per_s, "N/s")
+
+
+def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
+    """The sensor reports a fault or no number, or the springs bear what it does not feel, or the reverse."""
+    if not (math.isfinite(moment.force_n) and math.isfinite(size(moment.force.force_n))):
+        return f"the force is {moment.force_n}"
+    if moment.force.status.faults:
+        return "; ".join(moment.force.status.faults)
+    if moment.seen.spring_n is None:
+        return None
+    text = f"N between {moment.seen.spring_n:.1f} N by the springs and {moment.seen.felt_n:.1f} N felt"
+    return _above(abs(moment.seen.spring_n - moment.seen.felt_n), limits.spring_gap_n, text)
+
+
+def spring_limit(moment: Moment, limits: GuardSettings) -> str | None:
+    """The springs are bent further than the largest force bends them, whatever the force sensor says."""
+    return (
+        None if moment.seen.spring_n is None else _above(abs(moment.seen.spring_n), limits.spring_n, "N by the springs")
+    )
+
+
+def frozen_force(moment: Moment, limits: GuardSettings) -> str | None:
+    """The sensor goes on sending the same reading: no live one does while it is pressed, however coarse its steps."""
+    pressed = _above(moment.seen.still_mm, limits.frozen_mm, "mm pressed with the same reading")
+    if pressed or moment.seen.still_s is None:
+        return pressed
+    return _above(moment.seen.still_s, limits.frozen_s, "s with the same reading")
+
+
+def following(moment: Moment, limits: GuardSettings) -> str | None:
+    """A motor is not where its commands lead: jammed, without power or deaf, or its encoder is wrong."""
+    return _above(moment.seen.astray_ticks, limits.following_ticks, "ticks off the way to its command")
+
+
+def motor_current(moment: Moment, limits: GuardSettings) -> str | None:
+    """A motor stalls, or works against something that the force sensor does not bear."""
+    return _above(moment.seen.current_ma, limits.current_ma, "mA")
+
+
+def no_contact(moment: Moment, limits: GuardSettings) -> str | None:
+    """The shaft is deeper than the specimen's surface can be, and no contact was felt."""
+    return (
+        None
+        if moment.seen.approach_mm is None
+        else _above(moment.seen.approach_mm, limits.contact_mm, "mm without contact")
+    )
+
+
+def past_contact(moment: Moment, limits: GuardSettings) -> str | None:
+    """The specimen gives way more than it can: it is gone, or its force is not felt."""
+    if moment.seen.past_contact_mm is None:
+        return None
+    return _above(moment.seen.past_contact_mm, limits.past_contact_mm, "mm past contact")
+
+
+def way_home(moment: Moment, limits: GuardSettings) -> str | None:
+    """The way to the retracted position leads into something: home_ticks or the encoders' zeros are wrong."""
+    return (
+        None if moment.seen.rise_n is None else _above(moment.seen.rise_n, moment.contact_n, "N more on the way home")
+    )
 
 
 def travel(moment: Moment, limits: GuardSettings) -> str | None:
@@ -51,16 +172,9 @@ def travel(moment: Moment, limits: GuardSettings) -> str | None:
     return _above(moment.depth_mm, moment.travel_mm, "mm")
 
 
-def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
-    """The sensor reports a fault, or no number."""
-    if not math.isfinite(moment.force_n):
-        return f"the force is {moment.force_n}"
-    return "; ".join(moment.faults) or None
-
-
 def stale_sensor(moment: Moment, limits: GuardSettings) -> str | None:
     """The newest sample is old."""
-    return _above(moment.now_s - moment.force_time_s, limits.stale_s, "s without a sample")
+    return _above(moment.now_s - moment.force.time_s, limits.stale_s, "s without a sample")
 
 
 def lost_camera(moment: Moment, limits: GuardSettings) -> str | None:
@@ -82,15 +196,26 @@ def overrun(moment: Moment, limits: GuardSettings) -> str | None:
 
 GUARDS: dict[str, Check] = {
     "force limit": force_limit,
-    "untrusted force": untrusted_force,
-    "force rate": force_rate,
-    "travel": travel,
+    "sensor overload": overload,
     "lost device": lost_device,
     "overrun": overrun,
+    "following": following,
+    "untrusted force": untrusted_force,
+    "force rate": force_rate,
+    "lateral force": lateral_force,
+    "torque": torque,
+    "spring limit": spring_limit,
+    "frozen force": frozen_force,
+    "way home": way_home,
+    "travel": travel,
+    "no contact": no_contact,
+    "past contact": past_contact,
+    "motor current": motor_current,
     "stale sensor": stale_sensor,
     "lost camera": lost_camera,
 }
-"""The first that speaks names the cause: a loop held up makes samples and frames look old, so it comes before them."""
+"""The first that speaks names the cause: a loop held up makes samples and frames look old, motors that have gone off
+stay behind their commands, and springs are known by the motors' encoders, so what explains them comes before them."""
 
 
 def tripped(moment: Moment, limits: GuardSettings) -> tuple[str, str] | None:
@@ -101,5 +226,27 @@ def tripped(moment: Moment, limits: GuardSettings) -> tuple[str, str] | None:
     return None
 
 
+def laxer_guards(rig: RigSettings) -> list[str]:
+    """A line for each limit of ``rig`` that protects less than its default."""
+    usual = RigSettings()
+    pairs = [(f"rig.guards.{each.name}", getattr(rig.guards, each.name), getattr(usual.guards, each.name))
+             for each in fields(GuardSettings)]  # fmt: skip
+    pairs.append(("rig.max_mm_per_s", rig.max_mm_per_s, usual.max_mm_per_s))
+    lines = [f"{name} = {set_to:g} protects less than {default:g}, the default" for name, set_to, default in pairs
+             if (set_to < default if name.endswith("following_ticks_per_s") else set_to > default)]  # fmt: skip
+    if rig.escape_mm_per_s < usual.escape_mm_per_s:
+        lines.append(
+            f"rig.escape_mm_per_s = {rig.escape_mm_per_s:g} retreats more slowly than {usual.escape_mm_per_s:g}, "
+            "the default"
+        )
+    return lines
+
+
+def size(vector: object) -> float:
+    """Length of the three parts."""
+    x, y, z = vector.tolist()  # type: ignore[attr-defined]
+    return math.sqrt(x * x + y * y + z * z)
+
+
 def _above(value: float, limit: float, unit: str) -> str | None:
-    return f"{value:.6g} {unit}, limit {limit:g}" if value > limit else None
+    return f"{value:.6g} {unit}, limit {limit:.4g}" if value > limit else None

@@ -2,92 +2,198 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import Actuator
-from emg2vsa.rig.executor.motion import towards_home
+from emg2vsa.rig.devices import Actuator, ForceSample
+from emg2vsa.rig.executor.guards import size
 from emg2vsa.rig.rig_settings import RigSettings
 
 _OFF_ATTEMPTS = 3
+_SEND_ATTEMPTS = 3
 _THERE_MM = 0.2
 """Motors so close to the retracted position have reached it."""
+_RISE_N = 1.0
+"""Force that grows by so much on the way out is not taken away by it."""
+_HOLD_S = 0.15
+_BEYOND_MM, _UNFELT_MM, _PIECE_MM = 5.0, 1.0, 0.25
+"""How far the probe may go behind a retracted position that is not free, how far of that without any fall of force,
+which friction may hide, and in what pieces."""
+_FALL_N = 0.1
+_STUCK_S = 2.5
+"""How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
+_REST_S = 0.05
+"""Between commands at rest; each of them keeps the watchdog of the motors from running out."""
+
+Log = Callable[[int, int, list[str]], ForceSample | None]
 
 
 @dataclass(frozen=True)
 class SafeEnd:
-    """What was reached, and what went wrong on the way."""
+    """What was reached, and what went wrong on the way. last_force_n : of all three axes; None without a sensor."""
 
     retracted: bool
     deactivated: bool
+    last_force_n: float | None
     notes: tuple[str, ...]
 
 
-def make_safe(
-    actuator: Actuator,
-    rig: RigSettings,
-    clock: Clock,
-    start: tuple[float, int] | None,
-    log: Callable[[int, int], None],
-) -> SafeEnd:
-    """Retract from ``start`` (depth in mm, preset in ticks), wait until the motors have followed, switch them off.
+@dataclass(frozen=True)
+class Start:
+    """Where the way out begins.
 
-    Nothing keeps it from trying all of that, not even another Ctrl-C: a ramp that fails or is cut short is replaced by
-    one command to the retracted position. None as ``start``: nothing is known to have moved, so only motors off.
-    Retracted is what the encoders say, for motors that have gone off by themselves obey no command.
-    ``log`` is told every position and preset; its DeviceError is noted.
+    depth_mm, preset_ticks : of the motors. softest_ticks : preset that bears the least. contact_n : force of contact.
+    home_is_free : a press had begun, so that the retracted position was free of contact.
     """
-    notes: list[str] = []
-    retracted = start is not None and (
-        _tried(lambda: _ramp(actuator, rig, clock, *start, log, notes), notes)
-        or _tried(lambda: actuator.set_position_stiffness(rig.ticks_at(0.0), start[1]), notes)
-    )
-    if retracted:
-        _tried(lambda: clock.sleep_until(clock.now_s() + rig.settle_s), notes)
-        retracted = _tried(lambda: _check_retracted(actuator, rig), notes)
-    deactivated = any(_tried(actuator.deactivate, notes) for _ in range(_OFF_ATTEMPTS))
-    return SafeEnd(retracted, deactivated, tuple(dict.fromkeys(notes)))
+
+    depth_mm: float
+    preset_ticks: int
+    softest_ticks: int
+    contact_n: float
+    home_is_free: bool
 
 
-def _ramp(
-    actuator: Actuator,
-    rig: RigSettings,
-    clock: Clock,
-    depth_mm: float,
-    preset_ticks: int,
-    log: Callable[[int, int], None],
-    notes: list[str],
-) -> None:
-    while True:
-        depth_mm = towards_home(depth_mm, rig.escape_mm_per_s * rig.period_s)
-        position_ticks = rig.ticks_at(depth_mm)
-        actuator.set_position_stiffness(position_ticks, preset_ticks)
+def make_safe(actuator: Actuator, rig: RigSettings, clock: Clock, start: Start | None, log: Log) -> SafeEnd:
+    """Retract, wait until the motors have followed, switch them off.
+
+    The probe only moves away, and only while that does not make the force grow: else it is held and made as soft as it
+    can be; should the force grow once more, the motors go off there. A retracted position that was never free of
+    contact is left behind as long as the force falls. All of that is limited in time.
+
+    Nothing keeps it from trying, not even twenty times Ctrl-C. None as ``start``: nothing is known to have moved, so
+    only motors off. Retracted is what the encoders say, for motors that have gone off by themselves obey no command,
+    and what the force sensor says, unless that has gone. ``log`` is told every position and preset, and tells the
+    force.
+    """
+    escape = _Escape(actuator, rig, clock, log)
+    retracted = start is not None and escape.retract(start)
+    deactivated = any(escape.tried(actuator.deactivate) for _ in range(_OFF_ATTEMPTS))
+    return SafeEnd(retracted, deactivated, escape.felt_n, tuple(dict.fromkeys(escape.notes)))
+
+
+class _Pressing(Exception):
+    """The way out presses harder, or leads nowhere."""
+
+
+class _Escape:
+    def __init__(self, actuator: Actuator, rig: RigSettings, clock: Clock, log: Log) -> None:
+        self._actuator, self._rig, self._clock, self._log = actuator, rig, clock, log
+        self.notes: list[str] = []
+        self.felt_n: float | None = None
+        self._depth_mm, self._preset_ticks, self._lowest_n, self._held = 0.0, 0, math.inf, False
+        self._failures = 0
+
+    def retract(self, start: Start) -> bool:
+        """Whether encoders and force say that it is retracted."""
+        self._preset_ticks, self._softest_ticks = start.preset_ticks, start.softest_ticks
+        # the last steps of the encoders behind the retracted position are not worth a motion
+        self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
+        goal_mm = min(self._depth_mm, 0.0)
         try:
-            log(position_ticks, preset_ticks)
-        except DeviceError as error:
-            notes.append(str(error))
-        if depth_mm == 0:
-            return
-        clock.sleep_until(clock.now_s() + rig.period_s)
+            self._ramp(goal_mm)
+            self._rest(self._rig.settle_s)
+            end_s = self._clock.now_s() + _STUCK_S
+            while self._touches(start.contact_n) and not self._there() and self._clock.now_s() < end_s:
+                self._rest(_REST_S)
+                if not self._touches(start.contact_n):
+                    self._rest(self._rig.settle_s)
+            if not start.home_is_free or goal_mm < 0:
+                self._leave()
+        except _Pressing as why:
+            self.notes.append(f"the probe was not taken away further: {why}")
+            if self._failures:  # it may hear without answering
+                ticks = self._rig.ticks_at(goal_mm)
+                self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks))
+        return self.tried(lambda: self._check(start.contact_n))
 
+    def tried(self, action: Callable[[], None]) -> bool:
+        """Whether ``action`` came to its end; what kept it from that is noted."""
+        try:
+            action()
+        except BaseException as error:
+            self.notes.append(f"{type(error).__name__}: {error}".removesuffix(": "))
+            return False
+        return True
 
-def _check_retracted(actuator: Actuator, rig: RigSettings) -> None:
-    depth_mm = rig.depth_at(actuator.position_ticks())
-    if abs(depth_mm) > _THERE_MM:
-        raise DeviceError(
-            "probe",
-            wanted="motors at the retracted position",
-            found=f"{depth_mm:.1f} mm from it",
-            do="Take it away from the specimen by hand, or by the next run.",
-        )
+    def _ramp(self, to_mm: float) -> None:
+        while True:
+            step_mm = self._rig.escape_mm_per_s * self._rig.period_s
+            self._step(max(to_mm, self._depth_mm - step_mm))
+            if self._depth_mm <= to_mm:
+                return
+            self._wait(self._rig.period_s)
 
+    def _rest(self, duration_s: float, step_s: float = _REST_S) -> None:
+        end_s = self._clock.now_s() + duration_s
+        while (left_s := end_s - self._clock.now_s()) > 0:
+            self._wait(min(left_s, step_s))
+            self._step(self._depth_mm)
 
-def _tried(action: Callable[[], None], notes: list[str]) -> bool:
-    try:
-        action()
-    except BaseException as error:
-        notes.append(f"{type(error).__name__}: {error}".removesuffix(": "))
-        return False
-    return True
+    def _leave(self) -> None:
+        end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self.felt_n or 0.0
+        while self._touches(_FALL_N) and self._depth_mm > end_mm:
+            if unfelt_mm >= _UNFELT_MM:
+                raise _Pressing(f"{self.felt_n:.2f} N do not fall on the way")
+            position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
+            if not self._rig.position_ticks[0] <= position_ticks <= self._rig.position_ticks[1]:
+                raise _Pressing("position_ticks ends there")
+            self._step(self._depth_mm - _PIECE_MM)
+            self._rest(2 * _REST_S)
+            unfelt_mm += _PIECE_MM
+            if self.felt_n is not None and self.felt_n < fallen_n - _FALL_N:
+                unfelt_mm, fallen_n = 0.0, self.felt_n
+
+    def _step(self, depth_mm: float) -> None:
+        """Command a depth, and feel. _Pressing when the force has grown for the second time, or nobody obeys."""
+        ticks = self._rig.ticks_at(depth_mm)
+        if self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks)):
+            self._depth_mm, self._failures = depth_mm, 0
+        elif self.notes[-1] != KeyboardInterrupt.__name__:
+            self._failures += 1
+            if self._failures == _SEND_ATTEMPTS:
+                raise _Pressing("the actuator takes no commands")
+        self.tried(lambda: self._feel(ticks))
+        if self.felt_n is not None and self.felt_n > self._lowest_n + _RISE_N:
+            if self._held:
+                raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
+            self._held, self._preset_ticks = True, self._softest_ticks
+            self._lowest_n = math.inf
+            # an encoder that has jumped sends its motor on at full speed
+            self._rest(_HOLD_S, self._rig.period_s)
+
+    def _feel(self, ticks: int) -> None:
+        sample = self._log(ticks, self._preset_ticks, self.notes)
+        felt_n = math.nan if sample is None else size(sample.force_n)
+        self.felt_n = felt_n if math.isfinite(felt_n) else None
+        self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)
+
+    def _wait(self, duration_s: float) -> None:
+        self.tried(lambda: self._clock.sleep_until(self._clock.now_s() + duration_s))
+
+    def _touches(self, contact_n: float) -> bool:
+        return self.felt_n is not None and self.felt_n >= contact_n
+
+    def _there(self) -> bool:
+        depths_mm: list[float] = []
+        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_ticks())))
+        return bool(depths_mm) and abs(depths_mm[0]) <= _THERE_MM
+
+    def _check(self, contact_n: float) -> None:
+        depth_mm = self._rig.depth_at(self._actuator.position_ticks())
+        if abs(depth_mm) > _THERE_MM:
+            raise DeviceError(
+                "probe",
+                wanted="motors at the retracted position",
+                found=f"{depth_mm:.1f} mm from it",
+                do="Take it away from the specimen by hand, or by the next run.",
+            )
+        if self._touches(contact_n):
+            raise DeviceError(
+                "probe",
+                wanted=f"less than {contact_n:g} N at the retracted position",
+                found=f"{self.felt_n:.2f} N",
+                do="See what touches the probe; check home_ticks and the zero of the force sensor.",
+            )

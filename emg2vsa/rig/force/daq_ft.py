@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from emg2vsa.ati.cal_file import GaugeCalibration
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.devices import ForceSample, SensorStatus
+from emg2vsa.rig.devices import ForceCounts, ForceSample, Rating, SensorStatus
 
 FIRST_S = 1.0
 "Time in which started voltages must come."
@@ -50,9 +51,15 @@ class DaqFt:
     ) -> None:
         self.name = f"{calibration.serial} on {source.name}"
         self.calibration = calibration
+        self.rating = None
+        if calibration.largest is not None:
+            fx, fy, fz, tx, ty, tz = calibration.largest
+            self.rating = Rating((fx, fy, fz), (tx, ty, tz))
         self._source, self._clock, self._stale_s = source, clock, stale_s
         self._bias_v = np.zeros(6)
         self._newest: tuple[NDArray[np.float64], float] | None = None
+        self._unread: deque[tuple[NDArray[np.float64], float, int]] = deque(maxlen=max(1, round(source.rate_hz)))
+        self._records = 0
 
     def start(self) -> None:
         self._source.start()
@@ -64,7 +71,16 @@ class DaqFt:
 
     def read(self) -> ForceSample:
         self._arrived()
-        return self._sample(*self._fresh())
+        return self._sample(*self._fresh(), self._records)
+
+    def read_all(self) -> list[ForceSample]:
+        samples = [self._sample(*each) for each in self._unread]
+        self._unread.clear()
+        return samples
+
+    def counts(self) -> ForceCounts:
+        # the card's driver refuses to go on when it has lost a sample
+        return ForceCounts(records=self._records)
 
     def bias(self) -> None:
         self._arrived()
@@ -80,7 +96,11 @@ class DaqFt:
     def _arrived(self) -> NDArray[np.float64]:
         volts = self._source.read_volts()
         if len(volts):
-            self._newest = volts[-1], self._clock.now_s()
+            now_s = self._clock.now_s()
+            self._newest = volts[-1], now_s
+            for row in range(len(volts)):
+                self._records += 1
+                self._unread.append((volts[row], now_s - (len(volts) - 1 - row) / self._source.rate_hz, self._records))
         return volts
 
     def _fresh(self) -> tuple[NDArray[np.float64], float]:
@@ -99,9 +119,9 @@ class DaqFt:
             do="Check cable, power and the sample clock of the DAQ card.",
         )
 
-    def _sample(self, volts: NDArray[np.float64], time_s: float) -> ForceSample:
+    def _sample(self, volts: NDArray[np.float64], time_s: float, sequence: int) -> ForceSample:
         wrench = self.calibration.wrench_per_volt @ (volts - self._bias_v)
-        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(volts))
+        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(volts), sequence)
 
     def _status(self, volts: NDArray[np.float64]) -> SensorStatus:
         low_v, high_v = self.calibration.range_v

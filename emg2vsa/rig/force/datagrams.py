@@ -41,7 +41,8 @@ class UdpLine:
     """UDP to one port of one host.
 
     On Linux the kernel says when a datagram came, so that one that waited is not taken for a new one; elsewhere its
-    age is 0.
+    age is 0. A step of the computer's clock makes a datagram look older than the moment at which nothing waited; it is
+    not, and that moment bounds its age.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -52,6 +53,8 @@ class UdpLine:
             self._socket.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
         self._socket.setblocking(False)
         self._guard(lambda: self._socket.connect((host, port)))
+        self._empty_s = time.monotonic()
+        "When nothing waited here; all that is received since then has come since then."
 
     def send(self, data: bytes) -> None:
         self._guard(lambda: self._socket.send(data))
@@ -62,10 +65,11 @@ class UdpLine:
                 return Datagram(self._socket.recv(_LARGEST_BYTES), 0.0)
             data, extras, _, _ = self._socket.recvmsg(_LARGEST_BYTES, _EXTRAS_BYTES)
         except BlockingIOError:
+            self._empty_s = time.monotonic()
             return None
         except OSError as error:
             raise self._gone(error) from error
-        return Datagram(data, _age_s(extras))
+        return Datagram(data, min(_age_s(extras), time.monotonic() - self._empty_s))
 
     def close(self) -> None:
         self._socket.close()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import RDT_PORT
-from emg2vsa.rig.devices import ForceSample
+from emg2vsa.rig.devices import ForceCounts, ForceSample
 from emg2vsa.rig.force.datagrams import DatagramLine, UdpLine
 from emg2vsa.rig.force.netft_config import NetFtConfig, fetch_config
 from emg2vsa.rig.force.rdt import Command, Record, axia_status, netbox_status, parse_records, request_bytes, steps
@@ -18,6 +20,10 @@ QUIET_S = 0.02
 "Time in which the records of an older stream run out."
 STALE_S = 0.05
 FROZEN_S = 0.25
+SPARE_DATAGRAMS, MOST_DATAGRAMS = 64, 4096
+"Taken in one turn beside those that the box has sent since the last, and at most; the others wait for the next turn."
+JUMP_S = 1.0
+"Records numbered so much further on than the newest, or further back, are none of this stream."
 _POLL_S = 1e-3
 
 
@@ -44,8 +50,6 @@ class NetFt:
     buffered : many records a datagram; less work at high rates, and up to a buffer's time later.
     stale_s : the newest record may be this old.
     frozen_s : six counts that stay the same for this long are a dead sensor: a live one is never free of noise.
-
-    lost : records of this start that had not come when a later one did.
     """
 
     def __init__(
@@ -59,7 +63,7 @@ class NetFt:
         frozen_s: float = FROZEN_S,
     ) -> None:
         self.name = f"{config.product or 'Net F/T'} at {line.name}"
-        self.config = config
+        self.config, self.rating = config, config.rating
         self._line, self._clock = line, clock
         self._command = Command.BUFFERED if buffered else Command.STREAM
         self._stale_s, self._frozen_s = stale_s, frozen_s
@@ -86,9 +90,16 @@ class NetFt:
 
     def read(self) -> ForceSample:
         self._arrived()
-        record, time_s = self._fresh()
-        wrench = np.array(record.counts) * self._scale
-        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(record.status))
+        return self._sample(*self._fresh())
+
+    def read_all(self) -> list[ForceSample]:
+        samples = [self._sample(record, time_s) for record, time_s in self._unread]
+        self._unread.clear()
+        return samples
+
+    def counts(self) -> ForceCounts:
+        lost = max(0, self._missing - self._late)  # an old record may come late a second time
+        return ForceCounts(self._records, lost, self._late, self._duplicated, self._refused)
 
     def bias(self) -> None:
         self._line.send(request_bytes(Command.BIAS))
@@ -99,29 +110,48 @@ class NetFt:
         finally:
             self._line.close()
 
+    def _sample(self, record: Record, time_s: float) -> ForceSample:
+        wrench = np.array(record.counts) * self._scale
+        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(record.status), record.ft_sequence)
+
     def _forget(self) -> None:
-        self.lost = 0
+        self._records = self._missing = self._late = self._duplicated = self._refused = 0
+        self._unread: deque[tuple[Record, float]] = deque(maxlen=max(1, round(self.config.rate_hz)))
         self._newest: tuple[Record, float] | None = None
-        self._changed_s = 0.0
+        self._changed_s, self._looked_s = 0.0, self._clock.now_s()
 
     def _arrived(self) -> bool:
         """Take what waits in the line, but for records that come late; whether any has come since the start."""
-        while (datagram := self._line.receive()) is not None:
+        now_s = self._clock.now_s()
+        due = (now_s - self._looked_s) * self.config.rate_hz
+        self._looked_s = now_s
+        for _ in range(min(SPARE_DATAGRAMS + round(due), MOST_DATAGRAMS)):
+            if (datagram := self._line.receive()) is None:
+                break
             records = parse_records(datagram.data)
+            self._refused += not records
             # two clocks are read, so that a record could seem older than the one before
             time_s = max(self._clock.now_s() - datagram.age_s, self._newest[1] if self._newest else 0.0)
             for record in records:
-                ahead = steps(self._newest[0].rdt_sequence if self._newest else 0, record.rdt_sequence)
-                if ahead > 0:
-                    self.lost += ahead - 1
-                    back_s = steps(record.rdt_sequence, records[-1].rdt_sequence) / self.config.rate_hz
-                    self._notice(record, time_s - back_s)
+                back_s = steps(record.rdt_sequence, records[-1].rdt_sequence) / self.config.rate_hz
+                self._take(record, time_s - back_s)
         return self._newest is not None
 
-    def _notice(self, record: Record, time_s: float) -> None:
-        if self._newest is None or self._newest[0].counts != record.counts:
-            self._changed_s = time_s
-        self._newest = record, time_s
+    def _take(self, record: Record, time_s: float) -> None:
+        ahead = steps(self._newest[0].rdt_sequence if self._newest else 0, record.rdt_sequence)
+        if abs(ahead) > JUMP_S * self.config.rate_hz:
+            self._refused += 1
+        elif ahead == 0 and self._newest:
+            self._duplicated += 1
+        elif ahead < 0:
+            self._late += 1
+        else:
+            self._records += 1
+            self._missing += max(0, ahead - 1)
+            if self._newest is None or self._newest[0].counts != record.counts:
+                self._changed_s = time_s
+            self._newest = record, time_s
+            self._unread.append(self._newest)
 
     def _fresh(self) -> tuple[Record, float]:
         if self._newest is None:

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 
 from emg2vsa.ati.units import FORCE_N, TORQUE_NM, unit_in_si
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.devices import Rating
 
 PATH = "/netftapi2.xml"
 
@@ -21,6 +22,7 @@ class NetFtConfig:
     rate_hz : records a second.
     axia : an Ethernet Axia, else a Net F/T box; their status words differ.
     product, calibration_serial : as told; empty when not.
+    rating : of the transducer (``cfgmr``); None when it is not told as six numbers above 0.
     """
 
     n_per_count: float
@@ -29,6 +31,7 @@ class NetFtConfig:
     axia: bool = False
     product: str = ""
     calibration_serial: str = ""
+    rating: Rating | None = None
 
 
 def fetch_config(host: str, port: int = 80, timeout_s: float = 2.0) -> NetFtConfig:
@@ -66,14 +69,27 @@ def parse_config(page: bytes, where: object = PATH) -> NetFtConfig:
             where, wanted="raw data transfer enabled", found="disabled", do="Enable RDT on the Communications page."
         )
     product = tags.get("prodname", "")
+    newton = unit_in_si(FORCE_N, tags.get("scfgfu", ""), f"{where}, scfgfu")
+    newton_metre = unit_in_si(TORQUE_NM, tags.get("scfgtu", ""), f"{where}, scfgtu")
     return NetFtConfig(
-        n_per_count=unit_in_si(FORCE_N, tags.get("scfgfu", ""), f"{where}, scfgfu") / _number(tags, "cfgcpf", where),
-        nm_per_count=unit_in_si(TORQUE_NM, tags.get("scfgtu", ""), f"{where}, scfgtu") / _number(tags, "cfgcpt", where),
+        n_per_count=newton / _number(tags, "cfgcpf", where),
+        nm_per_count=newton_metre / _number(tags, "cfgcpt", where),
         rate_hz=_number(tags, "comrdtrate", where),
         axia="axia" in product.lower(),
         product=product,
         calibration_serial=tags.get("cfgcalsn", ""),
+        rating=_rating(tags.get("cfgmr", ""), newton, newton_metre),
     )
+
+
+def _rating(text: str, newton: float, newton_metre: float) -> Rating | None:
+    try:
+        fx, fy, fz, tx, ty, tz = map(float, text.rstrip("; ").split(";"))
+    except ValueError:
+        return None
+    if not all(0 < value < math.inf for value in (fx, fy, fz, tx, ty, tz)):
+        return None
+    return Rating((fx * newton, fy * newton, fz * newton), (tx * newton_metre, ty * newton_metre, tz * newton_metre))
 
 
 def _number(tags: dict[str, str], tag: str, where: object) -> float:

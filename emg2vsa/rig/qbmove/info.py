@@ -8,6 +8,7 @@ import struct
 from dataclasses import dataclass, field
 
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.device_settings import Model
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,12 @@ class QbmoveInfo:
     max_pwm_rate: int | None
     "None where the firmware has no such parameter."
     voltage_mv: int = field(compare=False)
+
+    @property
+    def generation(self) -> str:
+        """As the rig file names it: v6, v7."""
+        found = re.search(r"v\d+", self.firmware)
+        return found.group() if found else "unknown"
 
 
 def parse_info(text: str, where: str) -> QbmoveInfo:
@@ -63,6 +70,20 @@ def parse_info(text: str, where: str) -> QbmoveInfo:
     )
 
 
+_MODELS: dict[str, Model] = {"QBMMP": "maker-pro", "QBADV": "advanced"}
+"""First word of the firmware's version."""
+
+
+def check_kind(info: QbmoveInfo, model: Model, where: str) -> None:
+    """DeviceError unless the firmware is that of ``model``: the same ticks are another stiffness on the other one."""
+    name = info.firmware.split()[0] if info.firmware.split() else ""
+    if _MODELS.get(name) != model:
+        of = _MODELS.get(name)
+        do = f'Set model = "{of}", and export the schedules for it.' if of else "Check port and id: is it a qbmove?"
+        wanted = f"firmware of the {model} that [actuator] model names"
+        raise DeviceError(f"{where}, model", wanted=wanted, found=info.firmware or "no name", do=do)
+
+
 SLOT_BYTES = 50
 FORMATS = {0: "B", 1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
 """Type byte to ``struct`` format: flag, then the integers by growing size, float and double."""
@@ -75,6 +96,8 @@ class Parameter:
     number: int
     name: str
     values: tuple[float, ...]
+    form: str
+    "Of each value, as ``struct`` names it."
 
 
 def decode_parameters(payload: bytes, where: str) -> dict[int, Parameter]:
@@ -92,7 +115,7 @@ def decode_parameters(payload: bytes, where: str) -> dict[int, Parameter]:
                 do="Check the generation of the firmware.",
             )
         values = struct.unpack(f">{count}{FORMATS[kind]}", slot[2 : 2 + size])
-        found[number] = Parameter(number, _name(slot[2 + size :]), values)
+        found[number] = Parameter(number, _name(slot[2 + size :]), values, FORMATS[kind])
     return found
 
 

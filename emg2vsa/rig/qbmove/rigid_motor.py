@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from emg2vsa.actuator import Springs
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import Measurements
 from emg2vsa.rig.qbmove.driver import Qbmove
@@ -14,6 +15,8 @@ class RigidMotor:
     ----------
     board : the board, with watchdog, limits and read-back of every qbmove; motor 2 is not connected.
     """
+
+    springs: Springs | None = None
 
     def __init__(self, board: Qbmove) -> None:
         self._board = board
@@ -50,3 +53,7 @@ class RigidMotor:
     def currents_ma(self) -> tuple[int, int]:
         """Motor currents, mA."""
         return self._board.currents_ma()
+
+    def current_limit_ma(self) -> float:
+        """Largest current of the motor, mA, as the board told at its activation."""
+        return self._board.current_limit_ma()

@@ -27,12 +27,11 @@ class FoundQbmove:
     "Ten digits, from firmware 7.1 on; else empty."
 
 
-def qbmove_ports(also: Iterable[str] = ()) -> list[str]:
-    """Ports behind an FTDI bridge, and ``also`` those named, such as virtual ones that no list shows."""
-    real = [
+def qbmove_ports() -> list[str]:
+    """Ports behind an FTDI bridge, which other instruments have too; nothing is sent to them."""
+    return [
         port.device for port in list_ports.comports() if port.vid == _FTDI_VENDOR or port.manufacturer == _MANUFACTURER
     ]
-    return list(dict.fromkeys((*also, *real)))
 
 
 def scan(

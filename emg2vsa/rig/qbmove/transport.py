@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import os
 from collections.abc import Callable
+from importlib import import_module
 from typing import Protocol, TypeVar
 
 import serial
@@ -39,15 +41,24 @@ class SerialLine:
     def __init__(self, port: str, baud: int) -> None:
         self.name = port
         try:
-            self._port = serial.Serial(port, baud, timeout=0, write_timeout=1.0, exclusive=True)
+            self._port = serial.Serial(port, baud, timeout=0, write_timeout=0, exclusive=True)
         except (serial.SerialException, ValueError, OSError) as error:
             raise _not_opened(port, error) from error
         # an FTDI bridge otherwise holds bytes back for 16 ms; a virtual port cannot and need not
         with contextlib.suppress(AttributeError, RuntimeError, ValueError, OSError):
             self._port.set_low_latency_mode(True)
+        self._shut_others_out(True)
 
     def write(self, data: bytes) -> None:
-        self._guard(lambda: self._port.write(data))
+        """As `ByteLine`, and never waits: a port that does not take a frame at once is held up, and that is told."""
+
+        def put() -> None:
+            # pyserial waits on POSIX even where no wait is allowed
+            written = os.write(self._port.fileno(), data) if os.name == "posix" else self._port.write(data)
+            if written < len(data):
+                raise OSError(errno.EAGAIN, f"the port took {written} of {len(data)} bytes")
+
+        self._guard(put)
 
     def read(self, count: int, timeout_s: float) -> bytes:
         def take() -> bytes:
@@ -61,7 +72,19 @@ class SerialLine:
         self._guard(lambda: self._port.read(self._port.in_waiting) if self._port.in_waiting else b"")
 
     def close(self) -> None:
+        self._shut_others_out(False)
         self._port.close()
+
+    def _shut_others_out(self, shut: bool) -> None:
+        """No other program can open the port, also one that asks for no lock; but one of the superuser."""
+        if os.name != "posix":
+            return
+        termios = import_module("termios")
+        # a pseudo-terminal would stay shut after a program that was killed
+        with contextlib.suppress(OSError, ValueError, AttributeError, termios.error):
+            file = self._port.fileno()
+            if not os.ttyname(file).startswith("/dev/pts/"):
+                import_module("fcntl").ioctl(file, termios.TIOCEXCL if shut else termios.TIOCNXCL)
 
     def _guard(self, action: Callable[[], T]) -> T:
         try:

@@ -8,8 +8,10 @@ from typing import Literal
 
 from emg2vsa.rig.clock import LoopTiming
 
-How = Literal["completed", "stopped", "interrupted", "guard", "failed", "killed"]
+How = Literal["completed", "rejected", "stopped", "interrupted", "guard", "failed", "killed"]
 _ROOM_BYTES = 8192
+LATE_SHARE = 0.01
+"""Of its turns that a good loop may begin late."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +19,8 @@ class Ended:
     """The content of ended.json."""
 
     how: How
-    "completed; stopped by request or signal; interrupted by Ctrl-C; by a guard; failed by an error of the program"
+    """completed; rejected: all presses done, but not all of them whole, or the probe not retracted; stopped by request
+    or signal; interrupted by Ctrl-C; by a guard; failed by an error of the program"""
     cause: str
     "Name of the guard, or of what stopped the run; empty when it was completed."
     why: str
@@ -31,16 +34,30 @@ class Ended:
     rows: int = 0
     "In the log."
     retracted: bool = False
-    "Read back: the motors were at the retracted position before they were switched off."
+    "Read back before the motors were switched off: they were at the retracted position, and no force was felt."
     deactivated: bool = False
     notes: tuple[str, ...] = ()
     "What else went wrong on the way out."
+    peak_force_n: float | None = None
+    "Largest force felt in the whole run, of all three axes together; None when none was."
+    last_force_n: float | None = None
+    "Force at the very end, of all three axes together; None where the sensor had gone."
     timing: LoopTiming | None = field(default=None)
 
 
 def ended_bytes(ended: Ended) -> bytes:
     """ended.json, as long as any other. Blanks after the object are JSON still."""
     return json.dumps(asdict(ended), indent=2).encode().ljust(_ROOM_BYTES - 1) + b"\n"
+
+
+def busy_loop(timing: LoopTiming) -> str:
+    """What to say of a loop that was late too often; nothing of a good one."""
+    if timing.late <= LATE_SHARE * timing.turns:
+        return ""
+    return (
+        f"The control loop was late in {timing.late} of {timing.turns} turns, by up to {1e3 * timing.latest_s:.0f} ms: "
+        "the computer was busy. Close other programs, or let this one run in real time (docs/how-to/engineer.md)."
+    )
 
 
 class EndRun(Exception):

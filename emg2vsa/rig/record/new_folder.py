@@ -11,6 +11,7 @@ from itertools import count
 from pathlib import Path
 
 from emg2vsa.errors import DataError
+from emg2vsa.rig.record.press_counts import verdicts
 
 PLAN_FILE = "plan.json"
 EMULATED_FILE = "emulated.json"
@@ -20,26 +21,35 @@ EMULATED_FILE = "emulated.json"
 def new_folder(runs: Path, name: str, presses: int, *, emulated: bool) -> Path:
     """Folder for run ``name`` in ``runs``, not made yet: ``name``; ``name-2``, ``-3`` after others.
 
-    DataError : the run has been completed, with ``presses`` or more, by a rig of the same kind.
+    DataError : the run has all its ``presses``, made by a rig of the same kind.
     """
-    if done := completed_folder(runs, name, presses, emulated=emulated):
+    if not presses_left(runs, name, presses, emulated=emulated):
         do = "Move it away, or choose another folder with --out."
-        raise DataError(done, wanted="a run that is still to do", found="a completed one", do=do)
+        raise DataError(runs / name, wanted="a run that is still to do", found="one with all its presses", do=do)
     return next(folder for folder in _folders(runs, name) if not folder.exists())
 
 
-def completed_folder(runs: Path, name: str, presses: int, *, emulated: bool) -> Path | None:
-    """Folder of run ``name`` that was completed with ``presses`` or more, if any; a trial of fewer is not enough.
+def presses_left(runs: Path, name: str, presses: int, *, emulated: bool) -> int:
+    """Presses that run ``name`` still lacks of ``presses``: its folders are scored together, less what is rejected.
 
-    emulated : whether an emulated rig must have made the run, or hardware.
+    emulated : whether an emulated rig must have made a press, or hardware.
     """
+    done = 0
     for folder in _folders(runs, name):
         if not folder.exists():
-            return None
-        of_kind = (folder / EMULATED_FILE).is_file() == emulated
-        if of_kind and how_ended(folder) == "completed" and presses_done(folder) >= presses:
-            return folder
-    return None
+            break
+        if (folder / EMULATED_FILE).is_file() == emulated:
+            done += good_presses(folder)
+    return max(0, presses - done)
+
+
+def good_presses(folder: Path) -> int:
+    """Whole presses in the folder of a run that are not rejected; also of a run that was killed."""
+    done, said = presses_done(folder), verdicts(folder)
+    if how_ended(folder) == "killed":
+        done = max(said, default=0)
+    rejected = sum(number <= done and verdict == "rejected" for number, (verdict, _) in said.items())
+    return done - rejected
 
 
 def how_ended(folder: Path) -> str | None:

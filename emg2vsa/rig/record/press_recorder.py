@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.rig.record.append_file import AppendFile
+from emg2vsa.rig.record.disk import AT_ONCE, Disk
 from emg2vsa.rig.record.tiff_pages import TiffPages
 
 
@@ -26,11 +27,11 @@ class PressRecorder:
     DeviceError : there is a press already, or no place to write.
     """
 
-    def __init__(self, folder: Path, shape: tuple[int, int]) -> None:
-        self._force = AppendFile(folder / "force.csv")
+    def __init__(self, folder: Path, shape: tuple[int, int], disk: Disk = AT_ONCE) -> None:
+        self._force = AppendFile(folder / "force.csv", disk)
         self._force.append(b"time_s,force_n,frame_index,frame_time_s\n")
         self._frame_time = ""
-        self._frames = TiffPages(folder / "frames.tif", shape)
+        self._frames = TiffPages(folder / "frames.tif", shape, disk)
 
     @property
     def n_frames(self) -> int:
@@ -46,6 +47,10 @@ class PressRecorder:
     def force(self, time_s: float, force_n: float) -> None:
         """Save the force of a time with index and time of the last frame saved, -1 and none before the first."""
         self._force.append(f"{time_s:.6f},{force_n:.6f},{self.n_frames - 1},{self._frame_time}\n".encode())
+
+    def remark(self, text: str) -> None:
+        """A comment at the end of the forces, which goes with the press wherever it is taken."""
+        self._force.append(f"# {text}\n".encode())
 
     def close(self) -> None:
         """Give the files back."""

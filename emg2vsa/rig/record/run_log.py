@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from emg2vsa.errors import RecordingError
+from emg2vsa.rig.devices import ForceSample
 from emg2vsa.rig.record.append_file import AppendFile
+from emg2vsa.rig.record.disk import AT_ONCE, Disk
 
 
 class Row(NamedTuple):
@@ -18,6 +21,7 @@ class Row(NamedTuple):
     force_time_s: float | None
     "When the reading of the force came; its age is what the turn's time is later."
     force_n: float | None
+    "Along the rig's push_axis, as measured."
     filtered_n: float | None
     position_ticks: int | None
     "Commanded, as is the preset."
@@ -30,12 +34,32 @@ class Row(NamedTuple):
     current_1_ma: int | None
     current_2_ma: int | None
     frame_index: int
-    "Last frame saved of the loading being recorded; -1 when there is none."
+    "Last frame of the loading being recorded; -1 when there is none."
+    # version 0.1.0 had no more than these
+    late_s: float | None = None
+    "From the turn's due time until it began; none while the probe is taken away after the end."
+    fx_n: float | None = None
+    "Force and torque in the axes of the sensor, of the same reading."
+    fy_n: float | None = None
+    fz_n: float | None = None
+    tx_nm: float | None = None
+    ty_nm: float | None = None
+    tz_nm: float | None = None
+    force_status: int | None = None
+    "The sensor's status word."
+    force_sequence: int | None = None
+    "The sensor's number of the reading: the same again is the same reading."
 
 
-HEADER = ",".join(Row._fields)
+FIELDS = Row._fields
+HEADER = ",".join(FIELDS)
 """First line of a log."""
-_INTEGERS = {name for name in Row._fields if name.endswith(("_ticks", "_ma")) or name in ("repetition", "frame_index")}
+HEADERS = {HEADER: len(FIELDS), ",".join(FIELDS[:14]): 14}
+"""First lines of logs that can be read, those of version 0.1.0 too, and how many fields a row then has."""
+_OF_FORCE = FIELDS[FIELDS.index("fx_n") :]
+_INTEGERS = {name for name in FIELDS if name.endswith(("_ticks", "_ma"))} | {
+    "repetition", "frame_index", "force_status", "force_sequence",
+}  # fmt: skip
 
 
 class RunLog:
@@ -47,9 +71,9 @@ class RunLog:
     DeviceError, also from ``append``: the file is there already, or the disk is full.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, disk: Disk = AT_ONCE) -> None:
         self.path, self.rows = path, 0
-        self._file = AppendFile(path)
+        self._file = AppendFile(path, disk)
         self._file.append(f"{HEADER}\n".encode())
 
     def append(self, row: Row) -> None:
@@ -62,13 +86,38 @@ class RunLog:
         self._file.close()
 
 
-def row_of(line: str, where: str) -> Row:
-    """The row in a line of a log; RecordingError, naming ``where``, if it is none."""
+def full_force(sample: ForceSample) -> dict[str, Any]:
+    """All that a reading says: the last fields of a row, from fx_n on."""
+    values = (*sample.force_n.tolist(), *sample.torque_nm.tolist(), sample.status.code, sample.sequence)
+    return dict(zip(_OF_FORCE, values, strict=True))
+
+
+def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
+    """The row in a line of a log of so many fields; RecordingError, naming ``where``, if it is none."""
     try:
-        return Row(*(_value(n, text) for n, text in zip(Row._fields, line.split(","), strict=True)))  # type: ignore[arg-type]
+        named = zip(FIELDS[:n_fields], line.split(","), strict=True)
+        return Row(*(_value(name, text) for name, text in named))  # type: ignore[arg-type]
     except ValueError as error:
-        wanted, do = f"{len(Row._fields)} fields of a row", "Choose the log.csv of a run, unedited."
+        wanted, do = f"{n_fields} fields of a row", "Choose the log.csv of a run, unedited."
         raise RecordingError(where, wanted=wanted, found=repr(line), do=do) from error
+
+
+class ForceFile:
+    """A new file of all samples of the sensor in a run, not only the newest of each turn; else as `RunLog`."""
+
+    def __init__(self, path: Path, disk: Disk = AT_ONCE) -> None:
+        self._file = AppendFile(path, disk)
+        self._file.append(f"time_s,{','.join(_OF_FORCE)}\n".encode())
+
+    def append(self, samples: Sequence[ForceSample]) -> None:
+        """Write them, oldest first."""
+        rows = (",".join(map(_text, (sample.time_s, *full_force(sample).values()))) + "\n" for sample in samples)
+        if text := "".join(rows):
+            self._file.append(text.encode())
+
+    def close(self) -> None:
+        """Give the file back."""
+        self._file.close()
 
 
 def _value(name: str, text: str) -> str | float | int | None:

@@ -1,4 +1,4 @@
-"""The folder of a run: plan.json, log.csv, ended.json, and press-001, press-002 ... where there is a camera.
+"""The folder of a run: plan.json, log.csv, presses.csv, ended.json, and press-001 ... where there is a camera.
 
 A press holds frames and forces from the approach to the end of loading, which is all that CASR needs; the log goes on.
 """
@@ -7,57 +7,92 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.devices import Frame
+from emg2vsa.rig.devices import ForceCounts, ForceSample, Frame
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.append_file import AppendFile
+from emg2vsa.rig.record.disk import AT_ONCE, Disk
 from emg2vsa.rig.record.ended import Ended, ended_bytes
 from emg2vsa.rig.record.new_folder import PLAN_FILE
+from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressTally, Verdict, line_of
 from emg2vsa.rig.record.press_recorder import PressRecorder
-from emg2vsa.rig.record.run_log import Row, RunLog
+from emg2vsa.rig.record.run_log import ForceFile, Row, RunLog
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules.document import document_of
 
+ALL_FORCES_FILE = "force-full-rate.csv"
+"""Every record of the sensor, where the rig file wants them."""
 _KILLED = Ended("killed", "", "the program was killed; log.csv tells how far it came", "", 0, 0.0, "")
+_CLOCK = "seconds on a clock that never goes back nor jumps; 0 s is zero_utc, whatever the computer's clock does later"
 
 
 class RunRecord:
     """Writes it. DeviceError, here and in every method: a run is there already, or the disk is full.
 
     ``started`` : date and time at 0 s of the log's clock. ``frame_shape`` : (height, width) px; None without a camera.
-    ``delay_s`` : of the camera; frames are on their way for so long.
+    ``delay_s`` : of the camera; frames are on their way for so long. ``disk`` : who writes. ``force_counts`` : of the
+    force sensor, at any moment.
     """
 
     def __init__(
-        self, folder: Path, started: datetime, frame_shape: tuple[int, int] | None, *, delay_s: float = 0.0
+        self,
+        folder: Path,
+        started: datetime,
+        frame_shape: tuple[int, int] | None,
+        *,
+        delay_s: float = 0.0,
+        disk: Disk = AT_ONCE,
+        force_counts: Callable[[], ForceCounts] = ForceCounts,
     ) -> None:
         self._folder, self._started, self._frame_shape, self._delay_s = folder, started, frame_shape, delay_s
+        self._disk, self._force_counts, self._rig = disk, force_counts, RigSettings()
         # says from the start that the run was killed: so a killed run says so itself, and a full disk hides no cause
-        self._ended = AppendFile(folder / "ended.json")
+        self._ended = AppendFile(folder / "ended.json", disk)
         self._ended.append(ended_bytes(replace(_KILLED, at=started.isoformat())))
-        self.log = RunLog(folder / "log.csv")
+        self.log = RunLog(folder / "log.csv", disk)
+        self._presses = AppendFile(folder / PRESSES_FILE, disk)
+        self._presses.append(f"{HEADER}\n".encode())
+        self._forces: ForceFile | None = None
         self._press: PressRecorder | None = None
+        self._tally: PressTally | None = None
         self._begun_s, self._turned_s = 0.0, math.inf
+        self._notes: list[str] = []
         self.presses_done = 0
+        self.rejected: list[str] = []
+        "A line for each press that is over and does not count."
 
-    def plan(self, plan: RunPlan, rig: RigSettings) -> None:
-        """Write plan.json."""
+    def plan(self, plan: RunPlan, rig: RigSettings, devices: Mapping[str, Any] | None = None) -> None:
+        """Write plan.json, and wait for it. ``devices`` : what they say of themselves, by name."""
+        self._rig = rig
         schedule = None if plan.schedule is None else document_of(plan.schedule)
-        document = {"plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule}, "rig": asdict(rig)}
-        file = AppendFile(self._folder / PLAN_FILE)
+        document = {
+            "plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule},
+            "rig": asdict(rig),
+            "clock": {"zero_utc": self._started.astimezone(UTC).isoformat(), "time_s": _CLOCK},
+            "devices": dict(devices or {}),
+        }
+        file = AppendFile(self._folder / PLAN_FILE, self._disk)
         file.append((json.dumps(document, indent=2) + "\n").encode())
         file.close()
+        if rig.record_full_rate_force:
+            self._forces = ForceFile(self._folder / ALL_FORCES_FILE, self._disk)
+        self._disk.finish()
 
     def begin_press(self, repetition: int, time_s: float) -> None:
         """Frames taken from ``time_s`` on, and forces, are kept as one press to the end of loading."""
         self._close_press()
+        self._close_tally(time_s)
         self._begun_s, self._turned_s = time_s, math.inf
+        self._tally = PressTally(repetition, time_s, self._rig, self._force_counts())
         if self._frame_shape is not None:
-            self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape)
+            self._press = PressRecorder(self._folder / f"press-{repetition:03d}", self._frame_shape, self._disk)
 
     def frame(self, frame: Frame) -> None:
         """Keep a frame that was taken during a loading; nobody looks at others."""
@@ -67,6 +102,8 @@ class RunRecord:
             self._close_press()
         else:
             self._press.frame(frame.image, frame.time_s)
+            if self._tally:
+                self._tally.frame(frame)
 
     @property
     def frame_index(self) -> int:
@@ -76,34 +113,74 @@ class RunRecord:
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
         self.log.append(row)
+        if self._tally is not None:
+            self._tally.row(row)
         if self._press is not None and row.force_n is not None and row.force_time_s is not None:
             self._press.force(row.force_time_s, row.force_n)
+
+    def all_forces(self, samples: Callable[[], Sequence[ForceSample]]) -> None:
+        """Keep all that the sensor has measured, where the rig file wants that; ``samples`` is asked only then."""
+        if self._forces is not None:
+            self._forces.append(samples())
+
+    def doubt_press(self, why: str, verdict: Verdict = "rejected") -> None:
+        """The press that is going on is not to be trusted."""
+        if self._tally is not None:
+            self._tally.doubt(why, verdict)
 
     def end_loading(self, time_s: float) -> None:
         """The press turned back then: its files are given back, once all frames of its loading have come. What follows
         says nothing of how the contact spreads, and is in the log."""
         self._turned_s = time_s
+        if self._tally is not None:
+            self._tally.turn_back(time_s, self._force_counts())
         if self._delay_s == 0:  # none is on its way
             self._close_press()
 
     def end_press(self) -> None:
         """The press is over."""
         self.presses_done += 1
+        self._close_press()
+        self._close_tally(self._turned_s)
 
     def end(self, ended: Ended) -> Ended:
         """Write ended.json and close everything; ``ended`` with what only the record knows."""
         at = (self._started + timedelta(seconds=ended.time_s)).isoformat()
-        ended = replace(ended, at=at, rows=self.log.rows, repetitions_done=self.presses_done)
+        refused: list[str] = []
+        for last in (self._close_press, lambda: self._close_tally(ended.time_s), self._disk.finish):
+            try:
+                last()
+            except DeviceError as error:
+                refused.append(str(error))
+        notes = tuple(dict.fromkeys((*ended.notes, *self._notes, *refused)))
+        ended = replace(ended, at=at, rows=self.log.rows, repetitions_done=self.presses_done, notes=notes)
         try:
             self._ended.patch(0, ended_bytes(ended))
+            self._disk.finish()
         except DeviceError as error:
             ended = replace(ended, notes=(*ended.notes, str(error)))
-        self._close_press()
-        self.log.close()
-        self._ended.close()
+        for file in (self.log, self._presses, self._forces, self._ended):
+            if file is not None:
+                with suppress(DeviceError):
+                    file.close()
         return ended
 
     def _close_press(self) -> None:
         if self._press is not None:
-            self._press.close()
-            self._press = None
+            press, self._press = self._press, None
+            counts = self._tally.counts() if self._tally else None
+            if counts and counts.verdict != "ok":
+                press.remark(f"{counts.verdict}: {counts.why}")
+            press.close()
+
+    def _close_tally(self, time_s: float) -> None:
+        if self._tally is None:
+            return
+        tally, self._tally = self._tally, None
+        tally.turn_back(time_s, self._force_counts())
+        counts = tally.counts()
+        if counts.verdict != "ok":
+            self._notes.append(f"press {counts.repetition} is {counts.verdict}: {counts.why}")
+        if counts.verdict == "rejected":
+            self.rejected.append(self._notes[-1])
+        self._presses.append(line_of(counts).encode())

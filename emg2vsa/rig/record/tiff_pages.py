@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES
 from emg2vsa.rig.record.append_file import AppendFile
+from emg2vsa.rig.record.disk import AT_ONCE, Disk
 
 _SHORT, _LONG = 3, 4
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
@@ -45,10 +46,10 @@ class TiffPages:
     DeviceError : the file is there or cannot be made.
     """
 
-    def __init__(self, path: Path, shape: tuple[int, int]) -> None:
+    def __init__(self, path: Path, shape: tuple[int, int], disk: Disk = AT_ONCE) -> None:
         self.n_pages = 0
         self._shape = shape
-        self._file = AppendFile(path)
+        self._file = AppendFile(path, disk)
         self._link_at = len(_HEADER)
         self._file.append(_HEADER + _OFFSET.pack(0))
 

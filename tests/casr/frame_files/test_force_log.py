@@ -140,3 +140,9 @@ def test_a_log_that_is_not_there(tmp_path):
         read_force_log(tmp_path / "gone.csv")
     with pytest.raises(FramesError, match=r"Is a directory"):
         read_force_log(tmp_path)
+
+
+@pytest.mark.parametrize("word", ["doubtful", "rejected"])
+def test_what_the_recorder_thought_of_the_press_is_a_note(tmp_path, word):
+    log = log_of(tmp_path, f"# rig 2\n{PLAIN}# {word}: 5 % of its turns are missing\n")
+    assert log.notes == (f"the recorder of the press says {word}: 5 % of its turns are missing",)

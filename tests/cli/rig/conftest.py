@@ -25,11 +25,11 @@ from emg2vsa.settings import ScheduleSettings
 # a machine with other work must not trip the guards; held up for a second, the probe goes 8 mm on
 RIG = """\
 [rig.guards]
-stale_s = 2
-late_s = 2
-camera_s = 10
-force_n = 250
-force_rate_n_per_s = 100000
+stale_s = 0.1
+late_s = 0.1
+camera_s = 5
+force_n = 50
+force_rate_n_per_s = 3000
 
 [actuator]
 port = "{port}"
@@ -78,7 +78,7 @@ def make_schedules() -> tuple[Schedule, ...]:
         profiles=profiles, new=None, weight_alpha=math.nan, bracket=None, new_measured=None, new_error=None,
         leave_one_out=(), participant="", unit="V", notes=(),
     )  # fmt: skip
-    settings = ScheduleSettings(conditions=("modular",), probe_speed_mm_per_s=8.0)
+    settings = ScheduleSettings(conditions=("modular",), probe_speed_mm_per_s=8.0, actuator="qbmove-maker-pro")
     return build_schedules(whole, settings, {"study": "palpation"})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +17,15 @@ def test_scan_lists_ports_and_ids(rig: Rig, served: SimpleNamespace) -> None:
     port = served.servers.port
     status, out, _ = rig("scan", "--port", port, "--id", 1, "--id", 2, "--wait-ms", 500)
     assert (status, out) == (0, f"{port}\n  id 1\n")
+    status, out, _ = rig("scan", "--port", port, "--id", 1, "--wait-ms", 500, "--json")
+    assert json.loads(out)["devices"] == [{"device": port, "usable": True, "problem": None, "lines": ["id 1"]}]
+
+
+def test_scan_asks_no_port_that_is_not_named(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    adapter = SimpleNamespace(device="/dev/no-such-adapter", vid=0x0403, manufacturer="")
+    monkeypatch.setattr("emg2vsa.rig.qbmove.scan.list_ports.comports", lambda: [adapter])
+    monkeypatch.setattr("emg2vsa.rig.qbmove.transport.serial.Serial", lambda *args, **options: pytest.fail("opened"))
+    assert rig("scan")[:2] == (0, "/dev/no-such-adapter\n  an adapter as qbmoves have; ask it with --port\n")
 
 
 def test_scan_with_a_rig_file_looks_for_all_its_devices(rig: Rig, served: SimpleNamespace) -> None:

@@ -15,17 +15,36 @@ Rig = Callable[..., tuple[int, str, str]]
 
 
 def test_limits_legs_and_times(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
-    status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1")
+    status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1", "--details")
     assert status == 0
     assert out.startswith(
         "positions: -12000 to 12000 ticks\npresets: 600 to 2400 ticks, 20 to 80 % of 3000\n"
-        "travel: 15 mm, +6827 ticks from home\nforce: 250 N, 100000 N/s\n"
+        "travel: 15 mm, +6827 ticks from home\nforce: 50 N, 3000 N/s\n"
     )
     assert "\nS1_0_high-stiffness: 2 presses, at most 7.8 s\n" in out
     assert "\n  approach           0 to 6827              0       0 to 0.5        1.88\n" in out
     preset = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[15]  # from 5.0 N on
     assert f"\n  retract            6827 to 0           {preset}                       1.88\n" in out
     assert out.endswith("\n3 runs, at most 0.4 min; nothing was sent\n")
+
+
+def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1")
+    assert status == 0
+    presets = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[:16]  # up to 5.0 N
+    lines = out.splitlines()
+    lax = [line for line in lines if "protects less than" in line]
+    assert "rig.guards.force_n = 50 protects less than 10, the default" in lax
+    lines = [line for line in lines if line not in lax]
+    assert lines[5].split()[:3] == ["run", "presses", "position,"]
+    rigid, modular = lines[6].split(), lines[7].split()
+    assert 5.0 < float(rigid.pop(-2)) < 7.0  # the largest force to expect
+    assert 5.0 < float(modular.pop(-2)) < 7.0
+    assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
+    assert modular == [
+        "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5", "7.8",
+    ]  # fmt: skip
+    assert len(lines) == 11
 
 
 def test_as_json(rig: Rig, rig_file: RigFile) -> None:
@@ -45,7 +64,7 @@ def test_a_run_that_breaks_a_limit_is_told_beside_the_others(rig: Rig, rig_file:
     status, out, _ = rig("dry-run", path, "--specimen", "S1")
     assert status == 1
     assert "S1_0_modular: not possible. schedule of S1, modular, preset_ticks: wanted 560 to 2240 ticks" in out
-    assert "S1_0_high-stiffness: 2 presses" in out
+    assert "S1_0_high-stiffness " in out
 
 
 @pytest.mark.parametrize(
@@ -88,3 +107,11 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
         "32: experiment.contact_s: wanted a number >= 0; found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
+
+
+def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) -> None:
+    path = rig_file(("[actuator]\n", '[actuator]\nmodel = "advanced"\n'))
+    status, _, err = rig("dry-run", path)
+    assert status == 2
+    assert "schedule of S1, modular, limits.actuator: wanted qbmove-advanced, the model under [actuator] of " in err
+    assert "found qbmove-maker-pro. Set [schedule] actuator of the study to the device's model" in err

@@ -68,6 +68,24 @@ def test_only_files_of_its_own_are_replaced(served: SimpleNamespace, tmp_path: P
         check_replaceable(served.path)
 
 
+def test_faults_are_put_on_beforehand(rig: Rig, rig_file: Callable[..., Path], typed: Callable[[str], None]) -> None:
+    typed("quit\n")
+    faults = ["--fault", "ignore at 2 N for 1.5 s", "--fault", "gain 0.5"]
+    status, out, err = rig("emulate", rig_file(), *faults)
+    assert (status, err) == (0, "")
+    assert "# ignore on: no position command reaches the actuator, all else does, at 2 N, for 1.5 s\n" in out
+    assert "# gain: the force sensor gives 0.5 times the load\n" in out
+
+
+def test_a_fault_that_is_none_is_refused_before_anything_is_written(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    status, _, err = rig("emulate", rig_file(), "--fault", "gain lots", "--write", tmp_path / "emulated.toml")
+    assert status == 2
+    assert "fault gain: wanted off, or a number from -100 to 100; found 'lots'" in err
+    assert not (tmp_path / "emulated.toml").exists()
+
+
 def test_it_serves_until_quit(
     rig: Rig, rig_file: Callable[..., Path], typed: Callable[[str], None], tmp_path: Path
 ) -> None:

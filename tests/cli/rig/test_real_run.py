@@ -32,16 +32,19 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
     status, out, err = rig("run", served.path, *ONE)
     folder = tmp_path / "runs" / "S1_0_modular"
     assert status == 0, out + err
-    lines = out.splitlines()
+    assert "guard: rig.guards.force_n = 50 protects less than 10, the default" in out.splitlines()
+    lines = [line for line in out.splitlines() if not line.startswith("guard: ")]
     assert lines[:4] == [
         f"folder: {folder}",
         "run: S1, 0 degrees, modular, 2 presses",
         "device: QBMMP v6.1.0, positions -12000 to 12000 ticks, full stiffness 3000 ticks",
         "force: mean of 5 samples at 200 Hz: -3 dB at 18 Hz, delay 10 ms",
     ]
-    assert lines[4].startswith("completed: 2 of 2 presses, ")
-    assert lines[5] == "left: probe retracted, motors off"
-    assert lines[7].split() == ["control", "loop", "turns", "median", "99", "%", "99.9", "%", "largest", "overruns"]
+    unproven = "watchdog: the watchdog of this device (QBMMP v6.1.0) is not proven: emg2vsa rig prove-watchdog"
+    assert lines[4] == unproven
+    assert lines[5].startswith("completed: 2 of 2 presses, ")
+    assert lines[6] == "left: probe retracted, motors off"
+    assert lines[-2].split() == ["control", "loop", "turns", "median", "99", "%", "99.9", "%", "largest", "overruns"]
     assert [line.partition(" at ")[0] for line in err.splitlines()][:1] == ["press 1 of 2 done"]
     assert ended_of(folder)["how"] == "completed"
     assert motors(served.bench) == MOTORS_OFF
@@ -50,7 +53,7 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
 
     status, _, err = rig("run", served.path, *ONE)
     assert status == 2
-    assert f"{folder}: wanted a run that is still to do; found a completed one." in err
+    assert f"{folder}: wanted a run that is still to do; found one with all its presses." in err
 
 
 def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
@@ -92,7 +95,7 @@ def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleName
     assert not (tmp_path / "runs").exists()
 
 
-def test_more_than_one_run_is_listed_and_one_asked_for(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
+def test_more_than_one_run_is_listed(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
     path = rig_file()
     before = (("S1_0_modular", "completed", 2), ("S1_0_high-stiffness", "completed", 1), ("S3_0_modular", "guard", 0))
     for name, how, done in before:
@@ -100,13 +103,17 @@ def test_more_than_one_run_is_listed_and_one_asked_for(rig: Rig, rig_file: Calla
         ended = json.dumps({"how": how, "repetitions_done": done})
         (tmp_path / "runs" / name / "ended.json").write_text(ended)
     status, out, err = rig("run", path, "--angle", 0)
-    assert status == 2
+    assert status == 0
     assert out.splitlines() == [
         "--specimen S1 --angle 0 --condition high-stiffness   # completed before, 1 of 2 presses",
         "--specimen S3 --angle 0 --condition high-stiffness",
         "--specimen S3 --angle 0 --condition modular   # guard before, 0 of 2 presses",
     ]
-    assert "wanted one run; found 4, of which 3 are still to do. Name one as listed, or add --virtual" in err
+    assert "4 runs, 3 still to do. Name one as listed; --all leads through them; --virtual emulates them." in err
+    status, out, _ = rig("run", path, "--angle", 0, "--json")
+    assert json.loads(out)["to_do"][0] == {
+        "specimen": "S1", "angle_deg": 0, "condition": "high-stiffness", "presses_left": 1,
+    }  # fmt: skip
 
 
 def test_runs_of_the_emulated_rig_are_told_and_do_not_count(
@@ -119,7 +126,7 @@ def test_runs_of_the_emulated_rig_are_told_and_do_not_count(
             (runs / name / file).write_text("{}")
         (runs / name / "ended.json").write_text(json.dumps({"how": "completed", "repetitions_done": 2}))
     status, out, err = rig("run", path, "--angle", 0, "--condition", "modular")
-    assert status == 2
+    assert status == 0
     assert len(out.splitlines()) == 2
     assert f"2 folders in {runs} were made by the emulated rig of version 0.1.0 and do not count as done; " in err
     assert "emg2vsa clean STUDY --move-virtual moves them away." in err
@@ -127,6 +134,6 @@ def test_runs_of_the_emulated_rig_are_told_and_do_not_count(
     for name in ("S1_0_modular", "S3_0_modular"):
         (runs / name / "emulated.json").unlink()
     status, out, err = rig("run", path, "--angle", 0, "--condition", "modular")
-    assert (status, out) == (2, "")
-    assert "found 2, of which 0 are still to do. To repeat one, move its folder away, or choose another" in err
+    assert (status, out) == (0, "")
+    assert "2 runs, 0 still to do. To repeat one, move its folder away, or choose another" in err
     assert "0.1.0" not in err

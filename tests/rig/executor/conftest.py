@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emg2vsa.actuator import SPRINGS, Springs
 from emg2vsa.errors import DeviceError
 from emg2vsa.profiles import Profile, Profiles
 from emg2vsa.rig.clock import VirtualClock
-from emg2vsa.rig.devices import Devices, ForceSample, Frame, Measurements, SensorStatus
+from emg2vsa.rig.devices import Devices, ForceCounts, ForceSample, Frame, Measurements, Rating, SensorStatus
 from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.witnesses import spring_force_n
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
@@ -78,6 +80,9 @@ class Bench:
     "Every force handed out."
     shape: tuple[int, int] = (12, 16)
     delay_s: float = 0.0
+    rating: Rating | None = None
+    springs: Springs | None = SPRINGS["qbmove-maker-pro"]
+    force_counts: ForceCounts = field(default_factory=ForceCounts)
     _position: int = START_TICKS
     _frames: int = 0
     _fresh_s: float = 0.0
@@ -112,18 +117,32 @@ class Bench:
         self._position = position_ticks
 
     def position_ticks(self) -> float:
-        return self.measurements().shaft
+        if self.on("dead actuator"):
+            raise lost("qbmove 1")
+        return self._position
 
     def measurements(self) -> Measurements:
         if self.once("Ctrl-C"):
             raise KeyboardInterrupt
+        if self.springs is None:
+            return Measurements(self._position, 0, self._position)
         preset = self.sent[-1][1] if self.sent else 0
-        return Measurements(self._position + preset, self._position - preset, self._position)
+        at = Measurements(self._position + preset, self._position - preset, self._position)
+        # the probe goes where the motors go; of the springs it has only the way in which the encoders tell the force
+        low, high = self._position - 3000, self._position + 3000
+        while high - low > 1:
+            middle = (low + high) // 2
+            bent = spring_force_n(at._replace(shaft=middle), self.springs, RIG) < self._force_n()
+            low, high = (low, middle) if bent else (middle, high)
+        return at._replace(shaft=low)
 
     def currents_ma(self) -> tuple[int, int]:
         if self.once("bug"):
             raise ZeroDivisionError("division by zero")
         return 100, -90
+
+    def current_limit_ma(self) -> float:
+        return 1500.0
 
     def read(self) -> ForceSample:
         if self.on("dead sensor"):
@@ -141,6 +160,12 @@ class Bench:
             faults = ("gauge saturated",)
         self.forces_n.append(force_n)
         return ForceSample(self._fresh_s, np.array([0, 0, force_n]), np.zeros(3), SensorStatus(faults=faults))
+
+    def read_all(self) -> list[ForceSample]:
+        return []
+
+    def counts(self) -> ForceCounts:
+        return self.force_counts
 
     def frames(self) -> list[Frame]:
         if self.on("dead camera"):
@@ -160,9 +185,9 @@ class Bench:
     def run(self, folder: Path, plan: RunPlan | None = None, rig: RigSettings = RIG, camera: bool = True) -> Ended:
         if self.fault == "held up":
             self.clock.hold_up_s = self.fault_s
-        return execute(
-            plan or make_plan(), rig, self.devices(camera), folder, self.clock, started=STARTED, stop=self.stop
-        )
+        plan = plan or make_plan()
+        self.springs = None if plan.condition == "high-stiffness" else SPRINGS["qbmove-maker-pro"]
+        return execute(plan, rig, self.devices(camera), folder, self.clock, started=STARTED, stop=self.stop)
 
     def _force_n(self) -> float:
         softening = math.exp(-(self.clock.now_s() - self.fault_s) / 0.05) if self.on("specimen gone") else 1.0

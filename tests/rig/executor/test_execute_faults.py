@@ -29,7 +29,7 @@ FAULTS = {
     "dead actuator": ("guard", "lost device"),
     "one lost reply": ("guard", "lost device"),
     "held up": ("guard", "overrun"),
-    "specimen gone": ("guard", "travel"),
+    "specimen gone": ("guard", "no contact"),
     "SIGTERM": ("stopped", "SIGTERM"),
     "Ctrl-C": ("interrupted", "Ctrl-C"),
     "disk full": ("guard", "recording"),
@@ -62,7 +62,8 @@ def test_fault(
     if fault == "disk full":
         fill_the_disk(bench, monkeypatch)
     ended = bench.run(tmp_path / "run")
-    assert (ended.how, ended.cause) == FAULTS[fault]
+    gives_way = fault == "specimen gone" and phase == "load"
+    assert (ended.how, ended.cause) == (("guard", "past contact") if gives_way else FAULTS[fault])
     assert ended.phase == phase or fault in LATER
     assert_safe(bench, ended)
     assert_recorded(bench, ended, tmp_path / "run")
@@ -75,12 +76,16 @@ def test_fault(
 
 def assert_safe(bench: Any, ended: Any) -> None:
     dead = bench.fault == "dead actuator"
+    # a sensor that says it is loaded does not let the probe count as retracted, but at home it stays where it is
+    loaded = bench.fault in ("too much", "jump")
     assert bench.calls[-1] == "deactivate"
     assert bench.calls[-2] == ("deactivate" if dead else "set")
-    assert bench.sent[-1][0] == 0
-    assert (ended.retracted, ended.deactivated) == (not dead, not dead)
+    # before the first press nothing has shown that home is free; then the way out looks for where it is, for 1 mm
+    assert bench.sent[-1][0] == (-455 if loaded and ended.repetition == 0 else 0)
+    assert (ended.retracted, ended.deactivated) == (not dead and not loaded, not dead)
     steps = [abs(b[0] - a[0]) for a, b in zip(bench.sent[:-1], bench.sent[1:], strict=True)]
-    assert dead or max(steps) <= 46  # ticks: 20 mm/s for 5 ms at 0.2 mm per degree, and one for rounding
+    # ticks: 20 mm/s for 5 ms at 0.2 mm per degree, one for rounding, and a turn of 5 mm/s whose encoders were not read
+    assert dead or loaded or max(steps) <= 46 + 12
 
 
 def assert_recorded(bench: Any, ended: Any, folder: Path) -> None:
@@ -143,7 +148,7 @@ def test_a_second_ctrl_c_does_not_stop_the_way_out(new_bench: Any, times_s: dict
     bench.clock.sleep_until = impatient
     ended = bench.run(tmp_path)
     assert (ended.how, ended.retracted, ended.deactivated) == ("interrupted", True, True)
-    assert ended.notes == ("KeyboardInterrupt",)
+    assert ended.notes[0] == "KeyboardInterrupt"
     assert bench.sent[-1][0] == 0
     assert bench.calls[-1] == "deactivate"
 

@@ -2,36 +2,79 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from dataclasses import fields, replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from emg2vsa.rig.clock import Beat, VirtualClock
-from emg2vsa.rig.executor.guards import GUARDS, Moment, tripped
-from emg2vsa.rig.rig_settings import GuardSettings
+from emg2vsa.rig.devices import ForceSample, Rating, SensorStatus
+from emg2vsa.rig.executor.guards import GUARDS, Moment, Seen, laxer_guards, tripped
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
-LIMITS = GuardSettings(force_n=10, force_rate_n_per_s=200, stale_s=0.02, camera_s=0.5, late_s=0.05)
+LIMITS = GuardSettings(force_rate_n_per_s=200, stale_s=0.02)
+
+
+def felt(*force_n: float, time_s: float = 4.999, torque_nm: float = 0.0, faults: tuple[str, ...] = ()) -> ForceSample:
+    return ForceSample(time_s, np.array(force_n), np.array([torque_nm, 0, 0]), SensorStatus(faults=faults))
+
+
+def pushed(force_n: float, before_n: float | None = None, time_s: float = 4.994) -> dict[str, Any]:
+    """Along z, now and before."""
+    before_n = force_n if before_n is None else before_n
+    return {
+        "force": felt(0, 0, force_n), "force_n": force_n,
+        "before": felt(0, 0, before_n, time_s=time_s), "force_before_n": before_n,
+    }  # fmt: skip
+
+
+def across(lateral_n: float, angle_deg: float = 0.0) -> dict[str, Any]:
+    return {"force": felt(lateral_n, 0, 3.0), "angle_deg": angle_deg}
+
+
+def seen(**changes: Any) -> dict[str, Any]:
+    return {"seen": Seen(**changes)}
+
+
 GOOD = Moment(
-    now_s=5.0, late_s=0.0, period_s=0.005, force_n=3.0, force_time_s=4.999, force_before_n=3.0, force_before_s=4.994,
-    faults=(), frame_s=4.9, depth_mm=2.0, travel_mm=15.0, active=True,
+    now_s=5.0, late_s=0.0, period_s=0.005, frame_s=4.9, depth_mm=2.0, travel_mm=15.0, active=True, seen=Seen(),
+    angle_deg=0.0, contact_n=0.5, rating=Rating((100.0, 100.0, 9.0), (0.5, 0.5, 0.5)), **pushed(3.0),
 )  # fmt: skip
+TAN_30 = math.tan(math.radians(30))
 
 
 @pytest.mark.parametrize(
     ("name", "below", "above"),
     [
-        ("force limit", {"force_n": -9.9, "force_before_n": -9.9}, {"force_n": -10.1, "force_before_n": -10.1}),
-        ("force rate", {"force_n": 3.99}, {"force_n": 4.01}),
-        ("force rate", {"force_n": 3.99, "force_before_s": 4.9989}, {"force_n": 1.99, "force_before_s": 4.9989}),
+        ("force limit", pushed(-8.9), pushed(-10.1)),
+        ("force limit", {"force": felt(2.9, 0.0, 3.0)}, {"force": felt(0.0, 9.6, 3.0)}),
+        ("force rate", pushed(3.99, 3.0), pushed(4.01, 3.0)),
+        ("force rate", pushed(3.99, 3.0, 4.9989), pushed(1.99, 3.0, 4.9989)),
+        ("lateral force", across(2.9), across(3.1)),
+        ("lateral force", across(2.9 + 3 * TAN_30, 30.0), across(3.1 + 3 * TAN_30, 30.0)),
+        ("torque", {"force": felt(0, 0, 3, torque_nm=0.49)}, {"force": felt(0, 0, 3, torque_nm=1.01), "rating": None}),
+        ("sensor overload", pushed(8.9), pushed(9.1)),
+        ("sensor overload", {}, {"force": felt(0, 0, 3, torque_nm=-0.51)}),
         ("travel", {"depth_mm": 15.0}, {"depth_mm": 15.01}),
+        ("no contact", seen(approach_mm=5.9), seen(approach_mm=6.1)),
+        ("past contact", seen(past_contact_mm=9.9), seen(past_contact_mm=10.1)),
+        ("way home", seen(rise_n=0.49), seen(rise_n=0.51)),
+        ("spring limit", seen(spring_n=6.9, felt_n=3.0), seen(spring_n=-12.1, felt_n=-10.0)),
+        ("untrusted force", seen(spring_n=6.9, felt_n=3.0), seen(spring_n=7.1, felt_n=3.0)),
+        ("untrusted force", seen(spring_n=0.0, felt_n=3.9), seen(spring_n=0.0, felt_n=4.1)),
+        ("untrusted force", {}, pushed(float("nan"))),
+        ("untrusted force", {}, {"force": felt(0, 0, 3.0, faults=("gauge saturated",))}),
+        ("frozen force", seen(still_mm=0.17), seen(still_mm=0.19)),
+        ("frozen force", seen(still_s=0.19), seen(still_s=0.21)),
+        ("following", seen(astray_ticks=99.0), seen(astray_ticks=101.0)),
+        ("motor current", seen(current_ma=1500.0), seen(current_ma=1501.0)),
         ("lost device", {}, {"active": False}),
         ("overrun", {"late_s": 0.05}, {"late_s": 0.051}),
         ("stale sensor", {"now_s": 5.018}, {"now_s": 5.02}),
         ("lost camera", {"frame_s": 4.51}, {"frame_s": 4.49}),
         ("lost camera", {"frame_s": None}, {"frame_s": 0.0}),
-        ("untrusted force", {}, {"force_n": float("nan")}),
-        ("untrusted force", {}, {"faults": ("gauge saturated",)}),
     ],
 )
 def test_guard(name: str, below: dict[str, Any], above: dict[str, Any]) -> None:
@@ -40,6 +83,17 @@ def test_guard(name: str, below: dict[str, Any], above: dict[str, Any]) -> None:
     assert found is not None
     assert found[0] == name
     assert GUARDS[name](replace(GOOD, **above), LIMITS) == found[1]
+
+
+def test_a_limit_laxer_than_its_default_is_told() -> None:
+    assert laxer_guards(RigSettings()) == []
+    assert laxer_guards(RigSettings(guards=GuardSettings(force_n=8.0, following_ticks_per_s=20000.0))) == []
+    for each in fields(GuardSettings):
+        usual = getattr(GuardSettings(), each.name)
+        lax = replace(GuardSettings(), **{each.name: usual * (0.9 if each.name == "following_ticks_per_s" else 1.1)})
+        (line,) = laxer_guards(RigSettings(guards=lax))
+        assert line.startswith(f"rig.guards.{each.name} = ")
+    assert len(laxer_guards(RigSettings(max_mm_per_s=50.0, escape_mm_per_s=10.0))) == 2
 
 
 def test_the_beat_leaves_out_what_is_over_and_counts_it() -> None:

@@ -42,3 +42,17 @@ def test_anything_else_is_refused(tmp_path: Path, old: bytes, new: bytes) -> Non
     (tmp_path / "bad.csv").write_bytes(written(tmp_path / "log.csv").replace(old, new, 1))
     with pytest.raises(RecordingError, match=r"bad\.csv"):
         read_log(tmp_path / "bad.csv")
+
+
+def test_logs_of_version_0_1_0_are_read(tmp_path: Path) -> None:
+    old = [",".join(line.split(",")[:14]) for line in written(tmp_path / "log.csv").decode().splitlines()]
+    (tmp_path / "old.csv").write_text("\n".join(old) + "\n")
+    assert read_log(tmp_path / "old.csv") == [Row(*row[:14]) for row in ROWS]
+
+
+def test_a_row_of_the_old_length_is_none_of_a_new_log(tmp_path: Path) -> None:
+    lines = written(tmp_path / "log.csv").decode().splitlines()
+    lines[5] = ",".join(lines[5].split(",")[:14])
+    (tmp_path / "bad.csv").write_text("\n".join(lines) + "\n")
+    with pytest.raises(RecordingError, match="23 fields of a row"):
+        read_log(tmp_path / "bad.csv")

@@ -115,10 +115,10 @@ SLOTS = b"\x04" + b"".join(
 def test_slots_are_read() -> None:
     found = decode_parameters(SLOTS + b"0 -> Usb\n", "line")
     assert found == {
-        1: Parameter(1, "Device ID", (5,)),
-        2: Parameter(2, "Position PID [P, I, D]", (0.5, 0.0, -0.25)),
-        3: Parameter(3, "Startup Activation", (1,)),
-        4: Parameter(4, "Pos. limits [inf, sup]", (-15000, 15000, -15000, 15000)),
+        1: Parameter(1, "Device ID", (5,), "B"),
+        2: Parameter(2, "Position PID [P, I, D]", (0.5, 0.0, -0.25), "f"),
+        3: Parameter(3, "Startup Activation", (1,), "B"),
+        4: Parameter(4, "Pos. limits [inf, sup]", (-15000, 15000, -15000, 15000), "i"),
     }
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from emg2vsa.errors import DataError
-from emg2vsa.rig.record.new_folder import EMULATED_FILE, completed_folder, how_ended, new_folder, presses_done
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, how_ended, new_folder, presses_done, presses_left
+from emg2vsa.rig.record.press_counts import PRESSES_FILE
 
 
 def make(folder: Path, how: str | None, done: int = 10) -> None:
@@ -21,31 +22,38 @@ def test_the_first_free_name(tmp_path: Path) -> None:
     runs = tmp_path / "runs"
     assert new_folder(runs, "S1_0_modular", 10, emulated=False) == runs / "S1_0_modular"
     for number, how in enumerate(("killed", "guard", None), start=1):
-        make(runs / ("S1_0_modular" if number == 1 else f"S1_0_modular-{number}"), how)
+        make(runs / ("S1_0_modular" if number == 1 else f"S1_0_modular-{number}"), how, done=0)
         assert new_folder(runs, "S1_0_modular", 10, emulated=False) == runs / f"S1_0_modular-{number + 1}"
-    assert completed_folder(runs, "S1_0_modular", 10, emulated=False) is None
+    assert presses_left(runs, "S1_0_modular", 10, emulated=False) == 10
     assert not (runs / "S1_0_modular-4").exists()
     assert new_folder(runs, "S1_30_modular", 10, emulated=False) == runs / "S1_30_modular"
 
 
-@pytest.mark.parametrize("before", [(), ("guard",), ("killed", "stopped")])
-def test_a_completed_run_is_refused(before: tuple[str, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize("before", [(), (0,), (4, 0), (9, 3)])
+def test_a_run_with_all_its_presses_is_refused(before: tuple[int, ...], tmp_path: Path) -> None:
     names = ["S1_0_modular", "S1_0_modular-2", "S1_0_modular-3"]
-    for name, how in zip(names, (*before, "completed"), strict=False):
-        make(tmp_path / name, how)
-    done = tmp_path / names[len(before)]
-    assert completed_folder(tmp_path, "S1_0_modular", 10, emulated=False) == done
-    with pytest.raises(DataError, match="wanted a run that is still to do; found a completed one") as caught:
+    for name, done in zip(names, before, strict=False):
+        make(tmp_path / name, "guard", done)
+    make(tmp_path / names[len(before)], "completed", 10 - min(10, sum(before)))
+    assert presses_left(tmp_path, "S1_0_modular", 10, emulated=False) == 0
+    with pytest.raises(DataError, match="wanted a run that is still to do; found one with all its presses") as caught:
         new_folder(tmp_path, "S1_0_modular", 10, emulated=False)
-    assert caught.value.where == str(done)
+    assert caught.value.where == str(tmp_path / "S1_0_modular")
 
 
-def test_a_trial_of_fewer_presses_is_kept_and_the_run_is_still_to_do(tmp_path: Path) -> None:
+def test_a_trial_of_fewer_presses_counts_and_the_others_are_still_to_do(tmp_path: Path) -> None:
     make(tmp_path / "S1_0_modular", "completed", done=2)
-    assert completed_folder(tmp_path, "S1_0_modular", 10, emulated=False) is None
+    assert presses_left(tmp_path, "S1_0_modular", 10, emulated=False) == 8
     assert new_folder(tmp_path, "S1_0_modular", 10, emulated=False) == tmp_path / "S1_0_modular-2"
-    make(tmp_path / "S1_0_modular-2", "completed", done=10)
-    assert completed_folder(tmp_path, "S1_0_modular", 10, emulated=False) == tmp_path / "S1_0_modular-2"
+
+
+@pytest.mark.parametrize(("how", "done", "good"), [("rejected", 3, 2), ("guard", 2, 1), ("killed", 0, 2)])
+def test_rejected_presses_do_not_count(how: str, done: int, good: int, tmp_path: Path) -> None:
+    """Of a run that a guard ended the press under way does not count; a killed one has no count of its own."""
+    make(tmp_path / "S1_0_modular", how, done)
+    rows = "repetition,verdict,why\n1,ok,\n2,rejected,lost\n3,doubtful,late\n"
+    (tmp_path / "S1_0_modular" / PRESSES_FILE).write_text(rows)
+    assert presses_left(tmp_path, "S1_0_modular", 10, emulated=False) == 10 - good
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", "3"])
@@ -60,6 +68,6 @@ def test_runs_of_the_other_kind_do_not_count(emulated: bool, tmp_path: Path) -> 
     make(tmp_path / "S1_0_modular", "completed")
     if not emulated:
         (tmp_path / "S1_0_modular" / EMULATED_FILE).write_text("{}")
-    assert completed_folder(tmp_path, "S1_0_modular", 10, emulated=emulated) is None
-    assert completed_folder(tmp_path, "S1_0_modular", 10, emulated=not emulated) == tmp_path / "S1_0_modular"
+    assert presses_left(tmp_path, "S1_0_modular", 10, emulated=emulated) == 10
+    assert presses_left(tmp_path, "S1_0_modular", 10, emulated=not emulated) == 0
     assert new_folder(tmp_path, "S1_0_modular", 10, emulated=emulated) == tmp_path / "S1_0_modular-2"

@@ -30,6 +30,19 @@ export function frameToAsk(run, frame, shown) {
   return asked !== shown && (frame !== "" || !shown.startsWith(`${run.name}/`)) ? asked : "";
 }
 
+// Largest forces, and how late the control loop was.
+export function healthOf({ largest_n: along, largest_across_n: across, turns, late_turns: late, latest_ms: latest }) {
+  const percent = turns ? (100 * late) / turns : 0;
+  const loop = turns ? ` · loop late in ${percent.toFixed(percent < 1 ? 2 : 0)} % of turns, by up to ${latest.toFixed(1)} ms` : "";
+  return `largest force ${along.toFixed(2)} N, across ${across.toFixed(2)} N${percent > 1 ? `${loop}: the computer is busy` : loop}`;
+}
+
+// Kinds of the parts of the bar: one for each press, or one for each hundredth of many.
+export function pressesOf(repetitions, done, pressing) {
+  const parts = Math.min(repetitions, 100), filled = Math.floor((parts * Math.min(done, repetitions)) / Math.max(1, repetitions));
+  return Array.from({ length: parts }, (_, i) => (i < filled ? "done" : i === filled && pressing ? "now" : ""));
+}
+
 // {kind, title, hint, enabled}
 export function stopStateOf({ now, silentS }, { askedS, failure }, nowS) {
   if (!now?.run || now.ended) return { kind: "", title: "STOP", hint: now?.ended ? "the run is over" : "nothing is running", enabled: false };

@@ -1,6 +1,6 @@
 // Follows the server's stream of moments (emg2vsa/live/snapshot.py) and shows them; sends the stop.
 import { draw, ticksBetween } from "./plot.js";
-import { frameToAsk, messageOf, stopStateOf } from "./state.js";
+import { frameToAsk, healthOf, messageOf, pressesOf, stopStateOf } from "./state.js";
 
 const WINDOW_S = 15;
 const TOKEN = location.pathname.split("/")[1];
@@ -29,6 +29,7 @@ source.onmessage = (event) => {
     $("#frame").hidden = true;
   }
   if (now.stop_requested) stop.askedS ??= seconds(); // perhaps on another page
+  if (now.anew) curves = null;
   append(now.curves);
   requestAnimationFrame(show);
 };
@@ -58,13 +59,14 @@ function show() {
   if (now) showRun(now);
 }
 
-function showRun({ run, phase, repetition, frame, ended }) {
+function showRun({ run, phase, repetition, frame, ended, presses_done: done, ...rest }) {
   write("#name", run?.name ?? "Rig");
   write("#facts", run ? factsOf(run) : "\u00a0");
   write("#phase", run && !ended ? PHASES[phase] ?? phase : "");
   write("#count", run ? `Press ${Math.max(repetition, 1)} of ${run.repetitions}` : "");
   document.title = run ? `${run.name}: ${ended ? ended.title : phase}` : "Rig";
-  showPresses(run?.repetitions ?? 0, repetition, phase, ended);
+  write("#health", run ? healthOf(rest) : "");
+  showPresses(run?.repetitions ?? 0, done, Boolean(repetition > done && !ended));
   $("#curves").hidden = $("#camera").hidden = !run;
   if (run && curves) showCurves(run);
   showFrame(run, frame);
@@ -75,14 +77,11 @@ function factsOf(run) {
   return `${run.specimen} at ${run.angle_deg}° · ${run.condition} · to ${run.f_max_n} N${emulated}`;
 }
 
-function showPresses(repetitions, repetition, phase, ended) {
-  const bar = $("#presses");
-  while (bar.children.length < repetitions) bar.append(document.createElement("i"));
-  while (bar.children.length > repetitions) bar.lastChild.remove();
-  const done = repetition - (phase === "pause" || phase === "done" ? 0 : 1);
-  [...bar.children].forEach((press, i) => {
-    press.className = i < done ? "done" : i === repetition - 1 && !ended ? "now" : "";
-  });
+function showPresses(repetitions, done, pressing) {
+  const bar = $("#presses"), parts = pressesOf(repetitions, done, pressing);
+  while (bar.children.length < parts.length) bar.append(document.createElement("i"));
+  while (bar.children.length > parts.length) bar.lastChild.remove();
+  parts.forEach((kind, i) => { bar.children[i].className = kind; });
 }
 
 function showCurves(run) {

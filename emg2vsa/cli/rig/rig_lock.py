@@ -1,0 +1,127 @@
+"""One process at a time uses a rig; its lock names it for whoever must end it, and goes with it however it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.pipeline.lock import taken
+from emg2vsa.rig.executor.stop_requests import request_stop
+from emg2vsa.rig.record.new_folder import how_ended
+
+SILENT_S = 1.0
+"""A process that is asked to stop and does nothing for so long is ended."""
+_CLOSING_S = 5.0
+"""Longest time from the end of a run until its devices are closed."""
+_LOOK_S = 0.02
+_END = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
+@dataclass(frozen=True)
+class RigUser:
+    """The process that holds a rig. folder : of its run; None for moves by hand."""
+
+    pid: int
+    folder: Path | None
+
+
+def lock_path(rig_file: Path) -> Path:
+    """Beside the rig file."""
+    return rig_file.with_name(f".{rig_file.stem}.lock")
+
+
+@contextlib.contextmanager
+def rig_lock(rig_file: Path, folder: Path | None = None) -> Iterator[None]:
+    """Hold the rig of a file. DeviceError, with the other's process id, where another process holds it."""
+    path = lock_path(rig_file)
+    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        if not taken(handle):
+            other = rig_user(rig_file)
+            found = f"process {other.pid}" if other else "another process"
+            do = f"Wait until it ends, or end it: emg2vsa rig off {rig_file}."
+            raise DeviceError(rig_file, wanted="a rig that no other process uses", found=found, do=do)
+        user = {"pid": os.getpid(), "folder": str(folder.absolute()) if folder else None}
+        os.ftruncate(handle, 0)
+        os.lseek(handle, 0, os.SEEK_SET)
+        os.write(handle, json.dumps(user).encode())
+        yield
+    finally:
+        os.close(handle)
+
+
+def rig_user(rig_file: Path) -> RigUser | None:
+    """The process that holds the rig at this moment."""
+    try:
+        handle = os.open(lock_path(rig_file), os.O_RDWR)
+    except OSError:
+        return None
+    try:
+        if taken(handle):
+            return None
+        held = json.loads(os.read(handle, 4096))
+        return RigUser(int(held["pid"]), Path(held["folder"]) if held["folder"] else None)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None  # just being written
+    finally:
+        os.close(handle)
+
+
+def end_user(rig_file: Path, say: Callable[[str], None]) -> None:
+    """End the process that uses the rig, if any: asked first, and ended by its id when it is silent for 1 s.
+
+    A run is asked by its file ``stop``, and is silent when its log does not grow; a move by hand by SIGTERM.
+
+    DeviceError : the process belongs to somebody else.
+    """
+    user = rig_user(rig_file)
+    if user is None:
+        return
+    say(f"process {user.pid} uses the rig: asked to stop")
+    try:
+        if user.folder is None:
+            os.kill(user.pid, signal.SIGTERM)
+        else:
+            request_stop(user.folder, "emg2vsa rig off")
+        if _goes_by_itself(rig_file, user):
+            say(f"process {user.pid} has ended by itself")
+            return
+        say(f"process {user.pid} is silent: ended")
+        os.kill(user.pid, _END)
+    except ProcessLookupError:
+        return
+    except PermissionError as error:
+        do = "Ask its owner, or the administrator; else switch the power off."
+        raise DeviceError(f"process {user.pid}", wanted="a process of yours", found="another's", do=do) from error
+    until_s = time.monotonic() + _CLOSING_S
+    while rig_user(rig_file) == user and time.monotonic() < until_s:
+        time.sleep(_LOOK_S)
+
+
+def _goes_by_itself(rig_file: Path, user: RigUser) -> bool:
+    last, seen_s = _signs(user), time.monotonic()
+    while rig_user(rig_file) == user:
+        if (now := _signs(user)) != last:
+            last, seen_s = now, time.monotonic()
+        patience_s = _CLOSING_S if last[1] not in (None, "killed") else SILENT_S
+        if time.monotonic() - seen_s > patience_s:
+            return False
+        time.sleep(_LOOK_S)
+    return True
+
+
+def _signs(user: RigUser) -> tuple[int, str | None]:
+    """What a living run changes: the length of its log, and how it ended."""
+    if user.folder is None:
+        return 0, None
+    try:
+        return (user.folder / "log.csv").stat().st_size, how_ended(user.folder)
+    except OSError:
+        return 0, how_ended(user.folder)

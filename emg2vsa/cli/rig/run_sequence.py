@@ -1,0 +1,74 @@
+"""Run after run of an experiment on the real rig, in its order: put the specimen there, press Enter."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from casr.command_line import print_json
+from emg2vsa.cli.rig.hand import answer
+from emg2vsa.cli.rig.real_run import missing, press_run
+from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.plan import RIGID
+from emg2vsa.rig_file import RigFile
+from emg2vsa.rig_file.plans import Run, plans_of
+from emg2vsa.rig_file.sequence import RunOrder
+
+_ROUNDS = 3
+"""So often presses that were rejected are repeated before the sequence ends."""
+
+
+def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder, *, yes: bool, as_json: bool) -> int:
+    """All presses that ``runs`` still lack, in ``order``; exit status.
+
+    A run whose presses were rejected is repeated; one that ends otherwise ends the sequence, which the same command
+    takes up again.
+    """
+    todo = [run for run in order.runs if run in runs]
+    plans = dict(zip(todo, plans_of(file, todo), strict=True))
+    for plan in plans.values():
+        check_plan(plan, file.rig)
+    done: list[dict[str, Any]] = []
+    status = 0
+    for number, run in enumerate(todo, start=1):
+        if not missing(file, run, root):
+            continue
+        if not yes and (said := _placed(number, len(todo), run, missing(file, run, root))) != "":
+            if said == "q":
+                status = 1
+                break
+            continue
+        for _ in range(_ROUNDS):
+            if not (presses := missing(file, run, root)):
+                break
+            plan = replace(plans[run], repetitions=presses, order=order.place(run))
+            folder, ended = press_run(file, run, plan, root, quiet=as_json)
+            done.append({"folder": str(folder), "ended": asdict(ended)})
+            if ended.how not in ("completed", "rejected"):
+                break
+        if missing(file, run, root):
+            print("The sequence ends here; the same command takes it up again.", file=sys.stderr)
+            status = 1
+            break
+    left = sum(bool(missing(file, run, root)) for run in todo)
+    if as_json:
+        print_json({"order": order.order, "seed": order.seed, "runs": done, "left": left})
+    else:
+        print(f"{len(todo) - left} of {len(todo)} runs are done; folder {root}")
+    return status
+
+
+def _placed(number: int, count: int, run: Run, presses: int) -> str:
+    """Empty when the specimen lies there; s to leave the run out, q to stop."""
+    specimen, angle_deg, condition = run
+    under = "the rigid motor" if condition == RIGID else f"the qbmove ({condition})"
+    question = (
+        f"{number}/{count}: put {specimen} at {angle_deg:g} degrees under {under}, {presses} presses. "
+        "Enter: press it; s: leave it out; q: stop. "
+    )
+    while (said := answer(question).lower()) not in ("", "s", "q"):
+        pass
+    return said

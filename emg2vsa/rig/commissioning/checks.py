@@ -1,0 +1,173 @@
+"""The settings of a rig that protect it, found anew by a touch on a soft pad: axis, sign, gear, home."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.commissioning.hand_motion import TICKS_PER_DEGREE, TOUCH_N, HandMotion, Place
+from emg2vsa.rig.rig_settings import RigSettings
+
+_TRY_DEG = 5.0
+"""First move, to see which way it goes: 1 mm with the paper's gear."""
+REACH_DEG = 45.0
+_SAME_AXIS_DEG = 10.0
+_SAME_GEAR = 0.03
+"""A calliper read to 0.1 mm over 3 mm."""
+_LEAST_WAY_DEG = 5.0
+_CLEAR_MM = (1.0, 3.0)
+"""Least distance of a retracted probe from what it presses, and the one that is proposed."""
+_ROOM_MM = 2.0
+"""Least way left behind the first touch."""
+
+
+class Person(Protocol):
+    """Who stands at the rig. None as an answer: nobody knows."""
+
+    def towards(self, degrees: float) -> bool | None:
+        """Has the probe gone towards the pad, when the shaft turned so far?"""
+
+    def zero_calliper(self) -> None:
+        """The probe touches the pad: whoever measures begins here."""
+
+    def moved_mm(self, degrees: float) -> float | None:
+        """How far, by a calliper, has the probe gone away from the pad, when the shaft turned so far back?"""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One setting: key under [rig], what the file says, what was found; ``good``: they agree. found None: not found."""
+
+    key: str
+    said: Any
+    found: Any
+    good: bool
+    remark: str
+
+
+def check_rig(
+    hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float = REACH_DEG
+) -> tuple[Check, ...]:
+    """The settings of ``rig`` against what the rig does, ending with the probe at the home that was found.
+
+    The probe begins free, some millimetres above a soft pad that lies flat. ``say`` is told of each step.
+
+    DeviceError : as `HandMotion`; no touch within ``reach_deg``; the probe is not free at the home that was found.
+    """
+    start = hand.start()
+    say(f"start: shaft at {start.shaft_ticks} ticks; the force of now counts as zero")
+    push_sign, touch = _approach(hand, rig, person, say, reach_deg)
+    say(f"touch: {touch.size_n:.2f} N at {touch.shaft_ticks} ticks")
+    with hand.resting():
+        person.zero_calliper()
+    axis = _axis(rig, touch)
+    sign = Check("push_sign", rig.push_sign, push_sign, push_sign == rig.push_sign, "which way the shaft pushes")
+    back = hand.go(start.shaft_ticks, until_n=touch.size_n + TOUCH_N)
+    _check_free(back, "after the touch")
+    way_deg = abs(touch.shaft_ticks - back.shaft_ticks) / TICKS_PER_DEGREE
+    with hand.resting():
+        gear = _gear(rig, way_deg, person)
+    found = replace(
+        rig, push_sign=sign.found, push_axis=axis.found, gear_mm_per_degree=gear.found or rig.gear_mm_per_degree
+    )
+    home, depth_mm = _home(found, touch, back)
+    found = replace(found, home_ticks=home.found)
+    say(f"home: to {found.home_ticks} ticks")
+    _check_free(hand.go(found.home_ticks), "at home")
+    return axis, sign, gear, home, _depth(found, depth_mm)
+
+
+def _approach(
+    hand: HandMotion, rig: RigSettings, person: Person, say: Callable[[str], None], reach_deg: float
+) -> tuple[int, Place]:
+    """Which way pushes, 1 or -1 ticks, and the place of the touch."""
+    start, sign = hand.at_ticks, rig.push_sign
+    say(f"move: {_TRY_DEG:g} degrees the way that push_sign = {sign} calls towards the pad")
+    place = hand.go(start + sign * _TRY_DEG * TICKS_PER_DEGREE, until_n=TOUCH_N)
+    if place.touched:
+        return sign, place
+    with hand.resting():
+        towards = person.towards(_TRY_DEG)
+    ways = (sign, -sign) if towards is None else (sign,) if towards else (-sign,)
+    for way in ways:
+        say(f"move: until {TOUCH_N:g} N are felt, at most {reach_deg:g} degrees")
+        place = hand.go(start + way * reach_deg * TICKS_PER_DEGREE, until_n=TOUCH_N)
+        if place.touched:
+            return way, place
+        hand.go(start, until_n=TOUCH_N)
+    do = "Put the pad nearer to the probe, or give more with --reach-deg."
+    raise DeviceError("probe", wanted=f"a touch within {reach_deg:g} degrees", found="none", do=do)
+
+
+def _axis(rig: RigSettings, touch: Place) -> Check:
+    unit = touch.force_n / touch.size_n
+    off_deg = _angle_deg(unit, np.array(rig.push_axis))
+    remark = f"the touch pushes {off_deg:.0f} degrees off push_axis"
+    if off_deg <= _SAME_AXIS_DEG:
+        return Check("push_axis", rig.push_axis, rig.push_axis, True, remark)
+    main = np.zeros(3)
+    main[np.argmax(np.abs(unit))] = np.sign(unit[np.argmax(np.abs(unit))])
+    chosen = main if _angle_deg(unit, main) <= _SAME_AXIS_DEG else unit
+    return Check("push_axis", rig.push_axis, tuple(round(float(part), 4) for part in chosen), False, remark)
+
+
+def _gear(rig: RigSettings, way_deg: float, person: Person) -> Check:
+    said = rig.gear_mm_per_degree
+    moved_mm = person.moved_mm(way_deg) if way_deg >= _LEAST_WAY_DEG else None
+    if not moved_mm or moved_mm <= 0:
+        remark = "not checked: it needs a calliper, and 5 degrees or more between start and pad"
+        return Check("gear_mm_per_degree", said, None, True, remark)
+    gear = moved_mm / way_deg
+    remark = f"{moved_mm:g} mm in {way_deg:.2f} degrees"
+    if math.isclose(gear, said, rel_tol=_SAME_GEAR):
+        return Check("gear_mm_per_degree", said, said, True, remark)
+    return Check("gear_mm_per_degree", said, float(f"{gear:.4g}"), False, remark)
+
+
+def _home(rig: RigSettings, touch: Place, start: Place) -> tuple[Check, float]:
+    """The check, and the depth of the touch from the home that was found, mm. ``start``: where the probe was free."""
+    said = rig.home_ticks
+    depth_mm, free_mm = (
+        rig.depth_at(touch.shaft_ticks),
+        rig.depth_at(touch.shaft_ticks) - rig.depth_at(start.shaft_ticks),
+    )
+    least_mm, usual_mm = _CLEAR_MM
+    if least_mm <= depth_mm <= min(rig.travel_mm - _ROOM_MM, rig.guards.contact_mm):
+        return Check("home_ticks", said, said, True, f"{depth_mm:.1f} mm before the touch"), depth_mm
+    clear_mm = min(usual_mm, free_mm)  # no further up than the probe is known to come
+    if clear_mm < least_mm:
+        do = "Begin with the probe 3 mm above the pad."
+        raise DeviceError(
+            "probe", wanted=f"{least_mm:g} mm or more between start and touch", found=f"{free_mm:.1f} mm", do=do
+        )
+    home = touch.shaft_ticks - rig.ticks_at(clear_mm) + rig.home_ticks
+    where = f"{-depth_mm:.1f} mm beyond the touch" if depth_mm < 0 else f"{depth_mm:.1f} mm before the touch"
+    return Check("home_ticks", said, home, False, f"it is {where}; found one {clear_mm:.1f} mm before it"), clear_mm
+
+
+def _depth(rig: RigSettings, depth_mm: float) -> Check:
+    room_mm, (low, high) = rig.travel_mm - depth_mm, rig.position_ticks
+    deepest = rig.ticks_at(rig.travel_mm)
+    remark = f"touch {depth_mm:.1f} mm from home, {room_mm:.1f} mm left to press"
+    if not low <= deepest <= high:
+        remark = f"the deepest position, {deepest} ticks, is outside position_ticks, {low} to {high}"
+        fits_mm = math.floor(10 * max(rig.depth_at(low), rig.depth_at(high))) / 10
+        return Check("travel_mm", rig.travel_mm, fits_mm, False, remark)
+    return Check("travel_mm", rig.travel_mm, rig.travel_mm, True, remark)
+
+
+def _check_free(place: Place, where: str) -> None:
+    if place.touched or place.size_n > TOUCH_N / 2:
+        do = "Look whether the probe is free there, and tare the sensor."
+        raise DeviceError("probe", wanted=f"no force {where}", found=f"{place.size_n:.2f} N", do=do)
+
+
+def _angle_deg(one: Floats, other: Floats) -> float:
+    cosine = float(one @ other) / float(np.linalg.norm(one) * np.linalg.norm(other))
+    return math.degrees(math.acos(max(-1.0, min(1.0, cosine))))

@@ -1,0 +1,129 @@
+"""Does the watchdog of this very device switch its motors off? Tried, not believed.
+
+In the published firmware an expired watchdog clears a flag, and GET_ACTIVATE then answers 0; whether the bridge that
+drives the motors drops as well, the sources do not say. So the device is left in silence, asked, and then told to move:
+motors that follow a new reference are on, whatever the flag says.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from casr.atomic import write_text_atomic
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.info import QbmoveInfo
+
+Verdict = Literal["motors off", "flag only", "no effect"]
+_SILENCE_S = 0.5
+"""Beyond the watchdog's own time, whose steps are 41 ms."""
+_MOVE_TICKS = 228
+"""2.5 degrees, 0.5 mm with the paper's gear."""
+_MOVED_TICKS = 60
+_WAIT_S = 0.3
+
+
+@dataclass(frozen=True)
+class WatchdogProof:
+    """What was seen, and of which device.
+
+    verdict : motors off, as wanted; flag only: the device says off and its motors still follow; no effect: it says on.
+    """
+
+    verdict: Verdict
+    date: str
+    device_id: int
+    serial_number: str
+    firmware: str
+    max_stiffness_ticks: int
+    watchdog_s: float
+    silence_s: float
+    moved_before_ticks: int
+    "By a reference of 228 ticks with the motors on."
+    moved_after_ticks: int
+    "By the same reference after the silence."
+
+    def is_of(self, info: QbmoveInfo, watchdog_s: float) -> bool:
+        """Was it made with this device, its firmware and the watchdog's present time?"""
+        same = (self.device_id, self.firmware, self.max_stiffness_ticks, self.watchdog_s)
+        return same == (info.device_id, info.firmware, info.max_stiffness_ticks, watchdog_s)
+
+
+def prove_watchdog(
+    board: Qbmove, info: QbmoveInfo, clock: Clock, *, watchdog_s: float, away_sign: int, date: str
+) -> WatchdogProof:
+    """Motors on, a small move away from the specimen, back, silence, question, and the same move again.
+
+    The motors are off afterwards. away_sign : which way, in ticks, leads away from the specimen.
+
+    DeviceError : the device is lost, or does not move with its motors on: then the silence would prove nothing.
+    """
+    board.activate()
+    first, second = board.measurements()[:2]
+    low, high = info.position_limits_ticks[0]
+    sign = away_sign if low <= first + away_sign * _MOVE_TICKS <= high else -away_sign
+    there = first + sign * _MOVE_TICKS, second + sign * _MOVE_TICKS
+    try:
+        before = _moved(board, clock, there, feed=True)
+        if before < _MOVED_TICKS:
+            do = "Check the supply of the motors, and what holds the probe."
+            raise DeviceError(
+                board.where, wanted="motors that follow a small move", found=f"{before} ticks of {_MOVE_TICKS}", do=do
+            )
+        _moved(board, clock, (first, second), feed=True)
+        silence_s = watchdog_s + _SILENCE_S
+        clock.sleep_until(clock.now_s() + silence_s)
+        on = board.ask_active()
+        after = _moved(board, clock, there, feed=False)
+    finally:
+        board.deactivate()
+    verdict: Verdict = "no effect" if on else "flag only" if after >= _MOVED_TICKS else "motors off"
+    return WatchdogProof(
+        verdict, date, info.device_id, board.serial_number(), info.firmware, info.max_stiffness_ticks, watchdog_s,
+        silence_s, before, after,
+    )  # fmt: skip
+
+
+def _moved(board: Qbmove, clock: Clock, references: tuple[int, int], *, feed: bool) -> int:
+    """Ticks that motor 1 moves within 0.3 s of the references; ``feed``: the watchdog is kept from running out."""
+    begin = board.measurements().motor_1
+    end_s = clock.now_s() + _WAIT_S
+    while clock.now_s() < end_s:
+        board.set_inputs(*references)
+        if feed:
+            board.is_active()
+        clock.sleep_until(clock.now_s() + 0.02)
+    return abs(board.measurements().motor_1 - begin)
+
+
+def proof_file(rig_file: Path) -> Path:
+    """Where the proofs of a rig file are kept: beside it."""
+    return rig_file.with_name(f"{rig_file.stem}.watchdog.json")
+
+
+def read_proofs(rig_file: Path) -> dict[str, WatchdogProof]:
+    """Table of the rig file, actuator or motor, to its proof; none without a file. DeviceError for another form."""
+    path = proof_file(rig_file)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return {}
+    try:
+        return {name: WatchdogProof(**proof) for name, proof in json.loads(text).items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        do = "Delete it, and run emg2vsa rig prove-watchdog again."
+        raise DeviceError(
+            path, wanted="proofs as emg2vsa rig prove-watchdog writes them", found=str(error), do=do
+        ) from error
+
+
+def write_proof(rig_file: Path, name: str, proof: WatchdogProof) -> Path:
+    """Keep the proof of one board beside those of the others; the file."""
+    proofs = read_proofs(rig_file) | {name: proof}
+    document = {each: asdict(value) for each, value in proofs.items()}
+    write_text_atomic(proof_file(rig_file), json.dumps(document, indent=2) + "\n")
+    return proof_file(rig_file)

@@ -1,0 +1,160 @@
+"""What the guards know from more than one turn: where motors may be, what springs bear, whether a sensor is alive."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import replace
+
+from emg2vsa.actuator import RAD_PER_TICK, Springs
+from emg2vsa.rig.devices import ForceSample, Measurements
+from emg2vsa.rig.executor.guards import Seen, size
+from emg2vsa.rig.executor.motion import Motion, Phase
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+
+_CURRENT_TURNS = 10
+_RESTLESS_S = 0.05
+_RESTLESS_CHANGES = 20
+
+
+class Witnesses:
+    """All of them, for one run."""
+
+    def __init__(self, rig: RigSettings, springs: Springs | None, at: Measurements) -> None:
+        """``at`` : encoders when the motors have just been switched on."""
+        self._rig, self._springs = rig, springs
+        self._motors, self._stillness, self._current = SlowMotors(at, springs, rig.guards), Stillness(), MeanCurrent()
+        self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
+        self._sent_s: float | None = None
+        self.seen = Seen()
+
+    @property
+    def depth_mm(self) -> float:
+        """Depth of the probe that the motors stand for, when they were last read."""
+        at = self._at
+        return self._rig.depth_at(at.motor_1 if self._springs is None else (at.motor_1 + at.motor_2) / 2)
+
+    def feel(self, sample: ForceSample, phase: Phase) -> None:
+        """The sample of a turn, in the phase that the turn before has led to."""
+        self._stillness.see(sample, self.depth_mm, phase)
+        felt_n, rise_n = size(sample.force_n), None
+        if phase == "home":
+            self._lowest_n = min(self._lowest_n, felt_n)
+            rise_n = felt_n - self._lowest_n
+        self.seen = replace(
+            self.seen, still_mm=self._stillness.still_mm, still_s=self._stillness.still_s, rise_n=rise_n
+        )
+
+    def send(self, position_ticks: int, preset_ticks: int, now_s: float) -> None:
+        """What is commanded now."""
+        elapsed_s = 0.0 if self._sent_s is None else now_s - self._sent_s
+        self._motors.send(position_ticks, preset_ticks, elapsed_s)
+        self._sent_s = now_s
+
+    def read(self, at: Measurements, currents_ma: tuple[int, int], felt_n: float, motion: Motion, begins: bool) -> None:
+        """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
+        after the turn, whose phase ``begins`` with it or goes on."""
+        self._at = at
+        shaft_mm = self._rig.depth_at(at.shaft)
+        if motion.phase == "contact" and begins:
+            self._contact_mm = shaft_mm
+        self.seen = replace(
+            self.seen,
+            astray_ticks=self._motors.astray_ticks(at),
+            spring_n=None if self._springs is None else spring_force_n(at, self._springs, self._rig),
+            felt_n=felt_n,
+            current_ma=self._current.see(currents_ma),
+            approach_mm=shaft_mm if motion.phase == "approach" else None,
+            past_contact_mm=shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None,
+        )
+
+
+class SlowMotors:
+    """Where each motor may be: between a slow follower of its commands and the commands themselves.
+
+    The follower is of first order and of limited speed. A motor that is quicker is between the two; one that stands
+    still falls behind the follower, and one that runs away is beyond the commands.
+    """
+
+    def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
+        self._rigid, self._guards = springs is None, guards
+        self._slow = list(self._seen(at))
+        self._sent: list[float] | None = None
+
+    def send(self, position_ticks: int, preset_ticks: int, elapsed_s: float) -> None:
+        """A command, so long after the one before, which the follower has obeyed meanwhile."""
+        if self._sent is not None:
+            share, most = 1 - math.exp(-elapsed_s / self._guards.following_s), self._guards.following_ticks_per_s
+            for motor, command in enumerate(self._sent):
+                step = share * (command - self._slow[motor])
+                self._slow[motor] += max(-most * elapsed_s, min(most * elapsed_s, step))
+        new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
+        self._before, self._sent = self._sent or self._slow, list(map(float, new))
+
+    def astray_ticks(self, at: Measurements) -> float:
+        """How far outside of that the farther motor is, read right after the command."""
+        if self._sent is None:
+            return 0.0
+        return max(
+            max(min(bounds) - seen, seen - max(bounds), 0.0)
+            for seen, *bounds in zip(self._seen(at), self._slow, self._before, self._sent, strict=True)
+        )
+
+    def _seen(self, at: Measurements) -> tuple[float, ...]:
+        return (at.motor_1,) if self._rigid else (at.motor_1, at.motor_2)
+
+
+class Stillness:
+    """How long, and over how much pressing, all six readings of a force sensor have stayed the same.
+
+    Coarse readings may stay the same at rest for ever, so rest is judged only of a sensor that was restless there.
+    """
+
+    def __init__(self) -> None:
+        self._last: tuple[bytes, bytes] | None = None
+        self._changed_s, self._from_mm, self._changes, self._calm = 0.0, 0.0, 0, False
+        self.still_mm = 0.0
+        self.still_s: float | None = None
+
+    def see(self, sample: ForceSample, depth_mm: float, phase: Phase) -> None:
+        """The sample of a turn, the depth of the motors, and what they do."""
+        reading = sample.force_n.tobytes(), sample.torque_nm.tobytes()
+        if reading != self._last:
+            if phase in ("approach", "pause"):
+                self._calm = self._calm or (self._last is not None and sample.time_s - self._changed_s > _RESTLESS_S)
+                self._changes += 1
+            self._last, self._changed_s, self._from_mm = reading, sample.time_s, depth_mm
+        if phase != "load":
+            self._from_mm = depth_mm
+        self.still_mm = depth_mm - self._from_mm
+        restless = not self._calm and self._changes >= _RESTLESS_CHANGES
+        self.still_s = sample.time_s - self._changed_s if restless else None
+
+
+class MeanCurrent:
+    """Of the last turns, mA, of the motor that draws more."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[int, int]] = deque(maxlen=_CURRENT_TURNS)
+
+    def see(self, currents_ma: tuple[int, int]) -> float:
+        """One more reading; the mean with it, 0 before there are enough."""
+        self._seen.append(currents_ma)
+        if len(self._seen) < _CURRENT_TURNS:
+            return 0.0
+        return max(sum(abs(pair[motor]) for pair in self._seen) for motor in (0, 1)) / _CURRENT_TURNS
+
+
+def spring_force_n(at: Measurements, springs: Springs, rig: RigSettings) -> float:
+    """Force along the probe that the springs bear, pressing is positive, N, by the model of `emg2vsa.actuator`.
+
+    It differs from that on the specimen by the friction of the shaft over the lever, and while the shaft moves.
+    """
+    first, second = (RAD_PER_TICK * (at.shaft - motor) for motor in (at.motor_1, at.motor_2))
+    torque_nm = springs.k1_nm * _sinh(springs.a1_per_rad * first) + springs.k2_nm * _sinh(springs.a2_per_rad * second)
+    return -rig.push_sign * torque_nm / rig.lever_m
+
+
+def _sinh(x: float) -> float:
+    # encoders that have lost their turns may be anywhere
+    return math.sinh(max(-100.0, min(100.0, x)))

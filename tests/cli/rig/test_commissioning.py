@@ -1,0 +1,269 @@
+"""The commands that set a rig up, against an emulated rig behind real ports."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from emg2vsa.cli.rig.rig_lock import rig_lock, rig_user
+from emg2vsa.rig.rig_settings import RigSettings
+
+pytestmark = pytest.mark.realtime
+Rig = Callable[..., tuple[int, str, str]]
+MOTORS_OFF = bytes.fromhex("3a3a 01 03 81 00 81")
+WRONG = """\
+[rig]
+push_axis = [1, 0, 0] # of the sensor
+push_sign = -1 # which way
+home_ticks = 3800
+gear_mm_per_degree = 0.1
+
+"""
+
+
+FRICTION_MM = 0.35
+"The soft springs of moves by hand leave the shaft so far behind."
+
+
+def motors(bench: SimpleNamespace) -> bytes:
+    return bytes(bench.answer(bytes.fromhex("3a3a 01 02 81 81")))
+
+
+@pytest.fixture
+def calliper(served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """A person who looks at the emulated bench; what they were asked."""
+    asked: list[str] = []
+    start_mm, touch_mm = served.bench.probe()[0], 0.0
+
+    def answer(question: str) -> str:
+        nonlocal touch_mm
+        asked.append(question)
+        now_mm = served.bench.probe()[0]
+        if "towards the pad" in question:
+            return "y" if now_mm > start_mm else "n"
+        if "Set a calliper" in question:
+            touch_mm = now_mm
+            return ""
+        return f"{touch_mm - now_mm:.2f}" if "How far" in question else "y"
+
+    monkeypatch.setattr("emg2vsa.cli.rig.hand.answer", answer)
+    monkeypatch.setattr("emg2vsa.cli.rig.commission.answer", answer)
+    return asked
+
+
+@pytest.mark.slow
+def test_four_wrong_settings_are_found_and_mended(rig: Rig, served: SimpleNamespace, calliper: list[str]) -> None:
+    text = served.path.read_text()
+    served.path.write_text(WRONG + text)
+    status, out, err = rig("commission", served.path)
+    assert status == 0, out + err
+    assert [line.split()[0] for line in out.splitlines() if "WRONG" in line] == [
+        "push_axis", "push_sign", "gear_mm_per_degree", "home_ticks",
+    ]  # fmt: skip
+    written = served.path.read_text()
+    assert "push_axis = [0.0, 0.0, 1.0] # of the sensor\npush_sign = 1 # which way\n" in written
+    assert written.endswith(text)
+    found = tomllib.loads(written)["rig"]
+    assert found["gear_mm_per_degree"] == pytest.approx(0.2, rel=0.03)
+    assert RigSettings().depth_at(found["home_ticks"]) == pytest.approx(0.0, abs=0.5)  # where it began, 2 mm above
+    assert motors(served.bench) == MOTORS_OFF
+
+    status, out, _ = rig("commission", served.path)
+    assert status == 0
+    assert "WRONG" not in out
+    assert "these settings are right" in out
+
+
+@pytest.mark.slow
+def test_settings_are_not_written_unasked(rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
+    served.path.write_text("[rig]\npush_axis = [1, 0, 0]\n\n" + served.path.read_text())
+    before = served.path.read_text()
+    monkeypatch.setattr("emg2vsa.cli.rig.commission.confirmed", lambda question, yes: question == "Ready?")
+    status, out, _ = rig("commission", served.path, "--yes")
+    assert status == 1
+    assert "push_axis           1, 0, 0           0, 0, 1           WRONG" in out
+    assert served.path.read_text() == before
+
+
+def test_jog_moves_and_a_touch_ends_it(rig: Rig, served: SimpleNamespace) -> None:
+    status, out, err = rig("jog", served.path, "--mm", 1)
+    assert status == 0, err
+    assert served.bench.probe()[0] == pytest.approx(1.0, abs=FRICTION_MM)
+    status, out, _ = rig("jog", served.path, "--mm", 5, "--deg-per-s", 10)
+    assert status == 1
+    assert "ended the move; back until the probe is free" in out
+    assert served.bench.probe()[1] < 0.5
+    assert motors(served.bench) == MOTORS_OFF
+
+
+@pytest.mark.slow
+def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> None:
+    rig("jog", served.path, "--mm", 1.5)
+    status, out, _ = rig("home", served.path)
+    assert (status, motors(served.bench)) == (0, MOTORS_OFF)
+    assert served.bench.probe()[0] == pytest.approx(0.0, abs=FRICTION_MM)
+    assert out.startswith("shaft at ")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("jog", "--mm", "1", "--deg-per-s", "100"), "--deg-per-s: wanted above 0 and at most 25; found 100."),
+        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: wanted above 0 and at most 50; found 80."),
+        (("jog", "--mm", "40"), "probe: wanted a position of -12000 to 12000 ticks; found 18"),
+        (("commission", "--reach-deg", "0"), "--reach-deg: wanted above 0 and at most 180; found 0."),
+        (("parameters", "--set", "13=a"), "wanted a number and its values, 13=1200; found '13=a'"),
+        (("parameters", "--set", "1=7"), "wanted a parameter from 2; the id is changed with qbadmin"),
+        (("parameters", "--yes", "--set", "99=7"), "wanted a parameter that the device lists; found 99."),
+        (("parameters", "--yes", "--set", "13=1.5"), "wanted 1 values of type 'h' for parameter 13, Current limit"),
+        (("off",), "rig off: wanted a rig file or --port; found both or neither."),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    words: tuple[str, ...], said: str, rig: Rig, served: SimpleNamespace, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = words if words == ("off",) else (words[0], served.path, *words[1:])
+    try:
+        status, _, err = rig(*command)
+    except SystemExit as ended:
+        status, err = int(str(ended.code)), capsys.readouterr().err
+    assert status == 2
+    assert said in " ".join(err.split())
+    assert motors(served.bench) == MOTORS_OFF
+
+
+def test_a_question_that_nobody_can_answer_is_refused(
+    rig: Rig, served: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("builtins.input", lambda: (_ for _ in ()).throw(EOFError))
+    status, _, err = rig("zero", served.path)
+    assert status == 2
+    assert "standard input: wanted an answer; found its end. Run it in a terminal, or add --yes." in err
+
+
+def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    rig("jog", served.path, "--deg", 5)
+    status, out, err = rig("zero", served.path, "--yes")
+    assert status == 0, err
+    assert "stored" in out
+    at = served.bench.answer(bytes.fromhex("3a3a 01 02 84 84"))
+    assert all(abs(int.from_bytes(at[k : k + 2], signed=True)) <= 16 for k in (5, 7, 9))
+
+    served.bench.box._bias[2] = -5.0
+    status, out, _ = rig("tare", served.path)
+    assert status == 0
+    assert out.startswith("before: ")
+
+    backup = tmp_path / "before.json"
+    status, out, err = rig("parameters", served.path, "--backup", backup, "--set", "13=1200", "--yes")
+    assert status == 0, err
+    assert "13 Current limit                1200" in out
+    assert json.loads(backup.read_text())["parameters"]["13"] == {"name": "Current limit", "values": [1500.0]}
+    status, out, _ = rig("parameters", served.path, "--json")
+    assert json.loads(out)["parameters"]["13"]["values"] == [1200]
+    status, _, err = rig("parameters", served.path, "--backup", backup)
+    assert status == 2
+    assert f"{backup}: wanted a new file; found one that is there." in err
+
+
+def test_the_watchdog_is_proven_and_the_proof_kept(rig: Rig, served: SimpleNamespace) -> None:
+    path = served.path
+    path.write_text(path.read_text().replace("watchdog_s = 5", "watchdog_s = 0.5", 1))
+    status, out, err = rig("prove-watchdog", path, "--yes")
+    assert status == 0, out + err
+    assert "motors off: the motors go off by themselves\n" in out
+    proof = json.loads((path.parent / "rig.watchdog.json").read_text())["actuator"]
+    assert (proof["verdict"], proof["firmware"], proof["device_id"]) == ("motors off", "QBMMP v6.1.0", 1)
+
+
+def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    """The process holds the rig's lock with a run in its folder, and hangs with the motors on."""
+    folder = tmp_path / "runs" / "S1_0_modular"
+    folder.mkdir(parents=True)
+    hang = (
+        "import sys, time; from pathlib import Path; from emg2vsa.cli.rig.rig_lock import rig_lock\n"
+        "with rig_lock(Path(sys.argv[1]), Path(sys.argv[2])): print('held', flush=True); time.sleep(60)"
+    )
+    process = subprocess.Popen([sys.executable, "-c", hang, str(served.path), str(folder)], stdout=subprocess.PIPE)
+    try:
+        assert process.stdout is not None
+        process.stdout.readline()
+        served.bench.answer(bytes.fromhex("3a3a 01 03 80 03 83"))
+        user = rig_user(served.path)
+        assert user is not None
+        assert user.pid == process.pid
+        status, _, err = rig("jog", served.path, "--mm", 1)
+        assert status == 2
+        assert f"wanted a rig that no other process uses; found process {process.pid}." in err
+        begin_s = time.monotonic()
+        status, out, err = rig("off", served.path)
+        assert 1.0 < time.monotonic() - begin_s < 4.0
+        assert f"process {process.pid} is silent: ended" in err
+        assert process.wait(5) == -signal.SIGKILL
+        assert (folder / "stop").read_text() == "emg2vsa rig off\n"
+    finally:
+        process.kill()
+    assert status == 1  # for the motor, which is not there
+    assert "[actuator] motors off; motors at " in out
+    assert "[motor] NOT confirmed off: /dev/no-such-motor: wanted a serial port" in out
+    assert motors(served.bench) == MOTORS_OFF
+    assert rig_user(served.path) is None
+
+
+def test_off_lets_a_process_that_obeys_end_by_itself(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    folder = tmp_path / "runs" / "S1_0_modular"
+    obey = (
+        "import sys, time; from pathlib import Path; from emg2vsa.cli.rig.rig_lock import rig_lock\n"
+        "folder = Path(sys.argv[2])\n"
+        "with rig_lock(Path(sys.argv[1]), folder):\n"
+        "    print('held', flush=True)\n"
+        "    while not (folder / 'stop').exists(): time.sleep(0.01)\n"
+        "    for _ in range(15):\n"
+        "        time.sleep(0.1); (folder / 'log.csv').open('a').write('row\\n')\n"
+    )
+    folder.mkdir(parents=True)
+    process = subprocess.Popen([sys.executable, "-c", obey, str(served.path), str(folder)], stdout=subprocess.PIPE)
+    try:
+        assert process.stdout is not None
+        process.stdout.readline()
+        _, out, err = rig("off", served.path)
+        assert process.wait(5) == 0
+    finally:
+        process.kill()
+    assert f"process {process.pid} has ended by itself" in err
+    assert "[actuator] motors off" in out
+
+
+def test_off_by_port_needs_no_rig_file(rig: Rig, served: SimpleNamespace) -> None:
+    served.bench.answer(bytes.fromhex("3a3a 01 03 80 03 83"))
+    status, out, _ = rig("off", "--port", served.servers.port)
+    assert (status, motors(served.bench)) == (0, MOTORS_OFF)
+    assert out.startswith("[device] motors off; ")
+
+
+def test_sigterm_during_a_jog_switches_off(rig: Rig, served: SimpleNamespace) -> None:
+    threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    status, _, _ = rig("jog", served.path, "--mm", -4, "--deg-per-s", 2)
+    assert status == 130
+    assert motors(served.bench) == MOTORS_OFF
+
+
+def test_the_lock_names_its_holder_and_goes_with_it(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    assert rig_user(path) is None
+    with rig_lock(path, tmp_path / "run"):
+        user = rig_user(path)
+        assert user is not None
+        assert (user.pid, user.folder) == (os.getpid(), tmp_path / "run")
+    assert rig_user(path) is None

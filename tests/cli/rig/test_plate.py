@@ -1,0 +1,96 @@
+"""``emg2vsa rig run --plate``: from plate indentations on the emulated rig to the stiffness in a study file."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.cli import main
+
+Rig = Callable[..., tuple[int, str, str]]
+TRUE = {"S1": 7.63, "S3": 3.35}
+STUDY = """\
+[[specimens]]
+name = "S1" # the hard one
+stiffness_n_per_mm = 7 # by hand
+
+[[specimens]]
+name = "S3"
+"""
+
+
+FAST = "[emulated]", "[plate]\nramp_mm_per_s = 5\npause_s = 0.1\n\n[emulated]"
+
+
+@pytest.fixture
+def plates(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> Path:
+    status, out, err = rig("run", rig_file(FAST), "--virtual", "--plate", "S1", "--plate", "S3")
+    assert status == 0, err
+    folder = tmp_path / "runs-virtual-plate"
+    assert out == f"emg2vsa stiffness {folder}/*\n"
+    return folder
+
+
+def test_plate_runs_give_the_stiffness_of_the_emulated_specimens(
+    plates: Path, capsys: pytest.CaptureFixture[str], rig: Rig, tmp_path: Path
+) -> None:
+    assert main(["stiffness", str(plates / "S1"), str(plates / "S3"), "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert len(rows) == 10
+    assert min(row["adjusted_r2"] for row in rows) > 0.99
+
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY)
+    assert main(["stiffness", str(plates / "S1"), str(plates / "S3"), "--write", str(study)]) == 0
+    capsys.readouterr()
+    assert study.read_text().startswith("[[specimens]]\n")
+    assert 'name = "S1" # the hard one\n' in study.read_text()
+    for table in tomllib.loads(study.read_text())["specimens"]:
+        found, error = table["stiffness_n_per_mm"], table["stiffness_se_n_per_mm"]
+        assert 0 < error < 0.03 * found  # its presses differ by 1 %, five of them
+        assert found == pytest.approx(TRUE[table["name"]], abs=4 * error)
+        assert table["plate_adjusted_r2"] > 0.99
+
+    assert list(plates.glob("*/press-*")) == []  # no tactile sensor, no frames
+    _, _, err = rig("run", tmp_path / "rig.toml", "--virtual", "--plate", "S1")
+    assert err == "S1: done before\n"
+
+
+def test_what_is_no_plate_run_is_refused(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = rig_file()
+    run = ("run", path, "--virtual")
+    assert rig(*run, "--specimen", "S3", "--angle", 0, "--condition", "modular", "--repetitions", 1)[0] == 0
+    assert main(["stiffness", str(tmp_path / "runs-virtual" / "S3_0_modular")]) == 2
+    said = "S3_0_modular: wanted the folder of a plate indentation; found a run of modular with the tactile sensor."
+    assert said in capsys.readouterr().err
+    assert main(["stiffness", str(tmp_path)]) == 2
+    assert "wanted the folder of a plate indentation; found " in capsys.readouterr().err
+    for words, complaint in (
+        (("--plate", "S9"), "--plate: wanted S1, S3; found S9."),
+        (("--plate", "S1", "--all"), "--plate: wanted --plate alone; found a choice of runs beside it."),
+    ):
+        status, _, err = rig(*run, *words)
+        assert status == 2
+        assert complaint in err
+
+
+def test_a_plate_beyond_the_guard_is_refused(rig: Rig, rig_file: Callable[..., Path]) -> None:
+    path = rig_file(("[emulated]", "[plate]\nf_max_n = 60\n\n[emulated]"))
+    status, _, err = rig("run", path, "--virtual", "--plate", "S1")
+    assert status == 2
+    assert "plate.f_max_n: wanted a force above contact, 0.3 N, and below the guard rig.guards.force_n, 50 N" in err
+
+
+def test_a_specimen_that_the_study_has_not_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study, log = tmp_path / "study.toml", tmp_path / "S3.csv"
+    log.write_text("indentation_mm,force_n\n" + "".join(f"{k / 10},{max(0.0, k / 3 - 3)}\n" for k in range(40)))
+    study.write_text('[[specimens]]\nname = "S1"\n')
+    assert main(["stiffness", str(log), "--write", str(study)]) == 2
+    assert "study.toml, specimens: wanted a specimen S3; found S1." in capsys.readouterr().err
+    assert study.read_text() == '[[specimens]]\nname = "S1"\n'

@@ -1,0 +1,164 @@
+"""``emg2vsa rig run --all``: the whole experiment in its order, stopped and taken up again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from emg2vsa.cli.rig import real_run, run_sequence, virtual_runs
+from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.record.new_folder import good_presses, how_ended
+
+Rig = Callable[..., tuple[int, str, str]]
+ALL = ("--all", "--virtual", "--jobs", 1)
+RUNS = ["S1_0_high-stiffness", "S3_0_high-stiffness", "S1_0_modular", "S3_0_modular", "S1_30_modular", "S3_30_modular"]
+
+
+def order_of(runs: Path) -> list[str]:
+    kept = json.loads((runs / "order.json").read_text())
+    return ["{specimen}_{angle_deg:g}_{condition}".format(**run) for run in kept["runs"]]
+
+
+def places(runs: Path) -> dict[str, int]:
+    return {path.parent.name: json.loads(path.read_text())["plan"]["order"] for path in runs.glob("*/plan.json")}
+
+
+def test_a_random_order_is_kept_and_a_stopped_sequence_goes_on(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, runs = rig_file(("repetitions = 2", "repetitions = 1")), tmp_path / "runs-virtual"
+    done: list[str] = []
+
+    def stopped(*arguments: Any, **options: Any) -> Any:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(options["run"])
+        return run_virtual(*arguments, **options)
+
+    monkeypatch.setattr(virtual_runs, "run_virtual", stopped)
+    status, _, err = rig("run", path, *ALL, "--order", "random", "--seed", 3)
+    assert status == 130, err
+    order = order_of(runs)
+    assert sorted(order) == sorted(RUNS)
+    assert order != RUNS
+    assert done == order[:2]
+
+    monkeypatch.setattr(virtual_runs, "run_virtual", run_virtual)
+    status, out, err = rig("run", path, *ALL)
+    assert status == 0, err
+    assert [line.split()[1].rstrip(":") for line in err.splitlines()] == order[2:]
+    assert places(runs) == {name: number for number, name in enumerate(order, start=1)}
+    assert out.count("done before") == 2
+    assert rig("run", path, *ALL)[0] == 0
+    assert order_of(runs) == order
+
+
+def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
+    path, runs = rig_file(), tmp_path / "runs-virtual"
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    assert rig("run", path, *one)[0] == 0
+    first, second = runs / "S3_0_modular", runs / "S3_0_modular-2"
+    assert (good_presses(first), good_presses(second)) == (1, 1)
+    assert (first / "log.csv").read_bytes() != (second / "log.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--order", "random"), "--order: wanted --all beside it; found one run."),
+        (("--seed", 1), "--seed: wanted --all beside it; found one run."),
+        (("--all", "--order", "file", "--seed", 1), "--seed: wanted a seed for a random order; found 1."),
+        (("--all", "--repetitions", 3), "--repetitions: wanted one run; found --all."),
+        (
+            ("--all", "--order", "random", "--seed", 4),
+            "order.json: wanted order random with seed 4; found file, begun.",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    words: tuple[Any, ...], said: str, rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    path = rig_file()
+    (tmp_path / "runs-virtual").mkdir()
+    kept = [dict(zip(("specimen", "angle_deg", "condition"), name.split("_"), strict=True)) for name in RUNS]
+    document = {"order": "file", "seed": None, "runs": kept}
+    (tmp_path / "runs-virtual" / "order.json").write_text(json.dumps(document))
+    status, _, err = rig("run", path, "--virtual", *words)
+    assert status == 2
+    assert said in err
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{", "wanted an order as emg2vsa rig run writes it; found "),
+        ('{"order": "file", "seed": null, "runs": []}', "wanted the 6 runs of the rig file; found 0, not the same."),
+        ('{"order": "up", "seed": 1, "runs": []}', "found order 'up'."),
+    ],
+)
+def test_an_order_of_another_form_is_refused(
+    text: str, said: str, rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    (tmp_path / "runs-virtual").mkdir()
+    (tmp_path / "runs-virtual" / "order.json").write_text(text)
+    status, _, err = rig("run", rig_file(), *ALL)
+    assert status == 2
+    assert said in err
+
+
+class Rigged:
+    """Ends of runs as they are told, and folders that say so."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *ends: tuple[str, int]) -> None:
+        self.ends, self.asked, self.pressed = list(ends), list[str](), list[tuple[str, int, int | None]]()
+        monkeypatch.setattr(run_sequence, "press_run", self.press)
+        monkeypatch.setattr(run_sequence, "answer", self.answer)
+        self.answers: list[str] = []
+
+    def answer(self, question: str) -> str:
+        self.asked.append(question)
+        return self.answers.pop(0) if self.answers else ""
+
+    def press(self, file: Any, run: Any, plan: Any, root: Path, *, quiet: bool) -> tuple[Path, Any]:
+        name = real_run.run_name(*run)
+        folder = real_run.new_folder(root, name, file.experiment.repetitions, emulated=False)
+        how, good = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
+        folder.mkdir(parents=True)
+        (folder / "ended.json").write_text(json.dumps({"how": how, "repetitions_done": good}))
+        self.pressed.append((folder.name, plan.repetitions, plan.order))
+        return folder, SimpleNamespace(how=how)
+
+
+def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
+    rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = rig_file()
+    bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 1), ("completed", 1), ("guard", 1))
+    monkeypatch.setattr(run_sequence, "asdict", vars)
+    status, out, err = rig("run", path, "--all")
+    assert status == 1
+    assert bench.pressed == [
+        ("S1_0_high-stiffness", 2, 1), ("S3_0_high-stiffness", 2, 2), ("S3_0_high-stiffness-2", 1, 2),
+        ("S1_0_modular", 2, 3),
+    ]  # fmt: skip
+    assert bench.asked[0].startswith("1/6: put S1 at 0 degrees under the rigid motor, 2 presses. Enter: press it; ")
+    assert len(bench.asked) == 3  # not again for the press that was rejected
+    assert out.endswith("2 of 6 runs are done; folder {}\n".format(path.parent / "runs"))
+    assert "The sequence ends here; the same command takes it up again." in err
+
+    bench.pressed.clear()
+    bench.asked.clear()
+    bench.answers = ["what", "", "s", "q"]
+    assert rig("run", path, "--all")[0] == 1
+    assert bench.pressed == [("S1_0_modular-2", 1, 3)]
+    assert len(bench.asked) == 4
+    assert bench.asked[0].startswith("3/6: put S1 at 0 degrees under the qbmove (modular), 1 presses. ")
+
+    assert rig("run", path, "--all", "--yes", "--json")[0] == 0
+    assert how_ended(path.parent / "runs" / "S3_30_modular") == "completed"

@@ -1,0 +1,70 @@
+"""The worst cases of the fault matrix, and a few of the others: real executor, drivers and bytes, emulated devices and
+clock. The whole matrix is ``python -m benchmarks.fault_matrix``."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from benchmarks.fault_matrix import Case, cases
+from benchmarks.rig.fault_case import PHASES, WHOLE_RUN, Outcome, run_case, run_wrong
+from benchmarks.rig.faults import FAULTS, SURVIVED
+
+SEED = 14
+WORST = [
+    Case("commands ignored 1.5 s", "qbmove", "contact"),
+    Case("gear jammed 1 s", "qbmove", "load"),
+    Case("24 V lost for 1 s", "rigid", "load"),
+    Case("encoder of motor 1 frozen", "qbmove", "contact"),
+    Case("motor 1 reads 9000 less", "qbmove", "load"),
+    Case("both motors read 4096 less", "qbmove", "load"),
+    Case("currents of 6 A", "qbmove", "load"),
+    Case("force has the wrong axis", "qbmove", "approach"),
+    Case("force axis dead", "qbmove", "load"),
+    Case("force a fifth", "qbmove", "approach"),
+    Case("force stuck", "qbmove", "load"),
+    Case("flood of strange sequences", "qbmove", "load"),
+    Case("force jumps", "qbmove", "activation"),
+    Case("program killed, watchdog frame lost", "qbmove", "load"),
+    Case("push_axis along x", "qbmove", WHOLE_RUN),
+    Case("home 9 mm too deep", "qbmove", WHOLE_RUN),
+]
+_OTHERS = [case for case in cases() if case not in WORST]
+FEW = random.Random(SEED).sample(_OTHERS, 6)
+MANY = random.Random(SEED + 1).sample([case for case in _OTHERS if case not in FEW], 150)
+
+
+def _name(case: Case) -> str:
+    return ", ".join(case)
+
+
+def _check(case: Case, folder: Path) -> None:
+    if case.phase == WHOLE_RUN:
+        outcome = run_wrong(case.fault, folder)
+    else:
+        outcome = run_case(case.fault, case.phase, folder, rigid=case.actuator == "rigid")
+        _check_phase(case, outcome)
+    assert outcome.failures() == [], outcome
+
+
+def _check_phase(case: Case, outcome: Outcome) -> None:
+    how, told = (outcome.told["how"], outcome.told["cause"]), outcome.told["phase"]
+    if how == SURVIVED or outcome.told["how"] in ("killed", "rejected") or case.phase == "escape":
+        return
+    if FAULTS[case.fault].later or (case.phase == "activation" and told != case.phase):
+        assert PHASES.index(told) >= PHASES.index(case.phase)
+    else:
+        assert told == case.phase
+
+
+@pytest.mark.parametrize("case", [*WORST, *FEW], ids=_name)
+def test_a_fault_ends_as_it_must(case: Case, tmp_path: Path) -> None:
+    _check(case, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", MANY, ids=_name)
+def test_other_faults_end_as_they_must(case: Case, tmp_path: Path) -> None:
+    _check(case, tmp_path)
