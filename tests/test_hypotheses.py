@@ -14,6 +14,7 @@ from scipy import stats
 from emg2vsa import artifacts, hypotheses
 from emg2vsa.fits import Fits
 from emg2vsa.settings import HypothesisSettings
+from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
 
 PAPER = HypothesisSettings(kept_specimens=("S1", "S3", "S5"))
 
@@ -129,9 +130,10 @@ def test_an_unbalanced_study_gets_the_other_mixed_model() -> None:
     verdict[0] = "rejected"
     blocks = hypotheses.test_hypotheses(dataclasses.replace(fits, verdict=verdict), HypothesisSettings()).tests.blocks
     assert blocks is not None
-    assert blocks.balanced is None
+    assert isinstance(blocks.model, UnbalancedMixed)
     assert blocks.mixed is not None
-    assert "statsmodels" in blocks.mixed.method
+    assert np.isfinite(blocks.mixed.p or np.nan)
+    assert blocks.contrasts is not None
 
 
 def test_the_stage_is_stored_and_read_back(tmp_path: Path) -> None:

@@ -237,3 +237,12 @@ def test_truncated_files(write: Write, read: Read, name: str, tmp_path: Path) ->
 def test_absent_file(write: Write, read: Read, name: str, tmp_path: Path) -> None:
     with pytest.raises(ScheduleError, match="No such file"):
         read(tmp_path / name)
+
+
+def test_a_key_that_stands_twice_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "s.json"
+    write_json(path, schedule_of())
+    text = path.read_text()
+    path.write_text(text.replace('"speed_mm_per_s": 5.0', '"speed_mm_per_s": 500.0, "speed_mm_per_s": 5.0', 1))
+    with pytest.raises(ScheduleError, match=r"s\.json, speed_mm_per_s: wanted every key once; found one key twice\."):
+        read_json(path)

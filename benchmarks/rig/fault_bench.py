@@ -26,6 +26,7 @@ from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.packets import Command, frame
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
+from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.rig_settings import RigSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
@@ -114,14 +115,15 @@ class FaultBench:
         self.stop_s, self.begun_s = math.inf, 0.0
         self._leave_probe_down()
 
-    def run(self, plan: RunPlan, folder: Path) -> None:
-        """One run, with devices opened for it; what became of it stands in ``folder``.
+    def run(self, plan: RunPlan, folder: Path) -> Ended | None:
+        """One run, with devices opened for it; None of a program that was killed.
 
         SettingError, ScheduleError, DeviceError : it was refused."""
         devices = self._devices()
         self.begun_s = self.clock.now_s()
         with self._disk(), suppress(Killed):
-            execute(plan, self.rig, devices, folder, self.clock, started=STARTED, stop=self._asked)
+            return execute(plan, self.rig, devices, folder, self.clock, started=STARTED, stop=self._asked)
+        return None
 
     def kill(self) -> None:
         """The program ends here and now, as by kill -9."""

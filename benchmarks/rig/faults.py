@@ -151,7 +151,7 @@ LINE_FAULTS: dict[str, Fault] = {
     "actuator deaf": Fault(_words("deaf"), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "serial line gone": Fault(_line("gone", True), (LOST_ACTUATOR,), REFUSED, probe="left"),
     "actuator reset": Fault(_words("reset"), (LOST_ACTUATOR, *MOTION), SURVIVED, later=True, probe="left"),
-    "watchdog expired": Fault(_held_up(0.6), (LOST_ACTUATOR,), SURVIVED, probe="left"),
+    "watchdog expired": Fault(_held_up(0.6), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
 MOTOR_FAULTS: dict[str, Fault] = {
     "commands ignored 0.5 s": _actuator("ignore for 0.5 s", *MOTION, SURVIVED, probe="left"),
@@ -164,12 +164,10 @@ MOTOR_FAULTS: dict[str, Fault] = {
     "24 V lost, USB on": _actuator("brown-out", *MOTION, probe="left"),
     "24 V lost for 1 s": _actuator("brown-out for 1 s", *MOTION, probe="left"),
     "motors weak": _actuator("weak 0.02", *MOTION, probe="left"),
-    "encoder of motor 1 frozen": _actuator("frozen-motor-1", *MOTION, SPRINGS, LIMIT, RATE, probe="left"),
-    "encoder of motor 2 frozen": _actuator(
-        "frozen-motor-2", *MOTION, SPRINGS, LIMIT, RATE, probe="left", springs_only=True
-    ),
+    "encoder of motor 1 frozen": _actuator("frozen-motor-1", *JUMP, probe="left"),
+    "encoder of motor 2 frozen": _actuator("frozen-motor-2", *JUMP, probe="left", springs_only=True),
     "encoder of the shaft frozen": _actuator("frozen-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
-    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *MOTION, SPRINGS, probe="left"),
+    "both motor encoders frozen": _actuator("frozen-motor-1;frozen-motor-2", *JUMP, probe="left"),
     "motor 1 reads 9000 more": _actuator("jumped-motor-1", *JUMP, probe="left"),
     "motor 2 reads 9000 more": _actuator("jumped-motor-2", *JUMP, probe="left", springs_only=True),
     "motor 1 reads 9000 less": _actuator("jumped-motor-1 -9000", *JUMP, probe="left"),
@@ -177,14 +175,13 @@ MOTOR_FAULTS: dict[str, Fault] = {
     "shaft reads 9000 more": _actuator("jumped-shaft", SPRINGS, *MOTION, UNTRUSTED, springs_only=True),
     "currents of 6 A": Fault(_words("current"), (CURRENT,), unseen_in=AFTER, later=True),
 }
-ACTUATOR_FAULTS = LINE_FAULTS | MOTOR_FAULTS
 LOOP_FAULTS: dict[str, Fault] = {
     "loop held up 20 ms": Fault(_held_up(0.02), (SURVIVED,)),
     "loop held up 200 ms": Fault(_held_up(0.2), (OVERRUN,), SURVIVED),
-    "loop held up 2 s": Fault(_held_up(2.0), (LOST_ACTUATOR, OVERRUN), SURVIVED, probe="left"),
+    "loop held up 2 s": Fault(_held_up(2.0), (OVERRUN, LOST_ACTUATOR), SURVIVED, probe="left"),
 }
-SENSOR_FAULTS: dict[str, Fault] = {
-    "force stuck": Fault(_words("stuck"), (STALE, FROZEN), later=True, unseen_in=("pause",)),
+FORCE_FAULTS: dict[str, Fault] = {
+    "force stuck": Fault(_words("stuck"), (FROZEN, STALE, UNTRUSTED), later=True, unseen_in=("pause",)),
     "ten force records lost": Fault(_words("gap 10"), (SURVIVED, REJECTED)),
     "hundred force records lost": Fault(_words("gap 100"), (STALE,), SURVIVED, later=True),
     "5 % of force records lost": Fault(_words("thinned 5"), (SURVIVED, REJECTED)),
@@ -210,6 +207,8 @@ SENSOR_FAULTS: dict[str, Fault] = {
     "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
     "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),
+}
+CAMERA_FAULTS: dict[str, Fault] = {
     "three frames lost": Fault(_words("drop 3"), (SURVIVED,)),
     "forty frames lost": Fault(_words("drop 40"), (LOST_CAMERA,), later=True),
     "camera mute": Fault(_words("dark"), (LOST_CAMERA,), later=True),
@@ -235,7 +234,7 @@ ENDINGS: dict[str, Fault] = {
 }
 BEFORE: dict[str, str] = {"program killed, watchdog frame lost": "reset;no-watchdog for 0.3 s"}
 """What went wrong already as the run began."""
-FAULTS = ACTUATOR_FAULTS | LOOP_FAULTS | SENSOR_FAULTS | DISK_FAULTS | ENDINGS
+FAULTS = LINE_FAULTS | MOTOR_FAULTS | LOOP_FAULTS | FORCE_FAULTS | CAMERA_FAULTS | DISK_FAULTS | ENDINGS
 
 _TRUE = RigSettings()
 REFUSED_FILE, REFUSED_SCHEDULE = End("refused", "SettingError"), End("refused", "ScheduleError")

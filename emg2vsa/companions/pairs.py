@@ -94,7 +94,7 @@ def pair_tests(
 
 def _hedges(groups: GroupTests, first: Ints, second: Ints, confidence: float) -> tuple[Floats, Floats, Floats]:
     """From the t of the two groups alone: their own SDs, not that of all groups."""
-    count, mean, sd = groups.anova.count, groups.anova.mean, groups.sd
+    count, mean, sd = groups.anova.count, groups.anova.offset, groups.sd
     n1, n2 = count[:, first], count[:, second]
     with np.errstate(divide="ignore", invalid="ignore"):
         share = (n1 - 1) / (n1 + n2 - 2)

@@ -6,10 +6,11 @@ table without blocks is one block. Tests over blocks do not take the repetitions
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import (
     EqualityTests,
     GroupTests,
@@ -25,7 +26,10 @@ from emg2vsa.stats.equivalence import MarginUnit
 from emg2vsa.stats.friedman import Friedman, friedman
 from emg2vsa.stats.mixed import MixedModel, balanced_mixed
 from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.paired import PairedTests, paired_tests
+from emg2vsa.stats.post_hoc import PairDifferences, adjust
 from emg2vsa.stats.repeated import RepeatedAnova, rm_anova
+from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
 
 _NO_DESIGN = np.empty((0, 2, 1))
 
@@ -34,20 +38,58 @@ _NO_DESIGN = np.empty((0, 2, 1))
 class BlockTests:
     """One table of blocks (participants) by groups (specimens); all but the mixed model are on the means of its cells.
 
-    balanced : the mixed model where every cell has equally many values, else ``unbalanced`` holds what statsmodels
-    made of it; both are None where no cell has two values.
+    mixed : the mixed model, in closed form where every cell has equally many values, an outcome that says why there is
+    none where the table cannot bear it, None where no cell has two values. paired : pairs of groups over the blocks.
     """
 
     repeated: RepeatedAnova
     friedman: Friedman
     icc: IntraclassCorrelations
-    balanced: MixedModel | None
-    unbalanced: Outcome | None
+    model: MixedModel | UnbalancedMixed | Outcome | None
+    paired: PairedTests
 
     @property
     def mixed(self) -> Outcome | None:
-        """The mixed model, whichever way it was fitted."""
-        return self.balanced.outcome() if self.balanced else self.unbalanced
+        """The test of the mixed model."""
+        return self.model if isinstance(self.model, Outcome) or self.model is None else self.model.outcome()
+
+    @property
+    def ratio_low(self) -> float:
+        """Lower end of the interval of SD of blocks / SD of values; NaN without a mixed model."""
+        if isinstance(self.model, MixedModel):
+            return float(self.model.ratio_low[0])
+        return self.model.ratio_low if isinstance(self.model, UnbalancedMixed) else float("nan")
+
+    @property
+    def contrasts(self) -> PairDifferences | None:
+        """Pairs of groups by the mixed model; None without one."""
+        if isinstance(self.model, MixedModel):
+            return self.model.pairs()
+        return self.model.pairs if isinstance(self.model, UnbalancedMixed) else None
+
+    @property
+    def pair_families(self) -> dict[str, Floats]:
+        """p (1, q) of every pair, Holm's over the q pairs, by name of the test; the mixed model's first."""
+        contrasts = {} if self.contrasts is None else {"Mixed-model contrasts": self.contrasts.p}
+        tests = contrasts | {"Paired t": self.paired.t.p, "Signed ranks": self.paired.signed_rank_p}
+        return {name: adjust(p, "holm") for name, p in tests.items()}
+
+    def pair_outcomes(self, pair: int) -> tuple[Outcome, ...]:
+        """All tests of one pair of groups over the blocks, p by Holm."""
+        q = self.paired.t.first.size
+        contrasts = self.contrasts
+        tests = [*([] if contrasts is None else [contrasts]), self.paired.t]
+        return tuple(
+            replace(
+                test.outcome(0, pair),
+                method=f"{test.method}, Holm",
+                p=float(adjust(test.p, "holm")[0, pair]),
+                effect_name="g_z",
+                effect_size=float(self.paired.g[0, pair]),
+                notes=(f"p corrected over the {q} pairs, the interval is not",),
+            )
+            for test in tests
+        )
 
     def outcomes(self) -> tuple[Outcome, ...]:
         """All tests of the table."""
@@ -62,23 +104,19 @@ def _block_tests(clusters: Clusters, confidence: float = 0.95) -> BlockTests | N
         return None
     total = np.sum(clusters.values, axis=2, where=~np.isnan(clusters.values))
     means = np.where(clusters.count > 0, total / np.maximum(clusters.count, 1), np.nan)
-    balanced, unbalanced = _mixed(clusters, confidence)
-    return BlockTests(rm_anova(means), friedman(means), icc(means, confidence), balanced, unbalanced)
+    return BlockTests(
+        rm_anova(means), friedman(means), icc(means, confidence), _mixed(clusters, confidence),
+        paired_tests(means, confidence),
+    )  # fmt: skip
 
 
-def _mixed(clusters: Clusters, confidence: float) -> tuple[MixedModel | None, Outcome | None]:
+def _mixed(clusters: Clusters, confidence: float) -> MixedModel | UnbalancedMixed | Outcome | None:
     fewest, most = int(clusters.count.min()), int(clusters.count.max())
     if most < 2:
-        return None, None
+        return None
     if fewest == most:
-        return balanced_mixed(clusters.values, confidence), None
-    # statsmodels takes seconds to load: only for the tables that need it
-    from emg2vsa.stats.unbalanced_mixed import unbalanced_mixed  # noqa: PLC0415
-
-    shape = clusters.values.shape
-    blocks = np.broadcast_to(clusters.participants[:, None, None], shape)
-    groups = np.broadcast_to(clusters.specimens[None, :, None], shape)
-    return None, unbalanced_mixed(clusters.values.ravel(), blocks.ravel(), groups.ravel())
+        return balanced_mixed(clusters.values, confidence)
+    return unbalanced_mixed(clusters.values, confidence)
 
 
 @dataclass(frozen=True)

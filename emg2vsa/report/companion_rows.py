@@ -128,6 +128,23 @@ def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[Row]
     ]
 
 
+def over_people_pair_rows(tests: PairTests, blocks: BlockTests, alpha: float, style: Style = "apa") -> list[Row]:
+    """Fisher's LSD beside the pairs over blocks, whose sample is the people; pair by pair where both have the same."""
+    paper = f"{tests.lsd.method}: {how_many(tests.lsd.p, alpha, 'pairs', style)}"
+    size = range_said("|g_z|", np.abs(blocks.paired.g), style)
+    return [
+        Row(
+            paper,
+            f"{name} over {blocks.repeated.n[0]} blocks, Holm: {how_many(p, alpha, 'pairs', style)}",
+            size,
+            change(tests.lsd.p, p, alpha)
+            if p.shape == tests.lsd.p.shape
+            else change_of_claim(tests.lsd.p, float(np.max(p)), alpha),
+        )
+        for name, p in blocks.pair_families.items()
+    ]
+
+
 def p_of(outcome: Outcome) -> float:
     """NaN where the outcome has none."""
     return float("nan") if outcome.p is None else outcome.p
@@ -186,11 +203,12 @@ def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, s
 def _share_row(paper: str, blocks: BlockTests, style: Style) -> Row:
     """How much people differ, as a share of what is left unexplained."""
     mixed = blocks.mixed
-    if blocks.balanced is None or mixed is None:
+    low = blocks.ratio_low
+    if mixed is None or np.isnan(low):
         found = blocks.icc.outcome(kind="ICC(3,1)")
         low = found.interval[0] if found.interval else float("nan")
         name = "Intraclass correlation of means, " + (found.estimate_name or "")
     else:
-        found, low, name = mixed, float(blocks.balanced.ratio_low[0]), "Variance components of the mixed model"
+        found, name = mixed, "Variance components of the mixed model"
     verdict = UNDECIDED if np.isnan(low) else "yes: people differ" if low > 0 else "no: the interval reaches 0"
     return Row(paper, name, effect_said(found, style), verdict)

@@ -15,6 +15,7 @@ from emg2vsa.report.companion_rows import (
     equality_rows,
     group_rows,
     normality_rows,
+    over_people_pair_rows,
     over_people_rows,
     pair_rows,
     variance_row,
@@ -145,7 +146,10 @@ def _verdicts(found: Hypotheses, scale: ActivityScale) -> list[Table]:
             *(over_people_rows(differ, within.anova.p, tests.blocks, alpha) if tests.blocks else []),
             variance_row(within, alpha, "participants"),
         ] if within.anova.f.size else [],
-        "pairs": pair_rows(tests.pairs, alpha) if within.anova.f.size else [],
+        "pairs": [
+            *pair_rows(tests.pairs, alpha),
+            *(over_people_pair_rows(tests.pairs, tests.blocks, alpha) if tests.blocks else []),
+        ] if within.anova.f.size else [],
         "power": _power_rows(found),
     }  # fmt: skip
     tables = [companion_table(f"verdict_{name}", _CAPTIONS[name], of) for name, of in rows.items()]

@@ -12,7 +12,9 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.quantity import Items, Quantity, least, most
 from emg2vsa.schedules import Schedule
 from emg2vsa.stats.clusters import Names
+from emg2vsa.stats.mixed import MixedModel
 from emg2vsa.stats.power import power_rm
+from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
 from emg2vsa.truth import Recovery, recover
 
 PAPER_PARTICIPANTS, PAPER_REPETITIONS, PAPER_ALPHA = 14, 10, 0.05
@@ -226,9 +228,16 @@ def _over_people(found: Hypotheses) -> Items:
         yield f"{name}.mixed.f", _plain(blocks.mixed.statistic)
         yield f"{name}.mixed.p", _plain(blocks.mixed.p)
         yield f"{name}.mixed.icc", _plain(blocks.mixed.effect_size)
-    if blocks.balanced is not None:
+    if isinstance(blocks.model, MixedModel | UnbalancedMixed):
         for key in ("sd_ratio", "ratio_low", "ratio_high"):
-            yield f"{name}.mixed.{key}", getattr(blocks.balanced, key)[0].item()
+            yield f"{name}.mixed.{key}", np.ravel(getattr(blocks.model, key))[0].item()
+    pairs = blocks.paired.t
+    for j, (first, second) in enumerate(zip(pairs.first.tolist(), pairs.second.tolist(), strict=True)):
+        ends = f"{name}.pairs.{found.specimens[first]}-{found.specimens[second]}"
+        for test, p in blocks.pair_families.items():
+            yield f"{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()
+        for key in ("g", "g_low", "g_high"):
+            yield f"{ends}.{key}", getattr(blocks.paired, key)[0, j].item()
 
 
 def _plain(value: float | None) -> float:

@@ -9,6 +9,8 @@ from textwrap import wrap
 
 import numpy as np
 
+from emg2vsa.arrays import Floats
+from emg2vsa.companions.table import BlockTests
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import (
     COLUMNS,
@@ -16,6 +18,7 @@ from emg2vsa.report.companion_rows import (
     equality_rows,
     group_rows,
     normality_rows,
+    over_people_pair_rows,
     over_people_rows,
     pair_rows,
     variance_row,
@@ -24,6 +27,7 @@ from emg2vsa.report.outcome_text import Style, p_said, said
 from emg2vsa.report.verdicts import decided, dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
 from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.post_hoc import PairDifferences
 
 _WIDTHS = (28, 36, 30, 22)
 _SUMMARY = frozenset({"groups", "groups over blocks"})
@@ -63,15 +67,31 @@ def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
         if blocks
         else "All rows are taken as independent. If several come from one person or object, name it with --block.",
     )
-    floor = dunn_bounds(found.count)
-    bound = f" With groups of this size Dunn's worst pair has p = {floor[1]:.2g} or more, untied." if floor else ""
-    yield Hypothesis(
-        "Which groups differ?",
-        pair_rows(tests.pairs, alpha, style),
-        f"{tests.pairs.first.size} pairs; LSD does not hold the error of the family beyond three groups.{bound}",
-    )
+    yield _pairs_of_all(found, style)
     equal = equality_rows(paper, found.equality, None, 1.0, "", style)
     yield Hypothesis("Are groups equal?", equal, "A difference that was not found is no equality: state a --margin.")
+
+
+def _pairs_of_all(found: TidyTests, style: Style) -> Hypothesis:
+    """With blocks the tests whose sample is the blocks: rows of one block are no independent values."""
+    question, pairs, blocks = "Which groups differ?", found.together.pairs, _over_blocks(found)
+    if blocks is not None:
+        return Hypothesis(
+            question,
+            over_people_pair_rows(pairs, blocks, found.alpha, style),
+            "LSD takes all rows as independent. Believe the pairs over blocks: their errors are those of the blocks.",
+        )
+    floor = dunn_bounds(found.count)
+    bound = f" With groups of this size Dunn's worst pair has p = {floor[1]:.2g} or more, untied." if floor else ""
+    return Hypothesis(
+        question,
+        pair_rows(pairs, found.alpha, style),
+        f"{pairs.first.size} pairs; LSD does not hold the error of the family beyond three groups.{bound}",
+    )
+
+
+def _over_blocks(found: TidyTests) -> BlockTests | None:
+    return found.by_block.blocks if found.by_block else None
 
 
 def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
@@ -98,13 +118,15 @@ def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
 
 def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
     """Every test, and what it is of."""
-    tests = found.together
+    tests, blocks = found.together, _over_blocks(found)
     for i, group in enumerate(found.groups.tolist()):
         yield from ((group, outcome) for outcome in tests.normality.outcomes(i))
     yield from (("groups", outcome) for outcome in tests.between_groups.outcomes())
     for pair, (first, second) in enumerate(zip(tests.pairs.first, tests.pairs.second, strict=True)):
         name = f"{found.groups[first]} - {found.groups[second]}"
         yield from ((name, outcome) for outcome in tests.pairs.outcomes(0, pair))
+        if blocks is not None:
+            yield from ((f"{name} over blocks", outcome) for outcome in blocks.pair_outcomes(pair))
         if found.equality.tost is not None:
             yield name, found.equality.tost.outcome(0, pair)
     if found.by_block is None:
@@ -113,6 +135,11 @@ def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
         yield from (("groups over blocks", outcome) for outcome in found.by_block.blocks.outcomes())
     for i, block in enumerate(found.blocks.tolist()):
         yield from ((f"groups in {block}", outcome) for outcome in found.by_block.between_groups.outcomes(i))
+        for pair, (first, second) in enumerate(zip(tests.pairs.first, tests.pairs.second, strict=True)):
+            name = f"{found.groups[first]} - {found.groups[second]} in {block}"
+            yield from ((name, outcome) for outcome in found.by_block.pairs.outcomes(i, pair))
+    for i, group in enumerate(found.groups.tolist()):
+        yield from ((f"blocks in {group}", outcome) for outcome in found.by_block.between_blocks.outcomes(i))
 
 
 def text(found: TidyTests, style: Style, *, details: bool) -> str:
@@ -121,7 +148,8 @@ def text(found: TidyTests, style: Style, *, details: bool) -> str:
     for hypothesis in hypotheses(found, style):
         parts.append(f"\n{hypothesis.question}\n" + "\n".join(_grid(hypothesis.rows)))
         parts.append("\n".join(wrap(hypothesis.mind, sum(_WIDTHS) + 6)))
-    parts += ["\nPairs, p of each test (differences and their intervals: LSD)", *_pairs(found, style), "\nResults"]
+    by = "LSD" if _over_blocks(found) is None else _differences(found).method
+    parts += [f"\nPairs, p of each test (differences and their intervals: {by})", *_pairs(found, style), "\nResults"]
     above = ""
     for name, outcome in outcomes(found):
         if details or name in _SUMMARY:
@@ -147,18 +175,35 @@ def _mean(mean: float, sd: float) -> str:
 
 def _pairs(found: TidyTests, style: Style) -> Iterator[str]:
     tests, names = found.together.pairs, found.groups
-    heads = ("LSD", "Holm", "Tukey", "Games-H.", "FDR", "Dunn", "Mann-Wh.")
-    families = (
-        tests.lsd.p, tests.p_holm, tests.tukey.p, tests.games_howell.p, tests.p_fdr, tests.dunn.p, tests.p_rank_holm,
-    )  # fmt: skip
+    families, size = _families(found)
+    differences = _differences(found)
     pairs = [f"{names[i]} - {names[j]}" for i, j in zip(tests.first, tests.second, strict=True)]
     width = max(map(len, (*pairs, "pair")))
-    yield f"{'pair':<{width}}  {'difference':<34}" + "".join(f"{head:>10}" for head in heads) + f"{'g':>8}"
+    heads = "".join(f"{head:>12}" for head in families)
+    yield f"{'pair':<{width}}  {'difference':<34}{heads}{'g_z' if _over_blocks(found) else 'g':>8}"
     for at, pair in enumerate(pairs):
-        low, high = (number(float(end[0, at])) for end in (tests.lsd.low, tests.lsd.high))
-        difference = f"{number(float(tests.lsd.difference[0, at]))} [{low}, {high}]"
-        cells = "".join(f"{_p(float(family[0, at]), style):>10}" for family in families)
-        yield f"{pair:<{width}}  {difference:<34}{cells}{number(float(tests.g[0, at])):>8}"
+        low, high = (number(float(end[0, at])) for end in (differences.low, differences.high))
+        difference = f"{number(float(differences.difference[0, at]))} [{low}, {high}]"
+        cells = "".join(f"{_p(float(family[0, at]), style):>12}" for family in families.values())
+        yield f"{pair:<{width}}  {difference:<34}{cells}{number(float(size[0, at])):>8}"
+
+
+def _differences(found: TidyTests) -> PairDifferences:
+    blocks = _over_blocks(found)
+    return found.together.pairs.lsd if blocks is None else blocks.contrasts or blocks.paired.t
+
+
+def _families(found: TidyTests) -> tuple[dict[str, Floats], Floats]:
+    """p of every pair by the heads of their columns, and the size of the difference."""
+    tests, blocks = found.together.pairs, _over_blocks(found)
+    if blocks is not None:
+        short = {"Mixed-model contrasts": "Mixed", "Paired t": "Paired t", "Signed ranks": "Signed r."}
+        over = {short[name]: p for name, p in blocks.pair_families.items()}
+        return {"LSD (rows)": tests.lsd.p} | over, blocks.paired.g
+    return {
+        "LSD": tests.lsd.p, "Holm": tests.p_holm, "Tukey": tests.tukey.p, "Games-H.": tests.games_howell.p,
+        "FDR": tests.p_fdr, "Dunn": tests.dunn.p, "Mann-Wh.": tests.p_rank_holm,
+    }, tests.g  # fmt: skip
 
 
 def _p(p: float, style: Style) -> str:

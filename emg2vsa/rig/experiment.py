@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,6 +49,9 @@ class ExperimentSettings:
     "Length of the ramp."
     pause_s: Annotated[float, Ge(0)] = 2.0
     "Between two presses."
+    stiffness_n_per_mm: dict[str, Annotated[float, Gt(0)]] = field(default_factory=dict)
+    """Specimen to its stiffness by plate indentation, N/mm: it tells the largest force to expect, and how deep a press
+    may go. Of a specimen not named here that of [emulated] is taken."""
 
     def all_runs(self) -> tuple[tuple[str, float, Condition], ...]:
         """Specimen, angle in degrees and condition of every run, in their order."""
@@ -105,8 +108,12 @@ def plan_of(
     angle_deg: float,
     condition: Condition,
     schedules: Sequence[Schedule],
+    emulated_n_per_mm: Mapping[str, float] | None = None,
 ) -> RunPlan:
-    """The plan of one run. ScheduleError where the specimen has no schedule for its condition."""
+    """The plan of one run. ScheduleError where the specimen has no schedule for its condition.
+
+    ``emulated_n_per_mm`` : stiffness of specimens on the emulated bench, for those that the experiment does not name.
+    """
     return RunPlan(
         specimen=specimen,
         angle_deg=angle_deg,
@@ -119,6 +126,7 @@ def plan_of(
         ramp_mm_per_s=experiment.ramp_mm_per_s,
         travel_mm=experiment.travel_mm,
         pause_s=experiment.pause_s,
+        stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(specimen),
     )
 
 

@@ -33,6 +33,8 @@ class RunPlan:
     "Length of the ramp."
     pause_s: float = 2.0
     "Between two repetitions."
+    stiffness_n_per_mm: float | None = None
+    "Of the specimen, by plate indentation; None where it is not known."
     plate: bool = False
     "A flat plate presses, in place of the dome of the tactile sensor: for the specimen's own stiffness."
     order: int | None = None

@@ -36,9 +36,12 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
                 yield from _plate(plate, rig)
         if camera := tables.get("camera"):
             yield from _frames(experiment, camera)
+        yield from _stiffness(experiment)
         yield from _motor(experiment, raw)
         yield from _emulated(experiment, tables)
     yield from _one_board_each(tables)
+    if rig:
+        yield from _watchdogs(tables, rig)
 
 
 def _rig(rig: RigSettings) -> Iterator[Problem]:
@@ -56,9 +59,30 @@ def _rig(rig: RigSettings) -> Iterator[Problem]:
         if not first <= ticks <= last:
             wanted = f"every depth within position_ticks, {first} to {last}"
             yield Problem(("rig", key), wanted, f"{depth_mm:g} mm at {ticks} ticks")
+    if rig.escape_mm_per_s > rig.max_mm_per_s:
+        yield Problem(("rig", "escape_mm_per_s"), _most_mm_per_s(rig), f"{rig.escape_mm_per_s:g}")
     if rig.guards.stale_s <= rig.period_s:
         wanted = f"more than a period of the loop, {rig.period_s:g} s"
         yield Problem(("rig", "guards", "stale_s"), wanted, f"{rig.guards.stale_s:g}")
+
+
+def _most_mm_per_s(rig: RigSettings) -> str:
+    return f"at most rig.max_mm_per_s, {rig.max_mm_per_s:g}"
+
+
+def _watchdogs(tables: Mapping[str, Any], rig: RigSettings) -> Iterator[Problem]:
+    for name in ("actuator", "motor"):
+        board = tables.get(name)
+        if board and rig.guards.motors_every_s >= board.watchdog_s / 2:
+            wanted = f"less than half of {name}.watchdog_s, {board.watchdog_s:g}: questions keep it from running out"
+            yield Problem(("rig", "guards", "motors_every_s"), wanted, f"{rig.guards.motors_every_s:g}")
+
+
+def _stiffness(experiment: ExperimentSettings) -> Iterator[Problem]:
+    for name in experiment.stiffness_n_per_mm:
+        if name not in experiment.specimens:
+            do = nearest(name, experiment.specimens)
+            yield Problem(("experiment", "stiffness_n_per_mm", name), "a specimen of the experiment", shown(name), do)
 
 
 def _names(experiment: ExperimentSettings) -> Iterator[Problem]:
@@ -88,6 +112,8 @@ def _presses(experiment: ExperimentSettings, rig: RigSettings) -> Iterator[Probl
     if not low < experiment.f_max_n < high:
         wanted = f"a force above contact, {low:g} N, and below the guard rig.guards.force_n, {high:g} N"
         yield Problem(("experiment", "f_max_n"), wanted, f"{experiment.f_max_n:g}")
+    if experiment.ramp_mm_per_s > rig.max_mm_per_s:
+        yield Problem(("experiment", "ramp_mm_per_s"), _most_mm_per_s(rig), f"{experiment.ramp_mm_per_s:g}")
     if experiment.travel_mm > rig.travel_mm:
         wanted = f"at most rig.travel_mm, {rig.travel_mm:g}"
         yield Problem(("experiment", "travel_mm"), wanted, f"{experiment.travel_mm:g}")

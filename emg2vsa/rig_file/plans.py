@@ -52,7 +52,8 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
     schedules = read_schedules(file.schedules, runs)
     _check_springs(file, schedules)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
-    return tuple(plan_of(experiment, *run, schedules) for run in runs)
+    emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
+    return tuple(plan_of(experiment, *run, schedules, emulated_n_per_mm) for run in runs)
 
 
 def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,8 @@ class Anova:
 
     df1 : groups - 1, groups without a value left out. df2 : values - groups. sd : pooled within groups, in the unit of
     the data. eta2 : share of the sum of squares that lies between groups (biased upwards).
-    mean, count : (d, k), of each group.
+    mean, count : (d, k), of each group. offset : (d, k) means less the first value of the design, free of the rounding
+    that an origin far away brings.
     """
 
     f: Floats
@@ -30,6 +31,7 @@ class Anova:
     sd: Floats
     mean: Floats
     count: Ints
+    offset: Floats
 
     def outcome(self, i: int = 0) -> Outcome:
         """Design ``i`` alone."""
@@ -85,17 +87,25 @@ def one_way(values: ArrayLike) -> Anova:
         sd=groups.to_data(np.sqrt(ms_within)),
         mean=groups.mean,
         count=count,
+        offset=np.where(count > 0, groups.to_data(groups.offset), np.nan),
     )
 
 
 @dataclass(frozen=True)
 class VarianceTests:
-    """Analysis of variance of the distances from each group's median."""
+    """Analysis of variance of the distances from each group's median; F and p are NaN where no group can tell."""
 
     anova: Anova
 
     def outcome(self, i: int = 0) -> Outcome:
         found = self.anova.outcome(i)
+        most = int(np.max(self.anova.count[i], initial=0))
+        notes = found.notes
+        if np.isnan(self.anova.f[i]) and most > 1:
+            alike = "every value is equally far from the median of its group"
+            notes = ("undefined: no group has three values" if most == 2 else f"undefined: {alike}",)
+        elif most == 3:
+            notes = (*notes, "groups of three values or fewer: next to no power")
         return Outcome(
             method="Brown-Forsythe (distances from medians)",
             n=found.n,
@@ -103,15 +113,21 @@ class VarianceTests:
             statistic=found.statistic,
             df=found.df,
             p=found.p,
-            notes=found.notes,
+            notes=notes,
         )
 
 
 def brown_forsythe(values: ArrayLike) -> VarianceTests:
-    """Brown and Forsythe's (1974) form of Levene's test; ``values`` as for ``one_way``."""
+    """Brown and Forsythe's (1974) form of Levene's test; ``values`` as for ``one_way``.
+
+    Two values are equally far from their median. A design without a group of three therefore has no scatter of these
+    distances, and no test: F and p are NaN.
+    """
     groups = group_moments(values)
     deviation = groups.deviation - _medians(groups.deviation, groups.valid)[..., None]
-    return VarianceTests(one_way(np.where(groups.valid, np.abs(deviation), np.nan)))
+    anova = one_way(np.where(groups.valid, np.abs(deviation), np.nan))
+    tells = np.max(groups.count, axis=1, initial=0) > 2
+    return VarianceTests(replace(anova, f=np.where(tells, anova.f, np.nan), p=np.where(tells, anova.p, np.nan)))
 
 
 def _medians(values: Floats, valid: np.ndarray) -> Floats:

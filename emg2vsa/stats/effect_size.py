@@ -80,9 +80,20 @@ def hedges_g(t: ArrayLike, n1: ArrayLike, n2: ArrayLike, confidence: float = 0.9
     The interval comes from the noncentral t, corrected by the same factor.
     """
     t, n1, n2 = np.broadcast_arrays(_floats(t), _floats(n1), _floats(n2))
-    df = n1 + n2 - 2
-    correction = np.exp(special.gammaln(df / 2) - special.gammaln((df - 1) / 2)) / np.sqrt(df / 2)
-    scale = correction * np.sqrt(1 / n1 + 1 / n2)
+    return _corrected(t, n1 + n2 - 2, np.sqrt(1 / n1 + 1 / n2), confidence)
+
+
+def paired_g(t: ArrayLike, n: ArrayLike, confidence: float = 0.95) -> tuple[Floats, Floats, Floats]:
+    """g_z and its interval from the paired t of n people: t / sqrt(n), in SDs of the differences (Lakens 2013)."""
+    t, n = np.broadcast_arrays(_floats(t), _floats(n))
+    return _corrected(t, n - 1, 1 / np.sqrt(n), confidence)
+
+
+def _corrected(t: Floats, df: Floats, per_t: Floats, confidence: float) -> tuple[Floats, Floats, Floats]:
+    """t times ``per_t`` and Hedges' correction for ``df``; the ends of its noncentrality likewise."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        correction = np.exp(special.gammaln(df / 2) - special.gammaln((df - 1) / 2)) / np.sqrt(df / 2)
+    scale = correction * per_t
     tail = (1 - confidence) / 2
     size = np.abs(t)
     high = _noncentrality(lambda nc: noncentral_t(df, nc, size), tail, size)

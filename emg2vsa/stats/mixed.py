@@ -21,6 +21,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import DataError
 from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class MixedModel:
     difference between specimens, mean square of specimens over that of participants by specimens, exact whatever the
     variances. variance : (d, 3) of participants, participants by specimens, repetitions; low, high : (d, 3) their
     intervals. icc : share of participants in the sum of variances. sd_ratio : (d,) SD of participants over that of
-    repetitions, ratio_low, ratio_high its interval.
+    repetitions, ratio_low, ratio_high its interval. difference : (d, q) of the means of all pairs of specimens,
+    se_difference : (d,) their standard error.
     """
 
     mean: Floats
@@ -46,8 +48,34 @@ class MixedModel:
     sd_ratio: Floats
     ratio_low: Floats
     ratio_high: Floats
+    difference: Floats
+    se_difference: Floats
     n: int
     confidence: float
+
+    def pairs(self) -> PairDifferences:
+        """Contrasts of the specimens, with the mean square of participants by specimens as their error, as f has it."""
+        first, second = pair_numbers(self.mean.shape[1])
+        se, df = self.se_difference[:, None], np.full(self.difference.shape, float(self.df2))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = self.difference / se
+        reach = special.stdtrit(df, 0.5 + 0.5 * self.confidence) * se
+        per_specimen = self.n // self.mean.shape[1]
+        return PairDifferences(
+            method="contrast of the linear mixed model",
+            caution=f"one of {first.size} pairs, not corrected for their number",
+            statistic_name="t",
+            first=first,
+            second=second,
+            difference=self.difference,
+            low=self.difference - reach,
+            high=self.difference + reach,
+            statistic=t,
+            df=df,
+            p=2 * special.stdtr(df, -np.abs(t)),
+            n=np.full(self.difference.shape, 2 * per_specimen),
+            confidence=self.confidence,
+        )
 
     def outcome(self, i: int = 0) -> Outcome:
         at_zero = [name for name, s2 in zip(_RANDOM, self.variance[i], strict=True) if s2 == 0]
@@ -107,6 +135,10 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         icc = variance[:, 0] / total
     with np.errstate(over="ignore"):
         of_data = [np.ldexp(v, 2 * unit[:, None]) for v in (variance, low, high)]
+    first, second = pair_numbers(n_s)
+    with np.errstate(over="ignore"):
+        difference = np.ldexp(specimen[:, first] - specimen[:, second], unit[:, None])
+        se_difference = np.ldexp(np.sqrt(2 * ms[:, 1] / (n_p * n_r)), unit)
     return MixedModel(
         mean=origin[:, None] + np.ldexp(specimen, unit[:, None]),
         f=f,
@@ -120,6 +152,8 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         sd_ratio=ratios[0],
         ratio_low=ratios[1],
         ratio_high=ratios[2],
+        difference=difference,
+        se_difference=se_difference,
         n=n_p * n_s * n_r,
         confidence=confidence,
     )

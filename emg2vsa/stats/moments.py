@@ -63,11 +63,13 @@ def group_moments(values: ArrayLike) -> GroupMoments:
 def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     """``values`` of shape (d, k, n), or (k, n) as one design, as float64, and the origin (d,) they are relative to.
 
-    float64 input comes back as it is, relative to 0. Decimal, Fraction and int objects (None: NaN) come back relative
+    float64 input comes back as it is, relative to 0, masked values as NaN. Decimal, Fraction and int objects (None: NaN) come back relative
     to the first of their design. DataError for other shapes, groups of unequal length, or what is not a number.
     """
     try:
-        array = np.asarray(values)
+        array = np.asarray(_unmasked(values))
+        if array.dtype.kind == "c":
+            raise TypeError("complex numbers")
         doubles = array if array.dtype == object else array.astype(np.float64)
     except (ValueError, TypeError) as error:
         raise _not_a_design(str(error)) from error
@@ -79,6 +81,13 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
         return doubles, np.zeros(len(doubles))
     pairs = [_shift_design(list(design.flat)) for design in doubles]
     return np.array([row for row, _ in pairs]).reshape(doubles.shape), np.array([origin for _, origin in pairs])
+
+
+def _unmasked(values: ArrayLike) -> ArrayLike:
+    """Masked values are NaN: a plain array would bring them back."""
+    if not isinstance(values, np.ma.MaskedArray):
+        return values
+    return values.astype(object).filled(None) if values.dtype == object else values.astype(np.float64).filled(np.nan)
 
 
 def _shift_design(values: list[Any]) -> tuple[list[float], float]:

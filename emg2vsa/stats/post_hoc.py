@@ -73,7 +73,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
     """
     first, second = pair_numbers(anova.mean.shape[1])
     with np.errstate(divide="ignore", invalid="ignore"):
-        difference = anova.mean[:, first] - anova.mean[:, second]
+        difference = anova.offset[:, first] - anova.offset[:, second]
         per_value = 1 / anova.count[:, first] + 1 / anova.count[:, second]
         se = anova.sd[:, None] * np.sqrt(per_value)
         t = difference / se
@@ -104,7 +104,7 @@ def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
     """Pairs by the studentized range of the k groups that have values, with the pooled SD (Tukey 1949, Kramer 1956)."""
     first, second = pair_numbers(anova.mean.shape[1])
     with np.errstate(divide="ignore", invalid="ignore"):
-        difference = anova.mean[:, first] - anova.mean[:, second]
+        difference = anova.offset[:, first] - anova.offset[:, second]
         se = anova.sd[:, None] * np.sqrt((1 / anova.count[:, first] + 1 / anova.count[:, second]) / 2)
         q = np.abs(difference) / se
     df = np.where(np.isnan(q) | (anova.df2 < 1)[:, None], np.nan, anova.df2[:, None])

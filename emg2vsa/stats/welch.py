@@ -70,8 +70,8 @@ def games_howell(values: ArrayLike, confidence: float = 0.95) -> PairDifferences
         share = per_mean**2 / (groups.count - 1)
         df = squared**2 / (share[:, first] + share[:, second])
         se = groups.to_data(np.sqrt(squared / 2))
-        difference = groups.mean[:, first] - groups.mean[:, second]
-        q = groups.to_data(np.abs(groups.offset[:, first] - groups.offset[:, second])) / se
+        difference = groups.to_data(groups.offset[:, first] - groups.offset[:, second])
+        q = np.abs(difference) / se
     k = np.count_nonzero(used, axis=1)[:, None]
     reach = studentized_range.quantile(confidence, np.where(np.isnan(df), np.nan, k), df) * se
     return PairDifferences(

@@ -18,6 +18,8 @@ from scipy.stats import kstwo
 from emg2vsa.profiles import build_profiles
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.paper_comparison import paper_comparison
+from emg2vsa.report.quantities import quantities
 from emg2vsa.report.study_report import write_figure_pdfs, write_study_report
 
 
@@ -214,3 +216,14 @@ def test_a_study_of_runs_alone_says_nothing_on_people(results, tmp_path, read_pa
     assert "What failed" not in page.text
     assert (tmp_path / "methods.txt").read_text() == "Software: numpy 2.3.\n"
     assert "study.participants" not in (tmp_path / "results.json").read_text()
+
+
+def test_plate_indentations_stand_beside_the_paper_s_where_the_study_says_how_straight_they_are(results):
+    found = quantities(results)
+    assert "plate" not in " ".join(str(row[0]) for row in paper_comparison(results, found).rows)
+    straight = {"S1": 0.9914, "S3": 0.9731}
+    specimens = tuple(replace(s, plate_adjusted_r2=straight.get(s.name)) for s in results.study.specimens)
+    told = replace(results, study=replace(results.study, specimens=specimens))
+    assert paper_comparison(told, found).rows[0][:3] == (
+        "worst adjusted R² of the plate indentations", ".882", "0.973",
+    )  # fmt: skip

@@ -121,6 +121,37 @@ def test_what_was_open_is_closed_when_something_is_absent(
     assert watched.closed == closed.get(absent, [])
 
 
+@pytest.mark.parametrize("key", ["actuator.port", "force.host"])
+def test_an_address_that_is_not_written_is_not_guessed(key: str, settings: DeviceSettings) -> None:
+    table, name = key.split(".")
+    bare = replace(settings, camera=None, **{table: replace(getattr(settings, table), **{name: None})})
+    with (
+        pytest.raises(SettingError, match=rf"{key}: wanted the .*; found nothing\. Write it into the rig file, or use"),
+        open_rig(bare, PATIENT, "modular", WallClock()),
+    ):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"model": "advanced"},
+            'model: wanted firmware of the advanced .*; found QBMMP v6.1.0. Set model = "maker-pro"',
+        ),
+        ({"generation": "v7"}, 'generation: wanted firmware v7; found QBMMP v6.1.0. Set generation = "v6"'),
+    ],
+)
+def test_another_device_than_the_file_says_is_refused(
+    change: dict[str, Any], said: str, settings: DeviceSettings
+) -> None:
+    other = replace(settings, camera=None, actuator=replace(settings.actuator, **change))
+    if change.get("generation"):
+        other = replace(other, actuator=replace(other.actuator, reply_s=0.1))
+    with pytest.raises(DeviceError, match=said), open_rig(other, PATIENT, "modular", WallClock()):
+        pass
+
+
 def test_an_error_of_the_run_closes_everything_too(settings: DeviceSettings, monkeypatch: pytest.MonkeyPatch) -> None:
     watched = Watched(monkeypatch)
     with pytest.raises(ZeroDivisionError), open_rig(settings, PATIENT, "modular", WallClock()):

@@ -12,6 +12,7 @@ from emg2vsa.rig.clock import LEAST_PRIORITY, undisturbed
 
 
 def test_everything_is_as_before_after_an_error() -> None:
+    gc.unfreeze()
     before = (os.sched_getscheduler(0), sys.getswitchinterval(), gc.get_freeze_count())
 
     def failing() -> None:

@@ -76,6 +76,13 @@ def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
     assert set(file.experiment.specimens) <= set(file.emulated.stiffness_n_per_mm)
 
 
+def test_it_names_no_address() -> None:
+    """No command sends a byte to a port or host that its user did not write."""
+    devices = load_rig(ROOT / "studies" / "palpation" / "rig.toml").devices
+    assert devices.motor is not None
+    assert (devices.actuator.port, devices.motor.port, devices.force.host) == (None, None, None)
+
+
 def test_it_shows_every_guard() -> None:
     text = (ROOT / "studies" / "palpation" / "rig.toml").read_text(encoding="utf-8")
     assert [each.name for each in fields(GuardSettings) if f"\n{each.name} = " not in text] == []

@@ -10,6 +10,9 @@ from scipy import stats
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.oneway import anova_oneway
 
+from emg2vsa.companions.groups import group_tests
+from emg2vsa.companions.pairs import pair_tests
+from emg2vsa.errors import DataError
 from emg2vsa.stats import studentized_range
 from emg2vsa.stats.anova import brown_forsythe, one_way
 from emg2vsa.stats.post_hoc import Adjustment, adjust, lsd, tukey
@@ -182,3 +185,29 @@ def test_hostile_designs_are_undefined_and_say_so() -> None:
         stats.ttest_ind(one_missing[0], one_missing[2], equal_var=False).pvalue, rel=1e-9
     )
     assert pair.outcome(0, 1).method == "Games-Howell"
+
+
+@pytest.mark.parametrize("offset", [2.0**30, 2.0**42])
+def test_an_origin_far_away_costs_pairs_no_digit(offset: float) -> None:
+    """Sixteenths keep all their bits beside 2^42, so that the answers must not move."""
+    values = np.round(np.random.default_rng(0).standard_normal((3, 10)) * 16) / 16
+    near, far = (one_way(values + shift) for shift in (0.0, offset))
+    for test in (lsd, tukey):
+        np.testing.assert_allclose(test(far).p, test(near).p, rtol=1e-12)
+        np.testing.assert_allclose(test(far).low, test(near).low, rtol=1e-12)
+    tests = [pair_tests(values + shift, group_tests(values + shift)) for shift in (0.0, offset)]
+    np.testing.assert_allclose(tests[1].g, tests[0].g, rtol=1e-12)
+    np.testing.assert_allclose(tests[1].games_howell.low, tests[0].games_howell.low, rtol=1e-12)
+
+
+def test_masked_values_are_not_there() -> None:
+    values = np.random.default_rng(4).standard_normal((3, 8))
+    gap = np.where(np.arange(8) == 2, np.nan, values)
+    masked = np.ma.masked_array(np.where(np.isnan(gap), 1e6, gap), np.isnan(gap))
+    assert one_way(masked).f[0] == one_way(gap).f[0]
+    assert lsd(one_way(masked)).p.tolist() == lsd(one_way(gap)).p.tolist()
+
+
+def test_complex_numbers_are_refused() -> None:
+    with pytest.raises(DataError, match="complex"):
+        one_way(np.ones((3, 4)) * 1j)

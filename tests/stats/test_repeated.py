@@ -13,7 +13,6 @@ from statsmodels.stats.anova import AnovaRM
 from emg2vsa.errors import DataError
 from emg2vsa.stats.mixed import balanced_mixed
 from emg2vsa.stats.repeated import rm_anova
-from emg2vsa.stats.unbalanced_mixed import unbalanced_mixed
 
 
 def treated(seed: int, n: int = 14, k: int = 5) -> np.ndarray:
@@ -154,35 +153,3 @@ def test_intervals_of_the_variances_cover() -> None:
 def test_gaps_and_missing_replicates_are_named(values: np.ndarray) -> None:
     with pytest.raises(DataError, match="balanced mixed model"):
         balanced_mixed(values)
-
-
-def flat(y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    p, s, _ = (index.ravel() for index in np.indices(y.shape))
-    return y.ravel().copy(), np.char.add("P", p.astype(str)), np.char.add("S", s.astype(str))
-
-
-def test_statsmodels_agrees_where_it_is_right() -> None:
-    y = study(5)
-    peer, found = unbalanced_mixed(*flat(y)), balanced_mixed(y).outcome()
-    assert peer.statistic == pytest.approx(found.statistic, rel=1e-4)
-    assert peer.effect_size == pytest.approx(found.effect_size, abs=1e-3)
-    values, participant, specimen = flat(y * 1e-5)
-    values[::17] = np.nan
-    gaps = unbalanced_mixed(values, participant, specimen)
-    assert gaps.statistic == pytest.approx(found.statistic, rel=0.2)
-    assert gaps.n == y.size - len(values[::17])
-
-
-def test_statsmodels_is_not_believed_at_the_boundary() -> None:
-    seed = next(s for s in range(50) if balanced_mixed(study(s, 0.0, 0.0)).variance[0, 0] == 0)
-    outcome = unbalanced_mixed(*flat(study(seed, 0.0, 0.0) * 1e-5))
-    assert np.isnan(outcome.statistic or 0.0)
-    assert any(
-        "zero" in note or "converge" in note or "likelihood" in note or "failed" in note for note in outcome.notes
-    )
-
-
-def test_hostile_unbalanced_studies() -> None:
-    for values in (np.ones(20), np.full(20, np.nan), np.arange(20.0)):
-        names = np.array(["A"] * 20)
-        assert "undefined" in unbalanced_mixed(values, names, names).notes[0]

@@ -21,6 +21,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import WallClock, undisturbed
 from emg2vsa.rig.commissioning.watchdog import read_proofs
 from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.experiment import run_name
@@ -136,6 +137,8 @@ def _introduce(folder: Path, plan: RunPlan, opened: OpenRig, biased: bool, watch
     print(f"force: {MovingAverage(rig.filter_samples, rig.rate_hz).description}")
     if watchdog:
         print(f"watchdog: {watchdog}")
+    for line in laxer_guards(rig):
+        print(f"guard: {line}")
     if biased:
         print("force: the load at this moment is now its zero")
     sys.stdout.flush()

@@ -20,6 +20,7 @@ from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RunPlan
@@ -57,6 +58,8 @@ def run_virtually(
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
     for plan in plans.values():
         check_plan(plan, file.rig)
+    for line in laxer_guards(file.rig):
+        print(f"guard: {line}", file=sys.stderr)
     start = time.monotonic()
     results: dict[Run, Ended | str] = {}
     waiting: dict[Run, Job] = {}

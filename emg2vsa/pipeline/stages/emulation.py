@@ -62,7 +62,8 @@ def run(given: Given) -> list[Path]:
         raise DataError(made, wanted="no measured run where an emulated one goes", found="one", do=do)
     used = given.settings
     specimen, angle_deg, condition = used["run"]
-    plan = plan_of(used["experiment"], specimen, angle_deg, condition, given.one("schedules") or ())
+    known = used["emulated"].stiffness_n_per_mm
+    plan = plan_of(used["experiment"], specimen, angle_deg, condition, given.one("schedules") or (), known)
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -129,6 +130,12 @@ class EmulatedRig:
             self.firmware.advance()
             now_s = self.clock.now_s()
             return self.world.probe_mm(now_s), float(np.linalg.norm(self.world.force_n(now_s)))
+
+    def interrupt(self, action: Callable[[], None]) -> None:
+        """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
+        with self._lock:
+            self.firmware.advance()
+            action()
 
     def reset_actuator(self) -> None:
         """Its power off and on; from any thread."""

@@ -175,9 +175,7 @@ def put(bench: EmulatedRig, line: str) -> str:
     """
     line = " ".join(line.split())
     if line == "off":
-        bench.plan.clear()
-        for lasting in filter(lambda fault: fault.lasts, FAULTS.values()):
-            lasting.strike(bench, lasting.neutral)
+        bench.interrupt(lambda: _all_off(bench))
         return "all faults off"
     parts = _LINE.fullmatch(line)
     name = parts["name"] if parts else line.partition(" ")[0]
@@ -190,22 +188,31 @@ def put(bench: EmulatedRig, line: str) -> str:
     value = _value(name, fault, parts["how"] or "")
     at, lasting_s = _number(name, parts["at"], "at"), _number(name, parts["lasting"], "for")
     said = fault.words.replace("N ", f"{value:g} ", 1)
-    said = f"{name} off: {said}" if fault.lasts and value == fault.neutral else f"{name}: {said}"
+    state = " off" if fault.lasts and value == fault.neutral else " on" if fault.kind == "switch" else ""
+    said = f"{name}{state}: {said}"
 
     def begin() -> None:
-        bench.firmware.advance()
         fault.strike(bench, value)
         if lasting_s is not None:
             bench.plan.at_time(bench.clock.now_s() + lasting_s, lambda: fault.strike(bench, fault.neutral))
 
-    if at is None:
-        begin()
-    elif parts["unit"] == "s":
-        bench.plan.at_time(bench.clock.now_s() + at, begin)
-    else:
-        bench.plan.at_force(at, begin)
+    def plan() -> None:
+        if at is None:
+            begin()
+        elif parts["unit"] == "s":
+            bench.plan.at_time(bench.clock.now_s() + at, begin)
+        else:
+            bench.plan.at_force(at, begin)
+
+    bench.interrupt(plan)
     when = "" if at is None else f", at {at:g} {parts['unit']}"
     return said + when + ("" if lasting_s is None else f", for {lasting_s:g} s")
+
+
+def _all_off(bench: EmulatedRig) -> None:
+    bench.plan.clear()
+    for lasting in filter(lambda fault: fault.lasts, FAULTS.values()):
+        lasting.strike(bench, lasting.neutral)
 
 
 def _value(name: str, fault: Fault, how: str) -> float:

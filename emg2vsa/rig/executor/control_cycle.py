@@ -11,6 +11,7 @@ from typing import NamedTuple
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Devices, ForceSample
+from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import Moment, size, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.executor.safe_end import Start
@@ -60,7 +61,9 @@ class ControlCycle:
             device_ma = actuator.current_limit_ma()
         guards = self._rig.guards
         self._limits = replace(
-            guards, current_ma=min(guards.current_ma, device_ma) if device_ma > 0 else guards.current_ma
+            guards,
+            current_ma=min(guards.current_ma, device_ma) if device_ma > 0 else guards.current_ma,
+            past_contact_mm=most_past_contact_mm(self._plan, self._rig),
         )
         self._witnesses = Witnesses(self._rig, actuator.springs, at)
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
+from emg2vsa.rig.executor.expected import largest_force_n, most_past_contact_mm
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
@@ -33,6 +34,10 @@ class DryRun:
     legs: tuple[Leg, ...]
     repetitions: int
     at_most_s: float
+    largest_force_n: float | None
+    "To be expected, along the push axis; None where the stiffness of the specimen is not known."
+    past_contact_mm: float
+    "How far the probe may go after contact before a guard ends the run."
 
 
 def dry_run(plan: RunPlan, rig: RigSettings) -> DryRun:
@@ -54,7 +59,9 @@ def dry_run(plan: RunPlan, rig: RigSettings) -> DryRun:
     )
     # approach and load share one ramp
     once_s = 2 * ramp_s + plan.contact_s + plan.pause_s
-    return DryRun(legs, plan.repetitions, plan.repetitions * once_s)
+    return DryRun(
+        legs, plan.repetitions, plan.repetitions * once_s, largest_force_n(plan, rig), most_past_contact_mm(plan, rig)
+    )
 
 
 def _steps_n(plan: RunPlan) -> list[tuple[float, float]]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import ScheduleError, SettingError
+from emg2vsa.rig.executor.expected import largest_force_n
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules import CONDITIONS, Schedule, check
@@ -45,6 +46,8 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         ("ramp_mm_per_s", plan.ramp_mm_per_s), ("travel_mm", plan.travel_mm), ("f_contact_n", plan.f_contact_n)
     ):  # fmt: skip
         yield name, 0 < value < math.inf, "a number above 0", value
+    for name, value in (("ramp_mm_per_s", plan.ramp_mm_per_s), ("rig's escape_mm_per_s", rig.escape_mm_per_s)):
+        yield name, value <= rig.max_mm_per_s, f"at most rig.max_mm_per_s, {rig.max_mm_per_s:g}", value
     for name, value in (("pause_s", plan.pause_s), ("contact_s", plan.contact_s)):
         yield name, 0 <= value < math.inf, "0 s or more", value
     low, high = plan.f_contact_n, rig.guards.force_n
@@ -53,6 +56,13 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         low < plan.f_max_n < high,
         f"above contact, {low:g} N, and below the guard, {high:g} N",
         plan.f_max_n,
+    )
+    most_n = largest_force_n(plan, rig) if low < plan.f_max_n < high and 0 <= plan.angle_deg < 90 else None
+    yield (
+        "ramp_mm_per_s",
+        most_n is None or most_n <= high,
+        f"a speed at which the force overshoots to at most the guard, {high:g} N",
+        f"{plan.ramp_mm_per_s:g}, which lets expect {most_n or 0:.1f} N",
     )
     yield "travel_mm", plan.travel_mm <= rig.travel_mm, f"at most {rig.travel_mm:g} mm, the rig's", plan.travel_mm
     first, last = rig.position_ticks

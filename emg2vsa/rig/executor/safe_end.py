@@ -88,25 +88,24 @@ class _Escape:
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
-        self._depth_mm, self._preset_ticks, self._softest_ticks = (
-            start.depth_mm,
-            start.preset_ticks,
-            start.softest_ticks,
-        )
+        self._preset_ticks, self._softest_ticks = start.preset_ticks, start.softest_ticks
+        # the last steps of the encoders behind the retracted position are not worth a motion
+        self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
+        goal_mm = min(self._depth_mm, 0.0)
         try:
-            self._ramp(min(start.depth_mm, 0.0))
+            self._ramp(goal_mm)
             self._rest(self._rig.settle_s)
             end_s = self._clock.now_s() + _STUCK_S
             while self._touches(start.contact_n) and not self._there() and self._clock.now_s() < end_s:
                 self._rest(_REST_S)
                 if not self._touches(start.contact_n):
                     self._rest(self._rig.settle_s)
-            if not start.home_is_free or start.depth_mm < -_THERE_MM:
+            if not start.home_is_free or goal_mm < 0:
                 self._leave(start.contact_n)
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
             if self._failures:  # it may hear without answering
-                ticks = self._rig.ticks_at(min(start.depth_mm, 0.0))
+                ticks = self._rig.ticks_at(goal_mm)
                 self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks))
         return self.tried(lambda: self._check(start.contact_n))
 

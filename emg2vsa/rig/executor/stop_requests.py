@@ -11,7 +11,7 @@ from typing import Any, Self
 from casr.atomic import write_text_atomic
 
 STOP_FILE = "stop"
-_NAMES = ("SIGTERM", "SIGHUP", "SIGINT")  # not every system has SIGHUP
+_NAMES = ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGINT")  # not every system has SIGHUP and SIGQUIT
 _LONGEST_TEXT = 200
 _LOOK_S = 0.01
 
@@ -19,7 +19,8 @@ _LOOK_S = 0.01
 class StopRequests:
     """Called, tells the reason to stop, or None: the ``stop`` of `execute`. Signals are caught within a with statement.
 
-    The first Ctrl-C is a request like the others; after it the next one interrupts, as Ctrl-C does otherwise. To be
+    The first Ctrl-C is a request like the others. A second one interrupts, as Ctrl-C does otherwise, but only once, and
+    only where the first has not been told yet: a loop that hangs is cut off, the way out that has begun is not. To be
     used in the main thread, which is where Python delivers signals.
     """
 
@@ -27,6 +28,7 @@ class StopRequests:
         """``folder`` : of the run; whoever makes a file ``stop`` there gives its text as the reason."""
         self._file = folder / STOP_FILE
         self._reason: str | None = None
+        self._told = self._interrupted = False
         self._before: dict[signal.Signals, Any] = {}
         self._watch: threading.Thread | None = None
         self._over = threading.Event()
@@ -34,6 +36,7 @@ class StopRequests:
     def __call__(self) -> str | None:
         if self._reason is None and self._watch is None:
             self._reason = self._asked_by_file()
+        self._told = self._reason is not None
         return self._reason
 
     def __enter__(self) -> Self:
@@ -51,8 +54,9 @@ class StopRequests:
             signal.signal(number, handler)
 
     def _caught(self, number: int, frame: FrameType | None) -> None:
-        if number == signal.SIGINT:
-            signal.signal(number, signal.default_int_handler)
+        if number == signal.SIGINT and self._reason and not (self._told or self._interrupted):
+            self._interrupted = True
+            raise KeyboardInterrupt
         name = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
         self._reason = self._reason or name
 

@@ -73,9 +73,11 @@ class QbmoveLimits:
 
 
 def roomy_positions(info: QbmoveInfo) -> tuple[int, int]:
-    """First and last position, ticks, that leaves room for full stiffness."""
-    (low, high), most = info.position_limits_ticks[0], info.max_stiffness_ticks
-    return low + most, high - most
+    """First and last position, ticks, that leaves room for full stiffness to both motors.
+
+    The firmware clips to the limits of motor 1 alone, so motor 2's are kept here."""
+    lows, highs = zip(*info.position_limits_ticks, strict=True)
+    return max(lows) + info.max_stiffness_ticks, min(highs) - info.max_stiffness_ticks
 
 
 def stiffness_on_wire(preset_ticks: int, max_stiffness_ticks: int) -> int:

@@ -32,13 +32,17 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1")
     assert status == 0
     presets = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[:16]  # up to 5.0 N
-    lines = out.splitlines()
-    assert lines[5].split()[:3] == ["run", "presses", "position,"]
-    assert lines[6].split() == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
-    assert lines[7].split() == [
-        "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5", "7.8",
+    head = next(line for line in out.splitlines() if line.startswith("run "))
+    rows = out.splitlines()[out.splitlines().index(head) + 1 :]
+    assert head.split()[:3] == ["run", "presses", "position,"]
+    assert rows[0].split()[:10] == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to"]]
+    assert rows[1].split()[:11] == [
+        "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5",
     ]  # fmt: skip
-    assert len(lines) == 11
+    worst_n = float(rows[0].split()[11])
+    assert 5 < worst_n < 10
+    assert [row.split()[-1] for row in rows[:3]] == ["7.8"] * 3
+    assert len(rows) == 5
 
 
 def test_as_json(rig: Rig, rig_file: RigFile) -> None:
@@ -101,3 +105,11 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
         "32: experiment.contact_s: wanted a number >= 0; found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
+
+
+def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) -> None:
+    path = rig_file(("[actuator]\n", '[actuator]\nmodel = "advanced"\n'))
+    status, _, err = rig("dry-run", path)
+    assert status == 2
+    assert "schedule of S1, modular, limits.actuator: wanted qbmove-advanced, the model under [actuator] of " in err
+    assert "found qbmove-maker-pro. Set [schedule] actuator of the study to the device's model" in err

@@ -73,7 +73,7 @@ def test_faults_are_put_on_beforehand(rig: Rig, rig_file: Callable[..., Path], t
     faults = ["--fault", "ignore at 2 N for 1.5 s", "--fault", "gain 0.5"]
     status, out, err = rig("emulate", rig_file(), *faults)
     assert (status, err) == (0, "")
-    assert "# ignore: no position command reaches the actuator, all else does, at 2 N, for 1.5 s\n" in out
+    assert "# ignore on: no position command reaches the actuator, all else does, at 2 N, for 1.5 s\n" in out
     assert "# gain: the force sensor gives 0.5 times the load\n" in out
 
 

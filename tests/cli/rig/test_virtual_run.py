@@ -16,6 +16,11 @@ Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]
 
 
+def ends(err: str) -> list[str]:
+    """What is said of each run, without the guards that are laxer than usual."""
+    return [line for line in err.splitlines() if "rig.guards." not in line]
+
+
 def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     path, runs = rig_file(), tmp_path / "elsewhere"
     options = ("--virtual", "--out", runs, "--repetitions", 1, "--specimen", "S3")
@@ -24,8 +29,8 @@ def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> 
     names = ["S3_0_modular", "S3_30_modular"]
     assert sorted(folder.name for folder in runs.iterdir()) == names
     assert [how_ended(runs / name) for name in names] == ["completed"] * 2
-    assert sorted(line.split()[1] for line in err.splitlines()) == [f"{name}:" for name in names]
-    assert err.splitlines()[1].startswith("2/2 ")
+    assert sorted(line.split()[1] for line in ends(err)) == [f"{name}:" for name in names]
+    assert ends(err)[1].startswith("2/2 ")
     assert out.splitlines()[:3] == [
         "presses done                         S3",
         "modular, 0 degrees                    1",
@@ -36,8 +41,8 @@ def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> 
 
     status, out, err = rig("run", path, *options, "--jobs", 1)
     assert status == 0
-    assert len(err.splitlines()) == 1
-    assert err.startswith("3/3 S3_0_high-stiffness: completed: 1 of 1 presses, ")
+    assert len(ends(err)) == 1
+    assert ends(err)[0].startswith("3/3 S3_0_high-stiffness: completed: 1 of 1 presses, ")
     assert out.splitlines()[1:4] == [
         "high-stiffness, 0 degrees             1",
         "modular, 0 degrees          done before",

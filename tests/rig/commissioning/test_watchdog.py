@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from emg2vsa.cli.rig.prove_watchdog import remark
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.commissioning.watchdog import (
@@ -30,26 +31,12 @@ class Free:
         return sum(motors_rad) / 2
 
 
-def bridge_stays_on(device: QbmoveFirmware, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As the published C code does it: an expired watchdog clears the flag, and the motors go on."""
-    step = device._loop.motors.step
-    on = False
-
-    def stepping(references: Any, memory: Any, scale: Any, powered: tuple[bool, bool]) -> bool:
-        nonlocal on
-        on = on or all(powered)
-        return step(references, memory, scale, (on, on))
-
-    monkeypatch.setattr(device._loop.motors, "step", stepping)
-
-
 def proof_of(
     monkeypatch: pytest.MonkeyPatch, *, bridge_holds: bool = False, lost: bool = False, stuck: bool = False
 ) -> WatchdogProof:
     clock = VirtualClock()
     device = QbmoveFirmware(MAKER_PRO, Free(), clock)
-    if bridge_holds:
-        bridge_stays_on(device, monkeypatch)
+    device.motors.faults.flag_only = bridge_holds
     if stuck:
         monkeypatch.setattr(device._loop.motors, "_full_step", 0.0)
     if lost:
@@ -93,3 +80,17 @@ def test_proofs_are_kept_by_board_and_read_back(tmp_path: Path, monkeypatch: pyt
     path.write_text('{"actuator": {"verdict": "motors off"}}')
     with pytest.raises(DeviceError, match=r"rig\.watchdog\.json: wanted proofs as emg2vsa rig prove-watchdog writes"):
         read_proofs(rig_file)
+
+
+def test_a_run_says_what_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    good, bad = proof_of(monkeypatch), proof_of(monkeypatch, bridge_holds=True)
+    assert remark(good, "QBMMP v6.1.0") == ""
+    assert remark(None, "QBMMP v6.1.0").startswith("the watchdog of this device (QBMMP v6.1.0) is not proven: ")
+    assert remark(bad, "QBMMP v6.1.0") == (
+        "watchdog tried on 2026-11-23: the device says that its motors are off, and they still follow commands"
+    )
+    clock = VirtualClock()
+    board = Qbmove(LoopbackLine("line", QbmoveFirmware(MAKER_PRO, Free(), clock), clock), 1, clock=clock)
+    assert good.is_of(board.info(), 0.5)
+    assert not good.is_of(board.info(), 1.0)
+    assert not good.is_of(replace(board.info(), firmware="QBMMP v6.2.0"), 0.5)

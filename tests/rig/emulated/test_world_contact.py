@@ -11,8 +11,9 @@ import pytest
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
 from emg2vsa.errors import SettingError
-from emg2vsa.rig.emulated.probe import Probe, SpecimenContact
+from emg2vsa.rig.emulated.probe import Probe
 from emg2vsa.rig.emulated.world_settings import WorldSettings
+from emg2vsa.rig.specimen_contact import SpecimenContact
 
 KAPPAS = list(SPECIMENS.values())
 

@@ -12,15 +12,17 @@ import pytest
 from emg2vsa.rig.executor.stop_requests import STOP_FILE, StopRequests
 
 
-@pytest.mark.parametrize(("number", "reason"), [("SIGTERM", "SIGTERM"), ("SIGHUP", "SIGHUP"), ("SIGINT", "Ctrl-C")])
+@pytest.mark.parametrize(
+    ("number", "reason"), [("SIGTERM", "SIGTERM"), ("SIGHUP", "SIGHUP"), ("SIGQUIT", "SIGQUIT"), ("SIGINT", "Ctrl-C")]
+)
 def test_a_signal_is_a_reason_and_the_old_handlers_come_back(number: str, reason: str, tmp_path: Path) -> None:
-    before = [signal.getsignal(one) for one in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)]
+    before = [signal.getsignal(one) for one in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGINT)]
     with StopRequests(tmp_path) as stop:
         assert stop() is None
         os.kill(os.getpid(), getattr(signal, number))
         assert stop() == reason
         assert stop() == reason
-    assert [signal.getsignal(one) for one in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)] == before
+    assert [signal.getsignal(one) for one in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGINT)] == before
 
 
 def test_the_first_reason_counts(tmp_path: Path) -> None:
@@ -30,14 +32,25 @@ def test_the_first_reason_counts(tmp_path: Path) -> None:
         assert stop() == "SIGHUP"
 
 
-def test_the_second_ctrl_c_interrupts(tmp_path: Path) -> None:
+def test_the_second_ctrl_c_interrupts_a_loop_that_hangs_and_no_other_does(tmp_path: Path) -> None:
     before = signal.getsignal(signal.SIGINT)
     with StopRequests(tmp_path) as stop:
         os.kill(os.getpid(), signal.SIGINT)
-        assert stop() == "Ctrl-C"
         with pytest.raises(KeyboardInterrupt):
             os.kill(os.getpid(), signal.SIGINT)
+        for _ in range(20):
+            os.kill(os.getpid(), signal.SIGINT)
+        assert stop() == "Ctrl-C"
     assert signal.getsignal(signal.SIGINT) == before
+
+
+def test_no_ctrl_c_interrupts_the_way_out(tmp_path: Path) -> None:
+    with StopRequests(tmp_path) as stop:
+        os.kill(os.getpid(), signal.SIGINT)
+        assert stop() == "Ctrl-C"
+        for _ in range(20):
+            os.kill(os.getpid(), signal.SIGINT)
+        assert stop() == "Ctrl-C"
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,8 @@ from benchmarks.rig.plans import modular_plan
 def whole(tmp_path: Path) -> tuple[Path, float]:
     """A run without a fault, and a time within its loading."""
     bench = FaultBench()
-    ended = bench.run(modular_plan(1, f_max_n=2.0, pause_s=0.0), tmp_path)
+    ended = bench.run(modular_plan(1, specimen="S1", f_max_n=2.0, pause_s=0.0), tmp_path)
+    assert ended
     assert ended.how == "completed"
     lines = (tmp_path / "log.csv").read_text().splitlines()
     return tmp_path, float(next(line for line in lines if ",retract," in line).split(",")[0])

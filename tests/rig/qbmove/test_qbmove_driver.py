@@ -16,6 +16,7 @@ from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO, Switches
 from emg2vsa.rig.emulated.qbmove_v7 import ADVANCED_V7, MAKER_PRO_V7, QbmoveFirmwareV7
 from emg2vsa.rig.qbmove.driver import Qbmove
+from emg2vsa.rig.qbmove.packets import Command
 from emg2vsa.rig.qbmove.scan import scan
 from emg2vsa.rig.qbmove.transport import LoopbackLine
 
@@ -207,3 +208,71 @@ def test_info_with_lost_bytes_is_asked_for_again(way: Literal["to device", "to h
     bench.qbmove.activate()
     assert bench.qbmove.info().position_limits_ticks == ((-15000, 15000), (-15000, 15000))
     assert bench.qbmove.is_active()
+
+
+def test_the_watchdog_is_set_again_with_every_question() -> None:
+    """Its one frame of the start is lost, and a run that is killed later still ends with the motors off."""
+    bench = Bench()
+    heard: list[bytes] = []
+
+    def without_the_first(data: bytes) -> bytes:
+        heard.append(data)
+        is_watchdog = data[4:5] == bytes((Command.SET_WATCHDOG,))
+        first = is_watchdog and sum(part[4:5] == data[4:5] for part in heard) == 1
+        return bench.wire(b"" if first else data)
+
+    bench.line._device = without_the_first
+    bench.qbmove.activate()
+    bench.wait(0.1)
+    bench.clock.sleep_until(bench.clock.now_s() + 1.0)
+    assert not bench.qbmove.ask_active()
+
+
+def test_nobody_else_s_watchdog_is_touched(bench: Bench) -> None:
+    before = bench.device._watchdog_counts
+    assert not bench.qbmove.is_active()
+    assert bench.device._watchdog_counts == before
+    bench.qbmove.activate()
+    bench.qbmove.deactivate()
+    assert bench.device._watchdog_counts == 12
+
+
+@pytest.mark.parametrize("at_ticks", [0, 700, -3000])
+def test_zeros_are_set_where_it_stands(bench: Bench, at_ticks: int) -> None:
+    with bench.qbmove as qbmove:
+        qbmove.activate()
+        qbmove.set_inputs(at_ticks + 300, at_ticks - 300)
+        bench.wait(1.0)
+    assert max(map(abs, bench.qbmove.set_zeros())) <= 16
+    bench.device.reset()
+    assert max(map(abs, bench.qbmove.measurements())) <= 16
+
+
+def test_a_parameter_is_set_stored_and_read_back(bench: Bench) -> None:
+    assert bench.qbmove.set_parameter(13, (1200,)).values == (1200,)
+    assert bench.qbmove.set_parameter(2, (0.25, 0.0, 0.5)).values == pytest.approx((0.25, 0.0, 0.5))
+    bench.device.reset()
+    assert bench.qbmove.parameters()[13].values == (1200,)
+
+
+@pytest.mark.parametrize(
+    ("number", "values", "said"),
+    [
+        (99, (1,), "wanted a parameter that the device lists; found 99"),
+        (13, (1, 2), "wanted 1 values of type 'h' for parameter 13, Current limit; found 1, 2"),
+        (13, (1.5,), "found 1.5 \\(whole numbers wanted\\)"),
+        (13, (1e6,), "wanted 1 values of type 'h'"),
+        (13, (math.nan,), "wanted 1 values of type 'h'"),
+    ],
+)
+def test_a_parameter_that_cannot_be(number: int, values: tuple[float, ...], said: str) -> None:
+    with pytest.raises(DeviceError, match=said):
+        Bench().qbmove.set_parameter(number, values)
+
+
+def test_nothing_is_stored_with_motors_on(bench: Bench) -> None:
+    bench.qbmove.activate()
+    for change in (lambda: bench.qbmove.set_parameter(13, (1200,)), bench.qbmove.set_zeros):
+        with pytest.raises(DeviceError, match=r"wanted motors off while .* set; found motors on"):
+            change()
+    bench.qbmove.deactivate()

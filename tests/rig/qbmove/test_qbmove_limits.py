@@ -43,10 +43,11 @@ def test_presets_outside_are_refused_and_not_clipped(preset: int) -> None:
 
 
 def test_positions_that_the_firmware_would_clip_are_refused() -> None:
-    LIMITS.check_position(12000)
-    LIMITS.check_position(-12000)
-    for position in (12001, -12001):
-        with pytest.raises(DeviceError, match="-12000 to 12000 ticks"):
+    # motor 2's limits, -14000 to 14000, are the narrower ones; the firmware would keep those of motor 1 only
+    LIMITS.check_position(11000)
+    LIMITS.check_position(-11000)
+    for position in (11001, -11001):
+        with pytest.raises(DeviceError, match="-11000 to 11000 ticks"):
             LIMITS.check_position(position)
 
 
