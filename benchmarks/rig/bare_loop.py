@@ -10,7 +10,7 @@ import sys
 import threading
 from dataclasses import asdict
 
-from emg2vsa.rig.clock import Beat, WallClock
+from emg2vsa.rig.clock import Beat, WallClock, ahead
 
 
 def main() -> None:
@@ -18,8 +18,9 @@ def main() -> None:
     ended = threading.Event()
     threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
     beat = Beat(WallClock(), 1 / float(sys.argv[1]))
-    while not ended.is_set():
-        beat.wait()
+    with ahead():
+        while not ended.is_set():
+            beat.wait()
     print(json.dumps(asdict(beat.timing())))
 
 

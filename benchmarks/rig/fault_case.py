@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from benchmarks.rig.fault_bench import GAP_MM, Built, FaultBench
-from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End, put_all
+from benchmarks.rig.faults import BEFORE, FAULTS, WRONG_RIGS, End
 from benchmarks.rig.logs import read_log
 from benchmarks.rig.lost_data import Lost, lost_data
 from benchmarks.rig.plans import modular_plan, rigid_plan
@@ -90,7 +90,7 @@ def run_case(name: str, phase: str, folder: Path, *, rigid: bool = False) -> Out
     if phase == "escape":
         bench.stop_s = phase_times(rigid)["load"]
     if name in BEFORE:
-        put_all(bench, BEFORE[name])
+        BEFORE[name](bench)
     most_n = STALL_N if rigid and fault.shown_by_springs else MOST_N
     return _outcome(bench, watch, fault.ends_in(phase), fault.probe == "retracted", most_n, folder)
 
@@ -133,7 +133,7 @@ def _outcome(
         left_n=left_n,
         retracted=retracted and left_n < FREE_N,
         retreat_s=retreat_s - watch.from_s if known else None,
-        guard_s=retreat_s - told["time_s"] if known else None,
+        guard_s=retreat_s - told["time_s"] if known and told["time_s"] >= watch.from_s else None,
         lost=lost_data(run, watch.from_s) if _rows(run) else Lost(0, 0, 0),
         next_run=json.loads((folder / "next" / "ended.json").read_text()),
     )

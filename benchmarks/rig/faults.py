@@ -7,7 +7,8 @@ from typing import Literal, NamedTuple
 
 from benchmarks.rig.fault_bench import Built, FaultBench, Strike
 from emg2vsa.rig.emulated.fault_words import put
-from emg2vsa.rig.force.rdt import Command, request_bytes
+from emg2vsa.rig.force import rdt
+from emg2vsa.rig.qbmove.packets import Command
 from emg2vsa.rig.rig_settings import RigSettings
 
 
@@ -110,7 +111,7 @@ def _held_up(duration_s: float) -> Strike:
 
 
 def _other_client(bench: FaultBench) -> None:
-    bench.emulated.box.request(request_bytes(Command.STOP), lambda data, time_s: None, bench.clock.now_s())
+    bench.emulated.box.request(rdt.request_bytes(rdt.Command.STOP), lambda data, time_s: None, bench.clock.now_s())
 
 
 def _interrupted(bench: FaultBench) -> None:
@@ -127,6 +128,12 @@ def _line(name: str, value: object) -> Strike:
 
 def _actuator(line: str, *ends: End, **more: object) -> Fault:
     return Fault(_words(line), ends, later=True, unseen_in=AFTER, **more)  # type: ignore[arg-type]
+
+
+def _watchdog_frame_lost(bench: FaultBench) -> None:
+    # as the device leaves the factory, without a watchdog
+    bench.emulated.reset_actuator()
+    bench.line.loses = bytes((Command.SET_WATCHDOG,))
 
 
 LINE_FAULTS: dict[str, Fault] = {
@@ -232,7 +239,7 @@ ENDINGS: dict[str, Fault] = {
     "program killed": Fault(FaultBench.kill, (KILLED,), probe="left"),
     "program killed, watchdog frame lost": Fault(FaultBench.kill, (KILLED,), probe="left"),
 }
-BEFORE: dict[str, str] = {"program killed, watchdog frame lost": "reset;no-watchdog for 0.3 s"}
+BEFORE: dict[str, Strike] = {"program killed, watchdog frame lost": _watchdog_frame_lost}
 """What went wrong already as the run began."""
 FAULTS = LINE_FAULTS | MOTOR_FAULTS | LOOP_FAULTS | FORCE_FAULTS | CAMERA_FAULTS | DISK_FAULTS | ENDINGS
 

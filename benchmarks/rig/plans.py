@@ -11,7 +11,7 @@ import numpy as np
 
 from casr.specimens import SPECIMENS
 from emg2vsa.profiles import Profile, Profiles
-from emg2vsa.rig.plan import RIGID, RunPlan
+from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.schedules import Schedule
 from emg2vsa.schedules.build import build_schedules
 from emg2vsa.settings import ScheduleSettings
@@ -20,19 +20,27 @@ SPECIMEN = "S3"
 CONTACT_N, F_MAX_N = 0.5, 7.0
 
 
-def modular_plan(repetitions: int, *, specimen: str = SPECIMEN, **changes: Any) -> RunPlan:
+def modular_plan(
+    repetitions: int, *, specimen: str = SPECIMEN, condition: Condition = "modular", **changes: Any
+) -> RunPlan:
     """Presses up to the paper's F_max, stiffer with every force step; ``changes`` to `RunPlan`."""
-    plan = RunPlan(specimen, 0.0, "modular", repetitions, _schedule(specimen), F_MAX_N)
-    return replace(plan, **changes)
+    return _plan(repetitions, specimen, condition, changes)
 
 
 def rigid_plan(repetitions: int, *, specimen: str = SPECIMEN, **changes: Any) -> RunPlan:
     """The same under the rigid motor."""
-    return replace(RunPlan(specimen, 0.0, RIGID, repetitions, None, F_MAX_N), **changes)
+    return _plan(repetitions, specimen, RIGID, changes)
+
+
+def _plan(repetitions: int, specimen: str, condition: Condition, changes: dict[str, Any]) -> RunPlan:
+    schedule = None if condition == RIGID else _schedule(specimen, condition)
+    known = SPECIMENS[specimen]
+    plan = RunPlan(specimen, 0.0, condition, repetitions, schedule, F_MAX_N, stiffness_n_per_mm=known)
+    return replace(plan, **changes)
 
 
 @cache
-def _schedule(specimen: str) -> Schedule:
+def _schedule(specimen: str, condition: Any) -> Schedule:
     force = np.linspace(CONTACT_N, F_MAX_N, 100)
     v = 42e-6 + 20e-6 * np.log(force)
     rate = SPECIMENS[specimen]
@@ -41,5 +49,5 @@ def _schedule(specimen: str) -> Schedule:
         profiles=(profile,), new=None, weight_alpha=math.nan, bracket=None, new_measured=None, new_error=None,
         leave_one_out=(), participant="", unit="V", notes=(),
     )  # fmt: skip
-    (schedule,) = build_schedules(profiles, ScheduleSettings(conditions=("modular",)), {"study": "palpation"})
+    (schedule,) = build_schedules(profiles, ScheduleSettings(conditions=(condition,)), {"study": "palpation"})
     return schedule

@@ -33,12 +33,12 @@ class RunPlan:
     "Length of the ramp."
     pause_s: float = 2.0
     "Between two repetitions."
-    stiffness_n_per_mm: float | None = None
-    "Of the specimen, by plate indentation; None where it is not known."
     plate: bool = False
     "A flat plate presses, in place of the dome of the tactile sensor: for the specimen's own stiffness."
     order: int | None = None
     "Place of the run in the sequence of its experiment, from 1; None where it was asked for alone."
+    stiffness_n_per_mm: float | None = None
+    "Of the specimen, by plate indentation; None where it is not known."
 
     def step_at(self, force_n: float) -> int:
         """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""

@@ -63,8 +63,9 @@ def group_moments(values: ArrayLike) -> GroupMoments:
 def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     """``values`` of shape (d, k, n), or (k, n) as one design, as float64, and the origin (d,) they are relative to.
 
-    float64 input comes back as it is, relative to 0, masked values as NaN. Decimal, Fraction and int objects (None: NaN) come back relative
-    to the first of their design. DataError for other shapes, groups of unequal length, or what is not a number.
+    float64 input comes back as it is, relative to 0, masked values as NaN. Decimal, Fraction and int objects (None:
+    NaN) come back relative to the first of their design. DataError for other shapes, groups of unequal length, or what
+    is not a number.
     """
     try:
         array = np.asarray(_unmasked(values))
@@ -87,7 +88,10 @@ def _unmasked(values: ArrayLike) -> ArrayLike:
     """Masked values are NaN: a plain array would bring them back."""
     if not isinstance(values, np.ma.MaskedArray):
         return values
-    return values.astype(object).filled(None) if values.dtype == object else values.astype(np.float64).filled(np.nan)
+    missing = None if values.dtype == object else np.nan
+    plain = np.array(values.data, dtype=object if missing is None else np.float64)
+    plain[np.ma.getmaskarray(values)] = missing
+    return plain
 
 
 def _shift_design(values: list[Any]) -> tuple[list[float], float]:

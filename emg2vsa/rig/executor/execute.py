@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from emg2vsa.rig.clock import Beat, Clock
+from emg2vsa.rig.clock import Beat, Clock, ahead
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.plan_limits import check_plan
@@ -55,7 +55,8 @@ def execute(
             delay_s=seen.delay_s if seen else 0.0, disk=disk, force_counts=devices.force.counts,
         )  # fmt: skip
         record.plan(plan, rig, facts)
-        return _recorded(plan, rig, devices, record, clock, stop)
+        with ahead():
+            return _recorded(plan, rig, devices, record, clock, stop)
 
 
 def _recorded(

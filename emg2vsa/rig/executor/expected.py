@@ -57,9 +57,7 @@ def _stiffening_mm(plan: RunPlan, rig: RigSettings) -> float:
         return 0.0
     last = plan.step_at(plan.f_max_n)
     springs = SPRINGS[plan.schedule.limits.actuator]
-    before, after = (
-        float(stiffness_at(np.float64(0), np.float64(plan.preset_ticks(step) * RAD_PER_TICK), springs))
-        for step in (max(0, last - 1), last)
-    )
+    presets_rad = RAD_PER_TICK * np.array([plan.preset_ticks(step) for step in (max(0, last - 1), last)])
+    before, after = map(float, stiffness_at(np.zeros(2), presets_rad, springs))
     newton_per_m = 1 / rig.lever_m**2
     return max(0.0, 1000 * plan.f_max_n * (1 / before - 1 / after) / newton_per_m)

@@ -101,7 +101,7 @@ class _Escape:
                 if not self._touches(start.contact_n):
                     self._rest(self._rig.settle_s)
             if not start.home_is_free or goal_mm < 0:
-                self._leave(start.contact_n)
+                self._leave()
         except _Pressing as why:
             self.notes.append(f"the probe was not taken away further: {why}")
             if self._failures:  # it may hear without answering
@@ -126,15 +126,15 @@ class _Escape:
                 return
             self._wait(self._rig.period_s)
 
-    def _rest(self, duration_s: float) -> None:
+    def _rest(self, duration_s: float, step_s: float = _REST_S) -> None:
         end_s = self._clock.now_s() + duration_s
         while (left_s := end_s - self._clock.now_s()) > 0:
-            self._wait(min(left_s, _REST_S))
+            self._wait(min(left_s, step_s))
             self._step(self._depth_mm)
 
-    def _leave(self, contact_n: float) -> None:
+    def _leave(self) -> None:
         end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self.felt_n or 0.0
-        while self._touches(contact_n) and self._depth_mm > end_mm:
+        while self._touches(_FALL_N) and self._depth_mm > end_mm:
             if unfelt_mm >= _UNFELT_MM:
                 raise _Pressing(f"{self.felt_n:.2f} N do not fall on the way")
             position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
@@ -151,7 +151,7 @@ class _Escape:
         ticks = self._rig.ticks_at(depth_mm)
         if self.tried(lambda: self._actuator.set_position_stiffness(ticks, self._preset_ticks)):
             self._depth_mm, self._failures = depth_mm, 0
-        else:
+        elif self.notes[-1] != KeyboardInterrupt.__name__:
             self._failures += 1
             if self._failures == _SEND_ATTEMPTS:
                 raise _Pressing("the actuator takes no commands")
@@ -161,7 +161,8 @@ class _Escape:
                 raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
             self._held, self._preset_ticks = True, self._softest_ticks
             self._lowest_n = math.inf
-            self._rest(_HOLD_S)
+            # an encoder that has jumped sends its motor on at full speed
+            self._rest(_HOLD_S, self._rig.period_s)
 
     def _feel(self, ticks: int) -> None:
         sample = self._log(ticks, self._preset_ticks, self.notes)

@@ -129,6 +129,7 @@ class Qbmove:
         for _ in range(_ATTEMPTS):
             self._set_watchdog()
             if self._switch(ON) == ON:
+                self._set_watchdog()  # one lost frame must not leave even the first questions without it
                 return
         raise self._refusal()
 

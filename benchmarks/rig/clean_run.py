@@ -1,0 +1,71 @@
+"""A run without a fault on the emulated rig, its force sensor as coarse as wanted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.rig.logs import read_log
+from benchmarks.rig.plans import modular_plan, rigid_plan
+from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.rig.devices import Devices, ForceSample, ForceSensor
+from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.executor.execute import execute
+from emg2vsa.rig.executor.expected import largest_force_n
+from emg2vsa.rig.plan import RIGID, Condition
+from emg2vsa.rig.record.ended import Ended
+from emg2vsa.rig.rig_settings import RigSettings
+
+STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
+TORQUE_STEP_NM = 1 / 752
+"""Of a Mini45 SI-145-5, whose force comes in steps of 1/16 N."""
+
+
+@dataclass(frozen=True)
+class Clean:
+    """How it ended, the largest force along the push axis, and the one to expect, N."""
+
+    ended: Ended
+    largest_n: float
+    expected_n: float
+
+
+class Coarse:
+    """A force sensor whose readings come in steps, without any dither: at rest they never change."""
+
+    def __init__(self, sensor: ForceSensor, step_n: float) -> None:
+        self._sensor, self._step_n = sensor, step_n
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._sensor, name)
+
+    def read(self) -> ForceSample:
+        """The newest sample, rounded."""
+        sample = self._sensor.read()
+        return replace(
+            sample,
+            force_n=np.round(sample.force_n / self._step_n) * self._step_n,
+            torque_nm=np.round(sample.torque_nm / TORQUE_STEP_NM) * TORQUE_STEP_NM,
+        )
+
+
+def clean_run(
+    specimen: str, condition: Condition, angle_deg: float, step_n: float, seed: int, folder: Path, presses: int = 2
+) -> Clean:
+    """Two presses up to 7 N with the rig of the default settings. ``step_n`` : of the force's readings; 0 is none."""
+    rigid = condition == RIGID
+    clock = VirtualClock()
+    bench = EmulatedRig(EmulatedSettings(seed=seed), specimen, angle_deg, rigid, clock, run=condition)
+    opened = bench.devices()
+    force: Any = Coarse(opened.force, step_n) if step_n else opened.force
+    make = rigid_plan if rigid else partial(modular_plan, condition=condition)
+    plan = make(presses, specimen=specimen, angle_deg=angle_deg, pause_s=0.4)
+    ended = execute(plan, RigSettings(), Devices(opened.actuator, force, None), folder, clock, started=STARTED)
+    largest_n = max(row.force_n or 0.0 for row in read_log(folder / "log.csv"))
+    return Clean(ended, largest_n, largest_force_n(plan, RigSettings()) or 0.0)
