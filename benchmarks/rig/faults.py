@@ -210,7 +210,7 @@ FORCE_FAULTS: dict[str, Fault] = {
     "force drifts down": Fault(_words("drift -2"), (SURVIVED, NOT_RETRACTED, *BLIND), later=True, probe="unsure"),
     "force has the wrong sign": Fault(_words("turned"), BLIND, later=True, unseen_in=AFTER),
     "force has the wrong axis": Fault(_words("swapped"), BLIND, later=True, unseen_in=AFTER),
-    "force axis dead": Fault(_words("dead"), BLIND, later=True, unseen_in=AFTER),
+    "force axis dead": Fault(_words("dead"), BLIND, shown_by_springs=True, later=True, unseen_in=AFTER),
     "force a fifth": Fault(_words("gain 0.2"), (*BLIND, *MOTION), shown_by_springs=True, later=True, unseen_in=AFTER),
     "flood of strange sequences": Fault(_words("garbage"), (SURVIVED, REJECTED, STALE, UNTRUSTED), later=True),
     "one strange record": Fault(_words("trash"), (SURVIVED, LIMIT, RATE, LATERAL, UNTRUSTED, STALE), later=True),

@@ -101,8 +101,8 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
     status, out, err = rig("dry-run", rig_file(("f_max_n = 5", "f_max = 5\ncontact_s = -1")))
     assert (status, out) == (2, "")
     assert [line.partition("rig.toml:")[2] for line in err.splitlines()[:-1]] == [
-        "31: experiment.f_max: wanted a known key; found 'f_max'. Did you mean 'f_max_n'?",
-        "32: experiment.contact_s: wanted a number >= 0; found -1.",
+        "33: experiment.f_max: wanted a known key; found 'f_max'. Did you mean 'f_max_n'?",
+        "34: experiment.contact_s: wanted a number >= 0; found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
 
