@@ -16,9 +16,8 @@ if TYPE_CHECKING:
 
 
 _HEAD = (
-    f"{'run':<26}{'presses':>8}"
-    + "".join(f"{name:>16}" for name in ("position, ticks", "preset, ticks", "force, N", "at worst"))
-    + f"{'at most, s':>12}"
+    f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'largest, N':>12}"
+    f"{'at most, s':>12}"
 )
 
 
@@ -93,28 +92,26 @@ def _document(found: DryRun | str) -> dict[str, Any]:
 def _row(name: str, found: DryRun) -> str:
     presets = [leg.preset_ticks for leg in found.legs]
     ticks = [tick for leg in found.legs for tick in leg.position_ticks]
-    high_n = max(leg.force_n[1] for leg in found.legs if leg.force_n)
-    columns = (
-        f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"0 to {high_n:g}",
-        f"{_most(found)} N, {found.past_contact_mm:.1f} mm",
-    )  # fmt: skip
+    low_n, high_n = found.legs[0].force_n or (0.0, 0.0)
+    high_n = max([high_n, *(leg.force_n[1] for leg in found.legs if leg.force_n)])
+    columns = f"{min(ticks)} to {max(ticks)}", f"{min(presets)} to {max(presets)}", f"{low_n:g} to {high_n:g}"
     return (
         f"{name:<26}{found.repetitions:>8}"
         + "".join(f"{column:>16}" for column in columns)
-        + f"{found.at_most_s:>12.1f}"
+        + f"{_largest(found):>12}{found.at_most_s:>12.1f}"
     )
+
+
+def _largest(found: DryRun) -> str:
+    """Unknown where the stiffness of the specimen is."""
+    return "unknown" if found.largest_force_n is None else f"{found.largest_force_n:.1f}"
 
 
 def _table(name: str, found: DryRun) -> str:
     head = f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"
     columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
-    most = "unknown, as the specimen's stiffness is" if found.largest_force_n is None else f"{_most(found)} N"
-    force = f"  largest force to expect: {most}; at most {found.past_contact_mm:.1f} mm past contact"
+    force = f"  largest force to expect: {_largest(found)} N; at most {found.past_contact_mm:.1f} mm past contact"
     return "\n".join([head, columns, *map(_line, found.legs), force, ""])
-
-
-def _most(found: DryRun) -> str:
-    return "?" if found.largest_force_n is None else f"{found.largest_force_n:.1f}"
 
 
 def _line(leg: Leg) -> str:

@@ -32,17 +32,19 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     status, out, _ = rig("dry-run", rig_file(), "--specimen", "S1")
     assert status == 0
     presets = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[:16]  # up to 5.0 N
-    head = next(line for line in out.splitlines() if line.startswith("run "))
-    rows = out.splitlines()[out.splitlines().index(head) + 1 :]
-    assert head.split()[:3] == ["run", "presses", "position,"]
-    assert rows[0].split()[:10] == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to"]]
-    assert rows[1].split()[:11] == [
-        "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5",
+    lines = out.splitlines()
+    lax = [line for line in lines if "protects less than" in line]
+    assert "rig.guards.force_n = 50 protects less than 10, the default" in lax
+    lines = [line for line in lines if line not in lax]
+    assert lines[5].split()[:3] == ["run", "presses", "position,"]
+    rigid, modular = lines[6].split(), lines[7].split()
+    assert 5.0 < float(rigid.pop(-2)) < 10.0  # to expect, with motors that may be following_s = 0.2 s behind
+    assert 5.0 < float(modular.pop(-2)) < 10.0
+    assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
+    assert modular == [
+        "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5", "7.8",
     ]  # fmt: skip
-    worst_n = float(rows[0].split()[11])
-    assert 5 < worst_n < 10
-    assert [row.split()[-1] for row in rows[:3]] == ["7.8"] * 3
-    assert len(rows) == 5
+    assert len(lines) == 11
 
 
 def test_as_json(rig: Rig, rig_file: RigFile) -> None:
