@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -82,6 +83,11 @@ def test_the_devices_of_the_file_are_open_and_closed_again(
         assert opened.devices.camera is not None
         assert (opened.devices.camera.shape, opened.devices.camera.delay_s) == ((300, 300), 0.03)
         assert abs(opened.devices.force.read().force_n[2]) < 1.0
+        board, force, camera = (opened.facts[name] for name in ("board", "force", "camera"))
+        assert (board["firmware"], force["calibration_serial"]) == (opened.info.firmware, "FT00000")
+        assert force["biased_by"] is None
+        assert camera["set"] == {"exposure": None, "gain": None, "white_balance_k": None}  # a network camera
+        json.dumps(opened.facts)
         opened.devices.actuator.activate()
         opened.devices.actuator.set_position_stiffness(0, 1500)
         assert watched.closed == []

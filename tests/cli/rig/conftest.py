@@ -30,6 +30,8 @@ late_s = 0.1
 camera_s = 5
 force_n = 50
 force_rate_n_per_s = 3000
+following_ticks = 600
+following_s = 0.2
 
 [actuator]
 port = "{port}"

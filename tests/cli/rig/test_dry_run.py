@@ -38,8 +38,8 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     lines = [line for line in lines if line not in lax]
     assert lines[5].split()[:3] == ["run", "presses", "position,"]
     rigid, modular = lines[6].split(), lines[7].split()
-    assert 5.0 < float(rigid.pop(-2)) < 7.0  # the largest force to expect
-    assert 5.0 < float(modular.pop(-2)) < 7.0
+    assert 5.0 < float(rigid.pop(-2)) < 10.0  # to expect, with motors that may be following_s = 0.2 s behind
+    assert 5.0 < float(modular.pop(-2)) < 10.0
     assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
     assert modular == [
         "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5", "7.8",
@@ -103,8 +103,8 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
     status, out, err = rig("dry-run", rig_file(("f_max_n = 5", "f_max = 5\ncontact_s = -1")))
     assert (status, out) == (2, "")
     assert [line.partition("rig.toml:")[2] for line in err.splitlines()[:-1]] == [
-        "31: experiment.f_max: wanted a known key; found 'f_max'. Did you mean 'f_max_n'?",
-        "32: experiment.contact_s: wanted a number >= 0; found -1.",
+        "33: experiment.f_max: wanted a known key; found 'f_max'. Did you mean 'f_max_n'?",
+        "34: experiment.contact_s: wanted a number >= 0; found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
 

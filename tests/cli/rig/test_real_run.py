@@ -42,8 +42,9 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
     ]
     unproven = "watchdog: the watchdog of this device (QBMMP v6.1.0) is not proven: emg2vsa rig prove-watchdog"
     assert lines[4] == unproven
-    assert lines[5].startswith("completed: 2 of 2 presses, ")
-    assert lines[6] == "left: probe retracted, motors off"
+    end = next(number for number, line in enumerate(lines) if line.startswith("completed: 2 of 2 presses, "))
+    assert all(line.startswith("guard: rig.guards.") for line in lines[5:end])
+    assert lines[end + 1] == "left: probe retracted, motors off"
     assert lines[-2].split() == ["control", "loop", "turns", "median", "99", "%", "99.9", "%", "largest", "overruns"]
     assert [line.partition(" at ")[0] for line in err.splitlines()][:1] == ["press 1 of 2 done"]
     assert ended_of(folder)["how"] == "completed"

@@ -51,7 +51,8 @@ def test_a_random_order_is_kept_and_a_stopped_sequence_goes_on(
     monkeypatch.setattr(virtual_runs, "run_virtual", run_virtual)
     status, out, err = rig("run", path, *ALL)
     assert status == 0, err
-    assert [line.split()[1].rstrip(":") for line in err.splitlines()] == order[2:]
+    said = [line for line in err.splitlines() if "rig.guards." not in line]
+    assert [line.split()[1].rstrip(":") for line in said] == order[2:]
     assert places(runs) == {name: number for number, name in enumerate(order, start=1)}
     assert out.count("done before") == 2
     assert rig("run", path, *ALL)[0] == 0

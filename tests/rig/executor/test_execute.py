@@ -14,10 +14,12 @@ import numpy as np
 import pytest
 
 from benchmarks.rig.logs import read_log
-from casr.frame_files import open_frames
+from casr.frame_files import open_frames, read_force_log
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
+from emg2vsa.rig.clock import LoopTiming
 from emg2vsa.rig.devices import ForceCounts, Rating
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.press_counts import verdicts
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -193,3 +195,32 @@ def test_a_signal_handler_needs_only_to_set_a_name(bench: Any, tmp_path: Path) -
         signal.signal(signal.SIGTERM, before)
     assert (ended.how, ended.cause, ended.deactivated) == ("stopped", "SIGTERM", True)
     assert bench.sent[-1][0] == 0
+
+
+def test_a_busy_computer_is_named_beside_what_seems_lost(
+    new_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    busy = LoopTiming(1000, 0.0, 0.0, 0.0, 0.0, 3, late=11, latest_s=0.0123)
+    monkeypatch.setattr("emg2vsa.rig.clock.Beat.timing", lambda beat: busy)
+    said = "The control loop was late in 11 of 1000 turns, by up to 12 ms: the computer was busy."
+    bench = new_bench(fault="dead actuator", fault_s=2.0)
+    ended = bench.run(tmp_path / "lost")
+    assert ended.cause == "lost device"
+    assert said in ended.why
+    whole = new_bench().run(tmp_path / "whole")
+    assert (whole.how, whole.why) == ("completed", "")
+    assert any(note.startswith(said) for note in whole.notes)
+
+
+def test_what_is_lost_of_a_press_stands_in_its_folder(bench: Any, tmp_path: Path) -> None:
+    # at the beginning, the turn and the end of each press
+    counts = iter([ForceCounts(n) for n in (0, 1000, 1200, 1300)] + [ForceCounts(2250, 50)] * 2)
+    bench.counts = lambda: next(counts)
+    ended = bench.run(tmp_path / "run")
+    why = "5 % of its records of the force sensor were lost: look at its network and cable"
+    assert verdicts(tmp_path / "run") == {1: ("ok", ""), 2: ("doubtful", why)}
+    assert (ended.how, ended.notes) == ("completed", (f"press 2 is doubtful: {why}",))
+    assert read_force_log(tmp_path / "run" / "press-002" / "force.csv").notes == (
+        f"the recorder of the press says doubtful: {why}",
+    )
+    assert read_force_log(tmp_path / "run" / "press-001" / "force.csv").notes == ()
