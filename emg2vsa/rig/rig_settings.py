@@ -106,7 +106,7 @@ class RigSettings:
     settle_s: Annotated[float, Ge(0), Le(2)] = 0.3
     "From the last command of that retraction until the motors are switched off."
     record_full_rate_force: bool = False
-    "true: every record of the force sensor is kept in force.csv of the run, not only the newest of each turn."
+    "true: every record of the force sensor is kept in force-full-rate.csv, not only the newest of each turn."
     losses: LossSettings = field(default_factory=LossSettings)
     "How much of a press may be missing."
     guards: GuardSettings = field(default_factory=GuardSettings)

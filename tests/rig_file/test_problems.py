@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from emg2vsa.errors import StudyError
+from emg2vsa.rig.rig_settings import GuardSettings
 from emg2vsa.rig_file import load_rig
 
 Problems = Callable[[str], list[str]]
@@ -147,11 +149,43 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
                 "16: rig.guards.force: wanted a known key; found 'force'. Did you mean 'force_n'?",
             ],
         ),
+        (
+            "[emulated]", "[rig]\nmax_mm_per_s = 15\n[rig.guards]\nmotors_every_s = 0.25",
+            [
+                "14: rig.escape_mm_per_s: wanted at most rig.max_mm_per_s, 15; found 20.",
+                *(
+                    f"17: rig.guards.motors_every_s: wanted less than half of {board}.watchdog_s, 0.5: "
+                    "questions keep it from running out; found 0.25."
+                    for board in ("actuator", "motor")
+                ),
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1"]\nramp_mm_per_s = 41\nstiffness_n_per_mm = { S1 = 7, S2 = 5 }',
+            [
+                "13: experiment.ramp_mm_per_s: wanted at most rig.max_mm_per_s, 40; found 41.",
+                "14: experiment.stiffness_n_per_mm.S2: wanted a specimen of the experiment; found \"S2\". "
+                "Did you mean 'S1'?",
+            ],
+        ),
     ],
 )  # fmt: skip
 def test_bad_files(old: str, new: str, said: list[str], small: str, problems: Problems) -> None:
     assert old in small
     assert problems(small.replace(old, new, 1)) == sorted(said, key=lambda line: int(line.partition(":")[0]))
+
+
+@pytest.mark.parametrize("guard", [each.name for each in fields(GuardSettings)])
+def test_no_guard_may_pass_its_bound(guard: str, small: str, problems: Problems) -> None:
+    value = "1" if guard == "following_ticks_per_s" else "1e9"
+    (line,) = problems(small.replace("[emulated]", f"[rig.guards]\n{guard} = {value}\n[emulated]", 1))
+    assert line.startswith(f"15: rig.guards.{guard}: wanted a number ")
+
+
+@pytest.mark.parametrize("line", ["max_mm_per_s = 201", "escape_mm_per_s = 4", "settle_s = 3"])
+def test_no_speed_or_time_of_the_way_out_may_pass_its_bound(line: str, small: str, problems: Problems) -> None:
+    (said,) = problems(small.replace("[emulated]", f"[rig]\n{line}\n[emulated]", 1))
+    assert said.startswith(f"15: rig.{line.partition(' ')[0]}: wanted a number ")
 
 
 def test_problems_of_all_tables_at_once(small: str, problems: Problems) -> None:

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from emg2vsa.rig.rig_settings import RigSettings
 
 
-_HEAD = f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'at most, s':>10}"
+_HEAD = (
+    f"{'run':<26}{'presses':>8}{'position, ticks':>16}{'preset, ticks':>16}{'force, N':>16}{'largest, N':>12}"
+    f"{'at most, s':>12}"
+)
 
 
 def add_to(commands: Commands) -> None:
@@ -95,17 +98,19 @@ def _row(name: str, found: DryRun) -> str:
     return (
         f"{name:<26}{found.repetitions:>8}"
         + "".join(f"{column:>16}" for column in columns)
-        + f"{found.at_most_s:>10.1f}"
+        + f"{_largest(found):>12}{found.at_most_s:>12.1f}"
     )
+
+
+def _largest(found: DryRun) -> str:
+    """Unknown where the stiffness of the specimen is."""
+    return "unknown" if found.largest_force_n is None else f"{found.largest_force_n:.1f}"
 
 
 def _table(name: str, found: DryRun) -> str:
     head = f"{name}: {found.repetitions} presses, at most {found.at_most_s:.1f} s"
     columns = f"  {'phase':<10}{'position, ticks':>18}{'preset, ticks':>15}{'force, N':>15}{'at most, s':>12}"
-    most = (
-        "unknown, as the specimen's stiffness is" if found.largest_force_n is None else f"{found.largest_force_n:.1f} N"
-    )
-    force = f"  largest force to expect: {most}; at most {found.past_contact_mm:.1f} mm past contact"
+    force = f"  largest force to expect: {_largest(found)} N; at most {found.past_contact_mm:.1f} mm past contact"
     return "\n".join([head, columns, *map(_line, found.legs), force, ""])
 
 

@@ -59,7 +59,7 @@ def run_virtually(
     for plan in plans.values():
         check_plan(plan, file.rig)
     for line in laxer_guards(file.rig):
-        print(f"guard: {line}", file=sys.stderr)
+        print(f"guard: {line}")
     start = time.monotonic()
     results: dict[Run, Ended | str] = {}
     waiting: dict[Run, Job] = {}

@@ -10,7 +10,7 @@ from typing import Any
 from emg2vsa.rig.clock import Beat, Clock, ahead
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.executor.control_cycle import ControlCycle
-from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.executor.plan_limits import check_plan, check_rating
 from emg2vsa.rig.executor.safe_end import SafeEnd, make_safe
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.disk import disk_for
@@ -43,11 +43,12 @@ def execute(
 
     Raises
     ------
-    SettingError, ScheduleError : the plan breaks a limit; nothing has been sent.
+    SettingError, ScheduleError : the plan, or a guard, breaks a limit; nothing has been sent.
     DeviceError : ``folder`` cannot be recorded to, or holds a run; nothing has been sent.
     Any error of the program itself, after the safe end.
     """
     check_plan(plan, rig)
+    check_rating(rig, devices.force.rating)
     with disk_for(background) as disk:
         seen = devices.camera
         record = RunRecord(

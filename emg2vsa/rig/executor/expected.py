@@ -58,6 +58,6 @@ def _stiffening_mm(plan: RunPlan, rig: RigSettings) -> float:
     last = plan.step_at(plan.f_max_n)
     springs = SPRINGS[plan.schedule.limits.actuator]
     presets_rad = RAD_PER_TICK * np.array([plan.preset_ticks(step) for step in (max(0, last - 1), last)])
-    before, after = stiffness_at(np.zeros(2), presets_rad, springs).tolist()
+    before, after = map(float, stiffness_at(np.zeros(2), presets_rad, springs))
     newton_per_m = 1 / rig.lever_m**2
     return max(0.0, 1000 * plan.f_max_n * (1 / before - 1 / after) / newton_per_m)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import ScheduleError, SettingError
+from emg2vsa.rig.devices import Rating
 from emg2vsa.rig.executor.expected import largest_force_n
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
@@ -27,6 +28,17 @@ def check_plan(plan: RunPlan, rig: RigSettings) -> None:
             if not holds:
                 do = "Export the schedule for this rig, or choose the one that belongs to the plan."
                 raise ScheduleError(f"{where}, {name}", wanted=wanted, found=str(found), do=do)
+
+
+def check_rating(rig: RigSettings, rating: Rating | None) -> None:
+    """SettingError where the force limit lies beyond what the force sensor is made for."""
+    if rating is None:
+        return
+    shares = zip(map(abs, rig.push_axis), rating.force_n, strict=True)
+    most_n = min(most / share for share, most in shares if share > 0)
+    if rig.guards.force_n > most_n:
+        wanted, do = f"at most {most_n:g} N, the rating of the force sensor along push_axis", "Correct the rig file."
+        raise SettingError("rig.guards.force_n", wanted=wanted, found=f"{rig.guards.force_n:g} N", do=do)
 
 
 def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:

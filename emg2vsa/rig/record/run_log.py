@@ -103,7 +103,7 @@ def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
 
 
 class ForceFile:
-    """A new force.csv of a whole run: every sample of the sensor, not only the newest of each turn. As `RunLog`."""
+    """A new file of all samples of the sensor in a run, not only the newest of each turn; else as `RunLog`."""
 
     def __init__(self, path: Path, disk: Disk = AT_ONCE) -> None:
         self._file = AppendFile(path, disk)

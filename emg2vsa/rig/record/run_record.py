@@ -27,8 +27,8 @@ from emg2vsa.rig.record.run_log import ForceFile, Row, RunLog
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules.document import document_of
 
-FORCE_FILE = "force.csv"
-"""Of the run: every record of the sensor, where the rig file wants them."""
+ALL_FORCES_FILE = "force-full-rate.csv"
+"""Every record of the sensor, where the rig file wants them."""
 _KILLED = Ended("killed", "", "the program was killed; log.csv tells how far it came", "", 0, 0.0, "")
 _CLOCK = "seconds on a clock that never goes back nor jumps; 0 s is zero_utc, whatever the computer's clock does later"
 
@@ -82,7 +82,7 @@ class RunRecord:
         file.append((json.dumps(document, indent=2) + "\n").encode())
         file.close()
         if rig.record_full_rate_force:
-            self._forces = ForceFile(self._folder / FORCE_FILE, self._disk)
+            self._forces = ForceFile(self._folder / ALL_FORCES_FILE, self._disk)
         self._disk.finish()
 
     def begin_press(self, repetition: int, time_s: float) -> None:

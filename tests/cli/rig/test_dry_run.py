@@ -33,9 +33,15 @@ def test_one_line_a_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     assert status == 0
     presets = read_json(tmp_path / "schedules" / "S1_modular.json").preset_ticks[:16]  # up to 5.0 N
     lines = out.splitlines()
+    lax = [line for line in lines if "protects less than" in line]
+    assert "rig.guards.force_n = 50 protects less than 10, the default" in lax
+    lines = [line for line in lines if line not in lax]
     assert lines[5].split()[:3] == ["run", "presses", "position,"]
-    assert lines[6].split() == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
-    assert lines[7].split() == [
+    rigid, modular = lines[6].split(), lines[7].split()
+    assert 5.0 < float(rigid.pop(-2)) < 7.0  # the largest force to expect
+    assert 5.0 < float(modular.pop(-2)) < 7.0
+    assert rigid == ["S1_0_high-stiffness", "2", *["0", "to", "6827", "0", "to", "0", "0", "to", "5", "7.8"]]
+    assert modular == [
         "S1_0_modular", "2", "0", "to", "6827", str(presets.min()), "to", str(presets.max()), "0", "to", "5", "7.8",
     ]  # fmt: skip
     assert len(lines) == 11

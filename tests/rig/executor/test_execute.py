@@ -16,6 +16,7 @@ import pytest
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
+from emg2vsa.rig.devices import ForceCounts, Rating
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
@@ -118,6 +119,28 @@ def test_without_a_camera_there_are_no_frames(bench: Any, tmp_path: Path) -> Non
     assert not list(tmp_path.glob("press-*"))
 
 
+def test_a_run_that_ends_with_a_force_at_home_is_not_completed(bench: Any, tmp_path: Path) -> None:
+    quiet = bench._force_n
+    bench._force_n = lambda: quiet() + (0.6 if bench.clock.now_s() > 2.1 and quiet() == 0 else 0.0)
+    ended = bench.run(tmp_path)
+    assert (ended.how, ended.cause, ended.repetitions_done) == ("rejected", "not retracted", 2)
+    assert (ended.retracted, ended.deactivated, ended.last_force_n) == (False, True, 0.6)
+    assert "less than 0.5 N at the retracted position" in ended.why
+
+
+def test_a_run_with_a_press_that_is_not_whole_is_not_completed(bench: Any, tmp_path: Path) -> None:
+    bench.counts = lambda: ForceCounts(records=round(400 * bench.clock.now_s()), lost=round(200 * bench.clock.now_s()))
+    ended = bench.run(tmp_path)
+    assert (ended.how, ended.cause, ended.repetitions_done) == ("rejected", "press", 2)
+    assert ended.why.startswith("press 1 is rejected: ")
+
+
+def test_the_largest_force_is_told(bench: Any, tmp_path: Path) -> None:
+    ended = bench.run(tmp_path)
+    assert ended.peak_force_n == pytest.approx(max(bench.forces_n))
+    assert ended.last_force_n == 0.0
+
+
 def test_the_end_is_on_disk(bench: Any, tmp_path: Path) -> None:
     ended = bench.run(tmp_path)
     stored = json.loads((tmp_path / "ended.json").read_text())
@@ -150,6 +173,13 @@ def test_nothing_is_sent_for_a_plan_beyond_limits(
         bench.run(tmp_path / "run", plan_of(**changes))
     assert bench.calls == []
     assert not (tmp_path / "run").exists()
+
+
+def test_nothing_is_sent_where_the_force_limit_is_beyond_the_sensor(bench: Any, tmp_path: Path) -> None:
+    bench.rating = Rating((50.0, 50.0, 8.0), (1.0, 1.0, 1.0))
+    with pytest.raises(SettingError, match=r"rig\.guards\.force_n: wanted at most 8 N, the rating of the force sensor"):
+        bench.run(tmp_path / "run")
+    assert bench.calls == []
 
 
 def test_a_signal_handler_needs_only_to_set_a_name(bench: Any, tmp_path: Path) -> None:

@@ -28,6 +28,9 @@ from emg2vsa.rig.rig_settings import RigSettings
         ({"pause_s": -1.0}, {}, "pause_s"),
         ({"ramp_mm_per_s": 0.0}, {}, "ramp_mm_per_s"),
         ({"ramp_mm_per_s": 6.0}, {}, "ramp.speed"),
+        ({"ramp_mm_per_s": 41.0, "stiffness_n_per_mm": None}, {}, "ramp_mm_per_s"),
+        ({"ramp_mm_per_s": 39.0, "stiffness_n_per_mm": 7.63}, {}, "ramp_mm_per_s"),
+        ({}, {"escape_mm_per_s": 41.0}, "escape_mm_per_s"),
         ({"schedule": None}, {}, "schedule"),
         ({"specimen": "S9"}, {}, "specimen"),
         ({}, {"travel_mm": 14.0}, "travel_mm"),
@@ -55,3 +58,15 @@ def test_dry_run_tells_positions_stiffness_and_times(plan_of: Callable[..., RunP
     assert np.array([leg.force_n for leg in load])[:, 1] == pytest.approx(plan.schedule.step_force_n[1:])
     assert told.legs[0].position_ticks == (0, 6827)  # 15 mm at 0.2 mm per degree: 75 degrees of 32768/360 ticks
     assert told.at_most_s == pytest.approx(10 * (3 + 3 + 0.05 + 2))
+
+
+def test_dry_run_tells_the_largest_force_where_the_specimen_is_known(
+    plan_of: Callable[..., RunPlan], rig: RigSettings
+) -> None:
+    unknown = dry_run(plan_of(), rig)
+    assert (unknown.largest_force_n, unknown.past_contact_mm) == (None, rig.guards.past_contact_mm)
+    soft, stiff = (dry_run(plan_of(stiffness_n_per_mm=kappa), rig) for kappa in (1.11, 7.63))
+    assert soft.largest_force_n is not None
+    assert stiff.largest_force_n is not None
+    assert 7.0 < soft.largest_force_n < stiff.largest_force_n < rig.guards.force_n
+    assert 0 < stiff.past_contact_mm < soft.past_contact_mm <= rig.guards.past_contact_mm

@@ -32,6 +32,19 @@ def test_a_live_net_ft_box():
     assert (config.axia, config.product, config.calibration_serial) == (False, "", "FT12345")
 
 
+@pytest.mark.parametrize(
+    ("told", "force_n"),
+    [("145;145;290;5;5;5", (145, 145, 290)), ("145;145;290;5;5;5;", (145, 145, 290)), ("145;145", None), ("", None),
+     ("0;1;1;1;1;1", None), ("a;1;1;1;1;1", None)],
+)  # fmt: skip
+def test_the_rating_of_the_transducer(told: str, force_n: tuple[float, float, float] | None):
+    rating = parse_config(page(cfgmr=told)).rating
+    assert (rating and rating.force_n) == force_n
+    pounds = parse_config(page(cfgmr="10;10;20;1;1;1", scfgfu="lbf")).rating
+    assert pounds is not None
+    assert pounds.force_n[2] == pytest.approx(88.96, abs=0.01)
+
+
 def test_an_ethernet_axia():
     config = parse_config(page(prodname="Ethernet Axia", runrate=None))
     assert config.axia
