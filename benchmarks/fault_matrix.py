@@ -60,8 +60,10 @@ def main() -> None:
             print(_line(case, outcome), flush=True)
     print("\n".join(_sums(rows)))
     if arguments.write:
-        lines = [HEAD, *(",".join(_cells(case, outcome)) for case, outcome in rows)]
-        (arguments.write / "fault_matrix.csv").write_text("\n".join(lines) + "\n")
+        with (arguments.write / "fault_matrix.csv").open("w", encoding="utf-8", newline="") as table:
+            writer = csv.writer(table, lineterminator="\n")
+            writer.writerow(HEAD.split(","))
+            writer.writerows(_cells(case, outcome) for case, outcome in rows)
         (arguments.write / "fault_matrix.md").write_text("\n".join(_page(rows)) + "\n")
 
 
@@ -112,7 +114,9 @@ def _sums(rows: list[tuple[Case, Outcome]]) -> Iterator[str]:
             continue
         passed = sum(not outcome.failures() for outcome in outcomes)
         worst = max(outcome.peak_n for outcome in outcomes)
-        retreats_s = [o.guard_s for o in outcomes if o.movable and o.guard_s is not None]
+        # a log that cannot be written does not tell of the way out
+        logged = [o for o in outcomes if o.movable and o.told["cause"] != "recording"]
+        retreats_s = [o.guard_s for o in logged if o.guard_s is not None]
         latest_ms = 1e3 * max(retreats_s, default=0.0)
         next_whole = sum(o.next_run["how"] == "completed" for o in outcomes)
         hard = sum(outcome.peak_n > outcome.most_n for outcome in outcomes)

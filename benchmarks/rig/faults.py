@@ -256,7 +256,7 @@ WRONG_RIGS: dict[str, tuple[Built, tuple[End, ...]]] = {
         Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.1)), (SURVIVED, LIMIT, RATE, REFUSED_FILE),
     ),
     "gear of 0.4 for 0.2 (rigid)": (
-        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SURVIVED, NO_CONTACT),
+        Built(rigid=True, told=replace(_TRUE, gear_mm_per_degree=0.4)), (SURVIVED, NO_CONTACT, PAST_CONTACT),
     ),
     "push_axis along x (rigid)": (Built(rigid=True, told=replace(_TRUE, push_axis=(1.0, 0.0, 0.0))), BLIND),
     "home 9 mm too deep (rigid)": (
