@@ -127,6 +127,23 @@ def test_what_is_read_back_is_what_was_recorded(converted: Path) -> None:
     assert [len(entry.parts) for entry in load_study(converted / "again.toml").recordings] == [2, 1]
 
 
+def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) -> None:
+    """Of fits and of people: press 3 of all is the first of the second file; no fit explains all but everything."""
+    words = ["participant", "specimen", "repetition", "reason"]
+    entry = dict(zip(words, ('"anna_k"', '"foam"', "3", '"sneezed"'), strict=True))
+    extra = "".join(f"{key} = {value}\n" for key, value in entry.items())
+    study = STUDY.replace('pattern = "', f'pattern = "{converted.as_posix()}/')
+    (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error = 0.001\n[[exclude]]\n{extra}")
+    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "bids")]) == 0
+    found = []
+    for run in (1, 2):
+        rows = table(f"{tmp_path}/bids/sub-annak/emg/sub-annak_task-palpation_acq-foam_run-{run}_events.tsv")
+        found += [(row["verdict"], row["reason"]) for row in rows if row["trial_type"] == "press"]
+    assert [verdict for verdict, _ in found] == ["rejected"] * 4
+    assert ["excluded by hand: sneezed" in reason for _, reason in found] == [False, False, True, False]
+    assert all("its slope is uncertain by" in reason for _, reason in found)
+
+
 def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = str(converted / "ben_foam_7.csv")
     words = ["--emg", "EMG 1", "--force", "Fz", "--force-unit", "kgf", "--sign", "-1", "--participant", "ben"]
