@@ -87,7 +87,8 @@ def fit_trials(
 ) -> Fits:
     """Fit every trial of a recording, the rejected ones too, and reject those whose fit is no fit.
 
-    ``judgements`` of people have the last word, except that what could not be fitted stays rejected.
+    ``judgements`` of people have the last word, that on a press before that on its recording, except that what could
+    not be fitted stays rejected, and so does a press of a recording with a fault unless all of it is accepted.
 
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
     (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
@@ -105,8 +106,7 @@ def fit_trials(
         for i, reason in no_fit.items():
             verdicts[i] = "rejected"
             reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
-    for judgement in judgements:
-        _apply(judgement, trials, fitted, verdicts, reasons)
+    _apply(judgements, trials, fitted, verdicts, reasons)
     shown = {
         "a_v": reported.a, "b_v": reported.b, "a_se_v": reported.a_se, "b_se_v": reported.b_se,
         "b_lo_v": reported.b_lo, "b_hi_v": reported.b_hi, "adj_r2": reported.adj_r2,
@@ -157,20 +157,31 @@ def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings) -> di
 
 
 def _apply(
-    judgement: PressJudgement, trials: Trials, fitted: NDArray[np.bool_], verdicts: list[str], reasons: list[str]
+    judgements: Sequence[PressJudgement],
+    trials: Trials,
+    fitted: NDArray[np.bool_],
+    verdicts: list[str],
+    reasons: list[str],
 ) -> None:
-    """Put a person's word in the place of the program's, whose reasons stay behind it."""
-    if (judgement.participant, judgement.specimen) != (trials.participant, trials.specimen):
-        return
-    for i, repetition in enumerate(trials.repetition.tolist()):
-        if judgement.repetition not in (None, repetition):
-            continue
-        said = f"{'excluded' if judgement.excludes else 'accepted'} by hand: {judgement.reason}"
-        reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
-        if judgement.excludes:
-            verdicts[i] = "rejected"
-        elif fitted[i]:
-            verdicts[i] = "ok"
+    """Put people's words in the place of the program's, whose reasons stay behind; those on one press come last.
+
+    A fault is the recording's: only who accepts all of the recording overrules it.
+    """
+    cell = trials.participant, trials.specimen
+    own = [judgement for judgement in judgements if (judgement.participant, judgement.specimen) == cell]
+    overruled = any(judgement.repetition is None and not judgement.excludes for judgement in own)
+    for judgement in sorted(own, key=lambda judgement: judgement.repetition is not None):
+        for i, repetition in enumerate(trials.repetition.tolist()):
+            if judgement.repetition not in (None, repetition):
+                continue
+            said = f"{'excluded' if judgement.excludes else 'accepted'} by hand: {judgement.reason}"
+            if judgement.excludes:
+                verdicts[i] = "rejected"
+            elif trials.fault and not overruled:
+                said = f"[[accept]] of one press does not overrule a fault of its recording: {judgement.reason}"
+            elif fitted[i]:
+                verdicts[i] = "ok"
+            reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
 
 
 def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str, bin_force_n: Floats) -> list[str]:
@@ -246,8 +257,7 @@ def in_session(
 def _judged(trials: Trials, judgements: Sequence[PressJudgement]) -> Trials:
     """The trials with the verdicts of people."""
     verdicts, reasons = trials.verdict.tolist(), list(trials.reasons)
-    for judgement in judgements:
-        _apply(judgement, trials, np.ones(len(verdicts), dtype=np.bool_), verdicts, reasons)
+    _apply(judgements, trials, np.ones(len(verdicts), dtype=np.bool_), verdicts, reasons)
     return replace(trials, verdict=np.array(verdicts, dtype="<U8"), reasons=tuple(reasons))
 
 
