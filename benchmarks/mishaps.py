@@ -124,6 +124,14 @@ def _added(level_v: float) -> Mishap:
     return spoil
 
 
+def _baseline(level_v: float, hz: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        for number, (muscle, x) in enumerate(record.emg_v.items()):
+            record.emg_v[muscle] = x + level_v * np.sin(2 * np.pi * hz * record.time_s + number)
+
+    return spoil
+
+
 def _mains(parts: dict[float, float], *muscles: str) -> Mishap:
     def spoil(record: Record) -> None:
         hum = sum(np.sqrt(2) * v * np.sin(2 * np.pi * hz * record.time_s) for hz, v in parts.items())
@@ -258,6 +266,9 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "electrode off: 50 uV mains": (_noise_only(1e-6, mains_v=50e-6), "mains"),
     "electrode off: 60 uV noise": (_noise_only(60e-6), "does not rise"),
     "electrode off: slow wander": (_noise_only(5e-6, wander_v=1e-3), "does not"),
+    "baseline 0.2 mV, 0.5 Hz": (_baseline(200e-6, 0.5), "baseline"),
+    "baseline 1 mV, 0.3 Hz": (_baseline(1e-3, 0.3), "baseline"),
+    "baseline 3 mV, 0.2 Hz": (_baseline(3e-3, 0.2), "baseline"),
     "hard clipping": (_clipped(0.25), "clips"),
     "one-sided clipping": (_clipped(0.25, one_side=True), "clips"),
     "clipping, 0.2 uV noise on the rails": (_clipped(0.5, noise_v=2e-7), "saturated"),

@@ -328,8 +328,8 @@ class _Judged:
 
 def _events(presses: _Presses, start_s: float, gaps: Sequence[tuple[float, float]]) -> list[_Event]:
     rows: list[_Event] = [(round(onset, 6), round(s, 6), "gap", "n/a", "n/a", "n/a", "n/a") for onset, s in gaps]
-    for begin_s, duration_s, *cells in presses:
-        rows.append((round(begin_s - start_s, 4), round(duration_s, 4), "press", *cells))
+    for begin_s, duration_s, repetition, verdict, peak, reason in presses:
+        rows.append((round(begin_s - start_s, 4), round(duration_s, 4), "press", repetition, verdict, peak, reason))
     return sorted(rows, key=lambda row: row[0])
 
 

@@ -48,6 +48,27 @@ def test_no_alarm_over_an_unusual_muscle(carrier):
     assert found.fits.verdict.tolist() == ["ok"] * 6
 
 
+@pytest.mark.parametrize("name", [name for name in MISHAPS if name.startswith("baseline")])
+def test_a_baseline_is_told_and_changes_nothing(name):
+    clean, record = judged(clean_record(13)), clean_record(13)
+    MISHAPS[name][0](record)
+    found = judged(record)
+    assert found.word == "usable"
+    assert found.verdict.ok == clean.verdict.ok == 8
+    assert [" ".join(line.split()[:4]) for line in found.verdict.problems] == [
+        "the baseline of EDC", "the baseline of FDS",
+    ]  # fmt: skip
+    assert found.b_v == pytest.approx(clean.b_v, rel=0.01)
+
+
+@pytest.mark.parametrize("size", [50, 100, 200])
+def test_an_envelope_is_no_baseline(size):
+    record = clean_record(14)
+    for muscle, x in record.emg_v.items():
+        record.emg_v[muscle] = np.convolve(np.abs(x), np.full(size, 1 / size), mode="same")
+    assert "is it an envelope" in judged(record).verdict.fault
+
+
 def test_units_of_force():
     wave = np.sin(np.linspace(0, np.pi, 100))
     for peak_n, unit in ((7.5 / 4.448, "lbf"), (7.5 / 9.81, "kgf"), (765.0, "gf"), (7500.0, "mN"), (7.5e-3, "kN")):
