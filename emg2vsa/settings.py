@@ -172,6 +172,8 @@ class WindowSettings:
     "Share of samples at the extreme value above which a channel counts as clipped and the trial is rejected."
     max_missed_n: Positive = 0.3
     "A press whose record begins further than this above the lower force is rejected; a bin of the fit by default."
+    implausible: Literal["reject", "warn"] = "reject"
+    "reject: presses of signals that cannot be right (unit, rectified, zero of force lost) are not used; warn: told."
     expected_trials: Annotated[int, Ge(1)] | None = None
     "Number of presses a recording should hold; another number is reported."
 
@@ -399,7 +401,7 @@ PAPER: dict[str, dict[str, Any]] = {
         "mains": "keep",
         "rest_level": "keep",
     },
-    "window": {"max_missed_n": 1000.0},
+    "window": {"max_missed_n": 1000.0, "implausible": "warn"},
     "fit": {
         "points": "samples",
         "weights": "none",
