@@ -26,6 +26,11 @@ MIN_POINTS = 3
 """Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""
 CERTAIN = 0.05
 "A slope that is this certain, as a share of itself, is never called uncertain beside others."
+WIDE = 0.2
+"""Half-width of the interval of b over the fitted level, from which on a slope is not known. To reject a press whose
+level hardly changes with force, but is known, would select on the outcome: what is left has too large a b. Of 400 clean
+presses 99 % have less than 0.12, with b down to nothing too; presses with spikes or a burst have 0.27 and more.
+"""
 NARROW = 1e-3
 """A trial whose forces differ by a smaller share of themselves is fitted, and says how many digits are left."""
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
@@ -102,7 +107,7 @@ def fit_trials(
     reasons = _reasons(trials.reasons, fitted, reported.n, fit.points, bins.force_n)
     verdicts = np.where(fitted, trials.verdict, "rejected").tolist()
     if not trials.fault:
-        no_fit = _no_fit(curves, fitted & (trials.verdict != "rejected"), fit)
+        no_fit = _no_fit(curves, fitted & (trials.verdict != "rejected"), fit, window)
         for i, reason in no_fit.items():
             verdicts[i] = "rejected"
             reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
@@ -137,21 +142,23 @@ def fit_trials(
     )
 
 
-def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings) -> dict[int, str]:
+def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings, window: WindowSettings) -> dict[int, str]:
     """Press to why its fit is no fit, of those ``among`` the presses (n,) that could be fitted.
 
     The median interval is that of these presses; of fewer than three it says nothing.
     """
     reported, adj_r2 = curves.reported, curves.on_bins.adj_r2
     half = (reported.b_hi - reported.b_lo) / 2
+    level = reported.at(window.force_n).mean(axis=1)
     typical = median(half[among]) if np.count_nonzero(among) >= 3 else np.inf
     found = {}
     for i in np.flatnonzero(among).tolist():
-        if adj_r2[i] < fit.min_adj_r2:
+        wide = half[i] > WIDE * abs(level[i])
+        if wide and adj_r2[i] < fit.min_adj_r2:
             found[i] = f"its fit explains too little (adjusted R2 {adj_r2[i]:.2f})"
         elif fit.max_b_error_ratio and half[i] > max(fit.max_b_error_ratio * typical, CERTAIN * abs(reported.b[i])):
             found[i] = f"its slope is {half[i] / typical:.0f} times less certain than the others of its recording"
-        elif fit.max_b_error and half[i] > fit.max_b_error * abs(reported.b[i]):
+        elif wide and fit.max_b_error and half[i] > fit.max_b_error * abs(reported.b[i]):
             found[i] = f"its slope is uncertain by {100 * half[i] / abs(reported.b[i]):.0f} %"
     return found
 
