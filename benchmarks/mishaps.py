@@ -170,11 +170,16 @@ def _burst(record: Record) -> None:
         x[begin : begin + 100] += 300e-6 * record.rng.standard_normal(100)
 
 
-def _ecg(record: Record) -> None:
-    beats_s = np.cumsum(60 / 72 + 0.03 * record.rng.standard_normal(int(record.time_s[-1] / 0.83) - 2))
-    for muscle, x in record.emg_v.items():
-        sharp = _pulses(record, beats_s, 0.04, 150e-6) - _pulses(record, beats_s + 0.03, 0.05, 50e-6)
-        record.emg_v[muscle] = x + sharp
+def _ecg(level_v: float, per_minute: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        interval_s = 60 / per_minute
+        n = int(record.time_s[-1] / interval_s) - 2
+        beats_s = np.cumsum(interval_s * (1 + 0.036 * record.rng.standard_normal(n)))
+        for muscle, x in record.emg_v.items():
+            sharp = _pulses(record, beats_s, 0.04, level_v) - _pulses(record, beats_s + 0.03, 0.05, level_v / 3)
+            record.emg_v[muscle] = x + sharp
+
+    return spoil
 
 
 def _envelope(size: int, rms: bool) -> Callable[[Floats], Floats]:
@@ -277,7 +282,9 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "artefact at contact, 150 uV": (_contact(150e-6), "at contact"),
     "0.1 % spikes of 5 mV": (_spikes, "spikes"),
     "a 100 ms burst in one press": (_burst, "burst"),
-    "ECG of 150 uV": (_ecg, "heart"),
+    "ECG of 150 uV": (_ecg(150e-6, 72), "heart"),
+    "ECG of 60 uV, 160 a minute": (_ecg(60e-6, 160), "heart"),
+    "ECG of 60 uV, 190 a minute": (_ecg(60e-6, 190), "heart"),
     "EMG rectified already": (_all(lambda x: np.abs(x - np.median(x))), "rectified"),
     "EMG an envelope already": (_all(_envelope(100, False)), "envelope"),
     "EMG an RMS over 100 ms already": (_all(_envelope(100, True)), "envelope"),

@@ -53,7 +53,7 @@ BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
 "Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
 SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
 "A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
-BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 2.5), 0.25
+BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3), 0.25
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
 "Samples in a row that no signal repeats by chance, and the share of such that is remarked."
@@ -432,7 +432,7 @@ def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
             seconds += piece.size / signals.fs_hz
             if at.size == 0:
                 continue
-            groups = np.split(at, np.flatnonzero(np.diff(at) > 0.3 * signals.fs_hz) + 1)
+            groups = np.split(at, np.flatnonzero(np.diff(at) > 0.2 * signals.fs_hz) + 1)
             peaks = [int(group[np.argmax(smooth[group])]) for group in groups]
             n += len(peaks)
             intervals += (np.diff(peaks) / signals.fs_hz).tolist()

@@ -173,8 +173,10 @@ REMEDIES = (
            "the press holds one force only", "ask for presses that rise through the whole window", False),
     Remedy(r"no fit: .*", "no fit: 2 force bins", "too little of the press can be used", "repeat the press", True),
     Remedy(r".* is as silent as at rest .*", "EDC is as silent as at rest (0.1 dB over it)",
-           "the press does not show in this muscle, within 1 dB: the electrode is off, or the wrong channel is named",
-           "check electrode and channel name, then record again", True),
+           "the press does not show in this muscle, within 1 dB: the electrode is off, the wrong channel is named, or "
+           "this person does not use the antagonist",
+           "check electrode and channel name, then record again; where the muscle shows when it is tensed alone, "
+           "[[accept]] the recording and say so", True),
     Remedy(r".* presses found, .* wanted", "4 presses found, 5 wanted", "too few or too many",
            "count with the participant; record the missing ones", False),
     Remedy(r"presses: none; .*", "presses: none; tared force goes from -0.02 to 3.1 N, the window is 0.5 to 7 N",
