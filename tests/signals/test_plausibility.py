@@ -13,7 +13,8 @@ UNHARMED = ("nothing", "drift 2 N over the record")
 SAMPLE = (
     "EMG in uV labelled V", "EMG in V labelled mV", "one channel exported twice", "crosstalk 30 %",
     "contact fades to 0.2", "electrode off: slow wander", "clipping, 0.2 uV noise on the rails",
-    "artefact at contact, 150 uV", "0.1 % spikes of 5 mV", "a 100 ms burst in one press", "ECG of 150 uV", "ECG of 60 uV, 160 a minute",
+    "artefact at contact, 150 uV", "0.1 % spikes of 5 mV", "a 100 ms burst in one press", "ECG of 150 uV",
+    "ECG of 60 uV, 160 a minute",
     "EMG rectified already", "EMG an RMS over 100 ms already", "lbf labelled N", "record begins in the first press",
     "EMG exported at 200 Hz", "packets of 27 samples sent twice", "force 200 ms late",
 )  # fmt: skip
