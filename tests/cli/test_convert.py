@@ -128,12 +128,12 @@ def test_what_is_read_back_is_what_was_recorded(converted: Path) -> None:
 
 
 def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) -> None:
-    """Of fits and of people: press 3 of all is the first of the second file; no fit explains all but everything."""
+    """Of fits and of people: press 3 of all is the first of the second file; a limit of the fits rejects all."""
     words = ["participant", "specimen", "repetition", "reason"]
     entry = dict(zip(words, ('"anna_k"', '"foam"', "3", '"sneezed"'), strict=True))
     extra = "".join(f"{key} = {value}\n" for key, value in entry.items())
     study = STUDY.replace('pattern = "', f'pattern = "{converted.as_posix()}/')
-    (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error = 0.001\n[[exclude]]\n{extra}")
+    (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error_ratio = 0.001\n[[exclude]]\n{extra}")
     assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "bids")]) == 0
     found = []
     for run in (1, 2):
@@ -141,7 +141,7 @@ def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) ->
         found += [(row["verdict"], row["reason"]) for row in rows if row["trial_type"] == "press"]
     assert [verdict for verdict, _ in found] == ["rejected"] * 4
     assert ["excluded by hand: sneezed" in reason for _, reason in found] == [False, False, True, False]
-    assert all("its slope is uncertain by" in reason for _, reason in found)
+    assert all("times less certain than the others" in reason for _, reason in found)
 
 
 def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
