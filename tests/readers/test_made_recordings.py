@@ -289,9 +289,18 @@ def test_segments_of_a_labview_file_join_or_stand_alone(tmp_path: Path) -> None:
     assert joined.notes == ()
     apart = _opened(tmp_path, made.lvm(segments=3, gap_s=1.0))
     assert [n for n in apart.contents.names if n.startswith("EMG")] == ["EMG", "EMG, segment 2", "EMG, segment 3"]
+    assert "EMG: 3 segments, with gaps of 1 s after" in _channel(apart, "EMG").notes[0]
     third = _channel(apart, "EMG, segment 3")
     assert third.start_s == pytest.approx(2 * (1.0 + N // 3 * 1e-3), abs=1e-9)
     np.testing.assert_array_equal(third.samples, made.wave(N, 1)[2 * (N // 3) :])
+
+
+@pytest.mark.parametrize(("delta_x", "gap_s"), [("0,001", 0.01), ("0,00098", 0.3)])
+def test_a_coarse_delta_x_hides_no_gap(tmp_path: Path, delta_x: str, gap_s: float) -> None:
+    content = made.lvm(segments=2, gap_s=gap_s).decode().replace("0,001000\t0,001000", f"{delta_x}\t{delta_x}")
+    assert f"Delta_X\t{delta_x}" in content
+    opened = _opened(tmp_path, content.encode())
+    assert [name for name in opened.contents.names if name.startswith("EMG")] == ["EMG", "EMG, segment 2"]
 
 
 def test_a_labview_file_that_ends_before_it_promised_says_so(tmp_path: Path) -> None:
