@@ -49,6 +49,13 @@ REMEDIES = (
     Remedy(r"force falls on .* of its path", "force falls on 3.6 % of its path",
            "the finger went back on the way (warned above `warn_falling_share`, 3 %; rejected above "
            "`max_falling_share`, 10 %)", "ask for one smooth press", None),
+    Remedy(r"transducer overloaded in .* samples", "transducer overloaded in 210 samples",
+           "a gauge of the force transducer was at the end of its range during the press: force is wrong",
+           "use a larger range, or unload the transducer's mount; record again", True),
+    Remedy(r"gauge .*: .* samples at the end of its range .*; force is wrong there",
+           "gauge G1: 210 samples at the end of its range (-10 to 10 V); force is wrong there",
+           "a gauge of the force transducer was overloaded somewhere in the recording",
+           "use a larger range, or unload the transducer's mount; record again", False),
     Remedy(r".* clips in .* of samples", "FDS clips in 16 % of samples",
            "the amplifier was at its end (`clip_share`, 0.1 %)", "lower the gain, check the electrode, record again",
            True),
