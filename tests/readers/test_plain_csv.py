@@ -232,3 +232,21 @@ def test_a_cell_too_many_in_a_file_with_quotes_is_refused(tmp_path: Path) -> Non
     rows[20] += ',"7"'
     with pytest.raises(RecordingError, match="line 22: wanted 2 cells; found 3"):
         read(write(tmp_path, "\n".join(['"time (s)","EDC (mV)"', *rows]) + "\n"), ["EDC"])
+
+
+@pytest.mark.parametrize("sign", [".", ","])
+def test_thousands_with_a_separator_are_refused(tmp_path: Path, sign: str) -> None:
+    """ADC counts as a spreadsheet groups them; the first rows hold none above 999."""
+    counts = [i * 7 for i in range(400)]
+    rows = "".join(f"{i / 1000:.4f};".replace(".", sign) + f"{c:,}\n".replace(",", sign) for i, c in enumerate(counts))
+    with pytest.raises(
+        RecordingError, match=r"column 2: .* among whole numbers, which may be .*Export without thousands"
+    ):
+        read(write(tmp_path, "time (s);EDC (mV)\n" + rows), ["EDC"])
+    whole = "".join(f"{i / 1000:.4f};{c}\n" for i, c in enumerate(counts))
+    assert read(write(tmp_path, "time (s);EDC (mV)\n" + whole), ["EDC"]).channels[0].samples[-1] == 2.793
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_utf_16_without_a_mark(tmp_path: Path, encoding: str) -> None:
+    check(write(tmp_path, table("time (s),EDC (mV),Fz (N)"), encoding))
