@@ -53,7 +53,7 @@ def force_of_gauges(
     force_n = settings.sign * (calibration.wrench_per_volt[AXES.index(settings.name)] @ volts)
     conversion = f"six gauges x {settings.name} of {Path(cal_file).name} (serial {calibration.serial}) = N"
     conversion += "; sign reversed" if settings.sign < 0 else ""
-    overloaded = beyond.any(axis=0)
+    overloaded = np.any(beyond, axis=0)
     return Channel(settings.name, force_n, "N", first.fs_hz, first.start_s, conversion, overloaded), tuple(notes)
 
 
