@@ -314,12 +314,24 @@ def xdf(uneven: bool = False) -> bytes:
         ],
         4: [(3.5, b"\1\4stop")],
     }
-    for stream, rows in samples.items():
-        body = struct.pack("<IBI", stream, 4, len(rows))
-        body += b"".join(b"\x08" + struct.pack("<d", stamp) + row for stamp, row in rows)
-        parts.append(_xdf_chunk(3, body))
+    parts += [_xdf_samples(stream, rows) for stream, rows in samples.items()]
     parts += [_xdf_chunk(6, struct.pack("<I", stream) + b"<info></info>") for stream in heads]
     return b"".join(parts)
+
+
+def xdf_stream(stamps: np.ndarray, samples: np.ndarray, fs_hz: float = 1000) -> bytes:
+    """One stream "EMG" with one channel: the samples (n,) with their time stamps (n,), in seconds."""
+    info = "<info><name>EMG</name><type>EMG</type><channel_count>1</channel_count>"
+    info += f"<nominal_srate>{fs_hz}</nominal_srate><channel_format>double64</channel_format><desc/></info>"
+    rows = [(stamp, struct.pack("<d", value)) for stamp, value in zip(stamps.tolist(), samples.tolist(), strict=True)]
+    head = _xdf_chunk(1, b'<?xml version="1.0"?><info><version>1.0</version></info>')
+    end = _xdf_chunk(6, struct.pack("<I", 1) + b"<info></info>")
+    return b"XDF:" + head + _xdf_chunk(2, struct.pack("<I", 1) + info.encode()) + _xdf_samples(1, rows) + end
+
+
+def _xdf_samples(stream: int, rows: list[tuple[float, bytes]]) -> bytes:
+    body = struct.pack("<IBI", stream, 4, len(rows))
+    return _xdf_chunk(3, body + b"".join(b"\x08" + struct.pack("<d", stamp) + row for stamp, row in rows))
 
 
 def _xdf_chunk(tag: int, content: bytes) -> bytes:

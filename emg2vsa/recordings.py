@@ -32,6 +32,7 @@ class Channel:
     samples : (n,) float64 in ``unit``. unit : "V", "N" or, where the file's unit is neither, the file's own or "".
     fs_hz : samples a second as the file states, or from the median time step. start_s : time of the first sample.
     conversion : how the stored numbers became ``samples``, e.g. "mV x 0.001".
+    overloaded : (n,) where the sensor was beyond its range and ``samples`` are wrong; None where that is not known.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Channel:
     fs_hz: float
     start_s: float
     conversion: str
+    overloaded: NDArray[np.bool_] | None = None
 
     @property
     def duration_s(self) -> float:

@@ -14,6 +14,9 @@ from emg2vsa.readers.units import si_factor
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import ForceChannelSettings
 
+_LAST_CODE = 3e-4
+"""Of the range, by which the last code of a 12-bit converter stays below its end."""
+
 
 def force_of_gauges(
     path: Path, gauges: Sequence[StoredChannel], settings: ForceChannelSettings, cal_file: Path | None
@@ -40,16 +43,18 @@ def force_of_gauges(
             )  # fmt: skip
     volts = np.array([gauge.samples * _volts_per_unit(path, gauge, settings) for gauge in gauges])
     low, high = calibration.range_v
-    beyond = [int(np.count_nonzero((row <= low) | (row >= high))) for row in volts]
+    margin_v = _LAST_CODE * (high - low)
+    beyond = (volts <= low + margin_v) | (volts >= high - margin_v)
     notes = [
         f"gauge {gauge.name}: {count} samples at the end of its range ({low:g} to {high:g} V); force is wrong there"
-        for gauge, count in zip(gauges, beyond, strict=True)
+        for gauge, count in zip(gauges, np.count_nonzero(beyond, axis=1).tolist(), strict=True)
         if count
     ]
     force_n = settings.sign * (calibration.wrench_per_volt[AXES.index(settings.name)] @ volts)
     conversion = f"six gauges x {settings.name} of {Path(cal_file).name} (serial {calibration.serial}) = N"
     conversion += "; sign reversed" if settings.sign < 0 else ""
-    return Channel(settings.name, force_n, "N", first.fs_hz, first.start_s, conversion), tuple(notes)
+    overloaded = np.any(beyond, axis=0)
+    return Channel(settings.name, force_n, "N", first.fs_hz, first.start_s, conversion, overloaded), tuple(notes)
 
 
 def _volts_per_unit(path: Path, gauge: StoredChannel, settings: ForceChannelSettings) -> float:

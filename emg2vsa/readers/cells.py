@@ -15,7 +15,11 @@ from numpy.typing import NDArray
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.text_file import WHITESPACE, Dialect
 
-_MISSING = ["", "NaN", "nan", "NAN"]
+_MISSING = [
+    "", "NaN", "nan", "NAN", "-nan", "-NaN", "nan(ind)", "-nan(ind)", "1.#QNAN", "-1.#QNAN", "1.#IND", "-1.#IND", "-",
+    "null", "NULL", "Null", "None", "#N/A", "N/A", "NA",
+]  # fmt: skip
+"""As C libraries, spreadsheets and databases write a number that is none."""
 
 
 @dataclass(frozen=True)
@@ -71,13 +75,15 @@ class Body:
     def _refuse_long_rows(self) -> None:
         """A row with cells too many has shifted values. Counting separators shows it at the speed of a search."""
         separator = self.dialect.separator.encode()
-        if self.n_allowed is None or self.dialect.separator == WHITESPACE or b'"' in self.data:
+        if self.n_allowed is None or self.dialect.separator == WHITESPACE:
             return
         lines = (self._count(b"\n") or self._count(b"\r")) + (not self.data.endswith((b"\n", b"\r")))
         if self._count(separator) <= lines * (self.n_allowed - 1) and self.n_fields <= self.n_allowed:
             return
         for row, text in enumerate(self.data.splitlines()):
             found = text.count(separator) + 1
+            if found > self.n_allowed and b'"' in text:
+                found = len(self.dialect.split(text.decode()))
             if found > self.n_allowed:
                 raise RecordingError(
                     f"{self.path}, {self.line(row)}", wanted=f"{self.n_allowed} cells", found=str(found),

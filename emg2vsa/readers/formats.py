@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from emg2vsa.readers.text_file import unmarked_utf16
+
 _HEAD_BYTES = 4096
 """Number of leading bytes the recognisers look at."""
 
@@ -36,6 +38,8 @@ def _first_line(head: bytes) -> str:
     """First line of a text head that is neither blank nor a ``#`` comment; "" where the head is not text."""
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = head[: len(head) // 2 * 2].decode("utf-16", errors="replace")
+    elif (wide := unmarked_utf16(head)) is not None:
+        text = head[: len(head) // 2 * 2].decode(wide, errors="replace")
     else:
         text = head.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
     if "\0" in text:

@@ -50,7 +50,7 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
     reader = reader_of(path, head)
     if reader is None:
         raise RecordingError(
-            path, wanted="one of " + ", ".join(reader.format for reader in READERS), found="an unknown format",
+            path, wanted=f"one of the {len(READERS)} formats of docs/reference/formats.md", found="an unknown format",
             do="Export the recording as CSV with a time column, C3D, EDF/BDF or .mat.",
         )  # fmt: skip
     try:

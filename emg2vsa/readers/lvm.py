@@ -31,6 +31,8 @@ _SEGMENT = re.compile(rb"^Channels[\t,;]", re.MULTILINE)
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
 _WORTH_SAYING = 1e-4
 """Rounding of Delta_X, relative, from which the rate is given with its bounds."""
+_MOST_LATE_S = 0.02
+"""However coarse Delta_X is, segments further apart than this do not join."""
 _NAN = float("nan")
 
 
@@ -49,7 +51,7 @@ class _Run:
         if np.isnan(fs_hz) or abs(track.fs_hz - fs_hz) > 1e-6 * fs_hz or track.unit != self.track.unit:
             return False
         late_s = track.start_s - self.track.start_s - self.n / fs_hz
-        return abs(late_s) <= 0.5 / fs_hz + self.n * self.step_error_s
+        return abs(late_s) <= 0.5 / fs_hz + min(self.n * self.step_error_s, _MOST_LATE_S)
 
     def add(self, samples: NDArray[np.float64], notes: tuple[str, ...]) -> None:
         self.notes.update(dict.fromkeys(notes))
@@ -93,15 +95,27 @@ def open_recording(path: Path) -> OnDemand:
             of_channel[-1].add(samples, track.notes)
     tracks, series = [], []
     for (_, name), of_channel in runs.items():
+        told = _told_of_gaps(name, of_channel)
         for i, run in enumerate(of_channel, start=1):
             called = name if i == 1 else f"{name}, segment {i}"
-            tracks.append(replace(run.track, name=called, n_samples=run.n, notes=tuple(run.notes)))
+            tracks.append(replace(run.track, name=called, n_samples=run.n, notes=(*told, *run.notes)))
             series.append(run.parts[0] if len(run.parts) == 1 else np.concatenate(run.parts))
     refuse_nothing(path, tracks)
     notes = (*cut, *filter(None, [dialect.note]))
     begun_at = f"{first:%Y-%m-%d %H:%M:%S.%f}" if first else ""
     contents = Contents(unique_names([track.name for track in tracks]), notes=notes, started=begun_at)
     return OnDemand(path, contents, tuple(tracks), lambda indices: [series[i] for i in indices])
+
+
+def _told_of_gaps(name: str, runs: Sequence[_Run]) -> tuple[str, ...]:
+    ends_s = [run.track.start_s + run.n / run.track.fs_hz for run in runs]
+    gaps = ", ".join(
+        f"{run.track.start_s - end_s:.6g} s after {end_s:.6g} s"
+        for run, end_s in zip(runs[1:], ends_s[:-1], strict=True)
+    )
+    return (
+        (f"{name}: {len(runs)} segments, with gaps of {gaps}; each segment is a channel of its own.",) if gaps else ()
+    )
 
 
 def _head(text: TextFile) -> tuple[dict[str, str], Dialect]:
@@ -173,7 +187,9 @@ def _channels(segment: _Segment, x_columns: str, offset_s: float) -> list[tuple[
             where = f"{segment.body.path}, X_Value of {name!r}"
             fs_hz, start_s = even_clock(columns[x][: samples.size], where, segment.body.line, 2e-6)
             error_s = 0.0
-        elif step_s > 0 and error_s > _WORTH_SAYING * step_s and abs(fs_hz - round(fs_hz)) > 1e-9 * fs_hz:
+        elif step_s > 0 and abs(fs_hz - round(fs_hz)) <= 1e-9 * fs_hz:
+            error_s = 0.0  # a whole number of samples a second was written with all its digits
+        elif step_s > 0 and error_s > _WORTH_SAYING * step_s:
             low, high = 1 / (step_s + error_s), 1 / (step_s - error_s)
             notes = (f"{name}: Delta_X is rounded to {step} s; the rate lies between {low:.6g} and {high:.6g} Hz.",)
         promised = _value(_cell(segment.stated, "Samples", place))

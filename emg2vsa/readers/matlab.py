@@ -2,9 +2,10 @@
 
 Every numeric vector is a channel named after its variable; the rows or columns of a matrix, whichever are fewer, are
 channels "variable[1]", "variable[2]", ...; fields and cells are reached by "struct.field", "cell{2}". A text cell array
-with as many entries as a matrix has channels names them and states their units, as OTBiolab's ``Description`` does
-("acquired data[ %(MVC)]"); "variable[75]" still works. The rate comes from a variable called SamplingFrequency, fs or
-alike, or from a time vector.
+called Description, labels, names or alike with as many entries as a matrix has channels names them and states their
+units, as OTBiolab's ``Description`` does ("acquired data[ %(MVC)]"), and so does one of any name that is the only one
+of this length, if one matrix only has so many; "variable[75]" still works. The rate comes from a variable called
+SamplingFrequency, fs or alike, or from a time vector; ``fs_EMG`` and ``t_EMG`` hold for ``EMG`` alone.
 """
 
 from __future__ import annotations
@@ -29,6 +30,12 @@ from emg2vsa.recordings import ChannelInfo
 
 _RATE_NAMES = {"samplingfrequency", "samplingrate", "samplerate", "srate", "fs", "fshz", "fsamp", "sfreq"}
 _TIME_NAMES = {"time", "t", "times", "timestamp", "timestamps", "timevector"}
+_TABLE = 0.05
+"""Vectors shorter than this part of the longest are tables of something else, and nothing is said of their rate."""
+_LABEL_NAMES = {
+    "description", "descriptions", "label", "labels", "channel", "channels", "channelname", "channelnames",
+    "channellabel", "channellabels", "chname", "chnames", "chlabel", "chlabels", "name", "names", "muscle", "muscles",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -39,25 +46,24 @@ class MatlabRecording:
     contents: Contents
     series: tuple[NDArray[Any], ...]
     units: tuple[str | None, ...]
-    clocks: Mapping[int, tuple[float, float]]
-    "Number of samples to (rate in Hz, start in s)."
+    clocks: tuple[tuple[float, float], ...]
+    "(rate in Hz, start in s) of each."
 
     def describe(self) -> tuple[ChannelInfo, ...]:
         return tuple(
-            ChannelInfo(name, unit, self._clock(series.size)[0], series.size)
-            for name, unit, series in zip(self.contents.names, self.units, self.series, strict=True)
+            ChannelInfo(name, unit, fs_hz, series.size)
+            for name, unit, series, (fs_hz, _) in zip(
+                self.contents.names, self.units, self.series, self.clocks, strict=True
+            )
         )
 
     def load(self, indices: Sequence[int]) -> list[StoredChannel]:
         channels = []
         for i in indices:
-            fs_hz, start_s = self._clock(self.series[i].size)
+            fs_hz, start_s = self.clocks[i]
             samples = np.array(self.series[i], dtype=np.float64)
             channels.append(StoredChannel(self.contents.names[i], samples, self.units[i], fs_hz, start_s))
         return channels
-
-    def _clock(self, n: int) -> tuple[float, float]:
-        return self.clocks.get(n) or self.clocks.get(0) or (float("nan"), 0.0)
 
 
 def open_recording(path: Path) -> MatlabRecording | OnDemand:
@@ -66,22 +72,25 @@ def open_recording(path: Path) -> MatlabRecording | OnDemand:
     if delsys_mat.is_export(variables):
         return delsys_mat.opened(path, variables)
     leaves = _flatten(variables)
-    clocks = _clocks(path, leaves)
+    rows_of = {
+        variable: _rows(array)
+        for variable, array in leaves.arrays.items()
+        if array.size > 1 and not (_is_time(variable, leaves) or _is_rate(variable, leaves))
+    }
+    if not rows_of:
+        raise RecordingError(
+            path, wanted="numeric vectors", found="none", do="Save the signals as vectors or matrices."
+        )
+    clocks = _Clocks(path, leaves, max(rows.shape[1] for rows in rows_of.values()))
     names: list[str] = []
     units: list[str | None] = []
     series: list[NDArray[Any]] = []
+    of_each: list[tuple[float, float]] = []
     aliases: dict[str, int] = {}
-    for variable, array in leaves.arrays.items():
-        if _key(variable) in _TIME_NAMES or array.size < 2:
-            continue
-        rows = (
-            array.reshape(1, -1)
-            if 1 in array.shape or array.ndim == 1
-            else array
-            if array.shape[0] < array.shape[1]
-            else array.T
-        )
-        labels = next((text for text in leaves.texts.values() if len(text) == len(rows) > 1), None)
+    notes: list[str] = []
+    for variable, rows in rows_of.items():
+        labels = _labels(variable, rows_of, leaves, notes)
+        clock = clocks.of(variable, rows.shape[1])
         for i, row in enumerate(rows):
             own = variable if len(rows) == 1 else f"{variable}[{i + 1}]"
             name, unit = split_unit(labels[i]) if labels else (own, None)
@@ -90,11 +99,32 @@ def open_recording(path: Path) -> MatlabRecording | OnDemand:
             names.append(name)
             units.append(unit)
             series.append(row)
-    if not series:
-        raise RecordingError(
-            path, wanted="numeric vectors", found="none", do="Save the signals as vectors or matrices."
-        )
-    return MatlabRecording(path, Contents(unique_names(names), aliases), tuple(series), tuple(units), clocks)
+            of_each.append(clock)
+    contents = Contents(unique_names(names), aliases, (*notes, *clocks.notes))
+    return MatlabRecording(path, contents, tuple(series), tuple(units), tuple(of_each))
+
+
+def _rows(array: NDArray[Any]) -> NDArray[Any]:
+    """(channels, n): a vector is one channel, the fewer of rows and columns are channels."""
+    if 1 in array.shape or array.ndim == 1:
+        return array.reshape(1, -1)
+    return array if array.shape[0] < array.shape[1] else array.T
+
+
+def _labels(variable: str, rows_of: Mapping[str, NDArray[Any]], leaves: _Leaves, notes: list[str]) -> list[str] | None:
+    """The text cell that names the channels of a matrix; None, and a note, where it may belong elsewhere."""
+    n = len(rows_of[variable])
+    fitting = {name: texts for name, texts in leaves.texts.items() if len(texts) == n > 1}
+    known = {name: texts for name, texts in fitting.items() if _key(name) in _LABEL_NAMES}
+    beside = {name: texts for name, texts in known.items() if name.rpartition(".")[0] == variable.rpartition(".")[0]}
+    chosen = beside or known or fitting
+    others = [name for name, rows in rows_of.items() if len(rows) == n and name != variable]
+    if len(chosen) == 1 and (known or not others):
+        return next(iter(chosen.values()))
+    if chosen:
+        found = ", ".join(chosen) + (f"; {', '.join(others)} has as many" if others and not known else "")
+        notes.append(f"{variable}: its channels are numbered, for it is not clear that they are named by {found}.")
+    return None
 
 
 def _variables(path: Path) -> dict[str, Any]:
@@ -132,28 +162,85 @@ def _key(variable: str) -> str:
     return variable.rpartition(".")[2].lower().replace("_", "")
 
 
-def _clocks(path: Path, leaves: _Leaves) -> dict[int, tuple[float, float]]:
-    """Length of a channel to (rate, start); length 0 holds for all others."""
-    rates = {
-        name: float(a.reshape(-1)[0]) for name, a in leaves.arrays.items() if a.size == 1 and _key(name) in _RATE_NAMES
-    }
-    if len(set(rates.values())) > 1:
-        raise RecordingError(
-            path, wanted="one sampling rate", found=", ".join(f"{name} = {rate:g}" for name, rate in rates.items()),
-            do="Save the channels of one rate in a file of their own.",
-        )  # fmt: skip
-    stated = next(iter(rates.values()), None)
-    clocks = {0: (stated, 0.0)} if stated else {}
-    for name, array in leaves.arrays.items():
-        if _key(name) in _TIME_NAMES and array.size > 1 and array.size == max(array.shape):
-            where = f"{path}, variable {name!r}"
-            fs_hz, start_s = even_clock(array.reshape(-1).astype(np.float64), where, lambda i: f"element {i + 1}")
-            if stated and abs(stated - fs_hz) > 1e-3 * stated:
-                raise RecordingError(
-                    where, wanted=f"the stated rate, {stated:g} Hz", found=f"{fs_hz:g} Hz", do="Correct one of the two."
-                )
-            clocks[array.size] = (stated or fs_hz, start_s)
-    return clocks
+def _owner(variable: str, kinds: set[str], leaves: _Leaves) -> str | None:
+    """The variable that ``fs_EMG`` or ``t_EMG`` belongs to; None where it is no such name."""
+    before, dot, last = variable.rpartition(".")
+    for place, sign in enumerate(last):
+        if sign == "_" and _key(last[:place]) in kinds:
+            own = f"{before}{dot}{last[place + 1 :]}"
+            if own in leaves.arrays:
+                return own
+    return None
+
+
+def _is_time(variable: str, leaves: _Leaves) -> bool:
+    return _key(variable) in _TIME_NAMES or _owner(variable, _TIME_NAMES, leaves) is not None
+
+
+def _is_rate(variable: str, leaves: _Leaves) -> bool:
+    return _key(variable) in _RATE_NAMES or _owner(variable, _RATE_NAMES, leaves) is not None
+
+
+class _Clocks:
+    """Rate and start of the variables of a file, whose longest has ``longest`` samples."""
+
+    def __init__(self, path: Path, leaves: _Leaves, longest: int) -> None:
+        self._path, self._leaves, self._longest = path, leaves, longest
+        self.notes: list[str] = []
+        rates = {name: _scalar(a) for name, a in leaves.arrays.items() if a.size == 1 and _key(name) in _RATE_NAMES}
+        if len(set(rates.values())) > 1:
+            raise RecordingError(
+                path, wanted="one sampling rate", found=", ".join(f"{name} = {rate:g}" for name, rate in rates.items()),
+                do="Save the channels of one rate in a file of their own, or call their rates fs_<variable>.",
+            )  # fmt: skip
+        self._stated = next(iter(rates.values()), None)
+        self._own_rates = {
+            own: _scalar(a)
+            for name, a in leaves.arrays.items()
+            if a.size == 1 and (own := _owner(name, _RATE_NAMES, leaves)) is not None
+        }
+        self._times: dict[str, tuple[float, float]] = {}
+        self._shared: dict[int, tuple[float, float]] = {}
+        for name, array in leaves.arrays.items():
+            if array.size > 1 and array.size == max(array.shape) and _is_time(name, leaves):
+                self._add_time(name, array)
+
+    def _add_time(self, name: str, array: NDArray[Any]) -> None:
+        where = f"{self._path}, variable {name!r}"
+        fs_hz, start_s = even_clock(array.reshape(-1).astype(np.float64), where, lambda i: f"element {i + 1}")
+        own = None if _key(name) in _TIME_NAMES else _owner(name, _TIME_NAMES, self._leaves)
+        shared = self._stated if array.size == self._longest else None
+        stated = shared if own is None else self._own_rates.get(own)
+        if stated and abs(stated - fs_hz) > 1e-3 * stated:
+            raise RecordingError(
+                where, wanted=f"the stated rate, {stated:g} Hz", found=f"{fs_hz:g} Hz", do="Correct one of the two."
+            )
+        if own is not None:
+            self._times[own] = (stated or fs_hz, start_s)
+        else:
+            self._shared[array.size] = (stated or fs_hz, start_s)
+
+    def of(self, variable: str, n: int) -> tuple[float, float]:
+        """(rate, start); the rate is NaN where the file's one rate belongs to longer variables."""
+        if variable in self._times:
+            return self._times[variable]
+        if variable in self._own_rates:
+            return self._own_rates[variable], 0.0
+        if n in self._shared:
+            return self._shared[n]
+        if self._stated is None:
+            return float("nan"), 0.0
+        if n != self._longest:
+            if n < _TABLE * self._longest:
+                return float("nan"), 0.0
+            said = f"{variable}: {n} samples, while the rate of {self._stated:g} Hz is that of the {self._longest} of "
+            self.notes.append(f"{said}the longest; its own is not known (save it as fs_{variable}).")
+            return float("nan"), 0.0
+        return self._stated, 0.0
+
+
+def _scalar(array: NDArray[Any]) -> float:
+    return float(array.reshape(-1)[0])
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,9 @@ from emg2vsa.readers.units import is_glued, seconds_per, split_unit
 
 SNIFFED_ROWS = 50
 _NUMBER = re.compile(r"[+-]?[.,]?\d[\d.,]*(e[+-]?\d+)?|nan", re.IGNORECASE)
-_TIME = re.compile(r"(time|times|t|x|timestamps?|elapsed[ _]time)(?:_(s|ms|us|min))?", re.IGNORECASE)
+_TIME = re.compile(
+    r"(time|times|t|x|timestamps?|elapsed[ _]time|zeit|temps|tempo|tiempo|tijd|tid)(?:_(s|ms|us|min))?", re.IGNORECASE
+)
 
 
 def open_recording(path: Path) -> TimedColumns:
@@ -33,7 +35,7 @@ def open_recording(path: Path) -> TimedColumns:
     labels = dialect.split(header.text)
     _refuse_prose(path, header, rows, dialect)
     allowed = checked_width(path, dialect, labels, rows)
-    channels = _columns(path, header, labels)
+    channels = _columns(path, header, labels, [dialect.split(row.text) for row in rows], dialect.decimal)
     contents = Contents(
         tuple(c.name for c in channels),
         {labels[c.index]: i for i, c in reversed(list(enumerate(channels)))},
@@ -97,7 +99,9 @@ def time_unit_s(label: str) -> tuple[bool, float | None]:
     return True, seconds_per(stated) if stated else None
 
 
-def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, ...]:
+def _columns(
+    path: Path, header: Line, labels: Sequence[str], rows: Sequence[Sequence[str]], decimal: str
+) -> tuple[Column, ...]:
     times = [time_unit_s(label) for label in labels]
     clocks = [i for i, (is_time, _) in enumerate(times) if is_time]
     found = [(i, *split_unit(label, glued=True)) for i, label in enumerate(labels) if not times[i][0] and label]
@@ -113,5 +117,14 @@ def _columns(path: Path, header: Line, labels: Sequence[str]) -> tuple[Column, .
     for name, (i, _, unit) in zip(names, found, strict=True):
         clock = max((c for c in clocks if c < i), default=clocks[0] if clocks else None)
         notes = (f"{labels[i]}: the unit {unit} was taken from the end of its name.",) if is_glued(labels[i]) else ()
-        columns.append(Column(name, unit, i, clock, times[clock][1] if clock is not None else 1.0, notes=notes))
+        unit_s = times[clock][1] if clock is not None else 1.0
+        decimals = None if clock is None else _decimals([row[clock] for row in rows if clock < len(row)], decimal)
+        columns.append(Column(name, unit, i, clock, unit_s, decimals=decimals, notes=notes))
     return tuple(columns)
+
+
+def _decimals(cells: Sequence[str], decimal: str) -> int | None:
+    """Most digits behind the decimal sign; None for numbers with an exponent, whose last digit moves."""
+    if any("e" in cell.lower() for cell in cells):
+        return None
+    return max((len(cell.partition(decimal)[2]) for cell in cells), default=0)

@@ -14,6 +14,8 @@ from emg2vsa.errors import RecordingError
 
 _COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _POINT = re.compile(r"[+-]?\d*\.\d+([eE][+-]?\d+)?")
+_LOOKS, _LONGEST_LOOK = 200, 2000
+"""How often, and at how many bytes, the rest of a file is looked at where its first rows leave a doubt."""
 WHITESPACE = r"\s+"
 _LINE = re.compile(rb"([^\r\n]*)(\r\n|\r|\n|\Z)")
 
@@ -54,6 +56,8 @@ def open_text(path: Path) -> TextFile:
     data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         data = data.decode("utf-16", errors="replace").encode()
+    elif (wide := unmarked_utf16(data[:4096])) is not None:
+        data = data.decode(wide, errors="replace").encode()
     elif not data.isascii():
         try:
             data.decode("utf-8")
@@ -62,6 +66,15 @@ def open_text(path: Path) -> TextFile:
     if b"\0" in data:
         raise RecordingError(path, wanted="a text file", found="binary content", do="Export the recording as CSV.")
     return TextFile(path, data)
+
+
+def unmarked_utf16(head: bytes) -> str | None:
+    """The byte order of UTF-16 without a mark: nearly every second byte of Western text is zero, the others none."""
+    pairs = len(head) // 2
+    even, odd = head[0 : 2 * pairs : 2].count(0), head[1 : 2 * pairs : 2].count(0)
+    if pairs < 8 or min(even, odd):
+        return None
+    return "utf-16-le" if odd > 0.9 * pairs else "utf-16-be" if even > 0.9 * pairs else None
 
 
 def without_cut_line(text: TextFile) -> tuple[TextFile, tuple[str, ...]]:
@@ -99,7 +112,7 @@ def sniff(path: Path, header: Line | None, rows: Sequence[Line], body: bytes) ->
 
     rows : the first data lines. body : all data, searched for a decimal comma where those rows hold whole numbers only.
 
-    Raises RecordingError where decimal points and decimal commas are mixed.
+    Raises RecordingError where decimal points and decimal commas are mixed, and where a sign may group thousands.
     """
     separator = _separator(header, rows)
     plain = Dialect(separator, ".")
@@ -112,7 +125,36 @@ def sniff(path: Path, header: Line | None, rows: Sequence[Line], body: bytes) ->
         )  # fmt: skip
     if not commas and not points and separator != ",":
         commas = b"," in body and b"." not in body
-    return Dialect(separator, "," if commas else ".")
+    dialect = Dialect(separator, "," if commas else ".")
+    _refuse_grouped(path, dialect, rows, body)
+    return dialect
+
+
+def _refuse_grouped(path: Path, dialect: Dialect, rows: Sequence[Line], body: bytes) -> None:
+    """Whole numbers below a thousand beside "1.234" and the like only: whether 1234 is meant cannot be known."""
+    table = [dialect.split(row.text) for row in rows]
+    suspects = [i for i in range(len(table[0])) if _grouped([row[i] for row in table if i < len(row)], dialect)]
+    if not suspects:
+        return
+    parts = [body[at : at + _LONGEST_LOOK] for at in range(0, len(body), max(len(body) // _LOOKS, _LONGEST_LOOK))]
+    lines = [line for part in parts for line in re.split(rb"[\r\n]+", part)[1:-1]]
+    table += [dialect.split(line.decode(errors="replace")) for line in lines]
+    for i in suspects:
+        cells = [row[i] for row in table if i < len(row)]
+        example = next((cell for cell in cells if dialect.decimal in cell), None)
+        if example is not None and _grouped(cells, dialect):
+            raise RecordingError(
+                f"{path}, column {i + 1}", wanted="numbers of one meaning",
+                found=f"{example!r} among whole numbers, which may be {example.replace(dialect.decimal, '')} or a "
+                "fraction", do="Export without thousands separators, or all numbers with the same number of decimals.",
+            )  # fmt: skip
+
+
+def _grouped(cells: Sequence[str], dialect: Dialect) -> bool:
+    """Whether all are whole numbers below 1000 or look like grouped thousands, with whole ones among them."""
+    sign = re.escape(dialect.decimal)
+    kind = [re.fullmatch(rf"[+-]?(?:(\d{{1,3}})|[1-9]\d{{0,2}}(?:{sign}\d{{3}})+)", cell) for cell in cells if cell]
+    return all(kind) and any(match[1] is not None for match in kind if match)
 
 
 def _separator(header: Line | None, rows: Sequence[Line]) -> str:

@@ -18,6 +18,11 @@ from emg2vsa.recordings import ChannelInfo
 _RATE_TOLERANCE = 1e-3
 _SLOWEST_UNSTATED_HZ = 2.0
 """A time without a unit is believed to be in seconds only above this rate: slower ones are counts or milliseconds."""
+_REPEATING = 0.02
+"""Fewer repeated stamps are repeated rows and no rounding."""
+
+_ENOUGH = 100
+"""Stamps by which the one is told from the other."""
 
 Cells = Mapping[int, NDArray[np.float64]]
 
@@ -30,6 +35,7 @@ class Column:
     time; None where the file does not say (then seconds, if that gives a believable rate).
     fs_hz : the rate the file states. start_s : start it states. expected : number of samples it states.
     digits : significant digits of the time stamps, where the format is known to round them.
+    decimals : digits behind the point that the time stamps are written with, where that was looked at.
     scale : ``unit`` in one stored number. notes : about the channel as such.
     """
 
@@ -42,6 +48,7 @@ class Column:
     start_s: float = 0.0
     expected: int | None = None
     digits: int | None = None
+    decimals: int | None = None
     scale: float = 1.0
     notes: tuple[str, ...] = ()
 
@@ -109,7 +116,8 @@ class _Clocks:
         key = (column.time_index, time.size)
         if key not in self.measured:
             time_s = time * (column.time_unit_s or 1.0)
-            self.measured[key] = even_clock(time_s, where, place, _resolution(time_s, column.digits))
+            rounding_s = _resolution(time_s, column.digits) or _rounding(time_s, column)
+            self.measured[key] = even_clock(time_s, where, place, rounding_s)
         fs_hz, start_s = self.measured[key]
         if column.time_unit_s is None and fs_hz <= _SLOWEST_UNSTATED_HZ:
             raise RecordingError(
@@ -140,3 +148,12 @@ def _resolution(time_s: NDArray[np.float64], digits: int | None) -> float:
     """Rounding of the largest stamp written with that many significant digits."""
     largest = float(np.nanmax(np.abs(time_s))) if time_s.size else 0.0
     return 10.0 ** (np.floor(np.log10(largest)) + 1 - digits) if digits is not None and largest > 0 else 0.0
+
+
+def _rounding(time_s: NDArray[np.float64], column: Column) -> float:
+    """Worth of the last written decimal, where stamps repeat because samples follow each other faster than that."""
+    if column.decimals is None or time_s.size < _ENOUGH:
+        return 0.0
+    last_s = 10.0**-column.decimals * (column.time_unit_s or 1.0)
+    span_s = float(time_s[-1] - time_s[0])
+    return last_s if 0 < span_s < (1 - _REPEATING) * last_s * (time_s.size - 1) else 0.0

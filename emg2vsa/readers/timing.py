@@ -65,7 +65,8 @@ def _refuse_disorder(
         raise RecordingError(
             f"{where}, {place(row)}", wanted="time that rises from row to row",
             found=f"{kind} ({time_s[row]:.9g} s; {wrong.size} such rows)",
-            do="Remove the repeated rows, or write the time with more digits.",
+            do="Export the time with more digits, or state fs_hz and remove the time column; delete a row only where "
+            "the whole row is there twice.",
         )  # fmt: skip
 
 

@@ -33,6 +33,7 @@ from emg2vsa.signals.pairing import (
 from emg2vsa.signals.plausibility import Signals, force_unit_doubt, plausibility
 from emg2vsa.signals.quality import RawQuality, falling_share, ratio_db, raw_qualities, window_means
 from emg2vsa.signals.rest import Rest
+from emg2vsa.signals.segmentation import Presses
 from emg2vsa.signals.verdicts import Evidence, judge
 from emg2vsa.trials import Trials
 
@@ -212,7 +213,11 @@ def extract_trials(
     fault = doubt or (implausible if rejects else "")
     remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
     biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
-    other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
+    loaded = _said_of_overload(force, presses)
+    other = [
+        (*over, *own, *((False, sign) for sign in signs))
+        for over, own, signs in zip(loaded, biased, seen.of_press, strict=True)
+    ]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
     said += (fault,) if fault else ()
@@ -402,6 +407,16 @@ def _said_of_bias(
             own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
         said.append(tuple(own))
     return said
+
+
+def _said_of_overload(force: Channel, presses: Presses) -> list[tuple[tuple[bool, str], ...]]:
+    """Per press whether the force transducer was beyond its range, where that is known."""
+    if force.overloaded is None:
+        return [()] * presses.start_s.size
+    first = (presses.start_s * force.fs_hz).astype(np.int64)
+    last = np.ceil(presses.stop_s * force.fs_hz).astype(np.int64) + 1
+    counts = [int(np.count_nonzero(force.overloaded[a:b])) for a, b in zip(first, last, strict=True)]
+    return [((True, f"transducer overloaded in {count} samples"),) if count else () for count in counts]
 
 
 def _gather_evidence(

@@ -10,6 +10,7 @@ import pytest
 from emg2vsa.errors import DeviceError, RecordingError
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
+from emg2vsa.trials.remedies import remedy_of
 
 GAUGES = ("G0", "G1", "G2", "G3", "G4", "G5")
 RNG = np.random.default_rng(5)
@@ -54,9 +55,12 @@ def test_the_axis_is_the_matrix_times_the_gauges(tmp_path: Path, unit: str, scal
 
 def test_a_gauge_at_the_end_of_its_range_is_said(tmp_path: Path) -> None:
     volts = VOLTS.copy()
-    volts[3:5, 2] = 10.0
+    volts[3:5, 2] = 10.0, 9.9951  # the last codes of a 16-bit and a 12-bit converter
     found = read_roles(recording(tmp_path / "r.csv", volts), None, channels(), cal_file=calibration(tmp_path / "a.cal"))
     assert "gauge G2: 2 samples at the end of its range (-10 to 10 V)" in "; ".join(found.notes)
+    assert any(remedy_of(note).startswith("use a larger range") for note in found.notes)
+    assert found.force.overloaded is not None
+    assert np.flatnonzero(found.force.overloaded).tolist() == [3, 4]
 
 
 def test_gauges_of_no_unit_and_missing_files_are_refused(tmp_path: Path) -> None:

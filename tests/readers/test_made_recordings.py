@@ -16,6 +16,7 @@ from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.readers.opened import OpenRecording, StoredChannel
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
+from emg2vsa.trials.remedies import remedy_of
 
 N = made.N
 
@@ -235,6 +236,39 @@ def test_streams_of_an_xdf_file_keep_their_rates_and_times(tmp_path: Path) -> No
         _channel(opened, "Events: 1")
 
 
+@pytest.mark.parametrize(
+    ("lost", "bursty"),
+    [(0, False), (20, False), (100, False), (900, False), (0, True), (100, True), (900, True)],
+)
+def test_lost_samples_of_an_xdf_stream_end_a_segment(tmp_path: Path, lost: int, bursty: bool) -> None:
+    """Stamps jitter by 0.2 ms; or packets of 32 samples come up to 15 ms late, and one after 0.4 s."""
+    pytest.importorskip("pyxdf")
+    rng, n, at = np.random.default_rng(lost), 12000, 5120
+    true_s = 50 + np.arange(n) / 1000
+    late_s = np.repeat(rng.uniform(0, 0.015, n // 32), 32) if bursty else rng.normal(0, 2e-4, n)
+    late_s[8000:8032] += 0.4 * bursty
+    kept = np.r_[0:at, at + lost : n]
+    opened = _opened(tmp_path, made.xdf_stream((true_s + late_s)[kept], kept.astype(float)), "lost.xdf")
+    channels = opened.load(range(len(opened.contents.names)))
+    assert len(channels) == (2 if lost else 1)
+    assert channels[-1].samples[0] == (at + lost if lost else 0)
+    for channel in channels:
+        found_s = channel.start_s + np.arange(channel.samples.size) / channel.fs_hz
+        assert np.abs(found_s - true_s[channel.samples.astype(int)] - 0.0075 * bursty).max() < (
+            0.02 if bursty else 0.001
+        )
+        assert bool(lost) == any("2 segments" in note for note in channel.notes)
+
+
+def test_an_xdf_rate_that_its_stamps_deny_is_said(tmp_path: Path) -> None:
+    pytest.importorskip("pyxdf")
+    opened = _opened(tmp_path, made.xdf_stream(np.arange(5000) / 997, np.arange(5000.0)), "slow.xdf")
+    channel = _channel(opened, "EMG: 1")
+    assert channel.fs_hz == pytest.approx(997, rel=1e-6)
+    assert channel.notes == ("EMG: 1000 Hz stated, 997 Hz by its time stamps; the latter counts.",)
+    assert remedy_of(channel.notes[0])
+
+
 # LabVIEW
 
 
@@ -255,9 +289,18 @@ def test_segments_of_a_labview_file_join_or_stand_alone(tmp_path: Path) -> None:
     assert joined.notes == ()
     apart = _opened(tmp_path, made.lvm(segments=3, gap_s=1.0))
     assert [n for n in apart.contents.names if n.startswith("EMG")] == ["EMG", "EMG, segment 2", "EMG, segment 3"]
+    assert "EMG: 3 segments, with gaps of 1 s after" in _channel(apart, "EMG").notes[0]
     third = _channel(apart, "EMG, segment 3")
     assert third.start_s == pytest.approx(2 * (1.0 + N // 3 * 1e-3), abs=1e-9)
     np.testing.assert_array_equal(third.samples, made.wave(N, 1)[2 * (N // 3) :])
+
+
+@pytest.mark.parametrize(("delta_x", "gap_s"), [("0,001", 0.01), ("0,00098", 0.3)])
+def test_a_coarse_delta_x_hides_no_gap(tmp_path: Path, delta_x: str, gap_s: float) -> None:
+    content = made.lvm(segments=2, gap_s=gap_s).decode().replace("0,001000\t0,001000", f"{delta_x}\t{delta_x}")
+    assert f"Delta_X\t{delta_x}" in content
+    opened = _opened(tmp_path, content.encode())
+    assert [name for name in opened.contents.names if name.startswith("EMG")] == ["EMG", "EMG, segment 2"]
 
 
 def test_a_labview_file_that_ends_before_it_promised_says_so(tmp_path: Path) -> None:

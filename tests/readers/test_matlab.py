@@ -50,6 +50,29 @@ def test_a_text_cell_of_equal_length_names_the_channels(tmp_path: Path) -> None:
     np.testing.assert_array_equal(numbered.samples, named.samples)
 
 
+def test_a_text_cell_that_may_be_of_another_matrix_names_no_channels(tmp_path: Path) -> None:
+    words = np.array(["FDS", "EDC", "rest"], dtype=object).reshape(-1, 1)
+    for others in ({"conditions": words, "order": words}, {"conditions": words, "kinematics": EMG + 1}):
+        path = save(tmp_path, emg=EMG, fs=1000, **others)
+        assert [c.name for c in inspect(path)[1]][:3] == ["emg[1]", "emg[2]", "emg[3]"]
+        assert "emg: its channels are numbered, for it is not clear" in "; ".join(read(path, ["emg[1]"]).notes)
+    muscles = np.array(["EDC", "FDS", "FCR"], dtype=object).reshape(-1, 1)
+    path = save(tmp_path, emg=EMG, fs=1000, labels=muscles, conditions=words)
+    assert [c.name for c in inspect(path)[1]] == ["EDC", "FDS", "FCR"]
+
+
+def test_a_vector_of_another_length_has_the_rate_and_time_of_its_own_name(tmp_path: Path) -> None:
+    signals = {"EMG": np.ones(2000), "Fz": np.ones(200), "Fx": np.ones(400)}
+    own = {"fs_Fz": 100, "t_Fx": 0.5 + np.arange(400) / 200}
+    found = {c.name: c.fs_hz for c in inspect(save(tmp_path, fs=1000, **signals, **own))[1]}
+    assert found == {"EMG": 1000, "Fz": 100, "Fx": 200}
+    assert read(save(tmp_path, fs=1000, **signals, **own), ["Fx"]).channels[0].start_s == 0.5
+    with pytest.raises(RecordingError, match="wanted a sampling rate"):
+        read(save(tmp_path, fs=1000, **signals), ["Fz"])
+    with pytest.raises(RecordingError, match="the stated rate, 100 Hz; found 200 Hz"):
+        inspect(save(tmp_path, Fx=signals["Fx"], fs_Fx=100, t_Fx=own["t_Fx"]))
+
+
 @pytest.mark.parametrize(
     ("variables", "message"),
     [

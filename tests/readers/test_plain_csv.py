@@ -198,3 +198,55 @@ def test_text_is_no_recording(tmp_path: Path, content: str) -> None:
     (tmp_path / "README.md").write_text(content)
     with pytest.raises(RecordingError, match=r"wanted a table of numbers .*; found text, "):
         inspect(tmp_path / "README.md")
+
+
+@pytest.mark.parametrize("fs_hz", [1500, 2000, 4000])
+def test_a_time_rounded_to_milliseconds_gives_the_rate(tmp_path: Path, fs_hz: int) -> None:
+    rows = "".join(f"{i / fs_hz:.3f},{i % 7}.5\n" for i in range(20001))
+    channel = read(write(tmp_path, "time (s),EDC (mV)\n" + rows), ["EDC"]).channels[0]
+    assert channel.fs_hz == pytest.approx(fs_hz, rel=2e-4)
+    assert channel.samples.size == 20001
+
+
+def test_a_repeated_row_is_no_rounding(tmp_path: Path) -> None:
+    rows = "".join(f"{(i - (i > 50)) / 1000:.3f},{i % 7}.5\n" for i in range(200))
+    with pytest.raises(RecordingError, match=r"same stamp again.* state fs_hz and remove the time column"):
+        read(write(tmp_path, "time (s),EDC (mV)\n" + rows), ["EDC"])
+
+
+@pytest.mark.parametrize("name", ["Zeit (s)", "Temps [s]", "tempo_s", "Tiempo (s)"])
+def test_time_in_other_languages(tmp_path: Path, name: str) -> None:
+    check(write(tmp_path, table(f"{name},EDC (mV),Fz (N)")))
+
+
+@pytest.mark.parametrize("written", ["-nan(ind)", "1.#QNAN", "-", "null", "#N/A"])
+def test_missing_numbers_are_counted(tmp_path: Path, written: str) -> None:
+    rows = "".join(f"{i / 1000:.3f},{written if i in (5, 6) else i}\n" for i in range(40))
+    recording = read(write(tmp_path, "time (s),EDC (mV)\n" + rows), ["EDC"])
+    assert np.flatnonzero(np.isnan(recording.channels[0].samples)).tolist() == [5, 6]
+    assert any("2 of 40 samples are missing" in note for note in recording.notes)
+
+
+def test_a_cell_too_many_in_a_file_with_quotes_is_refused(tmp_path: Path) -> None:
+    rows = [f'"{i / 1000:.3f}","{i}"' for i in range(40)]
+    rows[20] += ',"7"'
+    with pytest.raises(RecordingError, match="line 22: wanted 2 cells; found 3"):
+        read(write(tmp_path, "\n".join(['"time (s)","EDC (mV)"', *rows]) + "\n"), ["EDC"])
+
+
+@pytest.mark.parametrize("sign", [".", ","])
+def test_thousands_with_a_separator_are_refused(tmp_path: Path, sign: str) -> None:
+    """ADC counts as a spreadsheet groups them; the first rows hold none above 999."""
+    counts = [i * 7 for i in range(400)]
+    rows = "".join(f"{i / 1000:.4f};".replace(".", sign) + f"{c:,}\n".replace(",", sign) for i, c in enumerate(counts))
+    with pytest.raises(
+        RecordingError, match=r"column 2: .* among whole numbers, which may be .*Export without thousands"
+    ):
+        read(write(tmp_path, "time (s);EDC (mV)\n" + rows), ["EDC"])
+    whole = "".join(f"{i / 1000:.4f};{c}\n" for i, c in enumerate(counts))
+    assert read(write(tmp_path, "time (s);EDC (mV)\n" + whole), ["EDC"]).channels[0].samples[-1] == 2.793
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_utf_16_without_a_mark(tmp_path: Path, encoding: str) -> None:
+    check(write(tmp_path, table("time (s),EDC (mV),Fz (N)"), encoding))

@@ -73,3 +73,27 @@ def test_one_file_needs_no_trigger_and_an_unknown_channel_is_named(tmp_path: Pat
     emg = write(tmp_path / "emg.csv", 1000.0, 0.0)
     with pytest.raises(RecordingError, match="'Sync'"):
         read_roles(emg, force, channels(("TTL", "Sync")))
+
+
+@pytest.mark.parametrize("edges_s", [EDGES_S, EDGES_S[:1]])
+def test_a_trigger_of_the_other_polarity_is_turned(tmp_path: Path, edges_s) -> None:
+    emg = write(tmp_path / "emg.csv", 1000.0, 0.0, edges_s)
+    force = write(tmp_path / "force.csv", 200.0, 0.25, edges_s, name="Fz (N)")
+    rows = force.read_text().splitlines()
+    turned = [f"{row.rsplit(',', 1)[0]},{5 - float(row.rsplit(',', 1)[1]):g}" for row in rows[1:]]
+    force.write_text("\n".join([rows[0], *turned]) + "\n")
+    roles = read_roles(emg, force, channels())
+    assert roles.force.start_s == pytest.approx(0.25, abs=0.005)
+    assert "it falls in the file of the force" in roles.notes[-1]
+
+
+def test_pulses_of_another_length_are_refused(tmp_path: Path) -> None:
+    emg = write(tmp_path / "emg.csv", 1000.0, 0.0)
+    force = write(tmp_path / "force.csv", 200.0, 0.0, name="Fz (N)")
+    head, *rows = force.read_text().splitlines()
+    longer = [
+        f"{row.rsplit(',', 1)[0]},{5 * any(0 <= i / 200 - e < 0.15 for e in EDGES_S)}" for i, row in enumerate(rows)
+    ]
+    force.write_text("\n".join([head, *longer]) + "\n")
+    with pytest.raises(RecordingError, match=r"pulses as long as those of channel 'TTL'.* a difference of 5\d ms"):
+        read_roles(emg, force, channels())

@@ -35,6 +35,15 @@ def test_a_good_session(force_of, recorded, extract):
     assert trials.overview_force_n.size == trials.overview_time_s.size == pytest.approx(10 * force.duration_s, abs=1)
 
 
+def test_a_press_on_an_overloaded_transducer_is_rejected(force_of, recorded, extract):
+    emg, force = recorded(force_of(*[RISE] * 3))
+    overloaded = np.zeros(force.samples.size, bool)
+    overloaded[9000:9010] = True  # 9 s: the rise of the second press
+    trials = extract(emg, replace(force, overloaded=overloaded))
+    assert trials.verdict.tolist() == ["ok", "rejected", "ok"]
+    assert trials.reasons[1] == "transducer overloaded in 10 samples"
+
+
 def test_envelopes_are_those_of_the_whole_record(force_of, recorded, extract):
     emg, force = recorded(force_of(*[RISE] * 3))
     trials = extract(emg, force, filters=FilterSettings(mains="keep", rest_level="keep"))

@@ -131,9 +131,10 @@ def trials_of(
     """
     from emg2vsa.readers.roles import read_roles
     from emg2vsa.trials.extract import extract_trials
+    from emg2vsa.trials.remedies import remedy_of
 
     roles = read_roles(emg_file, force_file, channels, reading, cal_file)
-    return extract_trials(
+    trials = extract_trials(
         roles.emg,
         roles.force,
         participant=participant,
@@ -144,6 +145,8 @@ def trials_of(
         force_channel=channels.force,
         notes=roles.notes,
     )
+    doubtful = tuple(note for note in roles.notes if remedy_of(note))  # to be acted upon, not only recorded
+    return trials if trials.fault else replace(trials, remarks=(*doubtful, *trials.remarks))
 
 
 def says(trials: Trials) -> str:
