@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -171,7 +171,8 @@ def _write(
     try:
         trials: Trials | None = extract_trials(
             roles.emg, roles.force, participant=entry.participant, specimen=entry.specimen, filters=entry.filters,
-            cocontraction=cocontraction, window=entry.window, force_channel=part.channels.force,
+            cocontraction=replace(cocontraction, normalise="none"),  # an event has times and force, and no activity
+            window=entry.window, force_channel=part.channels.force,
         )  # fmt: skip
     except Emg2vsaError as error:
         trials = None

@@ -127,6 +127,15 @@ def test_what_is_read_back_is_what_was_recorded(converted: Path) -> None:
     assert [len(entry.parts) for entry in load_study(converted / "again.toml").recordings] == [2, 1]
 
 
+def test_activity_as_a_share_of_mvc_leaves_the_events_as_they_are(converted: Path, tmp_path: Path) -> None:
+    shutil.copy(converted / "ben_foam_7.csv", tmp_path / "ben_foam_7.csv")
+    mvc = '[cocontraction]\nnormalise = "mvc"\n[[mvc]]\nparticipant = "ben"\nemg = "ben_mvc.csv"\n'
+    (tmp_path / "study.toml").write_text(STUDY.replace('"anna_k", ', "") + mvc)
+    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 0
+    name = "sub-ben/emg/sub-ben_task-palpation_acq-foam_events.tsv"
+    assert (tmp_path / "b" / name).read_text() == (converted / "bids" / name).read_text()
+
+
 def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = str(converted / "ben_foam_7.csv")
     words = ["--emg", "EMG 1", "--force", "Fz", "--force-unit", "kgf", "--sign", "-1", "--participant", "ben"]
