@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -53,6 +54,7 @@ _EVENTS: Json = {
     "peak_force": {"Description": "Largest tared, filtered force of the press.", "Units": "N"},
     "reason": {"Description": "Reasons of the verdict."},
 }  # fmt: skip
+_UNFINISHED = ".unfinished"
 _README = """\
 # {name}
 
@@ -99,12 +101,13 @@ def export(
     reading: ReadingSettings,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Exported:
-    """Write the recordings as a data set into ``folder``, which must be empty or absent.
+    """Write the recordings as a data set into ``folder``, which must be empty or absent: whole, or nothing.
 
     base : folder that calibration files are relative to. A recording that cannot be read is left out and reported.
-    SettingError : the folder holds files, or two names become one BIDS label.
+    SettingError : the folder holds files or cannot be written to, or two names become one BIDS label.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    unfinished = folder / _UNFINISHED
+    if folder.exists() and (not folder.is_dir() or any(path != unfinished for path in folder.iterdir())):
         raise SettingError(
             folder, wanted="an empty or absent folder", found="files in it", do="Choose another folder with --out."
         )
@@ -112,6 +115,31 @@ def export(
         raise SettingError("--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task.")
     people = _labels("participant", [entry.participant for entry in entries])
     specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
+    absent = not folder.exists()
+    try:
+        shutil.rmtree(unfinished, ignore_errors=True)  # of a conversion that was killed
+        unfinished.mkdir(parents=True)
+        done = _converted(unfinished, name, entries, people, specimens, about, base, cocontraction, reading, progress)
+        for path in unfinished.iterdir():
+            path.rename(folder / path.name)
+    except OSError as error:
+        raise SettingError(
+            folder, wanted="a folder with room for the data set", found=error.strerror or str(error),
+            do="Make room, or choose another folder with --out. Nothing was left in it.",
+        ) from error  # fmt: skip
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        if absent and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+    return replace(done, files=tuple(folder / path.relative_to(unfinished) for path in done.files))
+
+
+def _converted(
+    folder: Path, name: str, entries: Sequence[RecordingEntry], people: Mapping[str, str],
+    specimens: Mapping[str, str], about: About, base: Path, cocontraction: CocontractionSettings,
+    reading: ReadingSettings, progress: Callable[[int, int, str], None] | None,
+) -> Exported:  # fmt: skip
+    """``export`` into a folder of its own. people, specimens : their BIDS labels."""
     files: list[Path] = []
     failures: list[tuple[str, str]] = []
     notes: list[str] = []

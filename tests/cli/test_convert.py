@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -191,3 +193,29 @@ def test_a_bad_recording_costs_itself_only(converted: Path, tmp_path: Path, caps
     said = capsys.readouterr()
     assert "not converted: ben/foam: " in said.err
     assert "2 recordings in" in said.out
+
+
+def test_a_full_disk_leaves_nothing_and_is_told_with_the_folder(
+    converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["convert", str(converted / "study.toml"), "--out", str(tmp_path / "b")]
+    (tmp_path / "b").mkdir()
+    with monkeypatch.context() as patched:
+        calls: list[Path] = []
+
+        def full(path: Path, *content: object) -> None:
+            calls.append(path)
+            if len(calls) == 3:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            path.touch()
+
+        patched.setattr("emg2vsa.pipeline.bids_export.write_json", full)
+        assert main(words) == 2
+    assert f"{tmp_path / 'b'}: wanted a folder with room" in (said := capsys.readouterr().err)
+    assert "No space left on device" in said
+    assert list((tmp_path / "b").iterdir()) == []
+    (tmp_path / "b" / ".unfinished").mkdir()  # as a killed conversion leaves it
+    assert main(words) == 0
+    assert sorted(path.name for path in (tmp_path / "b").iterdir()) == sorted(
+        path.name for path in (converted / "bids").iterdir()
+    )
