@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -109,5 +110,5 @@ def test_a_link_to_nothing_is_told(folder: Path, capsys: pytest.CaptureFixture[s
     (folder / "c.csv").symlink_to(folder / "annex" / "c.csv")
     assert main(["inspect", str(folder)]) == 1
     said = capsys.readouterr().out
-    assert "c.csv  not read" in said
+    assert re.search(r"c\.csv +not read", said)
     assert "2 of 3 files read" in said
