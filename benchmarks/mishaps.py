@@ -124,6 +124,14 @@ def _added(level_v: float) -> Mishap:
     return spoil
 
 
+def _baseline(level_v: float, hz: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        for number, (muscle, x) in enumerate(record.emg_v.items()):
+            record.emg_v[muscle] = x + level_v * np.sin(2 * np.pi * hz * record.time_s + number)
+
+    return spoil
+
+
 def _mains(parts: dict[float, float], *muscles: str) -> Mishap:
     def spoil(record: Record) -> None:
         hum = sum(np.sqrt(2) * v * np.sin(2 * np.pi * hz * record.time_s) for hz, v in parts.items())
@@ -162,11 +170,16 @@ def _burst(record: Record) -> None:
         x[begin : begin + 100] += 300e-6 * record.rng.standard_normal(100)
 
 
-def _ecg(record: Record) -> None:
-    beats_s = np.cumsum(60 / 72 + 0.03 * record.rng.standard_normal(int(record.time_s[-1] / 0.83) - 2))
-    for muscle, x in record.emg_v.items():
-        sharp = _pulses(record, beats_s, 0.04, 150e-6) - _pulses(record, beats_s + 0.03, 0.05, 50e-6)
-        record.emg_v[muscle] = x + sharp
+def _ecg(level_v: float, per_minute: float) -> Mishap:
+    def spoil(record: Record) -> None:
+        interval_s = 60 / per_minute
+        n = int(record.time_s[-1] / interval_s) - 2
+        beats_s = np.cumsum(interval_s * (1 + 0.036 * record.rng.standard_normal(n)))
+        for muscle, x in record.emg_v.items():
+            sharp = _pulses(record, beats_s, 0.04, level_v) - _pulses(record, beats_s + 0.03, 0.05, level_v / 3)
+            record.emg_v[muscle] = x + sharp
+
+    return spoil
 
 
 def _envelope(size: int, rms: bool) -> Callable[[Floats], Floats]:
@@ -258,6 +271,9 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "electrode off: 50 uV mains": (_noise_only(1e-6, mains_v=50e-6), "mains"),
     "electrode off: 60 uV noise": (_noise_only(60e-6), "does not rise"),
     "electrode off: slow wander": (_noise_only(5e-6, wander_v=1e-3), "does not"),
+    "baseline 0.2 mV, 0.5 Hz": (_baseline(200e-6, 0.5), "baseline"),
+    "baseline 1 mV, 0.3 Hz": (_baseline(1e-3, 0.3), "baseline"),
+    "baseline 3 mV, 0.2 Hz": (_baseline(3e-3, 0.2), "baseline"),
     "hard clipping": (_clipped(0.25), "clips"),
     "one-sided clipping": (_clipped(0.25, one_side=True), "clips"),
     "clipping, 0.2 uV noise on the rails": (_clipped(0.5, noise_v=2e-7), "saturated"),
@@ -266,7 +282,9 @@ MISHAPS: dict[str, tuple[Mishap, str]] = {
     "artefact at contact, 150 uV": (_contact(150e-6), "at contact"),
     "0.1 % spikes of 5 mV": (_spikes, "spikes"),
     "a 100 ms burst in one press": (_burst, "burst"),
-    "ECG of 150 uV": (_ecg, "heart"),
+    "ECG of 150 uV": (_ecg(150e-6, 72), "heart"),
+    "ECG of 60 uV, 160 a minute": (_ecg(60e-6, 160), "heart"),
+    "ECG of 60 uV, 190 a minute": (_ecg(60e-6, 190), "heart"),
     "EMG rectified already": (_all(lambda x: np.abs(x - np.median(x))), "rectified"),
     "EMG an envelope already": (_all(_envelope(100, False)), "envelope"),
     "EMG an RMS over 100 ms already": (_all(_envelope(100, True)), "envelope"),

@@ -26,6 +26,11 @@ MIN_POINTS = 3
 """Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""
 CERTAIN = 0.05
 "A slope that is this certain, as a share of itself, is never called uncertain beside others."
+WIDE = 0.2
+"""Half-width of the interval of b over the fitted level, from which on a slope is not known. To reject a press whose
+level hardly changes with force, but is known, would select on the outcome: what is left has too large a b. Of 400 clean
+presses 99 % have less than 0.12, with b down to nothing too; presses with spikes or a burst have 0.27 and more.
+"""
 NARROW = 1e-3
 """A trial whose forces differ by a smaller share of themselves is fitted, and says how many digits are left."""
 _COMMON = ("bin_edges_n", "activity_unit", "points", "weights", "confidence")
@@ -87,7 +92,8 @@ def fit_trials(
 ) -> Fits:
     """Fit every trial of a recording, the rejected ones too, and reject those whose fit is no fit.
 
-    ``judgements`` of people have the last word, except that what could not be fitted stays rejected.
+    ``judgements`` of people have the last word, that on a press before that on its recording, except that what could
+    not be fitted stays rejected, and so does a press of a recording with a fault unless all of it is accepted.
 
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
     (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
@@ -101,12 +107,11 @@ def fit_trials(
     reasons = _reasons(trials.reasons, fitted, reported.n, fit.points, bins.force_n)
     verdicts = np.where(fitted, trials.verdict, "rejected").tolist()
     if not trials.fault:
-        no_fit = _no_fit(curves, fitted & (trials.verdict != "rejected"), fit)
+        no_fit = _no_fit(curves, fitted & (trials.verdict != "rejected"), fit, window)
         for i, reason in no_fit.items():
             verdicts[i] = "rejected"
             reasons[i] = f"{reason}; {reasons[i]}" if reasons[i] else reason
-    for judgement in judgements:
-        _apply(judgement, trials, fitted, verdicts, reasons)
+    _apply(judgements, trials, fitted, verdicts, reasons)
     shown = {
         "a_v": reported.a, "b_v": reported.b, "a_se_v": reported.a_se, "b_se_v": reported.b_se,
         "b_lo_v": reported.b_lo, "b_hi_v": reported.b_hi, "adj_r2": reported.adj_r2,
@@ -137,40 +142,53 @@ def fit_trials(
     )
 
 
-def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings) -> dict[int, str]:
+def _no_fit(curves: PressFits, among: NDArray[np.bool_], fit: FitSettings, window: WindowSettings) -> dict[int, str]:
     """Press to why its fit is no fit, of those ``among`` the presses (n,) that could be fitted.
 
     The median interval is that of these presses; of fewer than three it says nothing.
     """
     reported, adj_r2 = curves.reported, curves.on_bins.adj_r2
     half = (reported.b_hi - reported.b_lo) / 2
+    level = reported.at(window.force_n).mean(axis=1)
     typical = median(half[among]) if np.count_nonzero(among) >= 3 else np.inf
     found = {}
     for i in np.flatnonzero(among).tolist():
-        if adj_r2[i] < fit.min_adj_r2:
+        wide = half[i] > WIDE * abs(level[i])
+        if wide and adj_r2[i] < fit.min_adj_r2:
             found[i] = f"its fit explains too little (adjusted R2 {adj_r2[i]:.2f})"
         elif fit.max_b_error_ratio and half[i] > max(fit.max_b_error_ratio * typical, CERTAIN * abs(reported.b[i])):
             found[i] = f"its slope is {half[i] / typical:.0f} times less certain than the others of its recording"
-        elif fit.max_b_error and half[i] > fit.max_b_error * abs(reported.b[i]):
+        elif wide and fit.max_b_error and half[i] > fit.max_b_error * abs(reported.b[i]):
             found[i] = f"its slope is uncertain by {100 * half[i] / abs(reported.b[i]):.0f} %"
     return found
 
 
 def _apply(
-    judgement: PressJudgement, trials: Trials, fitted: NDArray[np.bool_], verdicts: list[str], reasons: list[str]
+    judgements: Sequence[PressJudgement],
+    trials: Trials,
+    fitted: NDArray[np.bool_],
+    verdicts: list[str],
+    reasons: list[str],
 ) -> None:
-    """Put a person's word in the place of the program's, whose reasons stay behind it."""
-    if (judgement.participant, judgement.specimen) != (trials.participant, trials.specimen):
-        return
-    for i, repetition in enumerate(trials.repetition.tolist()):
-        if judgement.repetition not in (None, repetition):
-            continue
-        said = f"{'excluded' if judgement.excludes else 'accepted'} by hand: {judgement.reason}"
-        reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
-        if judgement.excludes:
-            verdicts[i] = "rejected"
-        elif fitted[i]:
-            verdicts[i] = "ok"
+    """Put people's words in the place of the program's, whose reasons stay behind; those on one press come last.
+
+    A fault is the recording's: only who accepts all of the recording overrules it.
+    """
+    cell = trials.participant, trials.specimen
+    own = [judgement for judgement in judgements if (judgement.participant, judgement.specimen) == cell]
+    overruled = any(judgement.repetition is None and not judgement.excludes for judgement in own)
+    for judgement in sorted(own, key=lambda judgement: judgement.repetition is not None):
+        for i, repetition in enumerate(trials.repetition.tolist()):
+            if judgement.repetition not in (None, repetition):
+                continue
+            said = f"{'excluded' if judgement.excludes else 'accepted'} by hand: {judgement.reason}"
+            if judgement.excludes:
+                verdicts[i] = "rejected"
+            elif trials.fault and not overruled:
+                said = f"[[accept]] of one press does not overrule a fault of its recording: {judgement.reason}"
+            elif fitted[i]:
+                verdicts[i] = "ok"
+            reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
 
 
 def _reasons(given: Sequence[str], fitted: NDArray[np.bool_], n: Ints, points: str, bin_force_n: Floats) -> list[str]:
@@ -246,8 +264,7 @@ def in_session(
 def _judged(trials: Trials, judgements: Sequence[PressJudgement]) -> Trials:
     """The trials with the verdicts of people."""
     verdicts, reasons = trials.verdict.tolist(), list(trials.reasons)
-    for judgement in judgements:
-        _apply(judgement, trials, np.ones(len(verdicts), dtype=np.bool_), verdicts, reasons)
+    _apply(judgements, trials, np.ones(len(verdicts), dtype=np.bool_), verdicts, reasons)
     return replace(trials, verdict=np.array(verdicts, dtype="<U8"), reasons=tuple(reasons))
 
 

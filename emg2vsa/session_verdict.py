@@ -130,13 +130,15 @@ def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doub
     ok, warned, rejected = (int(np.sum(judged == v)) for v in ("ok", "warned", "rejected"))
     found = len(trials.repetition)
     problems = grouped(zip(trials.repetition.tolist(), judged.tolist(), reasons, strict=True))
-    problems = [] if trials.fault else [*trials.remarks, *doubts, *problems]
+    # presses of a recording with a fault are used only where a person accepts all of it; the fault is then a remark
+    fault = "" if ok + warned else trials.fault
+    problems = [] if fault else [*trials.remarks, *doubts, *problems]
     if wanted is not None and found != wanted:
         problems.insert(0, f"{found} presses found, {wanted} wanted")
     if not found:
         problems += [note for note in trials.notes if note.startswith("presses: none")]
-    clean = not trials.remarks and not doubts
-    return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, trials.fault, tuple(problems), clean)
+    clean = not trials.remarks and not doubts and not trials.fault
+    return SpecimenVerdict(trials.specimen, found, wanted, ok, warned, rejected, fault, tuple(problems), clean)
 
 
 Doubts = dict[tuple[str, str], list[str]]

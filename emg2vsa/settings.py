@@ -172,6 +172,8 @@ class WindowSettings:
     "Share of samples at the extreme value above which a channel counts as clipped and the trial is rejected."
     max_missed_n: Positive = 0.3
     "A press whose record begins further than this above the lower force is rejected; a bin of the fit by default."
+    implausible: Literal["reject", "warn"] = "reject"
+    "reject: presses of signals that cannot be right (unit, rectified, zero of force lost) are not used; warn: told."
     expected_trials: Annotated[int, Ge(1)] | None = None
     "Number of presses a recording should hold; another number is reported."
 
@@ -189,9 +191,9 @@ class FitSettings:
     robust: bool = False
     "Huber weights on top, for bursts and artefacts."
     min_adj_r2: Annotated[float, Ge(-1), Lt(1)] = 0.3
-    "A press whose bins fit worse (adjusted R squared, least squares) is rejected; -1: none is."
+    "A press whose bins fit worse (adjusted R squared), with b not known to 0.2 of its level, is rejected; -1: none is."
     max_b_error: NonNegative = 4.0
-    "A press whose interval of b reaches further than so many times b to either side is rejected; 0: none is."
+    "... and one whose interval of b reaches further than so many times b, and than that, to either side; 0: none is."
     max_b_error_ratio: NonNegative = 10.0
     "... and one whose interval is so many times wider than the median of its recording; 0: none is."
     confidence: Annotated[float, Gt(0), Le(0.9999)] = 0.95
@@ -399,7 +401,7 @@ PAPER: dict[str, dict[str, Any]] = {
         "mains": "keep",
         "rest_level": "keep",
     },
-    "window": {"max_missed_n": 1000.0},
+    "window": {"max_missed_n": 1000.0, "implausible": "warn"},
     "fit": {
         "points": "samples",
         "weights": "none",

@@ -12,7 +12,8 @@ from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_channels, add_reading, channels_of, checked_settings, reading_of
 
 if TYPE_CHECKING:
-    from emg2vsa.study import RecordingEntry
+    from emg2vsa.fits import Fits
+    from emg2vsa.study import RecordingEntry, Study
 
 
 def add_to(commands: Commands) -> None:
@@ -56,11 +57,13 @@ def run(arguments: argparse.Namespace) -> int:
         study = load_study(arguments.source)
         name, entries, base = study.title, study.recordings, study.path.parent
         cocontraction, reading = study.cocontraction, study.reading
+        fits: dict[str, Fits] | None = _fits(study, quiet=arguments.json)
     else:
         name, entries, base = arguments.source.stem, (_entry(arguments),), Path()
         cocontraction, reading = CocontractionSettings(), reading_of(arguments, "convert")
+        fits = None
     done = export(
-        arguments.out, name, entries, about, base=base, cocontraction=cocontraction, reading=reading,
+        arguments.out, name, entries, about, base=base, cocontraction=cocontraction, reading=reading, fits=fits,
         progress=None if arguments.json else counter("convert"),
     )  # fmt: skip
     if arguments.json:
@@ -76,6 +79,21 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"note: {note}")
     print(f"{len(done.files)} recording{'s' if len(done.files) != 1 else ''} in {arguments.out}")
     return int(bool(done.failures))
+
+
+def _fits(study: Study, *, quiet: bool) -> dict[str, Fits]:
+    """Key of each recording that could be fitted to its fits, brought up to date, with the judgements of people."""
+    from emg2vsa import artifacts
+    from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.places import writable_or_temporary
+    from emg2vsa.pipeline.pool import available_cores
+    from emg2vsa.pipeline.run import run_study
+
+    with writable_or_temporary(study, None, now=True) as (placed, below):
+        board = run_study(
+            placed, stages=("trials", "fits"), jobs=available_cores(), progress=progress(quiet=quiet), below=below
+        )
+        return {key: artifacts.load(path) for key in board.campaign.recordings for path in board.done("fits", (key,))}
 
 
 def _distance(arguments: argparse.Namespace) -> float | None:

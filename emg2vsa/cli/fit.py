@@ -71,10 +71,11 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
     filters = {
         "band_hz": arguments.band, "output_fs_hz": arguments.output_fs, "force_cutoff_hz": arguments.force_cutoff,
     }  # fmt: skip
+    window = {"force_n": arguments.window, "min_duration_s": arguments.min_duration}
     asked = {
         "channels": (ChannelSettings, channels_of(arguments)),
         "filters": (FilterSettings, {**paper.get("filters", {}), **given(filters)}),
-        "window": (WindowSettings, given({"force_n": arguments.window, "min_duration_s": arguments.min_duration})),
+        "window": (WindowSettings, {**paper.get("window", {}), **given(window)}),
         "fit": (FitSettings, {**paper.get("fit", {}), **given({"bin_n": arguments.bin})}),
     }
     return checked_settings("fit", asked) | {"reading": reading_of(arguments, "fit")}

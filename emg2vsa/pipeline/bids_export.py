@@ -27,10 +27,11 @@ from emg2vsa.bids import (
     write_tsv,
 )
 from emg2vsa.errors import Emg2vsaError, SettingError
+from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.readers.bids_sidecars import side_files
 from emg2vsa.readers.roles import RoleChannels, read_roles
 from emg2vsa.recordings import Channel
-from emg2vsa.settings import CocontractionSettings, ReadingSettings
+from emg2vsa.settings import CocontractionSettings, FitSettings, ReadingSettings
 from emg2vsa.study import RecordingEntry, RecordingPart
 from emg2vsa.trials import Trials
 from emg2vsa.trials.extract import extract_trials
@@ -48,7 +49,7 @@ _EVENTS: Json = {
     },
     "repetition": {"Description": "Number of the press within the recording."},
     "verdict": {
-        "Description": "Verdict of emg2vsa on the press.",
+        "Description": "Verdict on the press, as it counts in the study: of emg2vsa, or of a person.",
         "Levels": {"ok": "Used.", "warned": "Used, with a remark.", "rejected": "Not used."},
     },
     "peak_force": {"Description": "Largest tared, filtered force of the press.", "Units": "N"},
@@ -61,7 +62,8 @@ _README = """\
 Recordings of people who pressed soft specimens with one finger, converted by emg2vsa {version}. Each has the surface
 EMG of the muscles in microvolts (amplifier gain divided out) and the pressing force in newtons (pressing positive, not
 tared), at the rates at which they were recorded. `acq-` names the specimen. The events are the presses as emg2vsa found
-them, with its verdicts. The last data record of a file may be filled up by repeating the last sample;
+them, with its verdicts. `run-` counts the recordings of a specimen in their order, whatever numbers their files bear:
+see below. The last data record of a file may be filled up by repeating the last sample;
 `RecordingDuration` is the true length.
 
 {sources}
@@ -99,11 +101,14 @@ def export(
     base: Path,
     cocontraction: CocontractionSettings,
     reading: ReadingSettings,
+    fits: Mapping[str, Fits] | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Exported:
     """Write the recordings as a data set into ``folder``, which must be empty or absent: whole, or nothing.
 
-    base : folder that calibration files are relative to. A recording that cannot be read is left out and reported.
+    base : folder that calibration files are relative to. fits : of a study by key of the recording, whose verdicts and
+    reasons the events have; None: the recordings belong to no study, and are fitted here by the default settings. A
+    recording that cannot be read is left out and reported.
     SettingError : the folder holds files or cannot be written to, or two names become one BIDS label.
     """
     unfinished = folder / _UNFINISHED
@@ -119,7 +124,9 @@ def export(
     try:
         shutil.rmtree(unfinished, ignore_errors=True)  # of a conversion that was killed
         unfinished.mkdir(parents=True)
-        done = _converted(unfinished, name, entries, people, specimens, about, base, cocontraction, reading, progress)
+        done = _converted(
+            unfinished, name, entries, people, specimens, about, base, cocontraction, reading, fits, progress
+        )
         for path in unfinished.iterdir():
             path.rename(folder / path.name)
     except OSError as error:
@@ -137,7 +144,7 @@ def export(
 def _converted(
     folder: Path, name: str, entries: Sequence[RecordingEntry], people: Mapping[str, str],
     specimens: Mapping[str, str], about: About, base: Path, cocontraction: CocontractionSettings,
-    reading: ReadingSettings, progress: Callable[[int, int, str], None] | None,
+    reading: ReadingSettings, fits: Mapping[str, Fits] | None, progress: Callable[[int, int, str], None] | None,
 ) -> Exported:  # fmt: skip
     """``export`` into a folder of its own. people, specimens : their BIDS labels."""
     files: list[Path] = []
@@ -148,13 +155,14 @@ def _converted(
     for entry in entries:
         stem = f"sub-{people[entry.participant]}_task-{about.task}"
         stem += f"_acq-{specimens[entry.specimen]}" if entry.specimen else ""
+        judged = None if fits is None else _Judged(fits.get(entry.key))
         for number, part in enumerate(entry.parts, 1):
             if progress is not None:
                 progress(len(files) + len(failures), total, entry.key)
             run = f"{stem}_run-{number}" if len(entry.parts) > 1 else stem
             target = folder / f"sub-{people[entry.participant]}" / "emg" / run
             try:
-                made, said = _write(target, entry, part, about, base, cocontraction, reading)
+                made, said = _write(target, entry, part, about, base, cocontraction, reading, judged)
             except Emg2vsaError as error:
                 failures.append((entry.key, str(error)))
                 continue
@@ -186,7 +194,7 @@ def _files_of(part: RecordingPart) -> list[Path]:
 
 def _write(
     target: Path, entry: RecordingEntry, part: RecordingPart, about: About, base: Path,
-    cocontraction: CocontractionSettings, reading: ReadingSettings,
+    cocontraction: CocontractionSettings, reading: ReadingSettings, judged: _Judged | None,
 ) -> tuple[list[Path], list[str]]:  # fmt: skip
     """Data and side files of one recording; several where its rates share no data record."""
     if part.fault:
@@ -196,22 +204,27 @@ def _write(
         part.emg_file, part.force_file, part.channels, reading, base / calibration if calibration else None
     )
     notes = []
+    presses: _Presses = []
     try:
-        trials: Trials | None = extract_trials(
+        trials = extract_trials(
             roles.emg, roles.force, participant=entry.participant, specimen=entry.specimen, filters=entry.filters,
             cocontraction=replace(cocontraction, normalise="none"),  # an event has times and force, and no activity
             window=entry.window, force_channel=part.channels.force,
         )  # fmt: skip
+        own = _Judged(fit_trials(trials, FitSettings(), entry.window)) if judged is None else judged
+        presses = own.presses(trials)
     except Emg2vsaError as error:
-        trials = None
         notes.append(f"no events were written: {error}")
     start_s = min(channel.start_s for channel in (*roles.emg.values(), roles.force))
+    for channel in (*roles.emg.values(), roles.force):
+        if moved := _moved(channel, start_s):
+            notes.append(f"{channel.name}: {moved}")
     groups = _groups(roles)
     paths = []
     for label, channels in groups.items():
         stem = f"{target.name}_recording-{label}" if len(groups) > 1 else target.name
         path = target.with_name(f"{stem}_emg.bdf")
-        _write_group(path, stem, channels, part, trials, start_s, about)
+        _write_group(path, stem, channels, part, presses, start_s, about)
         paths.append(path)
     return paths, notes
 
@@ -250,7 +263,7 @@ def _short_names(names: Sequence[str]) -> list[str]:
 
 
 def _write_group(
-    path: Path, stem: str, channels: _Named, part: RecordingPart, trials: Trials | None, start_s: float, about: About
+    path: Path, stem: str, channels: _Named, part: RecordingPart, presses: _Presses, start_s: float, about: About
 ) -> None:
     """One data file with its side files."""
     rates = {channel.fs_hz for channel, _ in channels.values()}
@@ -273,11 +286,12 @@ def _write_group(
         fs_hz = count / length_s
         transducer = "bipolar surface electrode" if muscle else "force sensor"
         stored.append(BdfChannel(label, filled * scale, unit, fs_hz, transducer))
-        rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before))
+        moved = _moved(channel, start_s)
+        rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before, moved))
         first, stop = runs_of(missing)
         lost = zip(first.tolist(), stop.tolist(), strict=True)
         gaps += [((before + i) / fs_hz, (j - i) / fs_hz) for i, j in lost]
-    events = _events(trials, start_s, gaps)
+    events = _events(presses, start_s, gaps)
     annotations = [(onset, duration, kind) for onset, duration, kind, *_ in events]
     content = bdf_bytes(
         stored, annotations, patient=stem.split("_")[0].removeprefix("sub-"), equipment="emg2vsa-convert",
@@ -290,10 +304,18 @@ def _write_group(
         write_tsv(path.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, events)
 
 
+def _moved(channel: Channel, start_s: float) -> str:
+    """By how much a channel stands beside its time, as all of a file start with a sample; "" below a microsecond."""
+    offset_s = (channel.start_s - start_s) * channel.fs_hz
+    moved_s = (round(offset_s) - offset_s) / channel.fs_hz
+    return f"moved by {1e3 * moved_s:+.3g} ms, to its nearest sample" if abs(moved_s) > 1e-6 else ""
+
+
 def _channel_row(
-    label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int
+    label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int, moved: str
 ) -> tuple[object, ...]:
-    told = f"the first {before} samples repeat the first one recorded" if before else "n/a"
+    repeated = f"the first {before} samples repeat the first one recorded" if before else ""
+    told = "; ".join(filter(None, (repeated, moved))) or "n/a"
     said = f"{'surface EMG of ' + muscle if muscle else 'pressing force'}; in the source {channel.name!r}: "
     said += channel.conversion
     head = (label, "EMG" if muscle else "MISC", unit, said, f"{fs_hz:.10g}")
@@ -309,14 +331,49 @@ _Event = tuple[float, float, str, object, str, str, str]
 """Cells in the order of ``EVENT_COLUMNS``."""
 
 
-def _events(trials: Trials | None, start_s: float, gaps: Sequence[tuple[float, float]]) -> list[_Event]:
+_Presses = list[tuple[float, float, int, str, str, str]]
+"""Of each press start and duration in seconds, and cells from ``repetition`` on."""
+
+
+@dataclass
+class _Judged:
+    """The verdicts of all presses of one participant on one specimen, whose files are gone through in turn."""
+
+    fits: Fits | None
+    _next: int = 0
+
+    def presses(self, trials: Trials) -> _Presses:
+        """The presses of the next file. The fits number those of all files on, and add whole seconds to their times."""
+        n = trials.repetition.size
+        if n == 0:
+            return []
+        starts_s = np.empty(0) if self.fits is None else self.fits.start_s
+        for first in range(self._next, starts_s.size - n + 1):
+            added_s = starts_s[first : first + n] - trials.start_s
+            if np.allclose(added_s, np.rint(added_s[0]), rtol=0, atol=1e-6):
+                break
+        else:
+            raise SettingError(
+                f"{trials.participant}/{trials.specimen}", wanted="its presses among those of the study",
+                found="none of them", do="Ask emg2vsa check why the recording is not used.",
+            )  # fmt: skip
+        self._next = first + n
+        assert self.fits is not None
+        judged = slice(first, self._next)
+        verdicts, reasons = self.fits.verdict[judged].tolist(), self.fits.reason[judged].tolist()
+        return [
+            (start_s, duration_s, repetition, verdict, f"{peak_n:.4g}", reason or "n/a")
+            for start_s, duration_s, repetition, verdict, peak_n, reason in zip(
+                trials.start_s.tolist(), trials.duration_s.tolist(), trials.repetition.tolist(), verdicts,
+                trials.peak_force_n.tolist(), reasons, strict=True,
+            )
+        ]  # fmt: skip
+
+
+def _events(presses: _Presses, start_s: float, gaps: Sequence[tuple[float, float]]) -> list[_Event]:
     rows: list[_Event] = [(round(onset, 6), round(s, 6), "gap", "n/a", "n/a", "n/a", "n/a") for onset, s in gaps]
-    if trials is not None:
-        for i, repetition in enumerate(trials.repetition.tolist()):
-            onset, duration = float(trials.start_s[i]) - start_s, float(trials.duration_s[i])
-            verdict, peak = str(trials.verdict[i]), f"{trials.peak_force_n[i]:.4g}"
-            reason = trials.reasons[i] or "n/a"
-            rows.append((round(onset, 4), round(duration, 4), "press", repetition, verdict, peak, reason))
+    for begin_s, duration_s, repetition, verdict, peak, reason in presses:
+        rows.append((round(begin_s - start_s, 4), round(duration_s, 4), "press", repetition, verdict, peak, reason))
     return sorted(rows, key=lambda row: row[0])
 
 

@@ -7,11 +7,12 @@ set on simulated mishaps and on clean signals of many kinds (benchmarks/mishaps.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 
 from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.signals.quality import MAINS_HZ
@@ -33,6 +34,11 @@ LOWEST_FS_HZ = 400.0
 "Below, a good part of the power of EMG lies above half the rate."
 EMG_ABOVE_HZ, EMG_SHARE = 20.0, 0.2
 "Raw EMG has more than this share of its power above this frequency."
+SLOW_S, WANDER, HIGH_PASS_HZ = 0.05, 3.0, 10.0
+"Baseline: means over this length, their spread over what is faster, and from where it is taken out to look past it."
+BROAD_HZ, BROAD, RISES = 40.0, 0.48, 2.0
+"""EMG on a baseline: share, of its power above 20 Hz, of what lies above 40 Hz (an envelope has up to 0.44, EMG from
+0.51), and power over that at rest."""
 PILED_UP, ONE_SIDED = 0.02, 0.4
 "Rectified EMG: share of samples next to the lowest value, and lower over upper spread about the median."
 TAIL = 1.32
@@ -47,7 +53,7 @@ BURST_S, BURST, CONTACT = 0.1, 3.0, 0.5
 "Length of a burst, its level over that of the other presses, and excess at contact over the level at half the force."
 SPIKE_SD, SPIKE_HEIGHT = 15.0, 3.0
 "A sample this far from its two neighbours' mean, in robust SDs of the press and over its loud parts, is no EMG."
-BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 2.5), 0.25
+BEAT_S, BEAT_LEVEL, BEATS, BEAT_RATE_HZ, BEAT_SPREAD = 0.03, 4.0, 5, (0.7, 3.3), 0.25
 "Heart beats at rest: length, height over the median, how many at least, how often, and spread of their intervals."
 PACKET, TWICE = 12, 0.005
 "Samples in a row that no signal repeats by chance, and the share of such that is remarked."
@@ -94,10 +100,12 @@ class Signals:
 
 def plausibility(signals: Signals) -> Plausibility:
     """What is implausible about the EMG of a recording; nothing of one without presses."""
-    pieces = [[x[i:j] for i, j in signals.presses.tolist() if j - i >= 8] for x in signals.samples]
+    stored = [_pieces(x, signals.presses, 8) for x in signals.samples]
     n_presses = len(signals.offsets) - 1
-    if n_presses == 0 or not pieces or not pieces[0]:
+    if n_presses == 0 or not stored or not stored[0]:
         return Plausibility("", (), ((),) * n_presses)
+    signals, wandering = _settled(signals, stored)
+    pieces = [_pieces(x, signals.presses, 8) for x in signals.samples] if wandering else stored
     found = [_spectra(of, signals.fs_hz) for of in pieces]
     hz, spectra = found[0][0], [each for _, each in found]
     pairs = list(_correlations(signals, hz, spectra))
@@ -111,8 +119,8 @@ def plausibility(signals: Signals) -> Plausibility:
     contacts = dict(_contacts(signals, profiles)) if abs(signals.lag_s) < LARGE_LAG_S else {}
     explained = {muscle for told in (beats, contacts, *spikes) for muscle in told}
     remarks = (
-        *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
-        *_fading(signals), *contacts.values(), *beats.values(), *_repeated(signals, pieces),
+        *wandering, *_rate(signals), *_crosstalk(pairs), *_ratios(signals), *_saturated(signals, pieces),
+        *_fading(signals), *contacts.values(), *beats.values(), *_repeated(signals, stored),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
     of_press = []
@@ -120,6 +128,43 @@ def plausibility(signals: Signals) -> Plausibility:
         bursts = [said for muscle, said in _bursts(signals, profiles, press) if muscle not in explained]
         of_press.append((*own.values(), *bursts))
     return Plausibility("", remarks, tuple(of_press))
+
+
+def _pieces(x: Floats, bounds: Ints, at_least: int) -> list[Floats]:
+    return [x[i:j] for i, j in bounds.tolist() if j - i >= at_least]
+
+
+def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Signals, list[str]]:
+    """The signals, EMG without a baseline that is far larger than it, and what is to be said of that.
+
+    What lies on the baseline is EMG where its power spreads past that of an envelope's ripple, and rises over rest.
+    """
+    size = max(1, round(SLOW_S * signals.fs_hz))
+    samples, said = list(signals.samples), []
+    for m, (muscle, of) in enumerate(zip(signals.muscles, stored, strict=True)):
+        blocks = np.concatenate([piece[: piece.size // size * size] for piece in of]).reshape(-1, size)
+        means = blocks.mean(axis=1)
+        if means.size < 2:
+            continue
+        wanders_v = float(np.subtract(*np.quantile(means, (0.95, 0.05))))
+        if wanders_v <= WANDER * float(np.std(blocks - means[:, None])):
+            continue
+        sections = signal.butter(2, HIGH_PASS_HZ, "highpass", fs=signals.fs_hz, output="sos")
+        fast = np.asarray(signal.sosfiltfilt(sections, samples[m]), dtype=np.float64)
+        resting = _pieces(fast, signals.rests, round(BLOCK_S * signals.fs_hz))
+        if not resting:
+            continue
+        hz, pressing = _spectra(_pieces(fast, signals.presses, 8), signals.fs_hz)
+        above, broad, rest = (
+            float(np.mean(np.sum(each[:, hz >= corner_hz].real ** 2 + each[:, hz >= corner_hz].imag ** 2, axis=1)))
+            for each, corner_hz in (
+                (pressing, EMG_ABOVE_HZ), (pressing, BROAD_HZ), (_spectra(resting, signals.fs_hz)[1], EMG_ABOVE_HZ),
+            )
+        )  # fmt: skip
+        if broad > BROAD * above and above > RISES * rest:
+            samples[m] = fast
+            said.append(f"the baseline of {muscle} wanders by {_volts(wanders_v)}; it was removed")
+    return (replace(signals, samples=tuple(samples)) if said else signals), said
 
 
 def force_unit_doubt(force_n: Floats, window_n: tuple[float, float]) -> str:
@@ -387,7 +432,7 @@ def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
             seconds += piece.size / signals.fs_hz
             if at.size == 0:
                 continue
-            groups = np.split(at, np.flatnonzero(np.diff(at) > 0.3 * signals.fs_hz) + 1)
+            groups = np.split(at, np.flatnonzero(np.diff(at) > 0.2 * signals.fs_hz) + 1)
             peaks = [int(group[np.argmax(smooth[group])]) for group in groups]
             n += len(peaks)
             intervals += (np.diff(peaks) / signals.fs_hz).tolist()

@@ -17,6 +17,7 @@ _DATE = re.compile(
     r"(19|20)\d{2}-?(0[1-9]|1[0-2])-?([0-2]\d|3[01])([T-]?\d{2}[-.h]?\d{2}([-.m]?\d{2})?)?s?|\d{6,}|\d{2}[-.]\d{2}[-.](\d{2}){1,2}"
 )
 _PERSON = re.compile(r"(?:p|sub|subj|subject|participant|part|vp|pt|person)-?\d+|sub-\w+", re.IGNORECASE)
+_PRESSED = re.compile(r"(?:s|spec|specimen|sample|probe)-?\d+", re.IGNORECASE)
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 """What no comment of TOML may hold; names of files may."""
 _SEPARATORS = re.compile(r"([/_ ]+)")
@@ -108,6 +109,8 @@ def _roles(named: Mapping[int, Sequence[str]]) -> _Roles | None:
     counts = {i for i, values in named.items() if all(value.isdecimal() for value in values)}
     words = [i for i in named if i not in counts]
     people = [i for i, values in named.items() if all(_PERSON.fullmatch(value) for value in values)]
+    if len(words) < 2 and len(counts) == 1 and _counts_up(named, words, *counts):
+        return _one_part(named, people)
     if len(words) < 2:
         words += [i for i in sorted(counts) if i not in words][: 2 - len(words)]
     for pair in _pairs(sorted(words), people):
@@ -127,6 +130,14 @@ def _roles(named: Mapping[int, Sequence[str]]) -> _Roles | None:
     return _one_part(named, people)
 
 
+def _counts_up(named: Mapping[int, Sequence[str]], others: Sequence[int], number: int) -> bool:
+    """Whether the number runs 1, 2, 3 and so on for each of the others, as repetitions do."""
+    found: dict[tuple[str, ...], list[int]] = {}
+    for *key, value in zip(*(named[i] for i in others), named[number], strict=True):
+        found.setdefault(tuple(key), []).append(int(value))
+    return all(sorted(values) == list(range(1, len(values) + 1)) for values in found.values())
+
+
 def _pairs(words: Sequence[int], people: Sequence[int]) -> list[tuple[int, int]]:
     """(participant, specimen) to be tried: a part that looks like people's ids first, else in their order."""
     pairs = [(i, j) for i in words for j in words if i < j]
@@ -138,18 +149,23 @@ def _pairs(words: Sequence[int], people: Sequence[int]) -> list[tuple[int, int]]
 
 
 def _one_part(named: Mapping[int, Sequence[str]], people: Sequence[int]) -> _Roles | None:
-    """A folder of one person, or of one specimen."""
+    """A folder of one person, or of one specimen, or of both: who has one specimen names files after people."""
+    numbers = [i for i, values in named.items() if all(value.isdecimal() for value in values)]
+    counted = "The number in their names was taken for the repetition."
     for i, values in named.items():
-        others = [j for j in named if j != i]
-        repetition = next(
-            (j for j in others if all(value.isdecimal() for value in named[j])), None
-        )  # fmt: skip
+        repetition = next((j for j in numbers if j != i), None)
         keys = list(zip(values, named[repetition] if repetition is not None else values, strict=True))
-        if len(set(keys)) < len(keys):
+        if len(set(keys)) < len(keys) or (len(named) == 1 and i in numbers and _counts_up(named, (), i)):
             continue
-        if i in people:
-            return i, None, repetition, ["All files were taken for recordings on one specimen."]
-        return None, i, repetition, ["All files were taken for recordings of one participant."]
+        guessed = [counted] if repetition is not None else []
+        if i not in people and all(_PRESSED.fullmatch(value) for value in values):
+            return None, i, repetition, ["All files were taken for recordings of one participant.", *guessed]
+        told = "All files were taken for recordings on one specimen."
+        if i not in people:
+            told = f"{FILL}: {values[0]!r} was taken for a participant; it may be a specimen of one participant."
+        return i, None, repetition, [told, *guessed]
+    if len(named) == 1:
+        return None, None, next(iter(named)), ["All files were taken for one participant on one specimen.", counted]
     return (None, None, None, ["The one file was taken for one participant on one specimen."]) if not named else None
 
 
@@ -186,6 +202,8 @@ def draft(
         lines[-1] += f"  # {FILL}: the names of the files do not tell who was recorded"
     for specimen in specimens:
         lines += ["", "[[specimens]]", f"name = {_text(specimen)}"]
+        if naming and "{specimen}" not in naming.pattern:
+            lines[-1] += f"  # {FILL}: the names of the files do not tell what was pressed"
         if specimen in stiffness:
             lines.append(f"stiffness_n_per_mm = {stiffness[specimen]:g}")
         else:
@@ -213,7 +231,7 @@ def draft(
 
 def _recordings(naming: Naming | None, files: Sequence[str], listed: Sequence[tuple[str, str]]) -> list[str]:
     if naming is not None:
-        lines = [f"# Check: {guess}" for guess in naming.guessed]
+        lines = [f"# {guess}" if guess.startswith(FILL) else f"# Check: {guess}" for guess in naming.guessed]
         lines += [f"# Not among them, since it is named otherwise: {file}" for file in naming.left_out]
         force = [f"force_pattern = {_text(naming.force_pattern)}"] if naming.force_pattern else []
         return [*lines, 'layout = "pattern"', f"pattern = {_text(naming.pattern)}", *force]

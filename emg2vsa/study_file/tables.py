@@ -176,7 +176,7 @@ class Recorded:
     exclude: tuple[JudgementTable, ...] = ()
     "Presses that a person rejects."
     accept: tuple[JudgementTable, ...] = ()
-    "Presses that a person takes as ok, whatever the program says; one without a fit stays rejected."
+    "Presses that a person takes as ok; one without a fit stays rejected, and a fault needs the whole recording."
 
 
 @dataclass(frozen=True, kw_only=True)

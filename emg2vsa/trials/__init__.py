@@ -81,7 +81,7 @@ class Trials:
     floor_subtracted: bool = False
     "Whether that level was subtracted in power, so that ``floor_bias`` is what b was corrected by."
     tare: str = "rest"
-    "rest: on the lulls; none: as the study says; impossible: the record never rests, and every press is rejected."
+    "rest: on the lulls; none: as the study says; impossible: the record never rests, and every press says so."
     zero_shift_n: Floats = field(default_factory=lambda: np.empty(0))
     "How far the force's zero moves around each press beside its steady drift, newtons; NaN where it is not known."
     fault: str = ""

@@ -203,12 +203,14 @@ def extract_trials(
     doubt = conditioned.sign_doubt or doubt_by_emg(
         force_n, measured_v, instants.offsets, rest_v, window.force_n, force_channel.sign
     )
-    doubt = doubt or force_unit_doubt(conditioned.force_n, window.force_n)
     signals = _looked_at(
         raw, chain, instants, conditioned.rest, emg_clock, force_clock, rest_v, force_n, measured_v, left.lag_s
     )
     seen = plausibility(signals)
-    fault = doubt or seen.fault
+    implausible = force_unit_doubt(conditioned.force_n, window.force_n) or seen.fault
+    rejects = window.implausible == "reject"
+    fault = doubt or (implausible if rejects else "")
+    remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
     biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
@@ -251,7 +253,7 @@ def extract_trials(
         tare=conditioned.tare,
         zero_shift_n=conditioned.zero_shift_n,
         fault=fault,
-        remarks=() if fault else seen.remarks,
+        remarks=() if fault else remarks,
         overviews=(emg_overview(raw.samples, raw.fs_hz, emg_clock.start_s, signals.presses, signals.rests),),
     )
 
@@ -382,12 +384,13 @@ def _said_of_bias(
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
     said: list[tuple[tuple[bool, str], ...]] = []
+    implausible = window.implausible == "reject"
     for i in range(floor.size):
         own: list[tuple[bool, str]] = []
         if force.tare == "impossible":
-            own.append((True, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
+            own.append((implausible, 'force is not tared: the record never rests (tare = "none" where it is zeroed)'))
         if force.zero_shift_n[i] > TOLD_SHIFT_N:
-            rejects = bool(force.zero_shift_n[i] > window.max_gap_force_n)
+            rejects = implausible and bool(force.zero_shift_n[i] > window.max_gap_force_n)
             own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
         if subtracted and abs(floor[i]) > LARGE_CORRECTION:
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))

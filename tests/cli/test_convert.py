@@ -130,12 +130,30 @@ def test_what_is_read_back_is_what_was_recorded(converted: Path) -> None:
 
 
 def test_activity_as_a_share_of_mvc_leaves_the_events_as_they_are(converted: Path, tmp_path: Path) -> None:
-    shutil.copy(converted / "ben_foam_7.csv", tmp_path / "ben_foam_7.csv")
+    for name in ("ben_foam_7.csv", "ben_mvc.csv"):
+        shutil.copy(converted / "ben_foam_7.csv", tmp_path / name)
     mvc = '[cocontraction]\nnormalise = "mvc"\n[[mvc]]\nparticipant = "ben"\nemg = "ben_mvc.csv"\n'
     (tmp_path / "study.toml").write_text(STUDY.replace('"anna_k", ', "") + mvc)
     assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 0
     name = "sub-ben/emg/sub-ben_task-palpation_acq-foam_events.tsv"
     assert (tmp_path / "b" / name).read_text() == (converted / "bids" / name).read_text()
+
+
+def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) -> None:
+    """Of fits and of people: press 3 of all is the first of the second file; no fit explains all but everything."""
+    words = ["participant", "specimen", "repetition", "reason"]
+    entry = dict(zip(words, ('"anna_k"', '"foam"', "3", '"sneezed"'), strict=True))
+    extra = "".join(f"{key} = {value}\n" for key, value in entry.items())
+    study = STUDY.replace('pattern = "', f'pattern = "{converted.as_posix()}/')
+    (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error = 0.001\n[[exclude]]\n{extra}")
+    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "bids")]) == 0
+    found = []
+    for run in (1, 2):
+        rows = table(f"{tmp_path}/bids/sub-annak/emg/sub-annak_task-palpation_acq-foam_run-{run}_events.tsv")
+        found += [(row["verdict"], row["reason"]) for row in rows if row["trial_type"] == "press"]
+    assert [verdict for verdict, _ in found] == ["rejected"] * 4
+    assert ["excluded by hand: sneezed" in reason for _, reason in found] == [False, False, True, False]
+    assert all("its slope is uncertain by" in reason for _, reason in found)
 
 
 def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -144,6 +162,21 @@ def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture
     assert main(["convert", file, "--out", str(tmp_path / "b"), *words]) == 0
     assert (tmp_path / "b/sub-ben/emg/sub-ben_task-palpation_emg.bdf").exists()
     assert "1 recording in" in capsys.readouterr().out
+
+
+def test_a_channel_between_two_samples_is_moved_and_told(
+    converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    time = np.arange(2000) / 100 + 0.0123
+    force = np.column_stack([time, 3 - 3 * np.cos(time)])
+    np.savetxt(tmp_path / "f.csv", force, "%.9g", ",", header="time (s),F (N)", comments="")
+    words = ["--emg", "EMG 1", "--force", "F", "--force-file", str(tmp_path / "f.csv"), "--participant", "ben"]
+    assert main(["convert", str(converted / "anna_k_foam_1.csv"), "--out", str(tmp_path / "b"), *words]) == 0
+    moved = "moved by -2.3 ms, to its nearest sample"
+    assert f"F: {moved}" in capsys.readouterr().out
+    rows = table(f"{tmp_path}/b/sub-ben/emg/sub-ben_task-palpation_channels.tsv")
+    assert rows[1]["status_description"] == f"the first 1 samples repeat the first one recorded; {moved}"
+    assert rows[0]["status_description"] == "n/a"
 
 
 def test_rates_that_share_no_record_become_two_files(tmp_path: Path) -> None:

@@ -53,6 +53,15 @@ def test_faults_are_named_with_their_line(fault, message: str) -> None:
         clock(fault(np.arange(100) / 1000.0))
 
 
+@pytest.mark.parametrize(("fs_hz", "digits"), [(1000.0, 3), (1259.259, 4), (2000.0, 4), (2148.148, 4)])
+@pytest.mark.parametrize("lost", [1, 27])
+def test_samples_lost_in_the_middle_of_rounded_stamps_are_found(fs_hz: float, digits: int, lost: int) -> None:
+    whole = np.round(np.arange(20000) / fs_hz, digits)
+    assert clock(whole)[0] == pytest.approx(fs_hz, rel=1e-5)
+    with pytest.raises(RecordingError, match=r"line 9002: .*found a gap of .*\(1 gaps\)"):
+        clock(np.delete(whole, slice(9000, 9000 + lost)))
+
+
 def test_a_rate_that_drifts_is_refused() -> None:
     with pytest.raises(RecordingError, match="evenly spaced"):
         clock(np.cumsum(np.linspace(1e-3, 1.2e-3, 1000)))

@@ -14,6 +14,7 @@ SAMPLE = (
     "EMG in uV labelled V", "EMG in V labelled mV", "one channel exported twice", "crosstalk 30 %",
     "contact fades to 0.2", "electrode off: slow wander", "clipping, 0.2 uV noise on the rails",
     "artefact at contact, 150 uV", "0.1 % spikes of 5 mV", "a 100 ms burst in one press", "ECG of 150 uV",
+    "ECG of 60 uV, 160 a minute",
     "EMG rectified already", "EMG an RMS over 100 ms already", "lbf labelled N", "record begins in the first press",
     "EMG exported at 200 Hz", "packets of 27 samples sent twice", "force 200 ms late",
 )  # fmt: skip
@@ -46,6 +47,27 @@ def test_no_alarm_over_an_unusual_muscle(carrier):
     assert found.trials.remarks == ()
     assert found.trials.fault == ""
     assert found.fits.verdict.tolist() == ["ok"] * 6
+
+
+@pytest.mark.parametrize("name", [name for name in MISHAPS if name.startswith("baseline")])
+def test_a_baseline_is_told_and_changes_nothing(name):
+    clean, record = judged(clean_record(13)), clean_record(13)
+    MISHAPS[name][0](record)
+    found = judged(record)
+    assert found.word == "usable"
+    assert found.verdict.ok == clean.verdict.ok == 8
+    assert [" ".join(line.split()[:4]) for line in found.verdict.problems] == [
+        "the baseline of EDC", "the baseline of FDS",
+    ]  # fmt: skip
+    assert found.b_v == pytest.approx(clean.b_v, rel=0.01)
+
+
+@pytest.mark.parametrize("size", [50, 100, 200])
+def test_an_envelope_is_no_baseline(size):
+    record = clean_record(14)
+    for muscle, x in record.emg_v.items():
+        record.emg_v[muscle] = np.convolve(np.abs(x), np.full(size, 1 / size), mode="same")
+    assert "is it an envelope" in judged(record).verdict.fault
 
 
 def test_units_of_force():

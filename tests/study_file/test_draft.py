@@ -30,9 +30,20 @@ from emg2vsa.study_file.draft import FILL, DraftChannel, draft, naming_of
             "{participant}_*_{specimen}.csv", "a b", "x y",
         ),
         (["20260501_a_x.csv"], "*_a_x.csv", "P01", "specimen"),
-        (["r_hard.csv", "r_soft.csv"], "r_{specimen}.csv", "P01", "hard soft"),
+        (["r_S1.csv", "r_S2.csv"], "r_{specimen}.csv", "P01", "S1 S2"),
+        (["anna_S1.csv", "ben_S1.csv", "carl_S1.csv"], "{participant}_S1.csv", "anna ben carl", "specimen"),
+        ([f"anna_S1_{i}.csv" for i in range(1, 7)], "anna_S1_{repetition}.csv", "P01", "specimen"),
+        (
+            [f"anna_S{k}_{i}.csv" for k in (1, 2) for i in range(1, 7)],
+            "anna_{specimen}_{repetition}.csv", "P01", "S1 S2",
+        ),
+        (
+            [f"{who}_S1_{i}.csv" for who in ("anna", "ben") for i in (1, 2, 3)],
+            "{participant}_S1_{repetition}.csv", "anna ben", "specimen",
+        ),
+        (["x_11.csv", "x_12.csv", "y_11.csv"], "{participant}_{specimen}.csv", "x y", "11 12"),
         (["P1_t.csv", "P2_t.csv"], "{participant}_t.csv", "P1 P2", "specimen"),
-        (["x_1.csv", "x_2.csv", "y_1.csv"], "{participant}_{specimen}.csv", "x y", "1 2"),
+        (["x_1.csv", "x_2.csv", "y_1.csv"], "{participant}_{repetition}.csv", "x y", "specimen"),
     ],
 )  # fmt: skip
 def test_names(files: list[str], pattern: str, people: str, specimens: str) -> None:
@@ -40,6 +51,19 @@ def test_names(files: list[str], pattern: str, people: str, specimens: str) -> N
     assert found is not None
     assert found.pattern == pattern
     assert (" ".join(found.participants), " ".join(found.specimens)) == (people, specimens)
+
+
+def test_what_names_do_not_tell_is_to_be_filled_in(tmp_path: Path) -> None:
+    naming = naming_of(["anna_1.csv", "anna_2.csv", "ben_1.csv"])
+    text = draft("s", naming, [], {"EDC": DraftChannel("E", "V")}, DraftChannel("Fz", "N"), {}, [])
+    assert f"# {FILL}: 'anna' was taken for a participant; it may be a specimen of one participant." in text
+    assert f'name = "specimen"  # {FILL}: the names of the files do not tell what was pressed' in text
+    assert "# Check: The number in their names was taken for the repetition." in text
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    for name in ("anna_1.csv", "anna_2.csv", "ben_1.csv"):
+        (tmp_path / name).touch()
+    found = {entry.key: len(entry.parts) for entry in load_study(tmp_path / "study.toml").recordings}
+    assert found == {"anna/specimen": 2, "ben/specimen": 1}
 
 
 def test_files_named_otherwise_are_told() -> None:

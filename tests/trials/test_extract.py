@@ -9,7 +9,7 @@ import pytest
 from scipy import signal
 
 from emg2vsa.errors import SettingError, SignalError
-from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.settings import PAPER, CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import one_pass_band_hz
 
 FS_HZ = 1000.0
@@ -219,3 +219,25 @@ def test_c3d_force_plate(shared_data, channel, extract):
     trials = extract({"leg": channel(analogs[muscle])}, force, window=window)
     assert trials.verdict.size >= 1
     assert np.all(np.isfinite(trials.force_n))
+
+
+def test_paper_mode_only_tells_what_is_implausible(force_of, recorded, extract):
+    """Rectified EMG, a unit, a zero of force that moved: rules newer than the paper may not change its means."""
+    spoilt = {
+        "rectified": (lambda x: np.abs(x), lambda f: f),
+        "its unit mV": (lambda x: 1e3 * x, lambda f: f),
+        "the zero of force moves": (lambda x: x, lambda f: f + 1.0 * (np.arange(f.size) > f.size / 2)),
+    }
+    paper = WindowSettings(**PAPER["window"])
+    for word, (of_emg, of_force) in spoilt.items():
+        emg, force = recorded(force_of(*[RISE] * 4))
+        emg = {name: replace(one, samples=of_emg(one.samples)) for name, one in emg.items()}
+        force = replace(force, samples=of_force(force.samples))
+        told = extract(emg, force, window=paper)
+        assert told.fault == ""
+        assert "rejected" not in told.verdict
+        assert told.repetition.size == 4
+        assert word in "; ".join((*told.remarks, *told.reasons))
+        usual = extract(emg, force, window=replace(paper, implausible="reject"))
+        assert np.array_equal(usual.activity, told.activity)
+        assert "rejected" in usual.verdict
