@@ -145,7 +145,7 @@ def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) ->
     entry = dict(zip(words, ('"anna_k"', '"foam"', "3", '"sneezed"'), strict=True))
     extra = "".join(f"{key} = {value}\n" for key, value in entry.items())
     study = STUDY.replace('pattern = "', f'pattern = "{converted.as_posix()}/')
-    (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error = 0.001\n[[exclude]]\n{extra}")
+    (tmp_path / "study.toml").write_text(f"{study}[fit]\nmax_b_error_ratio = 0.001\n[[exclude]]\n{extra}")
     assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "bids")]) == 0
     found = []
     for run in (1, 2):
