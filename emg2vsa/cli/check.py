@@ -227,7 +227,7 @@ def _warm_up(study: Study, below: Path | None) -> None:
 
 def _listing(folder: Path) -> frozenset[str]:
     """The files below the folder, but for hidden folders."""
-    found = set()
+    found: set[str] = set()
     for inside, folders, files in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
         found.update(os.path.join(inside, name) for name in files)
