@@ -140,7 +140,7 @@ def test_activity_as_a_share_of_mvc_leaves_the_events_as_they_are(converted: Pat
 
 
 def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) -> None:
-    """Of fits and of people: press 3 of all is the first of the second file; no fit explains all but everything."""
+    """Of fits and of people: press 3 of all is the first of the second file; a limit of the fits rejects all."""
     words = ["participant", "specimen", "repetition", "reason"]
     entry = dict(zip(words, ('"anna_k"', '"foam"', "3", '"sneezed"'), strict=True))
     extra = "".join(f"{key} = {value}\n" for key, value in entry.items())
@@ -153,7 +153,7 @@ def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) ->
         found += [(row["verdict"], row["reason"]) for row in rows if row["trial_type"] == "press"]
     assert [verdict for verdict, _ in found] == ["rejected"] * 4
     assert ["excluded by hand: sneezed" in reason for _, reason in found] == [False, False, True, False]
-    assert all("its slope is uncertain by" in reason for _, reason in found)
+    assert all("times less certain than the others" in reason for _, reason in found)
 
 
 def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
