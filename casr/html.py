@@ -31,7 +31,11 @@ figure{margin:1rem 0}
 figure h3{margin:0 0 .3rem}
 figure img,figure svg{display:block;width:100%;height:auto;background:#fff}
 .pictures img,.pictures svg{border:1px solid var(--line)}
-.wide{overflow-x:auto}
+.wide{overflow-x:auto;background:
+linear-gradient(90deg,var(--page) 2rem,transparent) 0/4rem 100% no-repeat local,
+linear-gradient(-90deg,var(--page) 2rem,transparent) 100%/4rem 100% no-repeat local,
+linear-gradient(90deg,#8888,transparent) 0/.8rem 100% no-repeat scroll,
+linear-gradient(-90deg,#8888,transparent) 100%/.8rem 100% no-repeat scroll}
 @media(max-width:40rem){.wide table{min-width:34rem}}
 table{border-collapse:collapse;font-size:.86rem;margin:.5rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;padding:.2rem 0}
@@ -49,7 +53,10 @@ footer{margin:2rem auto}
 @media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible}figure,tr{break-inside:avoid}
 h2{break-after:avoid}a{color:inherit;text-decoration:none}details:not([open])>*{display:none}}
 """
-"One column, readable on a phone, by night and on paper; no fonts or scripts from elsewhere."
+"""One column, readable on a phone, by night and on paper; no fonts or scripts from elsewhere.
+
+What is wider than the page scrolls sideways, with a shadow at the edge behind which there is more.
+"""
 
 
 def page(title: str, header: str, nav: Iterable[tuple[str, str]], body: str, footer: str) -> str:

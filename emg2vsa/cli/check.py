@@ -145,8 +145,12 @@ def told(verdicts: Iterable[SessionVerdict], stream: TextIO) -> Iterator[str]:
             if advice.do:
                 yield f"      -> {advice.do}"
     if counts.total() > 1:
-        unreadable = f", {counts['unreadable']} unreadable" if counts["unreadable"] else ""
-        yield f"{counts['good']} good, {counts['usable']} usable, {counts['repeat']} to repeat{unreadable}"
+        yield _counted(counts)
+
+
+def _counted(verdicts: Counter[str]) -> str:
+    unreadable = f", {verdicts['unreadable']} unreadable" if verdicts["unreadable"] else ""
+    return f"{verdicts['good']} good, {verdicts['usable']} usable, {verdicts['repeat']} to repeat{unreadable}"
 
 
 def _coloured(word: str, stream: TextIO) -> str:
@@ -159,22 +163,41 @@ def _coloured(word: str, stream: TextIO) -> str:
 
 def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Path | None) -> int:
     from emg2vsa.cli.progress import progress
-    from emg2vsa.errors import SettingError
+    from emg2vsa.errors import Emg2vsaError, SettingError
 
     folder = Path(os.path.abspath(arguments.watch))
     if not folder.is_dir():
         raise SettingError(folder, wanted="a folder to watch", found="none", do="Make it, or correct the path.")
-    entries = [entry for entry in study.recordings if any(folder in path.parents for path in entry.files)]
-    if not entries:
+
+    def awaited() -> list[RecordingEntry]:
+        return [entry for entry in study.recordings if any(folder in path.parents for path in entry.files)]
+
+    if not awaited():
         raise SettingError(
             folder, wanted="the folder where recordings of the study land", found="none of them belongs there",
             do=f"The study's recordings lie in {study.data}.",
         )  # fmt: skip
+    listed = _listing(folder)
+
+    def now() -> list[RecordingEntry]:
+        """What is awaited; a pattern with * or {repetition} finds other files once files have come or gone."""
+        nonlocal study, whole, listed
+        if (present := _listing(folder)) != listed:
+            listed = present
+            try:
+                found, _ = study_of(arguments)
+                chosen = _only(found, arguments.participants)
+                whole = dataclasses.replace(whole, recordings=found.recordings)
+                study = dataclasses.replace(study, recordings=chosen.recordings)
+            except Emg2vsaError as error:  # the study file was edited meanwhile
+                print(f"emg2vsa: {error}", file=sys.stderr)
+        return awaited()
+
     _warm_up(study, below)
     verdicts: dict[str, str] = {}
     print(f"Watching {folder}; Ctrl-C ends.", file=sys.stderr)
     try:
-        for entry in landings(entries, time.sleep):
+        for entry in landings(now, time.sleep):
             one = dataclasses.replace(study, recordings=(entry,))
             (verdict,) = _judge(one, whole, 1, progress(quiet=True), below)
             verdicts[entry.key] = verdict.verdict
@@ -187,7 +210,7 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
                     bell = ""
     except KeyboardInterrupt:
         counts = Counter(verdicts.values())
-        print(f"\n{counts['good']} good, {counts['usable']} usable, {counts['repeat']} to repeat", file=sys.stderr)
+        print(f"\n{_counted(counts)}", file=sys.stderr)
     return int(any(verdict in ("repeat", "unreadable") for verdict in verdicts.values()))
 
 
@@ -202,26 +225,38 @@ def _warm_up(study: Study, below: Path | None) -> None:
     survey(study, STAGES, lambda text: None, below=below)
 
 
-def landings(entries: Iterable[RecordingEntry], wait: Callable[[float], None]) -> Iterator[RecordingEntry]:
+def _listing(folder: Path) -> frozenset[str]:
+    """The files below the folder, but for hidden folders."""
+    found: set[str] = set()
+    for inside, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        found.update(os.path.join(inside, name) for name in files)
+    return frozenset(found)
+
+
+def landings(now: Callable[[], Iterable[RecordingEntry]], wait: Callable[[float], None]) -> Iterator[RecordingEntry]:
     """Each recording whenever its files are complete: there, and unchanged over two looks; again when they change.
 
-    Recordings that are complete at the first two looks are not told: they were there before.
+    now : the recordings with the files that they have at a look. Those that are complete at the first look are not
+    told: they were there before.
     """
-    waiting = list(entries)
-    before = {entry.key: _state(entry) for entry in waiting}
+    before = {entry.key: _state(entry) for entry in now()}
     done = dict(before)
     while True:
         wait(POLL_S)
-        for entry in waiting:
+        for entry in now():
             state = _state(entry)
-            if state is not None and state == before[entry.key] != done[entry.key]:
+            if state is not None and state == before.get(entry.key) != done.get(entry.key):
                 done[entry.key] = state
                 yield entry
             before[entry.key] = state
 
 
-def _state(entry: RecordingEntry) -> tuple[tuple[int, int], ...] | None:
-    """Size and time of each file of a recording; None while one is absent or empty."""
+_State = tuple[tuple[Path, int, int], ...]
+
+
+def _state(entry: RecordingEntry) -> _State | None:
+    """Each file of a recording with its size and time; None while one is absent or empty."""
     found = []
     for path in entry.files:
         try:
@@ -230,5 +265,5 @@ def _state(entry: RecordingEntry) -> tuple[tuple[int, int], ...] | None:
             return None
         if status.st_size == 0:
             return None
-        found.append((status.st_size, status.st_mtime_ns))
+        found.append((path, status.st_size, status.st_mtime_ns))
     return tuple(found)

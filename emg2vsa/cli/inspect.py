@@ -15,7 +15,10 @@ from emg2vsa.cli.arguments import add_reading, reading_of
 if TYPE_CHECKING:
     from emg2vsa.readers.survey import FileFacts
 
-NOT_RECORDINGS = {".json", ".tsv", ".md", ".toml", ".html", ".py", ".cal", ".pdf", ".docx", ".gitignore", ".bidsignore"}
+NOT_RECORDINGS = {
+    ".json", ".tsv", ".md", ".toml", ".html", ".py", ".cal", ".pdf", ".docx", ".gitignore", ".bidsignore", ".svg",
+    ".tex", ".png",
+}  # fmt: skip
 """Files of a folder that are known to be no recordings."""
 _LONGEST_REASON, _LONGEST_NAME = 120, 24
 
@@ -94,10 +97,17 @@ def recordings_in(given: Sequence[Path]) -> list[Path]:
 
 
 def _below(folder: Path) -> Iterator[Path]:
-    for path in sorted(folder.rglob("*")):
+    """The files that may be recordings. Folders inside it that hold a report or results of this program have none."""
+    from emg2vsa.pipeline.ledger import LEDGER_FILE
+    from emg2vsa.pipeline.places import OWNER_FILE
+
+    found = sorted(folder.rglob("*"))
+    made = {path.parent for path in found if path.name in (OWNER_FILE, LEDGER_FILE)} - {folder}
+    for path in found:
         hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
         named = path.stem.upper().startswith(("LICENSE", "README", "SOURCES"))
-        if path.is_file() and not hidden and not named and path.suffix.lower() not in NOT_RECORDINGS:
+        kept = not hidden and not named and path.suffix.lower() not in NOT_RECORDINGS and made.isdisjoint(path.parents)
+        if kept and (path.is_file() or not path.exists()):  # a link to nothing is told as unreadable
             yield path
 
 

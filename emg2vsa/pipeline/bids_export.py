@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -54,13 +55,15 @@ _EVENTS: Json = {
     "peak_force": {"Description": "Largest tared, filtered force of the press.", "Units": "N"},
     "reason": {"Description": "Reasons of the verdict."},
 }  # fmt: skip
+_UNFINISHED = ".unfinished"
 _README = """\
 # {name}
 
 Recordings of people who pressed soft specimens with one finger, converted by emg2vsa {version}. Each has the surface
 EMG of the muscles in microvolts (amplifier gain divided out) and the pressing force in newtons (pressing positive, not
 tared), at the rates at which they were recorded. `acq-` names the specimen. The events are the presses as emg2vsa found
-them, with its verdicts. The last data record of a file may be filled up by repeating the last sample;
+them, with its verdicts. `run-` counts the recordings of a specimen in their order, whatever numbers their files bear:
+see below. The last data record of a file may be filled up by repeating the last sample;
 `RecordingDuration` is the true length.
 
 {sources}
@@ -101,14 +104,15 @@ def export(
     fits: Mapping[str, Fits] | None = None,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Exported:
-    """Write the recordings as a data set into ``folder``, which must be empty or absent.
+    """Write the recordings as a data set into ``folder``, which must be empty or absent: whole, or nothing.
 
     base : folder that calibration files are relative to. fits : of a study by key of the recording, whose verdicts and
     reasons the events have; None: the recordings belong to no study, and are fitted here by the default settings. A
     recording that cannot be read is left out and reported.
-    SettingError : the folder holds files, or two names become one BIDS label.
+    SettingError : the folder holds files or cannot be written to, or two names become one BIDS label.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    unfinished = folder / _UNFINISHED
+    if folder.exists() and (not folder.is_dir() or any(path != unfinished for path in folder.iterdir())):
         raise SettingError(
             folder, wanted="an empty or absent folder", found="files in it", do="Choose another folder with --out."
         )
@@ -116,6 +120,33 @@ def export(
         raise SettingError("--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task.")
     people = _labels("participant", [entry.participant for entry in entries])
     specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
+    absent = not folder.exists()
+    try:
+        shutil.rmtree(unfinished, ignore_errors=True)  # of a conversion that was killed
+        unfinished.mkdir(parents=True)
+        done = _converted(
+            unfinished, name, entries, people, specimens, about, base, cocontraction, reading, fits, progress
+        )
+        for path in unfinished.iterdir():
+            path.rename(folder / path.name)
+    except OSError as error:
+        raise SettingError(
+            folder, wanted="a folder with room for the data set", found=error.strerror or str(error),
+            do="Make room, or choose another folder with --out. Nothing was left in it.",
+        ) from error  # fmt: skip
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        if absent and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+    return replace(done, files=tuple(folder / path.relative_to(unfinished) for path in done.files))
+
+
+def _converted(
+    folder: Path, name: str, entries: Sequence[RecordingEntry], people: Mapping[str, str],
+    specimens: Mapping[str, str], about: About, base: Path, cocontraction: CocontractionSettings,
+    reading: ReadingSettings, fits: Mapping[str, Fits] | None, progress: Callable[[int, int, str], None] | None,
+) -> Exported:  # fmt: skip
+    """``export`` into a folder of its own. people, specimens : their BIDS labels."""
     files: list[Path] = []
     failures: list[tuple[str, str]] = []
     notes: list[str] = []
@@ -177,13 +208,17 @@ def _write(
     try:
         trials = extract_trials(
             roles.emg, roles.force, participant=entry.participant, specimen=entry.specimen, filters=entry.filters,
-            cocontraction=cocontraction, window=entry.window, force_channel=part.channels.force,
+            cocontraction=replace(cocontraction, normalise="none"),  # an event has times and force, and no activity
+            window=entry.window, force_channel=part.channels.force,
         )  # fmt: skip
         own = _Judged(fit_trials(trials, FitSettings(), entry.window)) if judged is None else judged
         presses = own.presses(trials)
     except Emg2vsaError as error:
         notes.append(f"no events were written: {error}")
     start_s = min(channel.start_s for channel in (*roles.emg.values(), roles.force))
+    for channel in (*roles.emg.values(), roles.force):
+        if moved := _moved(channel, start_s):
+            notes.append(f"{channel.name}: {moved}")
     groups = _groups(roles)
     paths = []
     for label, channels in groups.items():
@@ -251,7 +286,8 @@ def _write_group(
         fs_hz = count / length_s
         transducer = "bipolar surface electrode" if muscle else "force sensor"
         stored.append(BdfChannel(label, filled * scale, unit, fs_hz, transducer))
-        rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before))
+        moved = _moved(channel, start_s)
+        rows.append(_channel_row(label, channel, muscle, unit, fs_hz, about, before, moved))
         first, stop = runs_of(missing)
         lost = zip(first.tolist(), stop.tolist(), strict=True)
         gaps += [((before + i) / fs_hz, (j - i) / fs_hz) for i, j in lost]
@@ -268,10 +304,18 @@ def _write_group(
         write_tsv(path.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, events)
 
 
+def _moved(channel: Channel, start_s: float) -> str:
+    """By how much a channel stands beside its time, as all of a file start with a sample; "" below a microsecond."""
+    offset_s = (channel.start_s - start_s) * channel.fs_hz
+    moved_s = (round(offset_s) - offset_s) / channel.fs_hz
+    return f"moved by {1e3 * moved_s:+.3g} ms, to its nearest sample" if abs(moved_s) > 1e-6 else ""
+
+
 def _channel_row(
-    label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int
+    label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int, moved: str
 ) -> tuple[object, ...]:
-    told = f"the first {before} samples repeat the first one recorded" if before else "n/a"
+    repeated = f"the first {before} samples repeat the first one recorded" if before else ""
+    told = "; ".join(filter(None, (repeated, moved))) or "n/a"
     said = f"{'surface EMG of ' + muscle if muscle else 'pressing force'}; in the source {channel.name!r}: "
     said += channel.conversion
     head = (label, "EMG" if muscle else "MISC", unit, said, f"{fs_hz:.10g}")

@@ -20,6 +20,8 @@ from emg2vsa.pipeline.fingerprint import Part, digest
 KEPT_RESULTS = 2
 """Results kept of a step: the current one and the one before, so that a setting can be tried and taken back."""
 
+LEDGER_FILE = "ledger.jsonl"
+
 
 @dataclass(frozen=True)
 class Parts:
@@ -56,7 +58,7 @@ class Ledger:
     """The newest entries of every step. ``warn`` is told what could not be read."""
 
     def __init__(self, folder: Path, warn: Callable[[str], None] = lambda text: None) -> None:
-        self._path = folder / "ledger.jsonl"
+        self._path = folder / LEDGER_FILE
         self._entries: dict[str, list[Entry]] = {}
         self._parts: dict[str, Part] = {}
         self._lines = 0

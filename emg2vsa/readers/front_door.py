@@ -38,8 +38,11 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
         kind = path.stat().st_mode
         head = head_of(path) if stat.S_ISREG(kind) or stat.S_ISDIR(kind) else None
     except OSError as error:
+        found = error.strerror or "an error"
+        if isinstance(error, FileNotFoundError) and any(text in str(path) for text in ("*", "{repetition}")):
+            found = "no file that matches this pattern"  # as the study file has it, for want of a match
         raise RecordingError(
-            path, wanted="a readable file", found=error.strerror or "an error", do="Check the path in the study file."
+            path, wanted="a readable file", found=found, do="Check the path in the study file."
         ) from error
     if head is None:  # reading it may never end
         raise RecordingError(path, wanted="a file", found="a pipe or a device", do="Copy what it gives into a file.")

@@ -405,6 +405,8 @@ def _spikes(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
             continue
         bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
         typical = float(np.median(bend)) / 0.6745
+        if not float(bend.max()) > SPIKE_SD * typical:
+            continue
         # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
         loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - np.median(x)), 0.99))
         far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud)) if typical > 0 else np.empty(0, np.int64)

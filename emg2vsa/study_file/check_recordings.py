@@ -245,6 +245,9 @@ def _gauges(channels: ChannelSettings | None = None, recordings: RecordingsTable
         if force.newtons_per_unit is not None:
             do = "The calibration gives newtons; volts_per_unit is for gauges in counts."
             yield Problem((*at, "newtons_per_unit"), "either cal_file or newtons_per_unit", "both", do)
+        if force.unit is not None and force.volts_per_unit is not None:
+            do = "unit is for gauges in volts; volts_per_unit for gauges in counts."
+            yield Problem((*at, "unit"), "either unit or volts_per_unit", "both", do)
 
 
 def _channels_of_all(recordings: RecordingsTable, raw: Mapping[str, Any]) -> Iterator[Problem]:

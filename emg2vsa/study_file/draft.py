@@ -18,6 +18,8 @@ _DATE = re.compile(
 )
 _PERSON = re.compile(r"(?:p|sub|subj|subject|participant|part|vp|pt|person)-?\d+|sub-\w+", re.IGNORECASE)
 _PRESSED = re.compile(r"(?:s|spec|specimen|sample|probe)-?\d+", re.IGNORECASE)
+_CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
+"""What no comment of TOML may hold; names of files may."""
 _SEPARATORS = re.compile(r"([/_ ]+)")
 
 
@@ -224,7 +226,7 @@ def draft(
         "# A specimen that nobody pressed, for which schedules are to be made; specimens need their stiffness for it:",
         "# [profile]", '# new_specimen = "new"', "# new_stiffness_n_per_mm = 3.0", "",
     ]  # fmt: skip
-    return "\n".join(lines)
+    return "\n".join(_CONTROL.sub(lambda match: _text(match[0])[1:-1], line) for line in lines)
 
 
 def _recordings(naming: Naming | None, files: Sequence[str], listed: Sequence[tuple[str, str]]) -> list[str]:

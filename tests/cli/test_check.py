@@ -71,7 +71,7 @@ def test_a_recording_is_told_when_its_files_are_complete(tmp_path: Path) -> None
         script.get(look, lambda: None)()
 
     found = []
-    landed = landings(entries, wait)
+    landed = landings(lambda: entries, wait)
     while (entry := _next(landed)) is not None:
         found.append((entry.key, at[-1]))
     # not at looks 2 to 5, while the force file is absent or empty; once more after it changed at look 9
@@ -112,3 +112,35 @@ def test_a_folder_that_cannot_be_watched(
     said = capsys.readouterr().err
     assert says in said
     assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("pattern", "files"),
+    [("*_{participant}_{specimen}.csv", ["1_P01_S1.csv"]),
+     ("{participant}_{specimen}_{repetition}.csv", ["P01_S1_1.csv", "P01_S1_2.csv"])],
+)  # fmt: skip
+def test_files_of_a_pattern_are_seen_as_they_land(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], pattern: str, files: list[str]
+) -> None:
+    (tmp_path / "study.toml").write_text(STUDY.replace("{participant}_{specimen}.csv", pattern))
+    (tmp_path / "raw").mkdir()
+    looks = itertools.count()
+
+    def wait(seconds: float) -> None:
+        look = next(looks)
+        if look == 4 * len(files):
+            raise KeyboardInterrupt
+        if look % 4 == 0:
+            (tmp_path / "raw" / files[look // 4]).write_text("no table")
+
+    monkeypatch.setattr("emg2vsa.cli.check.time.sleep", wait)
+    assert main(["check", str(tmp_path / "study.toml"), "--watch", str(tmp_path / "raw")]) == 1
+    said = capsys.readouterr()
+    assert said.out.count("UNREADABLE") == len(files)
+    assert said.err.endswith("0 good, 0 usable, 0 to repeat, 1 unreadable\n")
+
+
+def test_a_pattern_without_a_match_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "study.toml").write_text(STUDY.replace("{participant}_", "*_{participant}_"))
+    assert main(["check", str(tmp_path / "study.toml")]) == 1
+    assert "*_P01_S1.csv: wanted a readable file; found no file that matches this pattern" in capsys.readouterr().out

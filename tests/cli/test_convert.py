@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -127,6 +129,16 @@ def test_what_is_read_back_is_what_was_recorded(converted: Path) -> None:
     assert [len(entry.parts) for entry in load_study(converted / "again.toml").recordings] == [2, 1]
 
 
+def test_activity_as_a_share_of_mvc_leaves_the_events_as_they_are(converted: Path, tmp_path: Path) -> None:
+    for name in ("ben_foam_7.csv", "ben_mvc.csv"):
+        shutil.copy(converted / "ben_foam_7.csv", tmp_path / name)
+    mvc = '[cocontraction]\nnormalise = "mvc"\n[[mvc]]\nparticipant = "ben"\nemg = "ben_mvc.csv"\n'
+    (tmp_path / "study.toml").write_text(STUDY.replace('"anna_k", ', "") + mvc)
+    assert main(["convert", str(tmp_path / "study.toml"), "--out", str(tmp_path / "b")]) == 0
+    name = "sub-ben/emg/sub-ben_task-palpation_acq-foam_events.tsv"
+    assert (tmp_path / "b" / name).read_text() == (converted / "bids" / name).read_text()
+
+
 def test_events_have_the_verdicts_that_count(converted: Path, tmp_path: Path) -> None:
     """Of fits and of people: press 3 of all is the first of the second file; a limit of the fits rejects all."""
     words = ["participant", "specimen", "repetition", "reason"]
@@ -150,6 +162,21 @@ def test_one_file(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture
     assert main(["convert", file, "--out", str(tmp_path / "b"), *words]) == 0
     assert (tmp_path / "b/sub-ben/emg/sub-ben_task-palpation_emg.bdf").exists()
     assert "1 recording in" in capsys.readouterr().out
+
+
+def test_a_channel_between_two_samples_is_moved_and_told(
+    converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    time = np.arange(2000) / 100 + 0.0123
+    force = np.column_stack([time, 3 - 3 * np.cos(time)])
+    np.savetxt(tmp_path / "f.csv", force, "%.9g", ",", header="time (s),F (N)", comments="")
+    words = ["--emg", "EMG 1", "--force", "F", "--force-file", str(tmp_path / "f.csv"), "--participant", "ben"]
+    assert main(["convert", str(converted / "anna_k_foam_1.csv"), "--out", str(tmp_path / "b"), *words]) == 0
+    moved = "moved by -2.3 ms, to its nearest sample"
+    assert f"F: {moved}" in capsys.readouterr().out
+    rows = table(f"{tmp_path}/b/sub-ben/emg/sub-ben_task-palpation_channels.tsv")
+    assert rows[1]["status_description"] == f"the first 1 samples repeat the first one recorded; {moved}"
+    assert rows[0]["status_description"] == "n/a"
 
 
 def test_rates_that_share_no_record_become_two_files(tmp_path: Path) -> None:
@@ -199,3 +226,29 @@ def test_a_bad_recording_costs_itself_only(converted: Path, tmp_path: Path, caps
     said = capsys.readouterr()
     assert "not converted: ben/foam: " in said.err
     assert "2 recordings in" in said.out
+
+
+def test_a_full_disk_leaves_nothing_and_is_told_with_the_folder(
+    converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["convert", str(converted / "study.toml"), "--out", str(tmp_path / "b")]
+    (tmp_path / "b").mkdir()
+    with monkeypatch.context() as patched:
+        calls: list[Path] = []
+
+        def full(path: Path, *content: object) -> None:
+            calls.append(path)
+            if len(calls) == 3:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            path.touch()
+
+        patched.setattr("emg2vsa.pipeline.bids_export.write_json", full)
+        assert main(words) == 2
+    assert f"{tmp_path / 'b'}: wanted a folder with room" in (said := capsys.readouterr().err)
+    assert "No space left on device" in said
+    assert list((tmp_path / "b").iterdir()) == []
+    (tmp_path / "b" / ".unfinished").mkdir()  # as a killed conversion leaves it
+    assert main(words) == 0
+    assert sorted(path.name for path in (tmp_path / "b").iterdir()) == sorted(
+        path.name for path in (converted / "bids").iterdir()
+    )

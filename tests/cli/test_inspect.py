@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -90,3 +91,24 @@ def test_fit_takes_the_rate_of_a_file_without_time(tmp_path: Path, capsys: pytes
     assert "EDC: the file states no sampling rate; 1000 Hz as the study states." in found["notes"]
     assert main([*words, "--fs", "0"]) == 2
     assert "channels.emg.EDC.fs_hz: wanted a number > 0" in capsys.readouterr().err
+
+
+def test_what_the_program_made_itself_is_no_recording(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for made, marker in (("reports/x", ".study.json"), ("work", "ledger.jsonl")):
+        (folder / made / "tables").mkdir(parents=True)
+        (folder / made / marker).write_text("{}")
+        (folder / made / "tables" / "fits.csv").write_text("participant,b\nP1,2\n")
+    for name in ("a.svg", "a.tex", "a.PNG", "a.html"):
+        (folder / name).write_text("x")
+    assert main(["inspect", str(folder)]) == 0
+    assert capsys.readouterr().out.endswith("2 of 2 files read\n")
+    assert main(["inspect", str(folder / "work"), "--json"]) == 1  # asked for by name; the ledger is refused
+    assert "fits.csv" in capsys.readouterr().out
+
+
+def test_a_link_to_nothing_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "c.csv").symlink_to(folder / "annex" / "c.csv")
+    assert main(["inspect", str(folder)]) == 1
+    said = capsys.readouterr().out
+    assert re.search(r"c\.csv +not read", said)
+    assert "2 of 3 files read" in said

@@ -84,6 +84,12 @@ CASES = [
         "channels.force.newtons_per_unit",
         "either cal_file",
     ),
+    (
+        'name = "Fz"',
+        'name = "Fz"\ncal_file = "a"\ngauges = ["a", "b", "c", "d", "e", "f"]\nunit = "V"\nvolts_per_unit = 1',
+        "channels.force.unit",
+        "either unit or volts_per_unit",
+    ),
     ('name = "EMG 1"', 'name = "EMG 1"\nfs_hz = 0', "channels.emg.EDC.fs_hz", "a number > 0"),
     ("+", FILE.replace("P01", "P9"), "recordings.files[0].participant", "a participant of this study"),
     ("+", FILE.replace("S1", "S9"), "recordings.files[0].specimen", "a specimen of this study"),

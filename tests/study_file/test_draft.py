@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -99,3 +100,10 @@ def test_what_the_file_does_not_say_is_marked(channel: DraftChannel, line: str, 
     assert line in text.split("[channels.force]")[1]
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     assert load_study(tmp_path / "study.toml").stiffness_n_per_mm == {"x": 2.5}
+
+
+def test_a_name_with_a_line_end_leaves_the_draft_valid() -> None:
+    files = ["a\nb = 1/P1_S1.csv", "a\nb = 1/P2_S1.csv", "odd\x07.csv"]
+    text = draft("x", naming_of(files), files, {}, None, {}, files)
+    assert tomllib.loads(text)["recordings"]["pattern"].startswith("a\nb = 1/")
+    assert "#   a\\nb = 1/P1_S1.csv" in text
