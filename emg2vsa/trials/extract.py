@@ -18,7 +18,7 @@ from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoothe
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
 from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
-from emg2vsa.signals.hum import remove_hum
+from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
 from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
@@ -45,6 +45,8 @@ TOLD_SHIFT_N = 0.1
 "A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
+TOUCHED = 0.1
+"The finger is on the specimen above this share of the window's lower force."
 
 
 @dataclass(frozen=True)
@@ -174,7 +176,7 @@ def extract_trials(
     chain = filter_chain(filters, record, force.fs_hz)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
-    record, lag, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    record, lag, touching_v, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
     moved_s = lag.lag_s if filters.align == "lag" and np.isfinite(lag.lag_s) else 0.0
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)
     emg_clock = Clock(record.start_s - shifts.emg_s, record.fs_hz, record.samples[0].size)
@@ -191,6 +193,9 @@ def extract_trials(
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
+    # a mean rectified value is sqrt(2 / pi) of the rms; what the floor took already is not said again
+    touching_v = np.sqrt(np.maximum(2 / np.pi * touching_v**2 - np.where(subtract, np.nan_to_num(floor_v) ** 2, 0), 0))
+    humming = floor_bias(levels_v, touching_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     lagging = np.zeros(start_s.size)
     if left.lag_s:
@@ -209,7 +214,7 @@ def extract_trials(
     )
     seen = plausibility(signals)
     fault = doubt or seen.fault
-    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
+    biased = _said_of_bias(conditioned, floor, subtract, humming, left, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
@@ -296,27 +301,42 @@ def _cleaned(
     filters: FilterSettings,
     force_channel: ForceChannelSettings,
     window: WindowSettings,
-) -> tuple[_EmgRecord, Lag, tuple[str, ...]]:
-    """The EMG without its hum, the lag of force behind it, and what is to be said of both."""
+) -> tuple[_EmgRecord, Lag, Floats, tuple[str, ...]]:
+    """The EMG without its hum, the lag of force behind it, the hum (m,) left in presses, and what is to be said."""
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
     said: list[str] = []
     samples = record.samples
-    if filters.mains == "remove":
+    presses = conditioned.presses
+    edges = [np.clip(emg_clock.index(edge_s + force_clock.start_s), 0, emg_clock.n_samples).astype(np.int64)
+             for edge_s in (presses.start_s, presses.stop_s)]  # fmt: skip
+    hum = None
+    if filters.mains == "remove" or filters.rest_level == "subtract":
         start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
-        samples, hum = remove_hum(samples, record.fs_hz, start, stop)
-        if hum is not None:
+        removing = filters.mains == "remove"
+        at_s = emg_clock.time_s(np.arange(emg_clock.n_samples))
+        touched = np.interp(force_clock.index(at_s), np.arange(force_clock.n_samples), conditioned.force_n) > (
+            TOUCHED * window.force_n[0]
+        )
+        samples, hum = remove_hum(
+            samples, record.fs_hz, start, stop, (edges[0], edges[1]), touched, only_absent=not removing
+        )
+        if hum is not None and removing:
             shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, hum.rms, strict=True))
             orders = ", ".join(map(str, hum.harmonics.tolist()))
             said.append(f"mains: {hum.hz:.2f} Hz, harmonics {orders}, fitted at rest and subtracted: {shown} rms")
+        if hum is not None and hum.absent.size:
+            orders = ", ".join(map(str, hum.absent.tolist()))
+            said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
+    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum.hz if hum else None)
     stop_s = conditioned.presses.stop_s + force_clock.start_s
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
     if np.isfinite(lag.lag_s):
         said.append(f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, standard error {1e3 * lag.se_s:.0f} ms")
     elif filters.align == "lag":
         said.append("lag: not known, fewer than two presses; force is not moved")
-    return replace(record, samples=samples), lag, tuple(said)
+    return replace(record, samples=samples), lag, touching_v, tuple(said)
 
 
 def _filter_notes(chain: Chain) -> tuple[str, ...]:
@@ -378,7 +398,13 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
 
 
 def _said_of_bias(
-    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats, window: WindowSettings
+    force: ForceRecord,
+    floor: Floats,
+    subtracted: bool,
+    humming: Floats,
+    lag: Lag,
+    lagging: Floats,
+    window: WindowSettings,
 ) -> list[tuple[tuple[bool, str], ...]]:
     """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
     said: list[tuple[tuple[bool, str], ...]] = []
@@ -393,6 +419,10 @@ def _said_of_bias(
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
         if not subtracted and abs(floor[i]) > TOLD_BIAS:
             own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
+        if humming[i] < -TOLD_BIAS:
+            own.append(
+                (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")
+            )
         if abs(lagging[i]) > TOLD_BIAS:
             size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
             way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.signals.floor import floor_bias, press_levels, subtract_floor
-from emg2vsa.signals.hum import remove_hum
+from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import UNKNOWN, estimate_lag
 from emg2vsa.signals.pairing import Clock
 
@@ -47,6 +47,45 @@ def test_without_hum_or_without_rests_the_samples_stay_as_they_are() -> None:
     none = np.empty(0, np.int64)
     assert remove_hum((waves,), FS_HZ, none, none)[1] is None
     assert remove_hum((waves,), 150.0, START, STOP)[1] is None
+
+
+TOUCHED = np.arange(N) % 6000 > 2000
+PRESSES = START + 2200, START + 5000
+
+
+@pytest.mark.parametrize("share", [0.0, -0.5, 0.3])
+def test_hum_that_is_gone_or_turned_while_touching_is_not_added_to_the_presses(share: float) -> None:
+    noise = np.random.default_rng(4).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
+    waves = hum(50.02, 10.0) * np.where(TOUCHED, share, 1.0)
+    (cleaned,), found = remove_hum((noise + waves,), FS_HZ, START, STOP, PRESSES, TOUCHED)
+    assert found is not None
+    assert found.absent.tolist() == [1]
+    np.testing.assert_array_equal(cleaned[TOUCHED], (noise + waves)[TOUCHED])
+    left = (cleaned - noise)[~TOUCHED]
+    assert np.sqrt(np.mean(left**2)) < 0.5
+    (kept,), _ = remove_hum((noise + waves,), FS_HZ, START, STOP, PRESSES, TOUCHED, only_absent=True)
+    np.testing.assert_allclose(kept, cleaned)
+
+
+def test_hum_of_rests_and_presses_leaves_both() -> None:
+    noise = np.random.default_rng(4).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
+    (cleaned,), found = remove_hum((noise + hum(50.02, 10.0),), FS_HZ, START, STOP, PRESSES, TOUCHED)
+    assert found is not None
+    assert found.absent.size == 0
+    assert np.sqrt(np.mean((cleaned - noise) ** 2)) < 0.5
+    (kept,), _ = remove_hum((noise + hum(50.02, 10.0),), FS_HZ, START, STOP, PRESSES, TOUCHED, only_absent=True)
+    np.testing.assert_array_equal(kept, noise + hum(50.02, 10.0))
+
+
+@pytest.mark.parametrize("hz", [None, 50.0])
+def test_hum_within_presses_is_measured_and_none_is_found_in_noise(hz: float | None) -> None:
+    for seed in range(20):
+        noise = 10 * np.random.default_rng(seed).standard_normal(N)
+        assert touch_hum((noise,), FS_HZ, *PRESSES, hz)[0] == 0
+    found = touch_hum((noise + hum(50.03, 5.0), noise), FS_HZ, *PRESSES, hz)
+    assert found[0] == pytest.approx(5 / 2**0.5, rel=0.1)
+    assert found[1] == 0
+    assert touch_hum((noise,), FS_HZ, START[:0], STOP[:0], hz)[0] == 0
 
 
 def envelopes(floor: float, presses: int = 200, n: int = 250) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
