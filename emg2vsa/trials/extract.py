@@ -177,7 +177,7 @@ def extract_trials(
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
     record, lag, touching_v, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
-    moved_s = lag.lag_s if filters.align == "lag" and np.isfinite(lag.lag_s) else 0.0
+    moved_s = lag.lag_s if filters.align == "lag" and lag.certain else 0.0
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)
     emg_clock = Clock(record.start_s - shifts.emg_s, record.fs_hz, record.samples[0].size)
     force_clock = Clock(force.start_s - shifts.force_s, force.fs_hz, force_missing.size)
@@ -214,7 +214,7 @@ def extract_trials(
     )
     seen = plausibility(signals)
     fault = doubt or seen.fault
-    biased = _said_of_bias(conditioned, floor, subtract, humming, left, lagging, window)
+    biased = _said_of_bias(conditioned, floor, subtract, humming, lag, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
@@ -332,10 +332,13 @@ def _cleaned(
     touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum.hz if hum else None)
     stop_s = conditioned.presses.stop_s + force_clock.start_s
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
-    if np.isfinite(lag.lag_s):
-        said.append(f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, standard error {1e3 * lag.se_s:.0f} ms")
-    elif filters.align == "lag":
-        said.append("lag: not known, fewer than two presses; force is not moved")
+    found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
+    if lag.pieces > 1:
+        said.append(f"{found}standard error {1e3 * lag.se_s:.0f} ms")
+    else:
+        said.append(f"{found}by one press" if lag.pieces else "lag: not known")
+    if filters.align == "lag" and not lag.certain:
+        said.append("lag: not certain, force is not moved")
     return replace(record, samples=samples), lag, touching_v, tuple(said)
 
 
@@ -427,6 +430,8 @@ def _said_of_bias(
             size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
             way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
             own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
+        if lag.differs:
+            own.append((False, lag.differs))
         said.append(tuple(own))
     return said
 
