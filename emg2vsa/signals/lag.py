@@ -28,7 +28,7 @@ LOWEST = 0.25
 "Force below this share of the window's lower force counts as no force."
 TURN = 0.3
 "Force turns where ln F goes back by so much."
-APART_S = 0.008
+APART_S = 0.015
 "Rise and release follow one curve where the lag is the same, within this, whether they are told apart or not."
 LEAST_EXPLAINED = 0.3
 "Force must explain so much of the variance of ln activity."
@@ -113,8 +113,11 @@ def estimate_lag(
     apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), coarse, cuts)
     if not explained > LEAST_EXPLAINED:
         return UNKNOWN
-    feigned_s = FEIGNED_S + abs(together - apart[0]) * second_s / 2
-    lag, without = (together, without) if abs(together - apart[0]) * second_s <= APART_S else apart[:2]
+    difference_s = abs(together - apart[0]) * second_s
+    if difference_s <= APART_S:
+        lag, feigned_s = together, FEIGNED_S + difference_s
+    else:
+        lag, without, feigned_s = apart[0], apart[1], FEIGNED_S + difference_s / 2
     n = without.size
     lag_s, of_press_s = lag * second_s, (n * lag - (n - 1) * without) * second_s
     if n < 2:

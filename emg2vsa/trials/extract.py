@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
 from emg2vsa.errors import SignalError
@@ -45,6 +46,12 @@ TOLD_SHIFT_N = 0.1
 "A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
+TONE_CORRECTION = 0.02
+"... and where the rests differ, which muscle tone does and noise does not, above this share."
+TONE_BLOCK_S = 0.1
+"Rests are compared by the means of blocks of this length."
+TONE_CHANCE = 1e-4
+"Noise alone makes the rests of a muscle differ with this probability."
 TOUCHED = 0.1
 "The finger is on the specimen above this share of the window's lower force."
 
@@ -195,6 +202,7 @@ def extract_trials(
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
     # a mean rectified value is sqrt(2 / pi) of the rms; what the floor took already is not said again
     touching_v = np.sqrt(np.maximum(2 / np.pi * touching_v**2 - np.where(subtract, np.nan_to_num(floor_v) ** 2, 0), 0))
+    told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
     humming = floor_bias(levels_v, touching_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     lagging = np.zeros(start_s.size)
@@ -214,7 +222,7 @@ def extract_trials(
     )
     seen = plausibility(signals)
     fault = doubt or seen.fault
-    biased = _said_of_bias(conditioned, floor, subtract, humming, lag, lagging, window)
+    biased = _said_of_bias(conditioned, floor, told_above if subtract else None, humming, lag, lagging, window)
     other = [(*own, *((False, sign) for sign in signs)) for own, signs in zip(biased, seen.of_press, strict=True)]
     evidence = _gather_evidence(conditioned, instants, force_n, force_missing, quality, snr_db, record, fault, other)
     verdicts = [judge(trial, window) for trial in evidence]
@@ -291,6 +299,20 @@ def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats
         return unknown, unknown
     means = window_means(envelopes_v, resting.offsets)
     return np.array([median(row) for row in means]), means.min(axis=1)
+
+
+def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
+    """Whether the levels of the rests, (m, N) at ``fs_hz``, differ in any muscle by more than the noise within them."""
+    size = max(1, round(TONE_BLOCK_S * fs_hz))
+    count = int(resting.counts.min(initial=10**9)) // size
+    n = resting.counts.size
+    if n < 2 or count < 2:
+        return False
+    begins = resting.offsets[:-1, None, None] + size * np.arange(count)[:, None] + np.arange(size)
+    means = envelopes_v[:, begins].mean(axis=-1)
+    between = count * np.var(means.mean(axis=-1), axis=-1, ddof=1)
+    within = np.var(means, axis=-1, ddof=1).mean(axis=-1)
+    return bool(np.any(between > special.fdtri(n - 1, n * (count - 1), 1 - TONE_CHANCE) * within))
 
 
 def _cleaned(
@@ -403,13 +425,16 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
 def _said_of_bias(
     force: ForceRecord,
     floor: Floats,
-    subtracted: bool,
+    told_above: float | None,
     humming: Floats,
     lag: Lag,
     lagging: Floats,
     window: WindowSettings,
 ) -> list[tuple[tuple[bool, str], ...]]:
-    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
+    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
+
+    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told; else None.
+    """
     said: list[tuple[tuple[bool, str], ...]] = []
     for i in range(floor.size):
         own: list[tuple[bool, str]] = []
@@ -418,9 +443,9 @@ def _said_of_bias(
         if force.zero_shift_n[i] > TOLD_SHIFT_N:
             rejects = bool(force.zero_shift_n[i] > window.max_gap_force_n)
             own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
-        if subtracted and abs(floor[i]) > LARGE_CORRECTION:
+        if told_above is not None and abs(floor[i]) > told_above:
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
-        if not subtracted and abs(floor[i]) > TOLD_BIAS:
+        if told_above is None and abs(floor[i]) > TOLD_BIAS:
             own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
         if humming[i] < -TOLD_BIAS:
             own.append(

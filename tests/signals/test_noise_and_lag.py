@@ -187,8 +187,8 @@ def test_muscles_that_are_quieter_on_release_feign_no_lag(lag_s: float) -> None:
     emg, force_n, stop_s = session(lag_s)
     falling = np.interp(np.arange(emg.size) / FS_HZ + lag_s, np.arange(emg.size) / FS_HZ, np.gradient(force_n)) < -1e-6
     clock = Clock(0.0, FS_HZ, emg.size)
-    lag = estimate_lag((np.where(falling, 0.7, 1.0) * emg,), clock, force_n, clock, 0.5, stop_s)
-    assert lag.lag_s == pytest.approx(lag_s, abs=0.012)
+    lag = estimate_lag((np.where(falling, 0.5, 1.0) * emg,), clock, force_n, clock, 0.5, stop_s)
+    assert lag.lag_s == pytest.approx(lag_s, abs=0.02)  # together, rise and release say 42 and 105 ms
     assert lag.certain == (lag_s != 0)
 
 
