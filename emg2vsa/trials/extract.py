@@ -200,8 +200,9 @@ def extract_trials(
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
-    # a mean rectified value is sqrt(2 / pi) of the rms; what the floor took already is not said again
-    touching_v = np.sqrt(np.maximum(2 / np.pi * touching_v**2 - np.where(subtract, np.nan_to_num(floor_v) ** 2, 0), 0))
+    # a mean rectified value is sqrt(2 / pi) of the rms; hum that stays everywhere is part of the floor already
+    everywhere_v = np.nan_to_num(floor_v) if filters.mains == "keep" else 0.0
+    touching_v = np.sqrt(np.maximum(2 / np.pi * touching_v**2 - everywhere_v**2, 0.0))
     told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
     humming = floor_bias(levels_v, touching_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
