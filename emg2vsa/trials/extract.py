@@ -200,9 +200,8 @@ def extract_trials(
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
-    # a mean rectified value is sqrt(2 / pi) of the rms; hum that stays everywhere is part of the floor already
-    everywhere_v = np.nan_to_num(floor_v) if filters.mains == "keep" else 0.0
-    touching_v = np.sqrt(np.maximum(2 / np.pi * touching_v**2 - everywhere_v**2, 0.0))
+    # a mean rectified value is sqrt(2 / pi) of the rms
+    touching_v *= np.sqrt(2 / np.pi)
     told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
     humming = floor_bias(levels_v, touching_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
@@ -325,7 +324,7 @@ def _cleaned(
     force_channel: ForceChannelSettings,
     window: WindowSettings,
 ) -> tuple[_EmgRecord, Lag, Floats, tuple[str, ...]]:
-    """The EMG without its hum, the lag of force behind it, the hum (m,) left in presses, and what is to be said."""
+    """The EMG without its hum, the lag of force behind it, the rms (m,) of hum only in presses, and what is said."""
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
@@ -335,8 +334,8 @@ def _cleaned(
     edges = [np.clip(emg_clock.index(edge_s + force_clock.start_s), 0, emg_clock.n_samples).astype(np.int64)
              for edge_s in (presses.start_s, presses.stop_s)]  # fmt: skip
     hum = None
+    start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
     if filters.mains == "remove" or filters.rest_level == "subtract":
-        start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
         removing = filters.mains == "remove"
         at_s = emg_clock.time_s(np.arange(emg_clock.n_samples))
         touched = np.interp(force_clock.index(at_s), np.arange(force_clock.n_samples), conditioned.force_n) > (
@@ -352,7 +351,10 @@ def _cleaned(
         if hum is not None and hum.absent.size:
             orders = ", ".join(map(str, hum.absent.tolist()))
             said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
-    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum.hz if hum else None)
+    hum_hz = hum.hz if hum else None
+    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
+    # hum of the rests that stays is part of the rest level
+    touching_v = np.sqrt(np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0))
     stop_s = conditioned.presses.stop_s + force_clock.start_s
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
