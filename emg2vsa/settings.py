@@ -130,7 +130,7 @@ class FilterSettings:
     rest_level: Literal["subtract", "keep"] = "subtract"
     "subtract: the envelope's lowest level at rest is taken as noise and subtracted in power; keep: it stays."
     align: Literal["stated", "lag"] = "stated"
-    "stated: EMG and force share the clock of their files; lag: force is moved by the lag that is estimated."
+    "stated: EMG and force share the clock of their files; lag: force is moved by its lag, where that is certain."
 
 
 @dataclass(frozen=True, kw_only=True)

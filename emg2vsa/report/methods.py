@@ -179,7 +179,7 @@ def _noise(f: FilterSettings) -> str:
     if f.rest_level == "subtract":
         hum += " The lowest level of each envelope at rest was subtracted in power."
     if f.align == "lag":
-        hum += " Force was moved by the lag at which it followed the EMG, estimated for each recording."
+        hum += " Force was moved by the lag at which it followed the EMG, estimated for each recording, where certain."
     return hum
 
 

@@ -170,5 +170,7 @@ def _quality(trials: Trials) -> list[str]:
     ]  # fmt: skip
     said.append(f"force at rest: {number(trials.rest_force_n)} N, subtracted")
     if np.isfinite(trials.lag_s) and trials.repetition.size:
-        said.append(f"force follows EMG by {1e3 * trials.lag_s:.0f} ms (standard error {1e3 * trials.lag_se_s:.0f} ms)")
+        known = np.isfinite(trials.lag_se_s)
+        error = f"standard error {1e3 * trials.lag_se_s:.0f} ms" if known else "by one press"
+        said.append(f"force follows EMG by {1e3 * trials.lag_s:.0f} ms ({error})")
     return said

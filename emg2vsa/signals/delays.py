@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from emg2vsa.signals.envelope import Smoother
     from emg2vsa.signals.filters import IirFilter, Phase
 
+ESTIMATED = "force after EMG, estimated"
+"Name of the part of a budget by which force was moved."
+
 
 @dataclass(frozen=True)
 class DelayBudget:
@@ -56,7 +59,7 @@ def delay_budget(
     parts = [(band.name, band.delay_s), (envelope.name, envelope.delay_s)]
     parts += [] if low is None else [(low.name, low_s)]
     parts += [("force sensor", sensor_s)] if sensor_s else []
-    parts += [("force after EMG, estimated", lag_s)] if lag_s else []
+    parts += [(ESTIMATED, lag_s)] if lag_s else []
     emg_s = band.delay_s + envelope.delay_s
     compensated = phase == "compensated"
     shifts = Shifts(emg_s if compensated else 0.0, (low_s if compensated else 0.0) + sensor_s + lag_s)

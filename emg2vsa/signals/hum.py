@@ -3,6 +3,9 @@
 The frequency of the mains wanders by some 0.01 Hz within a minute, so one sine for the whole record would lose its
 phase. Amplitude and phase of every harmonic are fitted in half seconds of rest; one frequency is the one at which
 neighbouring half seconds agree, and between them amplitude and phase are interpolated.
+
+A finger that touches the rig can take the hum away, or bring it. What was fitted at rest is therefore compared with
+what the presses hold, and leaves them only where it is in them; what remains in them is measured.
 """
 
 from __future__ import annotations
@@ -32,23 +35,45 @@ FEWEST = 8
 "Fewer half seconds of rest do not tell the frequency of the mains."
 BLOCK_S = 0.25
 "Amplitude and phase are constant within blocks of this length."
+PRESENT = 0.5
+"Hum of the rests leaves the presses where they hold more than this share of it: only so does their power fall."
+TOUCH_S = 2.0
+"Hum within presses is measured in pieces of at most this length, ..."
+TOUCH_ASIDE_HZ = np.array([-8.0, -7.0, -6.0, -5.0, -4.0, 4.0, 5.0, 6.0, 7.0, 8.0])
+"... against the power so far beside it, ..."
+TOUCH_CLEAR = 4.0
+"... and counts where it is so many standard errors above it."
 
 
 @dataclass(frozen=True)
 class Hum:
-    """What was found. hz : of the mains. harmonics : (h,) those subtracted from any channel. rms : (m,) of each."""
+    """What was found at rest. hz : of the mains. harmonics : (h,) those of any channel. rms : (m,) of each.
+
+    absent : (h,) those that the presses of a channel do not hold as the rests do, and that stay as they are in these.
+    """
 
     hz: float
     harmonics: Ints
     rms: Floats
+    absent: Ints
 
 
 def remove_hum(
-    channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints
+    channels: tuple[Floats, ...],
+    fs_hz: float,
+    start: Ints,
+    stop: Ints,
+    presses: tuple[Ints, Ints] | None = None,
+    touched: NDArray[np.bool_] | None = None,
+    *,
+    only_absent: bool = False,
 ) -> tuple[tuple[Floats, ...], Hum | None]:
     """The channels (n,) without the hum that is found in their rests [start, stop) (r,), and what it was, or None.
 
     ``FEWEST`` pieces of half a second of rest are the least; hum that does not keep its phase between them stays.
+    presses : first and last-plus-one sample (p,) of each. A harmonic that these do not hold stays in what is
+    ``touched`` (n,); without both, none does.
+    ``only_absent``: no other harmonic is subtracted, so that rests and presses hold the same hum.
     """
     size = round(PIECE_S * fs_hz)
     begins = np.concatenate([np.arange(a, b - size + 1, size) for a, b in zip(start, stop, strict=True)] or [start])
@@ -76,12 +101,83 @@ def remove_hum(
     _, hz, turned = best
     used = np.any(turned != 0, axis=(0, 2))
     turned, orders = turned[:, used], orders[used]
-    cleaned = tuple(
-        _without(samples, own, hz * orders.astype(np.float64), time_s, fs_hz)
-        for samples, own in zip(channels, turned, strict=True)
-    )
+    hum_hz = hz * orders.astype(np.float64)
+    present = np.ones(turned.shape[:2], dtype=np.bool_)
+    if presses is not None and touched is not None:
+        present = np.array([_present(*of, hum_hz, time_s, fs_hz, presses) for of in zip(channels, turned, strict=True)])
+    everywhere = np.where((present & (not only_absent))[..., None], turned, 0.0)
+    cleaned = []
+    for samples, own, at_rest in zip(channels, everywhere, np.where(present[..., None], 0.0, turned), strict=True):
+        left = _without(samples, own, hum_hz, time_s, fs_hz) if own.any() else samples
+        if touched is not None and at_rest.any():
+            left = np.where(touched, left, _without(left, at_rest, hum_hz, time_s, fs_hz))
+        cleaned.append(left)
     rms = np.sqrt(np.sum(np.mean(np.abs(turned) ** 2, axis=-1), axis=-1) / 2)
-    return cleaned, Hum(hz, orders, rms)
+    return tuple(cleaned), Hum(hz, orders, rms, orders[~present.all(axis=0)])
+
+
+def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None) -> Floats:
+    """Rms (m,) of the hum within the presses [start, stop) (p,), in the unit of the channels; 0 where none is clear.
+
+    hz : of the mains; None: whichever of both holds more.
+    """
+    powers = np.zeros((len(channels), 1 if hz else len(MAINS_HZ)))
+    for i, samples in enumerate(channels):
+        for k, mains_hz in enumerate((hz,) if hz else MAINS_HZ):
+            for order in range(1, HARMONICS + 1):
+                if order * mains_hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2:
+                    powers[i, k] += _clear_power(samples, order * mains_hz, fs_hz, start, stop)
+    return np.asarray(np.sqrt(powers[:, int(np.argmax(powers.sum(axis=0)))]))
+
+
+def _clear_power(samples: Floats, hz: float, fs_hz: float, start: Ints, stop: Ints) -> float:
+    """Mean square of a sine of ``hz`` within the presses; 0 where it is not clear of its surroundings."""
+    pieces = _touch_pieces(start, stop, fs_hz)
+    size = np.array([np.mean(samples[a:b] ** 2) for a, b in pieces])
+    if not pieces or not size.all():
+        return 0.0
+    power = np.array([np.abs(_sines(samples[a:b], np.append(hz, hz + TOUCH_ASIDE_HZ), a, fs_hz)) ** 2
+                      for a, b in pieces])  # fmt: skip
+    aside = power[:, 1:].mean(axis=1)
+    weights = size**-2 / np.sum(size**-2)
+    excess = float(weights @ (power[:, 0] - aside))
+    error = float(np.sqrt((1 + 1 / TOUCH_ASIDE_HZ.size) * np.sum((weights * aside) ** 2)))
+    return excess / 2 if excess > TOUCH_CLEAR * error else 0.0
+
+
+def _present(
+    samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz: float, presses: tuple[Ints, Ints]
+) -> NDArray[np.bool_]:
+    """Which sines (h,), interpolated from the rests as ``_without`` does, lower the power of the presses."""
+    both, own = np.zeros(hz.size), np.zeros(hz.size)
+    for a, b in _touch_pieces(*presses, fs_hz, PIECE_S):
+        middle_s = (a + (b - a - 1) / 2) / fs_hz
+        expected = np.array(
+            [np.interp(middle_s, time_s, row.real) + 1j * np.interp(middle_s, time_s, row.imag) for row in turned]
+        )
+        found = _sines(samples[a:b], hz, a, fs_hz)
+        weight = 1 / max(float(np.mean(samples[a:b] ** 2)), 1e-300)
+        both += weight * (found * expected.conj()).real
+        own += weight * np.abs(expected) ** 2
+    return np.asarray((own == 0) | (both > PRESENT * own))
+
+
+def _touch_pieces(start: Ints, stop: Ints, fs_hz: float, longest_s: float = TOUCH_S) -> list[tuple[int, int]]:
+    """Pieces of the presses, each overlapping half of the next or more; presses below half a second have none."""
+    pieces = []
+    for a, b in zip(start.tolist(), stop.tolist(), strict=True):
+        size = min(b - a, round(longest_s * fs_hz))
+        if size >= round(PIECE_S * fs_hz):
+            n = 1 + -(-2 * (b - a - size) // size)
+            pieces += [(begin, begin + size) for begin in np.linspace(a, b - size, n).astype(np.int64).tolist()]
+    return pieces
+
+
+def _sines(samples: Floats, hz: Floats, begin: int, fs_hz: float) -> Phasors:
+    """Amplitudes and phases (h,), at the first sample of the record, of sines in a piece (n,) from ``begin`` on."""
+    window = np.sin(np.pi * (np.arange(samples.size) + 0.5) / samples.size) ** 2
+    turning = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begin + np.arange(samples.size)))
+    return np.asarray(2 / window.sum() * np.sum(turning * (window * samples), axis=-1))
 
 
 def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.pairing import Clock
 
 STEP_S = 0.01
 "EMG is rectified and averaged over steps of this length."
 DRIFT_STEPS = 10
-"... after the mean of so many steps is subtracted, a rough high-pass."
+"... after the running mean of so many steps is subtracted: slow wander of the electrode leaves 0.2 % of itself."
 SMOOTH_STEPS = 5
 MOST_S = 2.0
 "A larger lag is not looked for: presses repeat every few seconds."
@@ -25,21 +26,56 @@ FEIGNED_S = 0.005
 "Sudden presses (0.7 s) and stairs show 2 to 3 ms that are not there."
 LOWEST = 0.25
 "Force below this share of the window's lower force counts as no force."
+TURN = 0.3
+"Force turns where ln F goes back by so much."
+APART_S = 0.015
+"Rise and release follow one curve where the lag is the same, within this, whether they are told apart or not."
+LEAST_EXPLAINED = 0.3
+"Force must explain so much of the variance of ln activity."
+PRESS_SD_S = 0.003
+"One press tells the lag no better than this."
+ALONE_S = 0.1
+"A lag that one press alone tells counts above this."
+DIFFERS_S = 0.03
+"Presses whose lags scatter by more do not share one."
+TREND = 5.0
+"Clocks drift where the slope of lag against time is so many standard errors, ..."
+TREND_S = 0.02
+"... and the lag changes by more than this from the first press to the last."
 
 
 @dataclass(frozen=True)
 class Lag:
     """lag_s : force follows EMG so late; negative where force leads. se_s : its standard error, from so many pieces of
-    the record. NaN: not known."""
+    the record. feigned_s : what the way of pressing, and activity that differs on release, can add. drift : seconds
+    by which the lag grows each second, 0 where it is not clear that it does. NaN: not known."""
 
     lag_s: float
     se_s: float
     pieces: int = 0
+    feigned_s: float = FEIGNED_S
+    drift: float = 0.0
 
     @property
     def certain(self) -> bool:
-        """Whether it differs from zero by more than its 99.7 % interval and what the way of pressing can feign."""
-        return bool(abs(self.lag_s) > FEIGNED_S + special.stdtrit(max(self.pieces - 1, 1), 0.9985) * self.se_s)
+        """Whether it differs from zero by more than its 99.7 % interval and what can feign a lag."""
+        if self.pieces == 1:
+            return abs(self.lag_s) > ALONE_S
+        return bool(abs(self.lag_s) > self.feigned_s + special.stdtrit(max(self.pieces - 1, 2), 0.9985) * self.se_s)
+
+    @property
+    def between_s(self) -> float:
+        """Standard deviation of the lags of the presses; NaN where there are fewer than three."""
+        return self.se_s * self.pieces**0.5 if self.pieces > 2 else float("nan")
+
+    @property
+    def differs(self) -> str:
+        """What is to be said of presses, or recordings, that do not share one lag; empty if they do."""
+        if self.drift:
+            return f"the lag of force drifts by {1e3 * self.drift:.1f} ms a second; do the clocks differ?"
+        if self.between_s > DIFFERS_S:
+            return f"the lag of force differs by {1e3 * self.between_s:.0f} ms (standard deviation)"
+        return ""
 
 
 UNKNOWN = Lag(float("nan"), float("nan"))
@@ -52,7 +88,9 @@ def estimate_lag(
 
     channels : raw EMG (n,) each. force_n : tared force on its own clock. stop_s : (p,) ends of the loading phases; each
     press is one piece of the jackknife. The lag of the best correlation of ln activity with ln F is refined by the
-    scatter of ln activity within levels of ln F. UNKNOWN without two presses.
+    scatter of ln activity within levels of ln F. Muscles are quieter on release than at the same force before it, which
+    looks like a lag; where it matters that rise and release are told apart, they are. One press has no standard error,
+    two have half their difference. UNKNOWN without a press, and where force explains too little of the activity.
     """
     step = max(1, round(STEP_S * emg.fs_hz))
     activity = _activity(channels, step)
@@ -60,7 +98,7 @@ def estimate_lag(
     inside = (time_s >= force.time_s(np.zeros(1))[0]) & (time_s <= force.time_s(np.array([force.n_samples - 1]))[0])
     activity, time_s = activity[inside], time_s[inside]
     most = round(MOST_S * emg.fs_hz / step)
-    if stop_s.size < 2 or activity.size < 4 * most or not np.any(activity > 0):
+    if stop_s.size < 1 or activity.size < 3 * most or not np.any(activity > 0):
         return UNKNOWN
     y = np.log(np.maximum(activity, 1e-3 * activity.mean()))
     position = np.clip(force.index(time_s), 0, force_n.size - 1)
@@ -68,30 +106,85 @@ def estimate_lag(
     share = position - left
     u = np.log(np.maximum((1 - share) * force_n[left] + share * force_n[left + 1], LOWEST * lower_n))
     coarse = _best_correlation(y, u, most)
-    for _ in range(3):
-        scatter, begin = _scatter(y, u, coarse)
+    level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
+    cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
+    second_s = step / emg.fs_hz
+    together, without, explained = _refined(y, level, coarse, cuts)
+    apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), coarse, cuts)
+    if not explained > LEAST_EXPLAINED:
+        return UNKNOWN
+    difference_s = abs(together - apart[0]) * second_s
+    if difference_s <= APART_S:
+        lag, feigned_s = together, FEIGNED_S + difference_s
+    else:
+        lag, without, feigned_s = apart[0], apart[1], FEIGNED_S + difference_s / 2
+    n = without.size
+    lag_s, of_press_s = lag * second_s, (n * lag - (n - 1) * without) * second_s
+    if n < 2:
+        return Lag(lag_s, float("nan"), 1, feigned_s)
+    se_s = float(np.std(of_press_s, ddof=1)) / n**0.5
+    if n == 2:
+        se_s = max(se_s, PRESS_SD_S / n**0.5)
+    return Lag(lag_s, se_s, n, feigned_s, _drift(of_press_s, stop_s) if n == stop_s.size else 0.0)
+
+
+def _refined(y: Floats, level: Ints, coarse: int, cuts: Ints) -> tuple[float, Floats, float]:
+    """The lag in steps at which y scatters least within the levels, those without each of the pieces between the cuts
+    (p,), and the share of the variance of y that the levels explain."""
+    for _ in range(4):
+        scatter, begin = _scatter(y, level, coarse)
         least = int(np.argmin(scatter.sum(axis=1))) - FINE_STEPS
         if abs(least) <= 1:
             break
         coarse += least
-    cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2) - begin
-    inner = cuts[(cuts > 0) & (cuts < scatter.shape[1])]
+    inner = cuts - begin
+    inner = inner[(inner > 0) & (inner < scatter.shape[1])]
     pieces = np.add.reduceat(scatter, np.unique(np.append(0, inner)), axis=1)
     total = pieces.sum(axis=1, keepdims=True)
-    lag, *without = coarse + _vertices(np.hstack((total, total - pieces)))
-    n = len(without)
-    se = np.sqrt((n - 1) / n * np.sum((without - np.mean(without)) ** 2)) if n > 2 else np.nan
-    return Lag(float(lag * step / emg.fs_hz), float(se * step / emg.fs_hz), n)
+    lags = coarse + _vertices(np.hstack((total, total - pieces)))
+    varying = float(np.var(y[begin : begin + scatter.shape[1]])) * scatter.shape[1]
+    return float(lags[0]), lags[1:], 1 - float(total.min()) / varying if varying else 0.0
+
+
+def _rising(u: Floats) -> NDArray[np.bool_]:
+    """Where u (k,) goes on to its next peak; a rest or a hold belongs half to what is before, half to what follows."""
+    rising = np.empty(u.size, dtype=np.bool_)
+    up, extreme, first, last, begin = True, float(u[0]), 0, 0, 0
+    for k, value in enumerate(u.tolist()):
+        beyond = value - extreme if up else extreme - value
+        if beyond > TURN / 100:
+            extreme, first, last = value, k, k
+        elif beyond > -TURN / 100:
+            last = k
+        elif beyond < -TURN:
+            turn = (first + last) // 2
+            rising[begin:turn] = up
+            up, extreme, first, last, begin = not up, value, k, k, turn
+    rising[begin:] = up
+    return rising
+
+
+def _drift(lag_s: Floats, time_s: Floats) -> float:
+    """Slope of the lags (p,) of the presses against their times (p,); 0 where it is not clear."""
+    if lag_s.size < 5:
+        return 0.0
+    lever = time_s - time_s.mean()
+    slope = float(lever @ lag_s / (lever @ lever))
+    left = lag_s - lag_s.mean() - slope * lever
+    error = float(np.sqrt(left @ left / (lag_s.size - 2) / (lever @ lever)))
+    return slope if abs(slope) > TREND * error and abs(slope) * np.ptp(time_s) > TREND_S else 0.0
 
 
 def _activity(channels: tuple[Floats, ...], step: int) -> Floats:
     """Sum of the rectified channels in steps (k,), smoothed over ``SMOOTH_STEPS``."""
-    width = step * DRIFT_STEPS
-    n = channels[0].size // width * width
+    half = step * DRIFT_STEPS // 2
+    n = channels[0].size // step * step
     total = np.zeros(n // step)
     for samples in channels:
-        blocks = samples[:n].reshape(-1, width)
-        rough = np.abs(blocks - blocks.mean(axis=1, keepdims=True))
+        sums = np.concatenate(([0.0], np.cumsum(samples - samples.mean())))
+        at = np.arange(n)
+        low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, samples.size)
+        rough = np.abs(samples[:n] - samples.mean() - (sums[high] - sums[low]) / (high - low))
         total += rough.reshape(-1, step).mean(axis=1)
     return np.asarray(np.convolve(total, np.full(SMOOTH_STEPS, 1 / SMOOTH_STEPS), mode="same"))
 
@@ -105,11 +198,10 @@ def _best_correlation(y: Floats, u: Floats, most: int) -> int:
     return int(lags[np.argmax(across[lags])])
 
 
-def _scatter(y: Floats, u: Floats, coarse: int) -> tuple[Floats, int]:
-    """Squared residuals (lags, k) of y about its mean in each level of u, at lags of whole steps around ``coarse``;
-    and the step at which they begin."""
+def _scatter(y: Floats, level: Ints, coarse: int) -> tuple[Floats, int]:
+    """Squared residuals (lags, k) of y about its mean in each level, at lags of whole steps around ``coarse``; and the
+    step at which they begin."""
     lags = coarse + np.arange(-FINE_STEPS, FINE_STEPS + 1)
-    level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
     begin, end = max(0, -int(lags[0])), y.size - max(0, int(lags[-1]))
     own_y = y[begin:end]
     rows = []

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, bridge_gaps, median, samples_1d
 from emg2vsa.errors import SignalError
@@ -18,7 +19,7 @@ from emg2vsa.signals.envelope import Smoother, decimation, envelopes_at, smoothe
 from emg2vsa.signals.filters import IirFilter, band_pass, force_low_pass
 from emg2vsa.signals.floor import floor_bias, press_levels, slope_ratios, subtract_floor
 from emg2vsa.signals.force import ForceRecord, condition_force, doubt_by_emg
-from emg2vsa.signals.hum import remove_hum
+from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import Lag, estimate_lag
 from emg2vsa.signals.overview import emg_overview
 from emg2vsa.signals.pairing import (
@@ -46,6 +47,14 @@ TOLD_SHIFT_N = 0.1
 "A press around which the zero of force moves further says so: 0.1 N is 5 % of b."
 LARGE_CORRECTION = 0.05
 "A press whose b is corrected by a larger share says so: the correction rests on the hand being at rest."
+TONE_CORRECTION = 0.02
+"... and where the rests differ, which muscle tone does and noise does not, above this share."
+TONE_BLOCK_S = 0.1
+"Rests are compared by the means of blocks of this length."
+TONE_CHANCE = 1e-4
+"Noise alone makes the rests of a muscle differ with this probability."
+TOUCHED = 0.1
+"The finger is on the specimen above this share of the window's lower force."
 
 
 @dataclass(frozen=True)
@@ -175,8 +184,8 @@ def extract_trials(
     chain = filter_chain(filters, record, force.fs_hz)
     conditioned, force_missing = _conditioned(force, chain.low, force_channel, window)
     raw = record
-    record, lag, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
-    moved_s = lag.lag_s if filters.align == "lag" and np.isfinite(lag.lag_s) else 0.0
+    record, lag, touching_v, noted = _cleaned(raw, force, conditioned, chain, filters, force_channel, window)
+    moved_s = lag.lag_s if filters.align == "lag" and lag.certain else 0.0
     delay, shifts = delay_budget(filters.phase, chain.band, chain.envelope, chain.low, force_channel.delay_s, moved_s)
     emg_clock = Clock(record.start_s - shifts.emg_s, record.fs_hz, record.samples[0].size)
     force_clock = Clock(force.start_s - shifts.force_s, force.fs_hz, force_missing.size)
@@ -192,6 +201,10 @@ def extract_trials(
     subtract = filters.rest_level == "subtract"
     envelopes_v = subtract_floor(measured_v, levels_v, floor_v) if subtract else measured_v
     floor = floor_bias(levels_v, floor_v, force_n, instants.offsets)
+    # a mean rectified value is sqrt(2 / pi) of the rms
+    touching_v *= np.sqrt(2 / np.pi)
+    told_above = TONE_CORRECTION if _rests_differ(resting_v, resting, record.fs_hz / chain.step) else LARGE_CORRECTION
+    humming = floor_bias(levels_v, touching_v, force_n, instants.offsets)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
     lagging = np.zeros(start_s.size)
     if left.lag_s:
@@ -212,7 +225,7 @@ def extract_trials(
     rejects = window.implausible == "reject"
     fault = doubt or (implausible if rejects else "")
     remarks = seen.remarks if rejects else (*filter(None, (implausible,)), *seen.remarks)
-    biased = _said_of_bias(conditioned, floor, subtract, left, lagging, window)
+    biased = _said_of_bias(conditioned, floor, told_above if subtract else None, humming, lag, lagging, window)
     loaded = _said_of_overload(force, presses)
     other = [
         (*over, *own, *((False, sign) for sign in signs))
@@ -295,6 +308,20 @@ def _rest_levels(envelopes_v: Floats, resting: Instants) -> tuple[Floats, Floats
     return np.array([median(row) for row in means]), means.min(axis=1)
 
 
+def _rests_differ(envelopes_v: Floats, resting: Instants, fs_hz: float) -> bool:
+    """Whether the levels of the rests, (m, N) at ``fs_hz``, differ in any muscle by more than the noise within them."""
+    size = max(1, round(TONE_BLOCK_S * fs_hz))
+    count = int(resting.counts.min(initial=10**9)) // size
+    n = resting.counts.size
+    if n < 2 or count < 2:
+        return False
+    begins = resting.offsets[:-1, None, None] + size * np.arange(count)[:, None] + np.arange(size)
+    means = envelopes_v[:, begins].mean(axis=-1)
+    between = count * np.var(means.mean(axis=-1), axis=-1, ddof=1)
+    within = np.var(means, axis=-1, ddof=1).mean(axis=-1)
+    return bool(np.any(between > special.fdtri(n - 1, n * (count - 1), 1 - TONE_CHANCE) * within))
+
+
 def _cleaned(
     record: _EmgRecord,
     force: Channel,
@@ -303,27 +330,48 @@ def _cleaned(
     filters: FilterSettings,
     force_channel: ForceChannelSettings,
     window: WindowSettings,
-) -> tuple[_EmgRecord, Lag, tuple[str, ...]]:
-    """The EMG without its hum, the lag of force behind it, and what is to be said of both."""
+) -> tuple[_EmgRecord, Lag, Floats, tuple[str, ...]]:
+    """The EMG without its hum, the lag of force behind it, the rms (m,) of hum only in presses, and what is said."""
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
     said: list[str] = []
     samples = record.samples
-    if filters.mains == "remove":
-        start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
-        samples, hum = remove_hum(samples, record.fs_hz, start, stop)
-        if hum is not None:
+    presses = conditioned.presses
+    edges = [np.clip(emg_clock.index(edge_s + force_clock.start_s), 0, emg_clock.n_samples).astype(np.int64)
+             for edge_s in (presses.start_s, presses.stop_s)]  # fmt: skip
+    hum = None
+    start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
+    if filters.mains == "remove" or filters.rest_level == "subtract":
+        removing = filters.mains == "remove"
+        at_s = emg_clock.time_s(np.arange(emg_clock.n_samples))
+        touched = np.interp(force_clock.index(at_s), np.arange(force_clock.n_samples), conditioned.force_n) > (
+            TOUCHED * window.force_n[0]
+        )
+        samples, hum = remove_hum(
+            samples, record.fs_hz, start, stop, (edges[0], edges[1]), touched, only_absent=not removing
+        )
+        if hum is not None and removing:
             shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, hum.rms, strict=True))
             orders = ", ".join(map(str, hum.harmonics.tolist()))
             said.append(f"mains: {hum.hz:.2f} Hz, harmonics {orders}, fitted at rest and subtracted: {shown} rms")
+        if hum is not None and hum.absent.size:
+            orders = ", ".join(map(str, hum.absent.tolist()))
+            said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
+    hum_hz = hum.hz if hum else None
+    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
+    # hum of the rests that stays is part of the rest level
+    touching_v = np.sqrt(np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0))
     stop_s = conditioned.presses.stop_s + force_clock.start_s
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
-    if np.isfinite(lag.lag_s):
-        said.append(f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, standard error {1e3 * lag.se_s:.0f} ms")
-    elif filters.align == "lag":
-        said.append("lag: not known, fewer than two presses; force is not moved")
-    return replace(record, samples=samples), lag, tuple(said)
+    found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
+    if lag.pieces > 1:
+        said.append(f"{found}standard error {1e3 * lag.se_s:.0f} ms")
+    else:
+        said.append(f"{found}by one press" if lag.pieces else "lag: not known")
+    if filters.align == "lag" and not lag.certain:
+        said.append("lag: not certain, force is not moved")
+    return replace(record, samples=samples), lag, touching_v, tuple(said)
 
 
 def _filter_notes(chain: Chain) -> tuple[str, ...]:
@@ -385,9 +433,18 @@ def _lag_bias(force_n: Floats, late_n: Floats, level: Floats, offsets: Ints) -> 
 
 
 def _said_of_bias(
-    force: ForceRecord, floor: Floats, subtracted: bool, lag: Lag, lagging: Floats, window: WindowSettings
+    force: ForceRecord,
+    floor: Floats,
+    told_above: float | None,
+    humming: Floats,
+    lag: Lag,
+    lagging: Floats,
+    window: WindowSettings,
 ) -> list[tuple[tuple[bool, str], ...]]:
-    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press."""
+    """What makes b of each press other than the muscle's, and by how much; whether it rejects the press.
+
+    told_above : the share by which the rest level, if it was subtracted, must have raised b to be told; else None.
+    """
     said: list[tuple[tuple[bool, str], ...]] = []
     implausible = window.implausible == "reject"
     for i in range(floor.size):
@@ -397,14 +454,20 @@ def _said_of_bias(
         if force.zero_shift_n[i] > TOLD_SHIFT_N:
             rejects = implausible and bool(force.zero_shift_n[i] > window.max_gap_force_n)
             own.append((rejects, f"the zero of force moves by {force.zero_shift_n[i]:.2f} N around this press"))
-        if subtracted and abs(floor[i]) > LARGE_CORRECTION:
+        if told_above is not None and abs(floor[i]) > told_above:
             own.append((False, f"the rest level that was subtracted raises b by {-100 * floor[i]:.0f} %"))
-        if not subtracted and abs(floor[i]) > TOLD_BIAS:
+        if told_above is None and abs(floor[i]) > TOLD_BIAS:
             own.append((False, f"noise at rest lowers b by about {-100 * floor[i]:.0f} %"))
+        if humming[i] < -TOLD_BIAS:
+            own.append(
+                (False, f"hum changes when the specimen is touched, which lowers b by about {-100 * humming[i]:.0f} %")
+            )
         if abs(lagging[i]) > TOLD_BIAS:
             size = f"about {100 * abs(lagging[i]):.0f} %" if abs(lagging[i]) < MOST_TOLD else "more than 20 %"
             way = f"{'raises' if lagging[i] > 0 else 'lowers'} b by {size}"
             own.append((False, f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {way}"))
+        if lag.differs:
+            own.append((False, lag.differs))
         said.append(tuple(own))
     return said
 

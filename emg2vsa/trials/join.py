@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from emg2vsa.errors import SignalError
+from emg2vsa.signals.delays import ESTIMATED
+from emg2vsa.signals.lag import PRESS_SD_S, UNKNOWN, Lag
 from emg2vsa.trials import Trials
 
 
@@ -17,9 +19,9 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
     """The presses of all ``parts``, numbered on; ``files``: the name of each, as notes give it.
 
     Times run on: each recording begins at the whole second after the end of the one before it. Levels of rest are
-    medians of the recordings, shares of clipped samples and of mains the largest, the lag their mean weighted by its
-    certainty. A fault is one of the whole only where every recording has it; else it is a remark, and the presses that
-    it rejects stay rejected.
+    medians of the recordings, shares of clipped samples and of mains the largest, the lag their mean. A lag that no
+    recording alone is certain of, and lags that differ, are remarks. A fault is one of the whole only where every
+    recording has it; else it is a remark, and the presses that it rejects stay rejected.
 
     Raises SignalError where muscles, unit or rate differ from those of the first.
     """
@@ -47,7 +49,9 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
         for part, start in zip(parts, starts_s, strict=True)
         for overview in part.overviews
     )
-    joined["lag_s"], joined["lag_se_s"] = _lag(parts)
+    lag = _lag(parts)
+    joined["lag_s"], joined["lag_se_s"] = lag.lag_s, lag.se_s
+    joined["remarks"] = (*joined["remarks"], *_lag_remarks(lag, parts))
     if not joined["fault"]:
         faults = [f"{_name(file)}: {part.fault}" for part, file in zip(parts, files, strict=True) if part.fault]
         joined["remarks"] = (*joined["remarks"], *faults)
@@ -73,13 +77,29 @@ def _said(parts: Sequence[Trials], files: Sequence[str], starts_s: Sequence[floa
     return f"{len(parts)} recordings joined: {', '.join(told)}"
 
 
-def _lag(parts: Sequence[Trials]) -> tuple[float, float]:
-    """Mean of the lags that are known, weighted by the inverse of their variances, and its standard error."""
-    known = [(part.lag_s, part.lag_se_s**-2) for part in parts if part.lag_se_s > 0 and np.isfinite(part.lag_s)]
-    if not known:
-        return next((part.lag_s for part in parts if np.isfinite(part.lag_s)), np.nan), np.nan
-    weight = sum(weight for _, weight in known)
-    return sum(lag * own for lag, own in known) / weight, weight**-0.5
+def _lag(parts: Sequence[Trials]) -> Lag:
+    """Mean lag, and a standard error that covers what the recordings differ by; each recording is one piece.
+
+    Weighted by the inverse of the variances where all are known, else by the numbers of presses.
+    """
+    known = [part for part in parts if np.isfinite(part.lag_s)]
+    if len(known) < 2:
+        return next((Lag(part.lag_s, part.lag_se_s, 1) for part in known), UNKNOWN)
+    lag_s, se_s = np.array([part.lag_s for part in known]), np.array([part.lag_se_s for part in known])
+    sure = bool(np.all(se_s > 0))
+    weights = se_s**-2 if sure else np.array([max(part.repetition.size, 1) for part in known], dtype=np.float64)
+    own_s = weights.sum() ** -0.5 if sure else PRESS_SD_S / weights.sum() ** 0.5
+    weights /= weights.sum()
+    mean_s = float(weights @ lag_s)
+    between_s = float(weights @ (lag_s - mean_s) ** 2 / (len(known) - 1)) ** 0.5
+    return Lag(mean_s, max(float(own_s), between_s), len(known))
+
+
+def _lag_remarks(lag: Lag, parts: Sequence[Trials]) -> tuple[str, ...]:
+    """What the recordings tell of the lag together, and no press of them tells alone."""
+    told = any(np.any(part.lag_bias) or any(name == ESTIMATED for name, _ in part.delay.parts) for part in parts)
+    own = [f"force follows EMG by {1e3 * lag.lag_s:.0f} ms, which {lag.pieces} recordings together show"]
+    return (*(own if lag.certain and lag.pieces > 1 and not told else ()), *((lag.differs,) if lag.differs else ()))
 
 
 def _name(file: str) -> str:

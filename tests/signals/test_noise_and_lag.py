@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.signals.floor import floor_bias, press_levels, subtract_floor
-from emg2vsa.signals.hum import remove_hum
+from emg2vsa.signals.hum import remove_hum, touch_hum
 from emg2vsa.signals.lag import UNKNOWN, estimate_lag
 from emg2vsa.signals.pairing import Clock
 
@@ -47,6 +47,45 @@ def test_without_hum_or_without_rests_the_samples_stay_as_they_are() -> None:
     none = np.empty(0, np.int64)
     assert remove_hum((waves,), FS_HZ, none, none)[1] is None
     assert remove_hum((waves,), 150.0, START, STOP)[1] is None
+
+
+TOUCHED = np.arange(N) % 6000 > 2000
+PRESSES = START + 2200, START + 5000
+
+
+@pytest.mark.parametrize("share", [0.0, -0.5, 0.3])
+def test_hum_that_is_gone_or_turned_while_touching_is_not_added_to_the_presses(share: float) -> None:
+    noise = np.random.default_rng(4).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
+    waves = hum(50.02, 10.0) * np.where(TOUCHED, share, 1.0)
+    (cleaned,), found = remove_hum((noise + waves,), FS_HZ, START, STOP, PRESSES, TOUCHED)
+    assert found is not None
+    assert found.absent.tolist() == [1]
+    np.testing.assert_array_equal(cleaned[TOUCHED], (noise + waves)[TOUCHED])
+    left = (cleaned - noise)[~TOUCHED]
+    assert np.sqrt(np.mean(left**2)) < 0.5
+    (kept,), _ = remove_hum((noise + waves,), FS_HZ, START, STOP, PRESSES, TOUCHED, only_absent=True)
+    np.testing.assert_allclose(kept, cleaned)
+
+
+def test_hum_of_rests_and_presses_leaves_both() -> None:
+    noise = np.random.default_rng(4).standard_normal(N) * np.where(TOUCHED, 10.0, 1.0)
+    (cleaned,), found = remove_hum((noise + hum(50.02, 10.0),), FS_HZ, START, STOP, PRESSES, TOUCHED)
+    assert found is not None
+    assert found.absent.size == 0
+    assert np.sqrt(np.mean((cleaned - noise) ** 2)) < 0.5
+    (kept,), _ = remove_hum((noise + hum(50.02, 10.0),), FS_HZ, START, STOP, PRESSES, TOUCHED, only_absent=True)
+    np.testing.assert_array_equal(kept, noise + hum(50.02, 10.0))
+
+
+@pytest.mark.parametrize("hz", [None, 50.0])
+def test_hum_within_presses_is_measured_and_none_is_found_in_noise(hz: float | None) -> None:
+    for seed in range(20):
+        noise = 10 * np.random.default_rng(seed).standard_normal(N)
+        assert touch_hum((noise,), FS_HZ, *PRESSES, hz)[0] == 0
+    found = touch_hum((noise + hum(50.03, 5.0), noise), FS_HZ, *PRESSES, hz)
+    assert found[0] == pytest.approx(5 / 2**0.5, rel=0.1)
+    assert found[1] == 0
+    assert touch_hum((noise,), FS_HZ, START[:0], STOP[:0], hz)[0] == 0
 
 
 def envelopes(floor: float, presses: int = 200, n: int = 250) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -112,12 +151,65 @@ def test_the_lag_is_found_within_ten_milliseconds(lag_s: float) -> None:
     assert later.lag_s == pytest.approx(lag.lag_s, abs=2e-3)
 
 
-def test_one_press_or_a_dead_channel_has_no_lag() -> None:
+def test_a_dead_channel_or_a_short_record_has_no_lag() -> None:
     emg, force_n, stop_s = session(0.06)
     clock = Clock(0.0, FS_HZ, emg.size)
-    for channel, stops in ((emg, stop_s[:1]), (np.zeros_like(emg), stop_s), (emg[:3000], stop_s)):
+    idle = np.random.default_rng(0).standard_normal(emg.size)
+    for channel, stops in ((np.zeros_like(emg), stop_s), (idle, stop_s), (emg[:3000], stop_s), (emg, stop_s[:0])):
         own = Clock(0.0, FS_HZ, channel.size)
         lag = estimate_lag((channel,), own, force_n, clock, 0.5, stops)
         assert np.isnan(lag.lag_s)
         assert not lag.certain
     assert not UNKNOWN.certain
+
+
+@pytest.mark.parametrize(("lag_s", "presses", "certain"), [(0.06, 1, False), (0.3, 1, True), (0.3, 2, True)])
+def test_one_press_has_a_lag_without_error_and_two_have_their_difference(lag_s: float, presses: int, certain: bool):
+    emg, force_n, stop_s = session(lag_s, presses)
+    clock = Clock(0.0, FS_HZ, emg.size)
+    lag = estimate_lag((emg,), clock, force_n, clock, 0.5, stop_s)
+    assert lag.lag_s == pytest.approx(lag_s, abs=0.015)
+    assert (lag.se_s < 0.02) == (presses == 2)
+    assert lag.certain == certain
+
+
+def test_slow_wander_of_the_electrode_leaves_the_lag() -> None:
+    emg, force_n, stop_s = session(0.06)
+    clock = Clock(0.0, FS_HZ, emg.size)
+    wander = 2000 * np.sin(2 * np.pi * 0.3 * np.arange(emg.size) / FS_HZ)
+    lag = estimate_lag((emg + wander,), clock, force_n, clock, 0.5, stop_s)
+    assert lag.lag_s == pytest.approx(0.06, abs=0.01)
+    assert lag.se_s < 0.008
+
+
+@pytest.mark.parametrize("lag_s", [0.0, 0.06])
+def test_muscles_that_are_quieter_on_release_feign_no_lag(lag_s: float) -> None:
+    emg, force_n, stop_s = session(lag_s)
+    falling = np.interp(np.arange(emg.size) / FS_HZ + lag_s, np.arange(emg.size) / FS_HZ, np.gradient(force_n)) < -1e-6
+    clock = Clock(0.0, FS_HZ, emg.size)
+    lag = estimate_lag((np.where(falling, 0.5, 1.0) * emg,), clock, force_n, clock, 0.5, stop_s)
+    assert lag.lag_s == pytest.approx(lag_s, abs=0.02)  # together, rise and release say 42 and 105 ms
+    assert lag.certain == (lag_s != 0)
+
+
+def test_presses_that_do_not_share_one_lag_say_so() -> None:
+    emg, force_n, stop_s = session(0.0, 12)
+    clock = Clock(0.0, FS_HZ, emg.size)
+    slow = Clock(0.0, FS_HZ / (1 + 1e-3), emg.size)
+    drifting = estimate_lag((emg,), clock, force_n, slow, 0.5, stop_s * (1 + 1e-3))
+    assert drifting.drift == pytest.approx(1e-3, rel=0.3)
+    assert "ms a second" in drifting.differs
+    parts = [session(lag_s, 3) for lag_s in (-0.1, 0.0, 0.1, 0.05)]
+    emg, force_n = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
+    stops = np.concatenate([part[2] + k * parts[0][0].size / FS_HZ for k, part in enumerate(parts)])
+    clock = Clock(0.0, FS_HZ, emg.size)
+    apart = estimate_lag((emg,), clock, force_n, clock, 0.5, stops)
+    assert apart.between_s > 0.03
+    assert apart.differs
+    assert not estimate_lag(*shared_lag()).differs
+
+
+def shared_lag() -> tuple[tuple[np.ndarray], Clock, np.ndarray, Clock, float, np.ndarray]:
+    emg, force_n, stop_s = session(0.06)
+    clock = Clock(0.0, FS_HZ, emg.size)
+    return (emg,), clock, force_n, clock, 0.5, stop_s

@@ -11,6 +11,8 @@ from scipy import signal
 from emg2vsa.errors import SettingError, SignalError
 from emg2vsa.settings import PAPER, CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import one_pass_band_hz
+from emg2vsa.signals.pairing import Instants
+from emg2vsa.trials.extract import _rests_differ
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
@@ -250,3 +252,15 @@ def test_paper_mode_only_tells_what_is_implausible(force_of, recorded, extract):
         usual = extract(emg, force, window=replace(paper, implausible="reject"))
         assert np.array_equal(usual.activity, told.activity)
         assert "rejected" in usual.verdict
+
+
+def test_rests_differ_by_tone_and_not_by_noise() -> None:
+    resting = Instants(np.array([0, 500, 1000]), np.full(3, 500), 1, np.ones(3, np.bool_))
+    rng = np.random.default_rng(1)
+    found = [_rests_differ(1 + 0.1 * rng.standard_normal((2, 1500)), resting, 1000.0) for _ in range(200)]
+    assert sum(found) <= 1
+    toned = 1 + 0.1 * rng.standard_normal((2, 1500))
+    toned[1, 500:1000] *= 1.2
+    assert _rests_differ(toned, resting, 1000.0)
+    alone = Instants(np.array([0]), np.array([500]), 1, np.ones(1, np.bool_))
+    assert not _rests_differ(toned, alone, 1000.0)

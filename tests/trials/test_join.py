@@ -65,8 +65,21 @@ def test_the_lag_is_the_mean_by_certainty(force_of, recorded, extract):
     unknown = replace(part, lag_s=np.nan, lag_se_s=np.nan)
     joined = join_trials([sure, unsure, unknown], ["a", "b", "c"])
     assert joined.lag_s == pytest.approx((0.05 * 4 + 0.1) / 5)
-    assert joined.lag_se_s == pytest.approx(0.01 * 0.8**0.5)
+    assert joined.lag_se_s == pytest.approx(0.02)  # by what the two differ
     assert np.isnan(join_trials([unknown, unknown], ["a", "b"]).lag_s)
+
+
+def test_recordings_of_one_press_tell_together_what_none_tells_alone(force_of, recorded, extract):
+    part = extract(*recorded(force_of(RISE)))
+    alone = [replace(part, lag_s=lag_s, lag_se_s=np.nan, remarks=(), fault="") for lag_s in (0.06, 0.061, 0.059, 0.06)]
+    joined = join_trials(alone, ["a", "b", "c", "d"])
+    assert joined.lag_s == pytest.approx(0.06)
+    assert 0 < joined.lag_se_s < 0.002
+    assert joined.remarks == ("force follows EMG by 60 ms, which 4 recordings together show",)
+    told = [replace(one, lag_bias=np.array([-0.1])) for one in alone]
+    assert join_trials(told, ["a", "b", "c", "d"]).remarks == ()
+    apart = [replace(part, lag_s=lag_s, lag_se_s=0.002, remarks=(), fault="") for lag_s in (-0.1, 0.0, 0.1)]
+    assert "differs by 100 ms" in join_trials(apart, ["a", "b", "c"]).remarks[0]
 
 
 def test_rest_that_only_one_recording_has(force_of, recorded, extract):
