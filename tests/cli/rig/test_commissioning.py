@@ -120,7 +120,7 @@ def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> N
     ("words", "said"),
     [
         (("jog", "--mm", "1", "--deg-per-s", "100"), "--deg-per-s: wanted above 0 and at most 25; found 100."),
-        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: wanted above 0 and at most 50; found 80."),
+        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: wanted above 0 and at most 25; found 80."),
         (("jog", "--mm", "40"), "probe: wanted a position of -12000 to 12000 ticks; found 18"),
         (("commission", "--reach-deg", "0"), "--reach-deg: wanted above 0 and at most 180; found 0."),
         (("parameters", "--set", "13=a"), "wanted a number and its values, 13=1200; found '13=a'"),
