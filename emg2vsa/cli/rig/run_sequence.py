@@ -20,12 +20,19 @@ from emg2vsa.rig_file.sequence import RunOrder
 _ROUNDS = 3
 """So often presses that were rejected are repeated before the sequence ends."""
 
+_UNSAFE = (
+    "The sequence ends here: {folder} was left with the probe NOT retracted, or motors NOT confirmed off. Switch off "
+    "with emg2vsa rig off {rig}, take the probe away with emg2vsa rig home {rig}, and look at ended.json before you "
+    "give the same command again."
+)
+
 
 def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder, *, yes: bool, as_json: bool) -> int:
     """All presses that ``runs`` still lack, in ``order``; exit status.
 
     A run whose presses were rejected is repeated; one that ends otherwise ends the sequence, which the same command
-    takes up again.
+    takes up again. So does one that leaves the probe on the specimen, or the motors on, however whole its presses are.
+    The status is 0 only where every run was completed.
     """
     todo = [run for run in order.runs if run in runs]
     plans = dict(zip(todo, plans_of(file, todo), strict=True))
@@ -41,14 +48,21 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
                 status = 1
                 break
             continue
+        left_safe = True
         for _ in range(_ROUNDS):
             if not (presses := missing(file, run, root)):
                 break
             plan = replace(plans[run], repetitions=presses, order=order.place(run))
             folder, ended = press_run(file, run, plan, root, quiet=as_json)
             done.append({"folder": str(folder), "ended": asdict(ended)})
-            if ended.how not in ("completed", "rejected"):
+            status = status or int(ended.how != "completed")
+            left_safe = ended.retracted and ended.deactivated
+            if ended.how not in ("completed", "rejected") or not left_safe:
                 break
+        if not left_safe:
+            print(_UNSAFE.format(folder=folder, rig=file.path), file=sys.stderr)
+            status = 1
+            break
         if missing(file, run, root):
             print("The sequence ends here; the same command takes it up again.", file=sys.stderr)
             status = 1
