@@ -11,7 +11,9 @@ from typing import Any
 from casr.command_line import print_json
 from emg2vsa.cli.rig.hand import answer
 from emg2vsa.cli.rig.real_run import missing, press_run
+from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
@@ -36,8 +38,9 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
     """
     todo = [run for run in order.runs if run in runs]
     plans = dict(zip(todo, plans_of(file, todo), strict=True))
-    for plan in plans.values():
+    for run, plan in plans.items():
         check_plan(plan, file.rig)
+        check_same_presses(root, run_name(*run), plan, file.rig, emulated=file.leads_to_emulated)
     done: list[dict[str, Any]] = []
     status = 0
     for number, run in enumerate(todo, start=1):

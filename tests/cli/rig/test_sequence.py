@@ -189,3 +189,34 @@ def test_a_session_with_a_rejected_press_says_so_by_its_status(
     status, out, _ = rig("run", rig_file(), "--all", "--yes")
     assert (status, len(bench.pressed)) == (1, 7)
     assert out.startswith("6 of 6 runs are done")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("f_max_n = 5", "f_max_n = 4"), "wanted f_max_n = 4.0, as the rig file and its schedules say now; found 5.0."),
+        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "wanted filter_samples = 3, as the rig file"),
+    ],
+)
+def test_presses_made_in_another_way_are_not_mixed(
+    change: tuple[str, str], said: str, rig: Rig, rig_file: Callable[..., Path]
+) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    path.write_text(path.read_text().replace(*change))
+    status, _, err = rig("run", path, *one)
+    assert status == 2
+    assert f"{path.parent / 'runs-virtual' / 'S3_0_modular' / 'plan.json'}: {said}" in err
+
+
+def test_a_schedule_of_other_steps_is_not_mixed(rig: Rig, rig_file: Callable[..., Path]) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    plan = path.parent / "runs-virtual" / "S3_0_modular" / "plan.json"
+    document = json.loads(plan.read_text())
+    document["plan"]["schedule"]["steps"][0]["preset_ticks"] += 10
+    plan.write_text(json.dumps(document))
+    status, _, err = rig("run", path, *one)
+    assert (status, "plan.json: wanted preset_ticks of the schedule = [" in err) == (2, True)
