@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -29,7 +31,7 @@ class Bench:
         self.hand = HandMotion(Devices(devices.actuator, devices.force), RIG, self.clock)
         truly = self.rig.world._run
 
-        def run(until_s: float, moving: bool) -> None:
+        def run(until_s: float, moving: Any) -> None:
             truly(until_s, moving)
             self.peak_n = max(self.peak_n, self.true_n(self.rig.world._path.end_rad))
 
