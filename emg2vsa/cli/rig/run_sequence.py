@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from casr.command_line import print_json
+from emg2vsa.cli.rig.ending import UNSAFE
 from emg2vsa.cli.rig.hand import answer
 from emg2vsa.cli.rig.real_run import missing, press_run
 from emg2vsa.cli.rig.same_presses import check_same_presses
@@ -21,12 +22,6 @@ from emg2vsa.rig_file.sequence import RunOrder
 
 _ROUNDS = 3
 """So often presses that were rejected are repeated before the sequence ends."""
-
-_UNSAFE = (
-    "The sequence ends here: {folder} was left with the probe NOT retracted, or motors NOT confirmed off. Switch off "
-    "with emg2vsa rig off {rig}, take the probe away with emg2vsa rig home {rig}, and look at ended.json before you "
-    "give the same command again."
-)
 
 
 def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder, *, yes: bool, as_json: bool) -> int:
@@ -63,7 +58,7 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
             if ended.how not in ("completed", "rejected") or not left_safe:
                 break
         if not left_safe:
-            print(_UNSAFE.format(folder=folder, rig=file.path), file=sys.stderr)
+            print(UNSAFE.format(folder=folder, rig=file.path), file=sys.stderr)
             status = 1
             break
         if missing(file, run, root):
