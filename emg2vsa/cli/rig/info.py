@@ -15,13 +15,15 @@ def add_to(commands: Commands) -> None:
         "info",
         run,
         "Ask each device of a rig file for its firmware, limits, parameters and readings; motors stay as they are.",
-        "Exit status 0: all devices can be used; 1: some cannot, and why; 2: the rig file has problems.",
+        "Exit status 0: all devices can be used; 1: some cannot, and why; 2: the rig file has problems, or a run "
+        "or another command uses the rig: asking would take the force sensor and the camera from it.",
     )
     add_rig(parser)
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.cli.rig.rig_lock import rig_lock
     from emg2vsa.cli.rig.states import Telling, board_lines, camera_lines, force_lines
     from emg2vsa.rig.clock import WallClock
     from emg2vsa.rig_file import load_rig
@@ -37,6 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     if devices.camera:
         titled[f"[camera] {devices.camera.source}"] = partial(camera_lines, devices.camera, file.rig.guards, clock)
     telling = Telling(arguments.json)
-    for title, lines in titled.items():
-        telling.say(title, lines)
+    with rig_lock(file.path):
+        for title, lines in titled.items():
+            telling.say(title, lines)
     return telling.end()

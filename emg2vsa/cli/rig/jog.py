@@ -15,8 +15,10 @@ def add_to(commands: Commands) -> None:
         run,
         "Move the probe slowly by some millimetres or degrees; a force ends the move.",
         "The move ends where a force of any direction is --limit-n above that at the start; the probe then goes back "
-        "until it is free, at most 20 degrees of the shaft. The motors are off afterwards. Exit status 0: moved; 1: a "
-        "force ended it; 2: nothing has moved, or a device is lost.",
+        "until it is free, at most 20 degrees of the shaft. It also goes back, while that does not raise the force, "
+        "when force, springs or current pass a limit or a device fails. The motors are off afterwards. Exit status 0: "
+        "moved; 1: a force ended it; 2: bad input, nothing has moved; or a guard or a device ended the move: the probe "
+        "may still press, emg2vsa rig info tells the force.",
     )
     way = parser.add_mutually_exclusive_group(required=True)
     way.add_argument("--mm", type=float, help="so far towards the specimen; negative: away")
@@ -24,16 +26,22 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--deg-per-s", type=float, default=5.0, metavar="V", help="speed of the shaft (default 5; at most 25)"
     )
-    parser.add_argument("--limit-n", type=float, default=2.0, metavar="N", help="force that ends the move (default 2)")
+    parser.add_argument(
+        "--limit-n",
+        type=float,
+        default=2.0,
+        metavar="N",
+        help="force that ends the move (default 2; at most half of guards.force_n)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.rig.commissioning.hand_motion import FASTEST_DEG_PER_S, TICKS_PER_DEGREE
+    from emg2vsa.rig.commissioning.hand_motion import FASTEST_DEG_PER_S, LIMIT_SHARE, TICKS_PER_DEGREE
     from emg2vsa.rig_file import load_rig
 
     file = load_rig(arguments.rig)
     _check("--deg-per-s", arguments.deg_per_s, FASTEST_DEG_PER_S)
-    _check("--limit-n", arguments.limit_n, file.rig.guards.force_n)
+    _check("--limit-n", arguments.limit_n, LIMIT_SHARE * file.rig.guards.force_n)
     rig = file.rig
     degrees = arguments.deg if arguments.mm is None else rig.push_sign * arguments.mm / rig.gear_mm_per_degree
     with hand_rig(arguments, file) as ready:

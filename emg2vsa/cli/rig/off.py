@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,7 +31,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from emg2vsa.cli.rig.rig_lock import end_user
+    from emg2vsa.cli.rig.rig_lock import end_user, stop_unnamed_run
     from emg2vsa.errors import SettingError
     from emg2vsa.rig.device_settings import ActuatorSettings
     from emg2vsa.rig_file import load_rig
@@ -41,9 +42,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.port:
         return int(not _off("device", ActuatorSettings(port=arguments.port, id=arguments.id)))
     # the lock needs no more of the rig file than its name: a file with problems must not keep a run going
-    end_user(arguments.rig.absolute(), lambda text: print(text, file=sys.stderr, flush=True))
-    devices = load_rig(arguments.rig).devices
-    boards = {"actuator": devices.actuator, "motor": devices.motor}
+    say = partial(print, file=sys.stderr, flush=True)
+    end_user(arguments.rig, say)
+    file = load_rig(arguments.rig)
+    stop_unnamed_run(file.runs, say)
+    boards = {"actuator": file.devices.actuator, "motor": file.devices.motor}
     good = [_off(name, board) for name, board in boards.items() if board]
     return int(not all(good))
 

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from casr.command_line import print_json
-from emg2vsa.cli.rig.ending import summary
+from emg2vsa.cli.rig.ending import UNSAFE, summary
 from emg2vsa.cli.rig.hand import answer
 from emg2vsa.cli.rig.real_run import press_plan
+from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.executor.plan_limits import check_plan
@@ -39,6 +40,8 @@ def run_plates(file: RigFile, specimens: Sequence[str], root: Path, *, virtual: 
     told: list[dict[str, Any]] = []
     status = 0
     for name in dict.fromkeys(specimens):
+        plan = plate_plan(file.plate, file.experiment, name)
+        check_same_presses(root, name, plan, file.rig, emulated=emulated)
         left = presses_left(root, name, file.plate.trials, emulated=emulated)
         if not left:
             print(f"{name}: done before", file=sys.stderr)
@@ -49,6 +52,10 @@ def run_plates(file: RigFile, specimens: Sequence[str], root: Path, *, virtual: 
         print(f"{name}: {summary(ended, left)}", file=sys.stderr)
         told.append({"folder": str(folder), "ended": asdict(ended)})
         status = status or int(ended.how != "completed")
+        if not (ended.retracted and ended.deactivated):
+            print(UNSAFE.format(folder=folder, rig=file.path), file=sys.stderr)
+            status = 1
+            break
     if as_json:
         print_json({"runs": told})
     else:

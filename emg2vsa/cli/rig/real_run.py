@@ -17,6 +17,7 @@ from casr.command_line import print_json
 from emg2vsa.cli.rig.ending import told
 from emg2vsa.cli.rig.prove_watchdog import remark
 from emg2vsa.cli.rig.rig_lock import rig_lock
+from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import WallClock, undisturbed
 from emg2vsa.rig.commissioning.watchdog import read_proofs
@@ -48,6 +49,7 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
     presses = repetitions or missing(file, runs[0], root) or file.experiment.repetitions
     (plan,) = plans_of(file, runs, presses)
     check_plan(plan, file.rig)
+    check_same_presses(root, run_name(*runs[0]), plan, file.rig, emulated=file.leads_to_emulated)
     folder, ended = press_run(file, runs[0], plan, root, quiet=as_json)
     if as_json:
         print_json({"folder": str(folder), "ended": asdict(ended)})

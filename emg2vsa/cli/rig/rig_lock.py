@@ -21,6 +21,8 @@ SILENT_S = 1.0
 _CLOSING_S = 5.0
 """Longest time from the end of a run until its devices are closed."""
 _LOOK_S = 0.02
+_GOING = (None, "killed")
+"""What ended.json says of a run that goes on."""
 _END = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
@@ -33,7 +35,8 @@ class RigUser:
 
 
 def lock_path(rig_file: Path) -> Path:
-    """Beside the rig file."""
+    """Beside the rig file, whatever link leads to it."""
+    rig_file = rig_file.resolve()
     return rig_file.with_name(f".{rig_file.stem}.lock")
 
 
@@ -105,12 +108,30 @@ def end_user(rig_file: Path, say: Callable[[str], None]) -> None:
         time.sleep(_LOOK_S)
 
 
+def stop_unnamed_run(runs: Path, say: Callable[[str], None]) -> None:
+    """Ask the run to stop whose lock was deleted or spoilt: the newest in ``runs``, or of its plates, that has not
+    ended and whose log has just grown. Nobody knows its process: one that is silent is left."""
+    logs = [log for root in (runs, runs.with_name(f"{runs.name}-plate")) for log in root.glob("*/log.csv")]
+    going = [log for log in logs if how_ended(log.parent) in _GOING and time.time() - log.stat().st_mtime < _CLOSING_S]
+    if not going:
+        return
+    folder = max(going, key=lambda log: log.stat().st_mtime).parent
+    say(f"{folder} has not ended, though the rig's lock names no run: asked to stop")
+    request_stop(folder, "emg2vsa rig off")
+    run = RigUser(0, folder)
+    last, seen_s = _signs(run), time.monotonic()
+    while time.monotonic() - seen_s < SILENT_S:
+        if (now := _signs(run)) != last:
+            last, seen_s = now, time.monotonic()
+        time.sleep(_LOOK_S)
+
+
 def _goes_by_itself(rig_file: Path, user: RigUser) -> bool:
     last, seen_s = _signs(user), time.monotonic()
     while rig_user(rig_file) == user:
         if (now := _signs(user)) != last:
             last, seen_s = now, time.monotonic()
-        patience_s = _CLOSING_S if last[1] not in (None, "killed") else SILENT_S
+        patience_s = _CLOSING_S if last[1] not in _GOING else SILENT_S
         if time.monotonic() - seen_s > patience_s:
             return False
         time.sleep(_LOOK_S)

@@ -9,9 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from casr.command_line import print_json
+from emg2vsa.cli.rig.ending import UNSAFE
 from emg2vsa.cli.rig.hand import answer
 from emg2vsa.cli.rig.real_run import missing, press_run
+from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
@@ -25,12 +28,14 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
     """All presses that ``runs`` still lack, in ``order``; exit status.
 
     A run whose presses were rejected is repeated; one that ends otherwise ends the sequence, which the same command
-    takes up again.
+    takes up again. So does one that leaves the probe on the specimen, or the motors on, however whole its presses are.
+    The status is 0 only where every run was completed.
     """
     todo = [run for run in order.runs if run in runs]
     plans = dict(zip(todo, plans_of(file, todo), strict=True))
-    for plan in plans.values():
+    for run, plan in plans.items():
         check_plan(plan, file.rig)
+        check_same_presses(root, run_name(*run), plan, file.rig, emulated=file.leads_to_emulated)
     done: list[dict[str, Any]] = []
     status = 0
     for number, run in enumerate(todo, start=1):
@@ -41,14 +46,21 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
                 status = 1
                 break
             continue
+        left_safe = True
         for _ in range(_ROUNDS):
             if not (presses := missing(file, run, root)):
                 break
             plan = replace(plans[run], repetitions=presses, order=order.place(run))
             folder, ended = press_run(file, run, plan, root, quiet=as_json)
             done.append({"folder": str(folder), "ended": asdict(ended)})
-            if ended.how not in ("completed", "rejected"):
+            status = status or int(ended.how != "completed")
+            left_safe = ended.retracted and ended.deactivated
+            if ended.how not in ("completed", "rejected") or not left_safe:
                 break
+        if not left_safe:
+            print(UNSAFE.format(folder=folder, rig=file.path), file=sys.stderr)
+            status = 1
+            break
         if missing(file, run, root):
             print("The sequence ends here; the same command takes it up again.", file=sys.stderr)
             status = 1

@@ -22,7 +22,8 @@ def add_to(commands: Commands) -> None:
         run,
         "List the adapters of qbmoves; ask the ports that --port or a rig file names, its force sensor and its camera.",
         "About 3 s for each port. Nothing is switched or changed, and nothing is sent to a port or address that is not "
-        "named. Exit status 0: adapters are there, and all that is named answers; 1: not so.",
+        "named. Exit status 0: adapters are there, and all that is named answers; 1: not so; 2: the rig file has "
+        "problems, or a run or another command uses its rig.",
     )
     parser.add_argument("rig", nargs="?", type=Path, metavar="RIG", help="rig file, to look for its devices")
     parser.add_argument("--port", action="append", default=[], help="ask this port, listed or not; repeat")
@@ -35,6 +36,9 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from contextlib import nullcontext
+
+    from emg2vsa.cli.rig.rig_lock import rig_lock
     from emg2vsa.cli.rig.states import Telling, camera_lines, force_lines
     from emg2vsa.rig.clock import WallClock
     from emg2vsa.rig.qbmove.scan import qbmove_ports
@@ -47,12 +51,13 @@ def run(arguments: argparse.Namespace) -> int:
     for port in adapters:
         if port not in ports:
             telling.say(port, partial(iter, ["an adapter as qbmoves have; ask it with --port"]))
-    for port, baud in ports.items():
-        telling.say(port, partial(_answers, port, baud, ids, arguments.wait_ms / 1000, clock))
-    if file:
-        telling.say("[force]", partial(force_lines, file.devices.force, file.rig.guards, clock))
-    if file and (camera := file.devices.camera):
-        telling.say(f"[camera] {camera.source}", partial(camera_lines, camera, file.rig.guards, clock))
+    with rig_lock(file.path) if file else nullcontext():
+        for port, baud in ports.items():
+            telling.say(port, partial(_answers, port, baud, ids, arguments.wait_ms / 1000, clock))
+        if file:
+            telling.say("[force]", partial(force_lines, file.devices.force, file.rig.guards, clock))
+        if file and (camera := file.devices.camera):
+            telling.say(f"[camera] {camera.source}", partial(camera_lines, camera, file.rig.guards, clock))
     if not adapters and not ports:
         telling.remark("no serial port with a qbmove's adapter; name another with --port")
     return telling.end(good=bool(adapters or ports))

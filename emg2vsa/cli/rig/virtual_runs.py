@@ -16,6 +16,7 @@ from typing import Any
 
 from casr.command_line import print_json
 from emg2vsa.cli.rig.ending import summary
+from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
 from emg2vsa.rig.emulated.settings import EmulatedSettings
@@ -56,8 +57,9 @@ def run_virtually(
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
     runs = [run for run in order.runs if run in runs] if order else runs
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
-    for plan in plans.values():
+    for run, plan in plans.items():
         check_plan(plan, file.rig)
+        check_same_presses(root, run_name(*run), plan, file.rig, emulated=True)
     for line in () if as_json else laxer_guards(file.rig):
         print(f"guard: {line}")
     start = time.monotonic()

@@ -7,8 +7,9 @@ vector, since its push axis may be wrong.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.settings import TICKS_PER_TURN
 
 DEG_PER_S = 5.0
-"""1 mm/s with the paper's gear; no move by hand is faster than `FASTEST_DEG_PER_S`."""
+"""1 mm/s with the paper's gear; no move by hand is faster than `FASTEST_DEG_PER_S`, nor than the rig may move."""
 FASTEST_DEG_PER_S = 25.0
 TOUCH_N = 0.5
 LIMIT_N = 2.0
@@ -35,6 +36,15 @@ _FOLLOWING_TICKS = 300
 _BACK_DEG = 20.0
 _FRICTION_NM = 0.03
 """Of shaft and guide together: three times the shaft's (guess)."""
+_GAP_N = 3.0
+"""How much more than the sensor feels the springs may bear beyond friction; a sound rig shows 1 N at most."""
+LIMIT_SHARE = 0.5
+"""Of guards.force_n: the largest force that a move by hand may be told to end at."""
+_CURRENT_SHARE = 0.3
+"""Of guards.current_ma, over ten turns: 450 mA, at which the emulated rigid motor presses with 8.5 N (a guess)."""
+_CURRENT_TURNS = 10
+_LAG_S = 0.3
+"""So long after a retreat has begun the force may still rise: a sensor may lag."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +73,9 @@ class HandMotion:
 
     Raises
     ------
-    DeviceError : from every move: a device is lost, the force sensor reports a fault, the motors do not follow, or the
-    springs give way while no force is felt. The motors then hold where they are.
+    DeviceError : from every move: a device is lost, the force sensor reports a fault, the motors do not follow or draw
+    too much, or the springs bear more than is felt. The probe has then gone back the way it came, by 20 degrees of the
+    shaft at most and for as long as that does not raise the force; the motors hold it there.
     """
 
     def __init__(self, devices: Devices, rig: RigSettings, clock: Clock) -> None:
@@ -75,6 +86,9 @@ class HandMotion:
         "The softest that the rig may have: what is touched by mistake is pressed least."
         self._at_ticks = 0.0
         self._zero_n: Floats = np.zeros(3)
+        self._rest_n = 0.0
+        self._limit_n = math.inf
+        self._currents: deque[tuple[int, int]] = deque(maxlen=_CURRENT_TURNS)
 
     def start(self) -> Place:
         """Motors on where they are; the force at this moment is the zero of all moves."""
@@ -94,9 +108,10 @@ class HandMotion:
         self._command(self._at_ticks)
 
     def zero(self) -> None:
-        """The present force is the zero from now on."""
+        """The present force is the zero from now on, felt and borne by the springs."""
         self._zero_n = np.zeros(3)
         self._zero_n = self.felt_n()
+        self._rest_n = self._springs_n()
 
     def felt_n(self) -> Floats:
         """(3,) mean force above the zero, over 0.2 s."""
@@ -123,31 +138,71 @@ class HandMotion:
         if not low <= ticks <= high:
             do = "Choose a shorter move, or correct position_ticks in the rig file."
             raise DeviceError("probe", wanted=f"a position of {low} to {high} ticks", found=f"{ticks:.0f}", do=do)
-        step = min(deg_per_s, FASTEST_DEG_PER_S) * TICKS_PER_DEGREE * self._rig.period_s
+        begin = self._at_ticks
+        try:
+            return self._go(ticks, until_n, deg_per_s, from_zero=from_zero)
+        except DeviceError:
+            if from_zero:  # else it may have begun pressed
+                self._retreat(begin)
+            raise
+
+    def _go(self, ticks: float, until_n: float, deg_per_s: float, *, from_zero: bool) -> Place:
+        step = self._step_ticks(deg_per_s)
+        self._limit_n = math.inf
         before_n = float(np.linalg.norm(self.felt_n() + self._zero_n))
-        recent: list[Floats] = []
+        force_n = self._rig.guards.force_n
+        self._limit_n = force_n if from_zero else max(force_n, before_n + LIMIT_N)
+        recent: deque[Floats] = deque(maxlen=_AVERAGED)
+        self._currents.clear()
         while self._at_ticks != ticks:
-            recent = [*recent[1 - _AVERAGED :], self._read().force_n]
+            recent.append(self._read().force_n)
             mean_n = np.mean(recent, axis=0)
-            size_n = float(np.linalg.norm(mean_n - self._zero_n) if from_zero else np.linalg.norm(mean_n) - before_n)
+            felt_n = float(np.linalg.norm(mean_n - self._zero_n))
+            size_n = felt_n if from_zero else float(np.linalg.norm(mean_n)) - before_n
             if len(recent) == _AVERAGED and size_n >= until_n:
                 return self.place(touched=True)
-            self._judge(size_n)
+            self._judge(felt_n, relaxing=not from_zero)
             self._at_ticks += math.copysign(min(step, abs(ticks - self._at_ticks)), ticks - self._at_ticks)
             self._hold()
         return self.place()
 
     def away(self, from_ticks: float) -> Place:
         """After a force has ended a move: back towards ``from_ticks`` until it is below half of a touch."""
-        sign = math.copysign(1.0, from_ticks - self._at_ticks)
-        end = self._at_ticks + sign * min(_BACK_DEG * TICKS_PER_DEGREE, abs(from_ticks - self._at_ticks))
+        sign, end = self._back(from_ticks)
         place = self.place()
-        while place.size_n > TOUCH_N / 2 and self._at_ticks != end:
+        while (place.size_n > TOUCH_N / 2 or self._borne_n() > TOUCH_N) and self._at_ticks != end:
             step = min(TICKS_PER_DEGREE / 2, abs(end - self._at_ticks))
             self._at_ticks += sign * step
             self._hold()
             place = self.place()
         return place
+
+    def _retreat(self, from_ticks: float) -> None:
+        """After an error: back towards ``from_ticks``, whatever is felt, unless it raises the force."""
+        sign, end = self._back(from_ticks)
+        step, begin_s = self._step_ticks(FASTEST_DEG_PER_S), self._clock.now_s()
+        first_n: float | None = None
+        self._limit_n = math.inf
+        with suppress(DeviceError):  # the error that began it is the one to tell
+            while self._at_ticks != end:
+                load_n = max(self._borne_n(), self._felt_anyhow_n())
+                first_n = load_n if first_n is None else first_n
+                old = self._clock.now_s() - begin_s > _LAG_S
+                if load_n > first_n + TOUCH_N and (old or load_n > self._rig.guards.force_n):
+                    return
+                self._at_ticks += sign * min(step, abs(end - self._at_ticks))
+                self._hold()
+            self._clock.sleep_until(self._clock.now_s() + _LOOK_S)
+
+    def _back(self, from_ticks: float) -> tuple[float, float]:
+        """Sign and end of the way back towards ``from_ticks``."""
+        way = from_ticks - self._at_ticks
+        sign = math.copysign(1.0, way)
+        return sign, self._at_ticks + sign * min(_BACK_DEG * TICKS_PER_DEGREE, abs(way))
+
+    def _step_ticks(self, deg_per_s: float) -> float:
+        fastest = min(FASTEST_DEG_PER_S, self._rig.max_mm_per_s / self._rig.gear_mm_per_degree)
+        return min(deg_per_s, fastest) * TICKS_PER_DEGREE * self._rig.period_s
 
     @property
     def at_ticks(self) -> float:
@@ -168,14 +223,22 @@ class HandMotion:
     def _read(self) -> ForceSample:
         sample = self._force.read()
         size_n = float(np.linalg.norm(sample.force_n))
-        limit_n = self._rig.guards.force_n
-        if sample.status.faults or not size_n <= limit_n:
+        if sample.status.faults or not size_n <= self._limit_n:
             found = "; ".join(sample.status.faults) or f"{size_n:.2f} N"
             do = "Check the sensor; emg2vsa rig home takes the probe away."
-            raise DeviceError("force", wanted=f"a sound force of at most {limit_n:g} N", found=found, do=do)
+            wanted = f"a sound force of at most {self._limit_n:g} N" if self._limit_n < math.inf else "a sound force"
+            raise DeviceError("force", wanted=wanted, found=found, do=do)
         return sample
 
-    def _judge(self, size_n: float) -> None:
+    def _felt_anyhow_n(self) -> float:
+        """The newest force above the zero; 0 where the sensor gives none."""
+        try:
+            return float(np.linalg.norm(self._read().force_n - self._zero_n))
+        except DeviceError:
+            return 0.0
+
+    def _judge(self, felt_n: float, *, relaxing: bool) -> None:
+        """``relaxing`` : springs may bear less than at the zero, and the motors draw what a pressed probe needs."""
         behind = abs(self._actuator.position_ticks() - self._at_ticks)
         if behind > _FOLLOWING_TICKS:
             do = "Look for what holds the gear or the probe, and check the supply."
@@ -183,16 +246,30 @@ class HandMotion:
             raise DeviceError(
                 "probe", wanted=f"motors within {_FOLLOWING_TICKS} ticks of their command", found=found, do=do
             )
-        if size_n < TOUCH_N and (pull_n := self._springs_n()) > 2 * LIMIT_N:
-            found = f"springs that press with {pull_n:.1f} N or more, and {size_n:.2f} N felt"
-            do = "Check the force sensor, and what the probe stands against."
+        do = "Check the force sensor, its calibration, and what the probe stands against."
+        borne_n = self._borne_n(relaxing=relaxing)
+        if borne_n > felt_n + _GAP_N:
+            found = f"springs that press with {borne_n:.1f} N or more, and {felt_n:.2f} N felt"
             raise DeviceError("probe", wanted="a force felt where the springs give way", found=found, do=do)
+        self._currents.append(self._actuator.currents_ma())
+        mean_ma = float(np.abs(self._currents).mean(axis=0).max())
+        most_ma = (1.0 if relaxing else _CURRENT_SHARE) * self._rig.guards.current_ma
+        if len(self._currents) == _CURRENT_TURNS and mean_ma > most_ma:
+            found = f"{mean_ma:.0f} mA, and {felt_n:.2f} N felt"
+            raise DeviceError("probe", wanted=f"motors that draw at most {most_ma:.0f} mA", found=found, do=do)
+
+    def _borne_n(self, *, relaxing: bool = False) -> float:
+        """By how much the force of the springs on the probe has changed since the zero beyond friction, N."""
+        now_n = self._springs_n()
+        if relaxing and abs(now_n) <= abs(self._rest_n):
+            return 0.0
+        return max(0.0, abs(now_n - self._rest_n) - _FRICTION_NM / self._rig.lever_m)
 
     def _springs_n(self) -> float:
-        """Force of the springs on the probe beyond what friction may hold, N, by the model of `emg2vsa.actuator`."""
+        """Force of the springs on the probe, N, by the model of `emg2vsa.actuator`; 0 where there are none."""
         at, springs = self._actuator.measurements(), self._actuator.springs
         if springs is None:
             return 0.0
         torque_nm = springs.k1_nm * math.sinh(springs.a1_per_rad * (at.shaft - at.motor_1) * RAD_PER_TICK)
         torque_nm += springs.k2_nm * math.sinh(springs.a2_per_rad * (at.shaft - at.motor_2) * RAD_PER_TICK)
-        return max(0.0, abs(torque_nm) - _FRICTION_NM) / (math.degrees(self._rig.gear_mm_per_degree) / 1000)
+        return torque_nm / self._rig.lever_m

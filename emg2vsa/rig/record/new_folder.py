@@ -26,7 +26,7 @@ def new_folder(runs: Path, name: str, presses: int, *, emulated: bool) -> Path:
     if not presses_left(runs, name, presses, emulated=emulated):
         do = "Move it away, or choose another folder with --out."
         raise DataError(runs / name, wanted="a run that is still to do", found="one with all its presses", do=do)
-    return next(folder for folder in _folders(runs, name) if not folder.exists())
+    return next(folder for folder in folders_of(runs, name) if not folder.exists())
 
 
 def presses_left(runs: Path, name: str, presses: int, *, emulated: bool) -> int:
@@ -35,7 +35,7 @@ def presses_left(runs: Path, name: str, presses: int, *, emulated: bool) -> int:
     emulated : whether an emulated rig must have made a press, or hardware.
     """
     done = 0
-    for folder in _folders(runs, name):
+    for folder in folders_of(runs, name):
         if not folder.exists():
             break
         if (folder / EMULATED_FILE).is_file() == emulated:
@@ -72,5 +72,6 @@ def _ended(folder: Path, key: str) -> object:
     return value
 
 
-def _folders(runs: Path, name: str) -> Iterator[Path]:
+def folders_of(runs: Path, name: str) -> Iterator[Path]:
+    """Where run ``name`` is, or would be: endless, and used in this order without a gap."""
     return (runs / (name if number == 1 else f"{name}-{number}") for number in count(1))

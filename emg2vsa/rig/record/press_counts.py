@@ -63,7 +63,7 @@ def line_of(counts: PressCounts) -> str:
 def verdicts(folder: Path) -> dict[int, tuple[Verdict, str]]:
     """Repetition to verdict and reason, of the run in ``folder``; empty where there is no presses.csv that says so.
 
-    Runs of version 0.1.0 have none. Half a last line is passed over.
+    Runs of version 0.1.0 have none. Half a last line is passed over; of two lines for a press the last holds.
     """
     try:
         text = (folder / PRESSES_FILE).read_text(encoding="utf-8")

@@ -62,6 +62,7 @@ class RunRecord:
         self._forces: ForceFile | None = None
         self._press: PressRecorder | None = None
         self._tally: PressTally | None = None
+        self._over: PressTally | None = None
         self._begun_s, self._turned_s = 0.0, math.inf
         self._notes: list[str] = []
         self.presses_done = 0
@@ -147,7 +148,10 @@ class RunRecord:
         """Write ended.json and close everything; ``ended`` with what only the record knows."""
         at = (self._started + timedelta(seconds=ended.time_s)).isoformat()
         refused: list[str] = []
-        for last in (self._close_press, lambda: self._close_tally(ended.time_s), self._disk.finish):
+        steps = [self._close_press, lambda: self._close_tally(ended.time_s), self._disk.finish]
+        if self._tally is None and not ended.retracted:  # stuck after its last press
+            steps.insert(0, self._reject_last)
+        for last in steps:
             try:
                 last()
             except DeviceError as error:
@@ -176,8 +180,18 @@ class RunRecord:
     def _close_tally(self, time_s: float) -> None:
         if self._tally is None:
             return
-        tally, self._tally = self._tally, None
+        tally, self._tally, self._over = self._tally, None, self._tally
         tally.turn_back(time_s, self._force_counts())
+        self._write_tally(tally)
+
+    def _reject_last(self) -> None:
+        """Its probe is not away, or a force that shall be free is not: so its own force is not to be trusted. Of two
+        lines for a press the last holds."""
+        if self._over is not None:
+            self._over.doubt("the probe was not retracted after it")
+            self._write_tally(self._over)
+
+    def _write_tally(self, tally: PressTally) -> None:
         counts = tally.counts()
         if counts.verdict != "ok":
             self._notes.append(f"press {counts.repetition} is {counts.verdict}: {counts.why}")

@@ -16,7 +16,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from emg2vsa.cli.rig.rig_lock import rig_lock, rig_user
+from emg2vsa.cli.rig.rig_lock import lock_path, rig_lock, rig_user
+from emg2vsa.errors import DeviceError
 from emg2vsa.rig.rig_settings import RigSettings
 
 pytestmark = pytest.mark.realtime
@@ -120,7 +121,7 @@ def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> N
     ("words", "said"),
     [
         (("jog", "--mm", "1", "--deg-per-s", "100"), "--deg-per-s: wanted above 0 and at most 25; found 100."),
-        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: wanted above 0 and at most 50; found 80."),
+        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: wanted above 0 and at most 25; found 80."),
         (("jog", "--mm", "40"), "probe: wanted a position of -12000 to 12000 ticks; found 18"),
         (("commission", "--reach-deg", "0"), "--reach-deg: wanted above 0 and at most 180; found 0."),
         (("parameters", "--set", "13=a"), "wanted a number and its values, 13=1200; found '13=a'"),
@@ -267,3 +268,33 @@ def test_the_lock_names_its_holder_and_goes_with_it(tmp_path: Path) -> None:
         assert user is not None
         assert (user.pid, user.folder) == (os.getpid(), tmp_path / "run")
     assert rig_user(path) is None
+
+
+@pytest.mark.parametrize("spoil", ["deleted", "spoilt"])
+def test_off_finds_a_run_whose_lock_names_it_no_more(
+    spoil: str, rig: Rig, served: SimpleNamespace, tmp_path: Path
+) -> None:
+    folder, dead = tmp_path / "runs" / "S1_0_modular", tmp_path / "runs" / "S1_0_modular-2"
+    for each in (folder, dead):
+        each.mkdir(parents=True)
+        (each / "log.csv").write_text("row\n")
+        (each / "ended.json").write_text('{"how": "killed"}')
+    os.utime(dead / "log.csv", (1, 1))
+    with rig_lock(served.path, folder):
+        lock = lock_path(served.path)
+        lock.unlink() if spoil == "deleted" else lock.write_text("{")
+        _, out, err = rig("off", served.path)
+    assert f"{folder} has not ended, though the rig's lock names no run: asked to stop" in err
+    assert ((folder / "stop").exists(), (dead / "stop").exists()) == (True, False)
+    assert "[actuator] motors off" in out
+
+
+def test_a_link_to_a_rig_file_has_the_lock_of_the_file(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
+    link = tmp_path / "elsewhere" / "other.toml"
+    link.parent.mkdir()
+    link.symlink_to(served.path)
+    with rig_lock(served.path):
+        user = rig_user(link)
+        assert (user is not None, lock_path(link)) == (True, lock_path(served.path))
+        with pytest.raises(DeviceError, match="wanted a rig that no other process uses"), rig_lock(link):
+            pass

@@ -9,6 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from emg2vsa.cli.rig.rig_lock import rig_lock
+
 Rig = Callable[..., tuple[int, str, str]]
 NO_MOTOR = "/dev/no-such-motor: wanted a serial port; found "
 
@@ -85,3 +87,11 @@ def test_info_without_any_device_says_so_of_each(rig: Rig, rig_file: Callable[..
     status, out, err = rig("info", rig_file())
     assert (status, err) == (1, "")
     assert out.count("not usable") == 4
+
+
+@pytest.mark.parametrize("command", ["info", "scan"])
+def test_no_device_is_asked_while_a_run_uses_the_rig(command: str, rig: Rig, served: SimpleNamespace) -> None:
+    with rig_lock(served.path, served.path.parent / "runs" / "S1_0_modular"):
+        status, out, err = rig(command, served.path)
+    assert (status, "[force]" in out) == (2, False)
+    assert f"{served.path}: wanted a rig that no other process uses; found process " in err

@@ -116,7 +116,7 @@ def test_an_order_of_another_form_is_refused(
 class Rigged:
     """Ends of runs as they are told, and folders that say so."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, *ends: tuple[str, int]) -> None:
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *ends: tuple[Any, ...]) -> None:
         self.ends, self.asked, self.pressed = list(ends), list[str](), list[tuple[str, int, int | None]]()
         monkeypatch.setattr(run_sequence, "press_run", self.press)
         monkeypatch.setattr(run_sequence, "answer", self.answer)
@@ -129,11 +129,12 @@ class Rigged:
     def press(self, file: Any, run: Any, plan: Any, root: Path, *, quiet: bool) -> tuple[Path, Any]:
         name = real_run.run_name(*run)
         folder = real_run.new_folder(root, name, file.experiment.repetitions, emulated=False)
-        how, good = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
+        how, good, *away = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
         folder.mkdir(parents=True)
         (folder / "ended.json").write_text(json.dumps({"how": how, "repetitions_done": good}))
         self.pressed.append((folder.name, plan.repetitions, plan.order))
-        return folder, SimpleNamespace(how=how)
+        retracted, deactivated = away or (True, True)
+        return folder, SimpleNamespace(how=how, retracted=retracted, deactivated=deactivated)
 
 
 def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
@@ -163,3 +164,59 @@ def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
 
     assert rig("run", path, "--all", "--yes", "--json")[0] == 0
     assert how_ended(path.parent / "runs" / "S3_30_modular") == "completed"
+
+
+@pytest.mark.parametrize("left", [(False, True), (True, False)])
+def test_a_probe_that_was_left_on_the_specimen_ends_the_sequence(
+    left: tuple[bool, bool], rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Though all its presses are whole."""
+    path = rig_file()
+    bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 2, *left))
+    monkeypatch.setattr(run_sequence, "asdict", vars)
+    status, _, err = rig("run", path, "--all", "--yes")
+    assert status == 1
+    assert [name for name, *_ in bench.pressed] == ["S1_0_high-stiffness", "S3_0_high-stiffness"]
+    assert "was left with the probe NOT retracted, or motors NOT confirmed off. " in err
+    assert f"Switch off with emg2vsa rig off {path}" in err
+
+
+def test_a_session_with_a_rejected_press_says_so_by_its_status(
+    rig: Rig, rig_file: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = Rigged(monkeypatch, ("rejected", 1))
+    monkeypatch.setattr(run_sequence, "asdict", vars)
+    status, out, _ = rig("run", rig_file(), "--all", "--yes")
+    assert (status, len(bench.pressed)) == (1, 7)
+    assert out.startswith("6 of 6 runs are done")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("f_max_n = 5", "f_max_n = 4"), "wanted f_max_n = 4.0, as the rig file and its schedules say now; found 5.0."),
+        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "wanted filter_samples = 3, as the rig file"),
+    ],
+)
+def test_presses_made_in_another_way_are_not_mixed(
+    change: tuple[str, str], said: str, rig: Rig, rig_file: Callable[..., Path]
+) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    path.write_text(path.read_text().replace(*change))
+    status, _, err = rig("run", path, *one)
+    assert status == 2
+    assert f"{path.parent / 'runs-virtual' / 'S3_0_modular' / 'plan.json'}: {said}" in err
+
+
+def test_a_schedule_of_other_steps_is_not_mixed(rig: Rig, rig_file: Callable[..., Path]) -> None:
+    path = rig_file()
+    one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
+    assert rig("run", path, *one, "--repetitions", 1)[0] == 0
+    plan = path.parent / "runs-virtual" / "S3_0_modular" / "plan.json"
+    document = json.loads(plan.read_text())
+    document["plan"]["schedule"]["steps"][0]["preset_ticks"] += 10
+    plan.write_text(json.dumps(document))
+    status, _, err = rig("run", path, *one)
+    assert (status, "plan.json: wanted preset_ticks of the schedule = [" in err) == (2, True)

@@ -19,6 +19,7 @@ from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.clock import LoopTiming
 from emg2vsa.rig.devices import ForceCounts, Rating
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.new_folder import good_presses
 from emg2vsa.rig.record.press_counts import verdicts
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
@@ -128,6 +129,8 @@ def test_a_run_that_ends_with_a_force_at_home_is_not_completed(bench: Any, tmp_p
     assert (ended.how, ended.cause, ended.repetitions_done) == ("rejected", "not retracted", 2)
     assert (ended.retracted, ended.deactivated, ended.last_force_n) == (False, True, 0.6)
     assert "less than 0.5 N at the retracted position" in ended.why
+    assert verdicts(tmp_path) == {1: ("ok", ""), 2: ("rejected", "the probe was not retracted after it")}
+    assert good_presses(tmp_path) == 1
 
 
 def test_a_run_with_a_press_that_is_not_whole_is_not_completed(bench: Any, tmp_path: Path) -> None:

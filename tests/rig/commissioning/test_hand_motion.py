@@ -1,0 +1,112 @@
+"""Moves by hand with a force sensor or a shaft that lies: how hard the probe truly presses, and how it is left."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.rig.commissioning.hand_motion import LIMIT_SHARE, TICKS_PER_DEGREE, HandMotion
+from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.fault_words import put
+from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.rig_settings import RigSettings
+
+RIG = RigSettings()
+MOST_N = LIMIT_SHARE * RIG.guards.force_n
+
+
+class Bench:
+    """A probe 2 mm above the stiffest specimen; ``peak_n``: the largest force there truly was."""
+
+    def __init__(self, *, rigid: bool) -> None:
+        self.clock, self.peak_n = VirtualClock(), 0.0
+        self.rig = EmulatedRig(EmulatedSettings(gap_mm=2.0), "S1", 0.0, rigid, self.clock, rig=RIG)
+        devices = self.rig.devices()
+        self.actuator, self.force = devices.actuator, devices.force
+        self.hand = HandMotion(Devices(devices.actuator, devices.force), RIG, self.clock)
+        truly = self.rig.world._run
+
+        def run(until_s: float, moving: Any) -> None:
+            truly(until_s, moving)
+            self.peak_n = max(self.peak_n, self.true_n(self.rig.world._path.end_rad))
+
+        self.rig.world._run = run  # type: ignore[method-assign]
+
+    def true_n(self, shaft_rad: float) -> float:
+        return float(np.linalg.norm(self.rig.world._probe.force_n(shaft_rad)))
+
+    def press(self, faults: tuple[str, ...], *, until_n: float, deg_per_s: float) -> str:
+        """Towards the specimen; the error, or nothing."""
+        self.hand.start()
+        for fault in faults:
+            put(self.rig, fault)
+        begin = self.hand.at_ticks
+        try:
+            if self.hand.go(begin + 60 * TICKS_PER_DEGREE, until_n=until_n, deg_per_s=deg_per_s).touched:
+                self.hand.away(begin)
+        except DeviceError as error:
+            return str(error)
+        return ""
+
+    def felt_n(self, after_s: float) -> float:
+        self.clock.sleep_until(self.clock.now_s() + after_s)
+        return float(np.linalg.norm(self.force.read().force_n))
+
+    def left_n(self) -> float:
+        """Motors off, a second later."""
+        self.actuator.deactivate()
+        for _ in range(200):
+            self.felt_n(0.005)
+        self.rig.firmware.advance()
+        return float(np.linalg.norm(self.rig.world.force_n(self.clock.now_s())))
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize(
+    "faults",
+    [
+        ("gain 0.1",), ("gain 0.3",), ("gain 0.5",), ("dead on",), ("dead on", "jumped-shaft 500"),
+        ("dead on", "jumped-shaft -500"), ("lag 200",), ("frozen-motor-1 on",),
+    ],
+)  # fmt: skip
+def test_no_lying_sensor_lets_the_probe_press_too_hard(faults: tuple[str, ...], rigid: bool) -> None:
+    for until_n, deg_per_s in ((2.0, 5.0), (MOST_N, 25.0)):
+        bench = Bench(rigid=rigid)
+        bench.press(faults, until_n=until_n, deg_per_s=deg_per_s)
+        assert bench.peak_n <= 1.3 * RIG.guards.force_n
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_a_sound_rig_reaches_the_largest_limit_and_is_left_free(rigid: bool) -> None:
+    bench = Bench(rigid=rigid)
+    assert bench.press((), until_n=MOST_N, deg_per_s=25.0) == ""
+    assert MOST_N <= bench.peak_n < 1.4 * MOST_N
+    assert bench.left_n() < 0.5
+
+
+@pytest.mark.parametrize(("rigid", "wanted"), [(False, "springs give way"), (True, "motors that draw at most 450 mA")])
+def test_after_an_error_the_probe_has_gone_back(rigid: bool, wanted: str) -> None:
+    bench = Bench(rigid=rigid)
+    assert wanted in bench.press(("dead on",), until_n=2.0, deg_per_s=5.0)
+    assert bench.peak_n > 3
+    assert bench.left_n() < 0.5
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_home_takes_away_a_probe_that_stands_pressed_beyond_the_limit(rigid: bool) -> None:
+    bench = Bench(rigid=rigid)
+    actuator = bench.actuator
+    actuator.activate()
+    actuator.set_position_stiffness(RIG.ticks_at(6.5 if rigid else 13), bench.hand.preset_ticks)
+    for _ in range(300):  # the watchdog is fed, and the force asked for
+        assert actuator.is_active()
+        bench.felt_n(0.005)
+    assert bench.left_n() > RIG.guards.force_n
+    bench.hand.start()
+    assert not bench.hand.go(RIG.home_ticks, until_n=0.5, from_zero=False).touched
+    assert bench.left_n() < 0.5
