@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import NamedTuple
 
+from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Devices, ForceSample
@@ -15,7 +16,7 @@ from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import Moment, size, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.executor.safe_end import Start
-from emg2vsa.rig.executor.witnesses import Witnesses
+from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
 from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
@@ -80,6 +81,10 @@ class ControlCycle:
             self._look(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
             self._judge(force, wanted, now_s, late_s)
+            if at_rest(wanted, now_s):
+                self._free(
+                    f"{now_s - wanted.since_s:.1f} s after the press" if wanted.repetition else "before the press"
+                )
             self._enter(wanted, force)
             self._send(wanted, now_s)
             self._turned_s, self._before = now_s, force
@@ -104,7 +109,7 @@ class ControlCycle:
         plan = self._plan
         return Start(
             depth_mm=min(self.motion.depth_mm, self._measured_mm()),
-            preset_ticks=plan.preset_ticks(self.motion.step),
+            preset_ticks=self._preset_ticks(self.motion),
             softest_ticks=0 if plan.schedule is None else int(plan.schedule.preset_ticks.min()),
             contact_n=plan.f_contact_n,
             home_is_free=self._pressed,
@@ -179,7 +184,7 @@ class ControlCycle:
         moment = Moment(
             now_s=now_s, late_s=late_s, period_s=self._rig.period_s,
             force=force.sample, before=before.sample, force_n=force.raw_n, force_before_n=before.raw_n,
-            angle_deg=self._plan.angle_deg, rating=self._devices.force.rating,
+            angle_deg=self._plan.angle_deg, phase=wanted.phase, rating=self._devices.force.rating,
             frame_s=self._frame_s if self._devices.camera else None,
             depth_mm=wanted.depth_mm, travel_mm=self._plan.travel_mm, active=self._active,
             seen=self._witnesses.seen, contact_n=self._plan.f_contact_n,
@@ -193,19 +198,27 @@ class ControlCycle:
         self.motion = wanted
         if begins:
             # taken for contact, a wrong zero would press that much harder than the plan
-            felt_n = max(abs(force.filtered_n), size(force.sample.force_n))
-            if felt_n >= self._plan.f_contact_n:
-                raise EndRun("guard", "preload", f"{felt_n:.2f} N before the press, with the probe retracted")
+            self._free("before the press")
             with ending("recording"):
                 self._pressed = True
                 self._record.begin_press(wanted.repetition, force.sample.time_s)
 
+    def _free(self, when: str) -> None:
+        felt_n = self._witnesses.mean_n
+        if felt_n >= self._plan.f_contact_n:
+            raise EndRun("guard", "preload", f"{felt_n:.2f} N {when}, with the probe retracted")
+
     def _send(self, wanted: Motion, now_s: float) -> None:
-        command = self._rig.ticks_at(wanted.depth_mm), self._plan.preset_ticks(wanted.step)
+        command = self._rig.ticks_at(wanted.depth_mm), self._preset_ticks(wanted)
         with ending("lost device"):
             self._devices.actuator.set_position_stiffness(*command)
         self._sent = command
         self._witnesses.send(*command, now_s)
+
+    def _preset_ticks(self, motion: Motion) -> int:
+        if motion.stiff and self._plan.schedule is not None:
+            return int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
+        return self._plan.preset_ticks(motion.step)
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Collection
 from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.rig.devices import ForceSample, Measurements
@@ -13,6 +17,8 @@ from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 _CURRENT_TURNS = 10
+_AT_REST_S = 0.4
+"""Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20
 
@@ -26,6 +32,7 @@ class Witnesses:
         self._motors, self._stillness, self._current = SlowMotors(at, springs, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
         self._sent_s: float | None = None
+        self._vectors: deque[NDArray[np.float64]] = deque(maxlen=rig.filter_samples)
         self.seen = Seen()
 
     @property
@@ -34,10 +41,16 @@ class Witnesses:
         at = self._at
         return self._rig.depth_at(at.motor_1 if self._springs is None else (at.motor_1 + at.motor_2) / 2)
 
+    @property
+    def mean_n(self) -> float:
+        """Size of the mean of the last forces, of all three axes: noise of one sample is no contact."""
+        return mean_size(self._vectors)
+
     def feel(self, sample: ForceSample, phase: Phase) -> None:
         """The sample of a turn, in the phase that the turn before has led to."""
         self._stillness.see(sample, self.depth_mm, phase)
-        felt_n, rise_n = size(sample.force_n), None
+        self._vectors.append(sample.force_n)
+        felt_n, rise_n = self.mean_n, None
         if phase == "home":
             self._lowest_n = min(self._lowest_n, felt_n)
             rise_n = felt_n - self._lowest_n
@@ -55,18 +68,30 @@ class Witnesses:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
         self._at = at
+        spring_n = None if self._springs is None else spring_force_n(at, self._springs, self._rig)
         shaft_mm = self._rig.depth_at(at.shaft)
         if motion.phase == "contact" and begins:
             self._contact_mm = shaft_mm
         self.seen = replace(
             self.seen,
             astray_ticks=self._motors.astray_ticks(at),
-            spring_n=None if self._springs is None else spring_force_n(at, self._springs, self._rig),
+            spring_n=spring_n,
+            spring_rest_n=spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None,
             felt_n=felt_n,
             current_ma=self._current.see(currents_ma),
             approach_mm=shaft_mm if motion.phase == "approach" else None,
             past_contact_mm=shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None,
         )
+
+
+def at_rest(motion: Motion, now_s: float) -> bool:
+    """Whether the probe is retracted, and motors and shaft have come to rest there."""
+    return motion.phase in ("home", "pause") and motion.depth_mm == 0 and now_s - motion.since_s >= _AT_REST_S
+
+
+def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
+    """Length of the mean of (3,) vectors."""
+    return size(sum(vectors, np.zeros(3)) / len(vectors))
 
 
 class SlowMotors:
