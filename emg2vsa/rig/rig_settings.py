@@ -25,7 +25,7 @@ class GuardSettings:
     """Largest force across push_axis on the way in, beyond what the angle between probe and surface, and skin_friction,
     make of the force along it."""
     skin_friction: Annotated[float, Ge(0), Le(1)] = 0.6
-    "Coefficient of friction between the probe's skin and the specimen that the guards allow for; silicone has 0.4 to 1."
+    "Coefficient of friction between the probe's skin and the specimen to allow for; silicone has 0.4 to 1."
     torque_nm: Annotated[float, Gt(0), Le(5)] = 1.0
     "Largest torque on the force sensor."
     force_rate_n_per_s: Annotated[float, Gt(0), Le(3000)] = 300.0
@@ -39,8 +39,8 @@ class GuardSettings:
     spring_n: Annotated[float, Gt(0), Le(60)] = 12.0
     "Largest force on the probe by the deflection of the springs, whatever the force sensor says."
     spring_gap_n: Annotated[float, Gt(0), Le(20)] = 4.0
-    """Largest difference between that force and the felt one, and on the way in 2.5 N + 0.3 of the larger of them where that is less;
-    friction and motion of the shaft make 2.8 N of it."""
+    """Largest difference between that force and the felt one, on the way in 2.5 N + 0.3 of the larger where
+    that is less; friction and motion of the shaft make 2.8 N of it."""
     spring_rest_n: Annotated[float, Gt(0), Le(10)] = 1.5
     "Largest force by the springs with the stiffest springs, the probe free and at rest; friction makes 1 N of it."
     following_ticks: Annotated[float, Gt(0), Le(600)] = 100.0

@@ -28,6 +28,8 @@ Readings = tuple[int | None, int | None, int | None, int | None, int | None]
 """Motor 1, motor 2 and shaft in ticks, and the two currents in mA; None where the turn did not come so far."""
 _LAG_MM = 1.0
 """How far motors are behind their command in ordinary motion, and more."""
+_PRESET_TICKS_PER_S = 8000
+"""To the stiff springs of the rest before the first press and back; twice as fast, motors fall behind the guard's."""
 _UNREAD: Readings = (None, None, None, None, None)
 
 
@@ -216,9 +218,14 @@ class ControlCycle:
         self._witnesses.send(*command, now_s)
 
     def _preset_ticks(self, motion: Motion) -> int:
-        if motion.stiff and self._plan.schedule is not None:
-            return int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
-        return self._plan.preset_ticks(motion.step)
+        if motion.stiff and self._sent is not None and self._plan.schedule is not None:
+            wanted = int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
+        else:
+            wanted = self._plan.preset_ticks(motion.step)
+        if self._sent is None or motion.phase not in ("home", "approach"):
+            return wanted
+        most = round(_PRESET_TICKS_PER_S * self._rig.period_s)
+        return self._sent[1] + max(-most, min(most, wanted - self._sent[1]))
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None

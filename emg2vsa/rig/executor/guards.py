@@ -14,7 +14,6 @@ from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
-
 _GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
 """Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
 _STEEPEST_RAD = math.radians(85)
@@ -89,7 +88,7 @@ def force_limit(moment: Moment, limits: GuardSettings) -> str | None:
 
 
 def lateral_force(moment: Moment, limits: GuardSettings) -> str | None:
-    """Force across the push axis that angle and friction do not explain, on the way in: a wrong push_axis or angle, or a crash."""
+    """Force across the push axis on the way in, beyond angle and friction: a wrong push_axis or angle, or a crash."""
     across_n = math.sqrt(max(0.0, size(moment.force.force_n) ** 2 - moment.force_n**2))
     if moment.phase not in _INWARDS:  # skin that slides back pulls nearly across
         return None

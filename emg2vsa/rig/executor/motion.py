@@ -7,7 +7,7 @@ from typing import Literal
 
 from emg2vsa.rig.plan import RunPlan
 
-REST_S = 0.5
+REST_S = 0.7
 """At the retracted position before the first press, with the stiffest springs: there their zero shows best."""
 Phase = Literal["home", "approach", "contact", "load", "retract", "pause", "done", "escape"]
 

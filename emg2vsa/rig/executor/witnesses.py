@@ -17,7 +17,7 @@ from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 _CURRENT_TURNS = 10
-_AT_REST_S = 0.4
+_AT_REST_S = 0.55
 """Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20

@@ -124,3 +124,21 @@ def sticky(bench: EmulatedRig, angle_deg: float, friction: float, slip_mm: float
         return felt((x_n - along_n * math.cos(tilt), y_n, z_n + along_n * math.sin(tilt), *torques), time_s)
 
     bench.box.faults.felt = with_friction  # type: ignore[method-assign]
+
+
+@pytest.mark.parametrize("condition", ["modular", "high-stiffness"])
+def test_a_force_that_lags_leaves_no_probe_pressed(
+    condition: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make = rigid_plan if condition == RIGID else modular_plan
+    pressed = Pressed(make(1, specimen="S1"))
+    lags = iter([lambda: put(pressed.bench, "lag 300")])
+
+    def lag(motion: Any) -> None:
+        if motion.phase == "load":
+            next(lags, lambda: None)()
+
+    ended = pressed.run(tmp_path / "run", monkeypatch, lag)
+    assert (ended.how, ended.retracted, ended.deactivated) == ("guard", True, True)
+    assert pressed.rest_n < 0.05
+    assert "computer was busy" not in " ".join(ended.notes)
