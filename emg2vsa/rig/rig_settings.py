@@ -101,8 +101,8 @@ class RigSettings:
     "The study's range, percent of the maximum preset."
     push_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     "Direction, in the sensor's axes, of the force that counts as pushing."
-    rate_hz: Annotated[float, Gt(0), Le(1000)] = 200.0
-    "Turns of the control loop per second."
+    rate_hz: Annotated[float, Ge(50), Le(1000)] = 200.0
+    "Turns of the control loop per second; four or more of them in watchdog_s."
     filter_samples: Annotated[int, Ge(1)] = 5
     "Moving average of the force that chooses phase and stiffness."
     max_mm_per_s: Annotated[float, Gt(0), Le(200)] = 40.0

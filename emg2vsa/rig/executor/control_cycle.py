@@ -30,6 +30,8 @@ _LAG_MM = 1.0
 """How far motors are behind their command in ordinary motion, and more."""
 _PRESET_TICKS_PER_S = 8000
 """To the stiff springs of the rest before the first press and back; twice as fast, motors fall behind the guard's."""
+GAIN_OFF = 0.15
+"""From 1, of the felt force over that of the springs, beyond which a press is doubtful."""
 _UNREAD: Readings = (None, None, None, None, None)
 
 
@@ -94,6 +96,8 @@ class ControlCycle:
                 at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
             readings = (*at, *currents_ma)
             self._witnesses.read(at, currents_ma, force.raw_n, wanted, begins=wanted.phase != before.phase)
+            if (wanted.phase, before.phase) == ("retract", "load"):
+                self._compare()
             self._ask(now_s)
             self._judge(force, wanted, now_s, late_s)
         finally:
@@ -204,6 +208,13 @@ class ControlCycle:
             with ending("recording"):
                 self._pressed = True
                 self._record.begin_press(wanted.repetition, force.sample.time_s)
+
+    def _compare(self) -> None:
+        gain = self._witnesses.gain()
+        most = GAIN_OFF + self._limits.skin_friction * math.sin(math.radians(self._plan.angle_deg))
+        if gain is not None and not 1 - most <= gain <= 1 + most:
+            why = f"the force sensor feels {gain:.2f} of what the springs bear: look at its calibration and at the gear"
+            self._record.doubt_press(why, "doubtful")
 
     def _free(self, when: str) -> None:
         felt_n = self._witnesses.mean_n

@@ -20,7 +20,7 @@ from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import Ended
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 
@@ -142,3 +142,12 @@ def test_a_force_that_lags_leaves_no_probe_pressed(
     assert (ended.how, ended.retracted, ended.deactivated) == ("guard", True, True)
     assert pressed.rest_n < 0.05
     assert "computer was busy" not in " ".join(ended.notes)
+
+
+@pytest.mark.parametrize("following_s", [0.1, 0.2])
+def test_more_patience_with_the_motors_ends_no_healthy_run(
+    following_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = RigSettings(guards=GuardSettings(following_s=following_s))
+    ended = Pressed(modular_plan(1, pause_s=0.5)).run(tmp_path / "run", monkeypatch, rig=rig)
+    assert (ended.how, ended.why) == ("completed", "")
