@@ -114,8 +114,8 @@ class SlowMotors:
     """Where each motor may be: between a slow follower of its commands and the commands themselves.
 
     The follower is of first order and of limited speed. Where it is set slower than usual, the usual one bounds as
-    well: where commands turn back, a quicker motor is still beyond them. A motor that is quicker is between the two; one that stands
-    still falls behind the follower, and one that runs away is beyond the commands.
+    well: where commands turn back, a quicker motor is still beyond them. A motor that is quicker is between
+    them; one that stands still falls behind the follower, and one that runs away is beyond the commands.
     """
 
     def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:

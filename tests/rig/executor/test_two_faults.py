@@ -151,3 +151,15 @@ def test_more_patience_with_the_motors_ends_no_healthy_run(
     rig = RigSettings(guards=GuardSettings(following_s=following_s))
     ended = Pressed(modular_plan(1, pause_s=0.5)).run(tmp_path / "run", monkeypatch, rig=rig)
     assert (ended.how, ended.why) == ("completed", "")
+
+
+@pytest.mark.parametrize(("condition", "gain"), [("constant-min", 0.75), ("modular", 0.85), ("modular", 1.0)])
+def test_a_gain_that_no_guard_sees_makes_the_press_doubtful(
+    condition: Any, gain: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pressed = Pressed(modular_plan(1, specimen="S1", condition=condition))
+    if gain != 1.0:
+        put(pressed.bench, f"gain {gain}")
+    ended = pressed.run(tmp_path / "run", monkeypatch)
+    assert ended.how == "completed"
+    assert ("press 1 is doubtful: the force sensor feels" in " ".join(ended.notes)) == (gain != 1.0)
