@@ -107,7 +107,8 @@ def at_rest(motion: Motion, now_s: float) -> bool:
 
 def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
     """Length of the mean of (3,) vectors."""
-    return size(sum(vectors, np.zeros(3)) / len(vectors))
+    mean: NDArray[np.float64] = sum(vectors, np.zeros(3)) / len(vectors)
+    return float(size(mean))
 
 
 class SlowMotors:
