@@ -141,7 +141,7 @@ class SlowMotors:
         if self._sent is None:
             return 0.0
         return max(
-            max(min(bounds) - seen, seen - max(bounds), 0.0)
+            float(max(min(bounds) - seen, seen - max(bounds), 0.0))
             for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True)
         )
 

@@ -153,7 +153,7 @@ def test_more_patience_with_the_motors_ends_no_healthy_run(
     assert (ended.how, ended.why) == ("completed", "")
 
 
-@pytest.mark.parametrize(("condition", "gain"), [("constant-min", 0.72), ("modular", 1.0)])
+@pytest.mark.parametrize(("condition", "gain"), [("constant-min", 0.74), ("modular", 1.0)])
 def test_a_gain_that_no_guard_sees_makes_the_press_doubtful(
     condition: Any, gain: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
