@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # a run with nothing to do knows folders of runs without loading NumPy
+    import numpy as np
+    from numpy.typing import NDArray
 
-from emg2vsa.actuator import Springs
+    from emg2vsa.actuator import Springs
 
 
 @dataclass(frozen=True)

@@ -196,11 +196,12 @@ def test_every_worker_of_a_pool_has_its_own_child(make, method: str) -> None:
 
 
 HANGING = """
-import sys
+import signal, sys
 sys.path.insert(0, sys.argv[1])
 from casr.decoder_child import Limits
 from casr.decoder_process import InChild, child_pid
 decoder = InChild("libodd", "misbehaving", "Decoder", (), Limits(60))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background has it ignored
 print(child_pid(), flush=True)
 decoder.ask("hang")
 """

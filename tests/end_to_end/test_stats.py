@@ -33,7 +33,7 @@ def test_every_hypothesis_has_its_table(table: Path, capsys: pytest.CaptureFixtu
         "Which groups differ?",
         "Are blocks equal?",
         "Does the verdict",
-        "Games-H.",
+        "Signed ranks over 4 blocks, Holm",
         "Friedman",
     ):
         assert words in said

@@ -17,6 +17,7 @@ from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.pipeline.stages import emulation, runs
 from emg2vsa.pipeline.store import WrittenFiles, remove_left_files
 from emg2vsa.rig.emulated import virtual_run
+from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.study_file import load_study
 
@@ -74,7 +75,7 @@ def test_an_emulated_run_that_the_computer_cut_short_is_no_result(
 
     monkeypatch.setattr(virtual_run, "run_virtual", cut_short)
     monkeypatch.setattr("emg2vsa.rig.experiment.plan_of", lambda *given: None)
-    used = {"run": ("S1", 0.0, "modular"), "experiment": None, "rig": None, "emulated": None}
+    used = {"run": ("S1", 0.0, "modular"), "experiment": None, "rig": None, "emulated": EmulatedSettings()}
     given = Given("S1_0_modular", used, inputs={"schedules": []}, folder=tmp_path)
     if error is None:
         assert [path.name for path in emulation.run(given)] == ["ended.json"]

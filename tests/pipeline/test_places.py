@@ -73,7 +73,7 @@ def test_a_run_that_cannot_write_says_so_in_one_line_before_it_computes(
     assert "--work DIR" in line
     assert listing(inside) == before
     assert main(["check", str(study), "P01", "--jobs", "1"]) == 0
-    assert "P01: " in capsys.readouterr().out
+    assert "P01    GOOD" in capsys.readouterr().out
     assert listing(inside) == before
 
 
