@@ -31,8 +31,8 @@ _LAG_MM = 1.0
 _PRESET_TICKS_PER_S = 8000
 """To the stiff springs of the rest before the first press and back; twice as fast, motors fall behind the guard's."""
 GAINS = 0.74, 1.2
-"""Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under springs
-that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
+"""Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
+springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
 _UNREAD: Readings = (None, None, None, None, None)
 
 
