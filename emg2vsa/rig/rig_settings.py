@@ -22,7 +22,10 @@ class GuardSettings:
     force_n: Annotated[float, Gt(0), Le(50)] = 10.0
     "Largest force along push_axis, of either sign, as measured and not filtered; above the F_max of 7 N."
     lateral_n: Annotated[float, Gt(0), Le(20)] = 3.0
-    "Largest force across push_axis, beyond what the angle between probe and surface makes of force_n."
+    """Largest force across push_axis on the way in, beyond what the angle between probe and surface, and skin_friction,
+    make of the force along it."""
+    skin_friction: Annotated[float, Ge(0), Le(1)] = 0.6
+    "Coefficient of friction between the probe's skin and the specimen to allow for; silicone has 0.4 to 1."
     torque_nm: Annotated[float, Gt(0), Le(5)] = 1.0
     "Largest torque on the force sensor."
     force_rate_n_per_s: Annotated[float, Gt(0), Le(3000)] = 300.0
@@ -36,7 +39,10 @@ class GuardSettings:
     spring_n: Annotated[float, Gt(0), Le(60)] = 12.0
     "Largest force on the probe by the deflection of the springs, whatever the force sensor says."
     spring_gap_n: Annotated[float, Gt(0), Le(20)] = 4.0
-    "Largest difference between that force and the felt one; friction and motion of the shaft make 2.8 N of it."
+    """Largest difference between that force and the felt one, on the way in 2.5 N + 0.3 of the larger where
+    that is less; friction and motion of the shaft make 2.8 N of it."""
+    spring_rest_n: Annotated[float, Gt(0), Le(10)] = 1.5
+    "Largest force by the springs with the stiffest springs, the probe free and at rest; friction makes 1 N of it."
     following_ticks: Annotated[float, Gt(0), Le(600)] = 100.0
     "How far a motor may be beyond its command, or behind a slow motor's way there: 0.22 mm at 0.2 mm per degree."
     following_s: Annotated[float, Gt(0), Le(0.2)] = 0.05
@@ -95,8 +101,8 @@ class RigSettings:
     "The study's range, percent of the maximum preset."
     push_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     "Direction, in the sensor's axes, of the force that counts as pushing."
-    rate_hz: Annotated[float, Gt(0), Le(1000)] = 200.0
-    "Turns of the control loop per second."
+    rate_hz: Annotated[float, Ge(50), Le(1000)] = 200.0
+    "Turns of the control loop per second; four or more of them in watchdog_s."
     filter_samples: Annotated[int, Ge(1)] = 5
     "Moving average of the force that chooses phase and stiffness."
     max_mm_per_s: Annotated[float, Gt(0), Le(200)] = 40.0

@@ -73,6 +73,9 @@ def _most_mm_per_s(rig: RigSettings) -> str:
 def _watchdogs(tables: Mapping[str, Any], rig: RigSettings) -> Iterator[Problem]:
     for name in ("actuator", "motor"):
         board = tables.get(name)
+        if board and rig.period_s > board.watchdog_s / 4:
+            wanted = f"at least {4 / board.watchdog_s:g}, so that watchdog_s holds four turns of the loop"
+            yield Problem(("rig", "rate_hz"), wanted, f"{rig.rate_hz:g}")
         if board and rig.guards.motors_every_s >= board.watchdog_s / 2:
             wanted = f"less than half of {name}.watchdog_s, {board.watchdog_s:g}: questions keep it from running out"
             yield Problem(("rig", "guards", "motors_every_s"), wanted, f"{rig.guards.motors_every_s:g}")

@@ -150,6 +150,10 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            "[emulated]", "[rig]\nrate_hz = 49",
+            ["15: rig.rate_hz: wanted a number >= 50; found 49."],
+        ),
+        (
             "[emulated]", "[rig]\nmax_mm_per_s = 15\n[rig.guards]\nmotors_every_s = 0.25",
             [
                 "14: rig.escape_mm_per_s: wanted at most rig.max_mm_per_s, 15; found 20.",

@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import NamedTuple
 
+from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Devices, ForceSample
@@ -15,7 +16,7 @@ from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import Moment, size, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.executor.safe_end import Start
-from emg2vsa.rig.executor.witnesses import Witnesses
+from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
 from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
@@ -27,6 +28,11 @@ Readings = tuple[int | None, int | None, int | None, int | None, int | None]
 """Motor 1, motor 2 and shaft in ticks, and the two currents in mA; None where the turn did not come so far."""
 _LAG_MM = 1.0
 """How far motors are behind their command in ordinary motion, and more."""
+_PRESET_TICKS_PER_S = 8000
+"""To the stiff springs of the rest before the first press and back; twice as fast, motors fall behind the guard's."""
+GAINS = 0.74, 1.2
+"""Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
+springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
 _UNREAD: Readings = (None, None, None, None, None)
 
 
@@ -80,6 +86,10 @@ class ControlCycle:
             self._look(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
             self._judge(force, wanted, now_s, late_s)
+            if at_rest(wanted, now_s):
+                self._free(
+                    f"{now_s - wanted.since_s:.1f} s after the press" if wanted.repetition else "before the press"
+                )
             self._enter(wanted, force)
             self._send(wanted, now_s)
             self._turned_s, self._before = now_s, force
@@ -87,6 +97,8 @@ class ControlCycle:
                 at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
             readings = (*at, *currents_ma)
             self._witnesses.read(at, currents_ma, force.raw_n, wanted, begins=wanted.phase != before.phase)
+            if (wanted.phase, before.phase) == ("retract", "load"):
+                self._compare()
             self._ask(now_s)
             self._judge(force, wanted, now_s, late_s)
         finally:
@@ -104,7 +116,7 @@ class ControlCycle:
         plan = self._plan
         return Start(
             depth_mm=min(self.motion.depth_mm, self._measured_mm()),
-            preset_ticks=plan.preset_ticks(self.motion.step),
+            preset_ticks=self._preset_ticks(self.motion),
             softest_ticks=0 if plan.schedule is None else int(plan.schedule.preset_ticks.min()),
             contact_n=plan.f_contact_n,
             home_is_free=self._pressed,
@@ -179,7 +191,7 @@ class ControlCycle:
         moment = Moment(
             now_s=now_s, late_s=late_s, period_s=self._rig.period_s,
             force=force.sample, before=before.sample, force_n=force.raw_n, force_before_n=before.raw_n,
-            angle_deg=self._plan.angle_deg, rating=self._devices.force.rating,
+            angle_deg=self._plan.angle_deg, phase=wanted.phase, rating=self._devices.force.rating,
             frame_s=self._frame_s if self._devices.camera else None,
             depth_mm=wanted.depth_mm, travel_mm=self._plan.travel_mm, active=self._active,
             seen=self._witnesses.seen, contact_n=self._plan.f_contact_n,
@@ -193,19 +205,39 @@ class ControlCycle:
         self.motion = wanted
         if begins:
             # taken for contact, a wrong zero would press that much harder than the plan
-            felt_n = max(abs(force.filtered_n), size(force.sample.force_n))
-            if felt_n >= self._plan.f_contact_n:
-                raise EndRun("guard", "preload", f"{felt_n:.2f} N before the press, with the probe retracted")
+            self._free("before the press")
             with ending("recording"):
                 self._pressed = True
                 self._record.begin_press(wanted.repetition, force.sample.time_s)
 
+    def _compare(self) -> None:
+        gain = self._witnesses.gain()
+        skin = self._limits.skin_friction * math.sin(math.radians(self._plan.angle_deg))
+        if gain is not None and not GAINS[0] - skin <= gain <= GAINS[1] + skin:
+            why = f"the force sensor feels {gain:.2f} of what the springs bear: look at its calibration and at the gear"
+            self._record.doubt_press(why, "doubtful")
+
+    def _free(self, when: str) -> None:
+        felt_n = self._witnesses.mean_n
+        if felt_n >= self._plan.f_contact_n:
+            raise EndRun("guard", "preload", f"{felt_n:.2f} N {when}, with the probe retracted")
+
     def _send(self, wanted: Motion, now_s: float) -> None:
-        command = self._rig.ticks_at(wanted.depth_mm), self._plan.preset_ticks(wanted.step)
+        command = self._rig.ticks_at(wanted.depth_mm), self._preset_ticks(wanted)
         with ending("lost device"):
             self._devices.actuator.set_position_stiffness(*command)
         self._sent = command
         self._witnesses.send(*command, now_s)
+
+    def _preset_ticks(self, motion: Motion) -> int:
+        if motion.stiff and self._sent is not None and self._plan.schedule is not None:
+            wanted = int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
+        else:
+            wanted = self._plan.preset_ticks(motion.step)
+        if self._sent is None or motion.phase not in ("home", "approach"):
+            return wanted
+        most = round(_PRESET_TICKS_PER_S * self._rig.period_s)
+        return self._sent[1] + max(-most, min(most, wanted - self._sent[1]))
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None

@@ -11,7 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from emg2vsa.rig.devices import ForceSample, Rating
+from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
+
+_GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
+"""Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
+_STEEPEST_RAD = math.radians(85)
+_INWARDS = ("approach", "contact", "load")
 
 
 @dataclass(frozen=True)
@@ -26,6 +32,8 @@ class Seen:
     "How far a motor is outside of where it may be on the way to its command."
     spring_n: float | None = None
     "Force on the probe by the springs, when the motors were last read."
+    spring_rest_n: float | None = None
+    "The same, with the probe retracted and at rest."
     felt_n: float = 0.0
     "Force along the push axis in the turn of that reading."
     current_ma: float = 0.0
@@ -54,6 +62,7 @@ class Moment:
     force_before_n: float
     angle_deg: float
     "Between probe and surface, by the plan."
+    phase: Phase
     rating: Rating | None
     "Of the force sensor."
     frame_s: float | None
@@ -79,9 +88,12 @@ def force_limit(moment: Moment, limits: GuardSettings) -> str | None:
 
 
 def lateral_force(moment: Moment, limits: GuardSettings) -> str | None:
-    """Force across the push axis that the angle does not explain: a wrong push_axis or angle, or a crash."""
+    """Force across the push axis on the way in, beyond angle and friction: a wrong push_axis or angle, or a crash."""
     across_n = math.sqrt(max(0.0, size(moment.force.force_n) ** 2 - moment.force_n**2))
-    by_angle_n = abs(moment.force_n) * math.tan(math.radians(moment.angle_deg))
+    if moment.phase not in _INWARDS:  # skin that slides back pulls nearly across
+        return None
+    tilt_rad = math.radians(moment.angle_deg) + math.atan(limits.skin_friction)
+    by_angle_n = abs(moment.force_n) * math.tan(min(tilt_rad, _STEEPEST_RAD))
     return _above(across_n, limits.lateral_n + by_angle_n, "N across push_axis")
 
 
@@ -115,8 +127,21 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
         return "; ".join(moment.force.status.faults)
     if moment.seen.spring_n is None:
         return None
+    larger_n = max(abs(moment.seen.spring_n), abs(moment.seen.felt_n))
+    limit_n = limits.spring_gap_n
+    if moment.phase in _INWARDS:
+        limit_n = min(limit_n, _GAP_AT_REST_N + _GAP_SHARE * larger_n)
+    # the skin's friction holds probe and shaft, and the sensor feels it
+    limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))
     text = f"N between {moment.seen.spring_n:.1f} N by the springs and {moment.seen.felt_n:.1f} N felt"
-    return _above(abs(moment.seen.spring_n - moment.seen.felt_n), limits.spring_gap_n, text)
+    return _above(abs(moment.seen.spring_n - moment.seen.felt_n), limit_n, text)
+
+
+def springs_at_rest(moment: Moment, limits: GuardSettings) -> str | None:
+    """The springs are bent though nothing touches the probe: an encoder has a wrong zero, or a spring is broken."""
+    rest_n = moment.seen.spring_rest_n
+    text = "N by the springs at rest, with the probe free"
+    return None if rest_n is None else _above(abs(rest_n), limits.spring_rest_n, text)
 
 
 def spring_limit(moment: Moment, limits: GuardSettings) -> str | None:
@@ -204,6 +229,7 @@ GUARDS: dict[str, Check] = {
     "force rate": force_rate,
     "lateral force": lateral_force,
     "torque": torque,
+    "springs at rest": springs_at_rest,
     "spring limit": spring_limit,
     "frozen force": frozen_force,
     "way home": way_home,

@@ -7,6 +7,8 @@ from typing import Literal
 
 from emg2vsa.rig.plan import RunPlan
 
+REST_S = 0.7
+"""At the retracted position before the first press, with the stiffest springs: there their zero shows best."""
 Phase = Literal["home", "approach", "contact", "load", "retract", "pause", "done", "escape"]
 
 
@@ -16,12 +18,17 @@ class Motion:
 
     phase: Phase
     since_s: float
-    "When the phase began."
+    "When the phase began; when the rest of it did, of the way home."
     depth_mm: float
     repetition: int = 0
     "From 1; 0 on the way home before the first."
     step: int = 0
     "Force step whose stiffness is commanded."
+
+    @property
+    def stiff(self) -> bool:
+        """Whether the stiffest springs are commanded instead."""
+        return self.phase == "home" and self.depth_mm == 0
 
 
 def advance(motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed_s: float) -> Motion:
@@ -32,7 +39,9 @@ def advance(motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed
     """
     moved_mm = plan.ramp_mm_per_s * elapsed_s
     match motion.phase:
-        case "home" | "retract":
+        case "home":
+            return _home(motion, plan, moved_mm, now_s)
+        case "retract":
             return _back(motion, moved_mm, now_s)
         case "approach":
             if force_n >= plan.f_contact_n:
@@ -55,12 +64,18 @@ def towards_home(depth_mm: float, moved_mm: float) -> float:
     return max(0.0, depth_mm - moved_mm) if depth_mm > 0 else min(0.0, depth_mm + moved_mm)
 
 
+def _home(motion: Motion, plan: RunPlan, moved_mm: float, now_s: float) -> Motion:
+    depth_mm = towards_home(motion.depth_mm, moved_mm)
+    rested = motion.depth_mm == 0 and now_s - motion.since_s >= REST_S
+    if depth_mm == 0 and (rested or plan.schedule is None):
+        return Motion("approach", now_s, 0.0, repetition=1)
+    return replace(motion, depth_mm=depth_mm, since_s=motion.since_s if motion.depth_mm == 0 else now_s)
+
+
 def _back(motion: Motion, moved_mm: float, now_s: float) -> Motion:
     depth_mm = towards_home(motion.depth_mm, moved_mm)
     if depth_mm != 0:
         return replace(motion, depth_mm=depth_mm)
-    if motion.phase == "home":
-        return Motion("approach", now_s, 0.0, repetition=1)
     return Motion("pause", now_s, 0.0, motion.repetition)
 
 

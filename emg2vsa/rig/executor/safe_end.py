@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Actuator, ForceSample
 from emg2vsa.rig.executor.guards import size
+from emg2vsa.rig.executor.witnesses import mean_size
 from emg2vsa.rig.rig_settings import RigSettings
 
 _OFF_ATTEMPTS = 3
@@ -19,10 +24,14 @@ _THERE_MM = 0.2
 _RISE_N = 1.0
 """Force that grows by so much on the way out is not taken away by it."""
 _HOLD_S = 0.15
+_STEADY_N, _STEADY_S, _LAG_S = 0.1, 0.2, 1.0
+"""A force that changes by less in that time has come to rest; a sensor that lags may need so long for it."""
+_LAG_MM = 1.0
+"""Motors so close to their command, or coming nearer, obey it."""
 _BEYOND_MM, _UNFELT_MM, _PIECE_MM = 5.0, 1.0, 0.25
 """How far the probe may go behind a retracted position that is not free, how far of that without any fall of force,
 which friction may hide, and in what pieces."""
-_FALL_N = 0.1
+_FALL_N, _RISEN_N = 0.1, 0.3
 _STUCK_S = 2.5
 """How much longer motors that have not obeyed while the probe presses are told to; then they go off where they are."""
 _REST_S = 0.05
@@ -60,7 +69,8 @@ def make_safe(actuator: Actuator, rig: RigSettings, clock: Clock, start: Start |
     """Retract, wait until the motors have followed, switch them off.
 
     The probe only moves away, and only while that does not make the force grow: else it is held and made as soft as it
-    can be; should the force grow once more, the motors go off there. A retracted position that was never free of
+    can be, until the force has come to rest. If a piece of the way makes it grow once more, or the motors do not obey,
+    they go off there. A retracted position that was never free of
     contact is left behind as long as the force falls. All of that is limited in time.
 
     Nothing keeps it from trying, not even twenty times Ctrl-C. None as ``start``: nothing is known to have moved, so
@@ -83,18 +93,22 @@ class _Escape:
         self._actuator, self._rig, self._clock, self._log = actuator, rig, clock, log
         self.notes: list[str] = []
         self.felt_n: float | None = None
-        self._depth_mm, self._preset_ticks, self._lowest_n, self._held = 0.0, 0, math.inf, False
-        self._failures = 0
+        self._depth_mm, self._preset_ticks, self._lowest_n = 0.0, 0, math.inf
+        self._held = self._tried = False
+        self._failures, self._off_mm = 0, math.inf
+        self._vectors: deque[NDArray[np.float64]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
         self._preset_ticks, self._softest_ticks = start.preset_ticks, start.softest_ticks
         # the last steps of the encoders behind the retracted position are not worth a motion
         self._depth_mm = max(start.depth_mm, 0.0) if start.depth_mm > -_THERE_MM else start.depth_mm
-        goal_mm = min(self._depth_mm, 0.0)
+        goal_mm = self._goal_mm = min(self._depth_mm, 0.0)
         try:
             self._ramp(goal_mm)
             self._rest(self._rig.settle_s)
+            if self._touches(start.contact_n):
+                self._come_to_rest()
             end_s = self._clock.now_s() + _STUCK_S
             while self._touches(start.contact_n) and not self._there() and self._clock.now_s() < end_s:
                 self._rest(_REST_S)
@@ -133,18 +147,21 @@ class _Escape:
             self._step(self._depth_mm)
 
     def _leave(self) -> None:
-        end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self.felt_n or 0.0
-        while self._touches(_FALL_N) and self._depth_mm > end_mm:
+        end_mm, unfelt_mm, fallen_n = self._depth_mm - _BEYOND_MM, 0.0, self._mean_n() or 0.0
+        away = (self._mean_n() or 0.0) < _FALL_N
+        while not away and self._depth_mm > end_mm:
+            left_n = self._mean_n() or 0.0
+            away = left_n < _FALL_N  # one piece more takes the last of it away
             if unfelt_mm >= _UNFELT_MM:
-                raise _Pressing(f"{self.felt_n:.2f} N do not fall on the way")
+                raise _Pressing(f"{left_n:.2f} N do not fall on the way")
             position_ticks = self._rig.ticks_at(self._depth_mm - _PIECE_MM)
             if not self._rig.position_ticks[0] <= position_ticks <= self._rig.position_ticks[1]:
                 raise _Pressing("position_ticks ends there")
             self._step(self._depth_mm - _PIECE_MM)
-            self._rest(2 * _REST_S)
+            self._rest(2 * _REST_S, self._rig.period_s)
             unfelt_mm += _PIECE_MM
-            if self.felt_n is not None and self.felt_n < fallen_n - _FALL_N:
-                unfelt_mm, fallen_n = 0.0, self.felt_n
+            if (now_n := self._mean_n()) is not None and now_n < fallen_n - _FALL_N:
+                unfelt_mm, fallen_n = 0.0, now_n
 
     def _step(self, depth_mm: float) -> None:
         """Command a depth, and feel. _Pressing when the force has grown for the second time, or nobody obeys."""
@@ -157,18 +174,55 @@ class _Escape:
                 raise _Pressing("the actuator takes no commands")
         self.tried(lambda: self._feel(ticks))
         if self.felt_n is not None and self.felt_n > self._lowest_n + _RISE_N:
-            if self._held:
+            if self._held and (self._tried or not self._obeys()):
                 raise _Pressing(f"the force grew to {self.felt_n:.2f} N")
-            self._held, self._preset_ticks = True, self._softest_ticks
-            self._lowest_n = math.inf
-            # an encoder that has jumped sends its motor on at full speed
-            self._rest(_HOLD_S, self._rig.period_s)
+            self._lowest_n = self.felt_n
+            if not self._held:
+                self._hold()
+
+    def _hold(self) -> None:
+        """Stop, and find out with one piece of the way whether the force really grows: a sensor that lags tells of the
+        way in for some time yet. Motors that do not obey meanwhile, as with an encoder that has jumped, go off."""
+        self._held, self._preset_ticks = True, self._softest_ticks
+        self._rest(_HOLD_S, self._rig.period_s)
+        self._come_to_rest()
+        before_n = self._mean_n()
+        self._step(max(self._depth_mm - _PIECE_MM, self._goal_mm - _THERE_MM / 2))
+        self._come_to_rest()
+        self._tried, after_n = True, self._mean_n()
+        if after_n is not None and before_n is not None and after_n > before_n + _RISEN_N:
+            raise _Pressing(f"the force grew to {after_n:.2f} N")
+        self._lowest_n = math.inf if after_n is None else after_n
+
+    def _come_to_rest(self) -> None:
+        end_s, level_n = self._clock.now_s() + _LAG_S, self._mean_n()
+        while level_n is not None and self._clock.now_s() < end_s:
+            self._rest(_STEADY_S, self._rig.period_s)
+            before_n, level_n = level_n, self._mean_n()
+            if level_n is not None and abs(level_n - before_n) < _STEADY_N:
+                return
+
+    def _obeys(self) -> bool:
+        depths_mm: list[float] = []
+        self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_ticks())))
+        if not depths_mm:
+            return False
+        before_mm, self._off_mm = self._off_mm, abs(depths_mm[0] - self._depth_mm)
+        return self._off_mm <= _THERE_MM or self._off_mm < min(before_mm, _LAG_MM)
 
     def _feel(self, ticks: int) -> None:
         sample = self._log(ticks, self._preset_ticks, self.notes)
         felt_n = math.nan if sample is None else size(sample.force_n)
         self.felt_n = felt_n if math.isfinite(felt_n) else None
+        if sample is not None and self.felt_n is not None:
+            self._vectors.append(sample.force_n)
+        else:
+            self._vectors.clear()
         self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)
+
+    def _mean_n(self) -> float | None:
+        """Of the last samples; noise of one is no force."""
+        return mean_size(self._vectors) if self._vectors else None
 
     def _wait(self, duration_s: float) -> None:
         self.tried(lambda: self._clock.sleep_until(self._clock.now_s() + duration_s))

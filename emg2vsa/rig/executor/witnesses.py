@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Collection
 from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.rig.devices import ForceSample, Measurements
@@ -12,7 +16,11 @@ from emg2vsa.rig.executor.guards import Seen, size
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
+_LEAST_N, _LEAST_TURNS = 1.0, 40
+"""Of a loading from which the gain of the force is known."""
 _CURRENT_TURNS = 10
+_AT_REST_S = 0.55
+"""Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20
 
@@ -26,6 +34,8 @@ class Witnesses:
         self._motors, self._stillness, self._current = SlowMotors(at, springs, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
         self._sent_s: float | None = None
+        self._vectors: deque[NDArray[np.float64]] = deque(maxlen=rig.filter_samples)
+        self._loads: list[tuple[float, float]] = []
         self.seen = Seen()
 
     @property
@@ -34,10 +44,25 @@ class Witnesses:
         at = self._at
         return self._rig.depth_at(at.motor_1 if self._springs is None else (at.motor_1 + at.motor_2) / 2)
 
+    @property
+    def mean_n(self) -> float:
+        """Size of the mean of the last forces, of all three axes: noise of one sample is no contact."""
+        return mean_size(self._vectors)
+
+    def gain(self) -> float | None:
+        """Growth of the felt force over that of the springs in the last loading; None without springs or of a short
+        one. A wrong zero does not change it, nor does the friction of the shaft."""
+        if len(self._loads) < _LEAST_TURNS:
+            return None
+        felt_n, spring_n = np.array(self._loads).T
+        slope = float(np.polyfit(felt_n, spring_n, 1)[0])
+        return 1 / slope if slope > 0 else math.inf
+
     def feel(self, sample: ForceSample, phase: Phase) -> None:
         """The sample of a turn, in the phase that the turn before has led to."""
         self._stillness.see(sample, self.depth_mm, phase)
-        felt_n, rise_n = size(sample.force_n), None
+        self._vectors.append(sample.force_n)
+        felt_n, rise_n = self.mean_n, None
         if phase == "home":
             self._lowest_n = min(self._lowest_n, felt_n)
             rise_n = felt_n - self._lowest_n
@@ -55,13 +80,19 @@ class Witnesses:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
         self._at = at
+        spring_n = None if self._springs is None else spring_force_n(at, self._springs, self._rig)
+        if motion.phase == "load" and begins:
+            self._loads.clear()
+        if motion.phase == "load" and spring_n is not None and felt_n >= _LEAST_N:
+            self._loads.append((felt_n, spring_n))
         shaft_mm = self._rig.depth_at(at.shaft)
         if motion.phase == "contact" and begins:
             self._contact_mm = shaft_mm
         self.seen = replace(
             self.seen,
             astray_ticks=self._motors.astray_ticks(at),
-            spring_n=None if self._springs is None else spring_force_n(at, self._springs, self._rig),
+            spring_n=spring_n,
+            spring_rest_n=spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None,
             felt_n=felt_n,
             current_ma=self._current.see(currents_ma),
             approach_mm=shaft_mm if motion.phase == "approach" else None,
@@ -69,35 +100,49 @@ class Witnesses:
         )
 
 
+def at_rest(motion: Motion, now_s: float) -> bool:
+    """Whether the probe is retracted, and motors and shaft have come to rest there."""
+    return motion.phase in ("home", "pause") and motion.depth_mm == 0 and now_s - motion.since_s >= _AT_REST_S
+
+
+def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
+    """Length of the mean of (3,) vectors."""
+    mean: NDArray[np.float64] = sum(vectors, np.zeros(3)) / len(vectors)
+    return float(size(mean))
+
+
 class SlowMotors:
     """Where each motor may be: between a slow follower of its commands and the commands themselves.
 
-    The follower is of first order and of limited speed. A motor that is quicker is between the two; one that stands
-    still falls behind the follower, and one that runs away is beyond the commands.
+    The follower is of first order and of limited speed. Where it is set slower than usual, the usual one bounds as
+    well: where commands turn back, a quicker motor is still beyond them. A motor that is quicker is between
+    them; one that stands still falls behind the follower, and one that runs away is beyond the commands.
     """
 
     def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
         self._rigid, self._guards = springs is None, guards
-        self._slow = list(self._seen(at))
+        self._times_s = guards.following_s, min(guards.following_s, GuardSettings.following_s)
+        self._slow = [list(self._seen(at)) for _ in self._times_s]
         self._sent: list[float] | None = None
 
     def send(self, position_ticks: int, preset_ticks: int, elapsed_s: float) -> None:
         """A command, so long after the one before, which the follower has obeyed meanwhile."""
         if self._sent is not None:
-            share, most = 1 - math.exp(-elapsed_s / self._guards.following_s), self._guards.following_ticks_per_s
-            for motor, command in enumerate(self._sent):
-                step = share * (command - self._slow[motor])
-                self._slow[motor] += max(-most * elapsed_s, min(most * elapsed_s, step))
+            most = self._guards.following_ticks_per_s * elapsed_s
+            for time_s, slow in zip(self._times_s, self._slow, strict=True):
+                share = 1 - math.exp(-elapsed_s / time_s)
+                for motor, command in enumerate(self._sent):
+                    slow[motor] += max(-most, min(most, share * (command - slow[motor])))
         new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
-        self._before, self._sent = self._sent or self._slow, list(map(float, new))
+        self._before, self._sent = self._sent or self._slow[0], list(map(float, new))
 
     def astray_ticks(self, at: Measurements) -> float:
         """How far outside of that the farther motor is, read right after the command."""
         if self._sent is None:
             return 0.0
         return max(
-            max(min(bounds) - seen, seen - max(bounds), 0.0)
-            for seen, *bounds in zip(self._seen(at), self._slow, self._before, self._sent, strict=True)
+            float(max(min(bounds) - seen, seen - max(bounds), 0.0))
+            for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True)
         )
 
     def _seen(self, at: Measurements) -> tuple[float, ...]:

@@ -104,7 +104,8 @@ class PressTally:
         """A turn."""
         force_n, across_n = forces_of(row)
         self._peak_n, self._lateral_n = max(self._peak_n, force_n), max(self._lateral_n, across_n)
-        if self._turned:
+        # while the probe is taken away nobody keeps the beat of the loop
+        if self._turned or row.phase == "escape":
             return
         self._turns += 1
         period_s = self._rig.period_s

@@ -40,9 +40,11 @@ def seen(**changes: Any) -> dict[str, Any]:
 
 GOOD = Moment(
     now_s=5.0, late_s=0.0, period_s=0.005, frame_s=4.9, depth_mm=2.0, travel_mm=15.0, active=True, seen=Seen(),
-    angle_deg=0.0, contact_n=0.5, rating=Rating((100.0, 100.0, 9.0), (0.5, 0.5, 0.5)), **pushed(3.0),
+    angle_deg=0.0, phase="load", contact_n=0.5, rating=Rating((100.0, 100.0, 9.0), (0.5, 0.5, 0.5)), **pushed(3.0),
 )  # fmt: skip
-TAN_30 = math.tan(math.radians(30))
+FRICTION = math.atan(GuardSettings().skin_friction)
+TAN_30 = math.tan(math.radians(30) + FRICTION)
+TAN_0 = math.tan(FRICTION)
 
 
 @pytest.mark.parametrize(
@@ -52,8 +54,13 @@ TAN_30 = math.tan(math.radians(30))
         ("force limit", {"force": felt(2.9, 0.0, 3.0)}, {"force": felt(0.0, 9.6, 3.0)}),
         ("force rate", pushed(3.99, 3.0), pushed(4.01, 3.0)),
         ("force rate", pushed(3.99, 3.0, 4.9989), pushed(1.99, 3.0, 4.9989)),
-        ("lateral force", across(2.9), across(3.1)),
+        ("lateral force", across(2.9 + 3 * TAN_0), across(3.1 + 3 * TAN_0)),
         ("lateral force", across(2.9 + 3 * TAN_30, 30.0), across(3.1 + 3 * TAN_30, 30.0)),
+        (
+            "lateral force",
+            across(20.0) | {"phase": "retract"} | {"rating": None, "force": felt(8.0, 0, 3.0)},
+            across(8.0),
+        ),
         ("torque", {"force": felt(0, 0, 3, torque_nm=0.49)}, {"force": felt(0, 0, 3, torque_nm=1.01), "rating": None}),
         ("sensor overload", pushed(8.9), pushed(9.1)),
         ("sensor overload", {}, {"force": felt(0, 0, 3, torque_nm=-0.51)}),
@@ -63,7 +70,9 @@ TAN_30 = math.tan(math.radians(30))
         ("way home", seen(rise_n=0.49), seen(rise_n=0.51)),
         ("spring limit", seen(spring_n=6.9, felt_n=3.0), seen(spring_n=-12.1, felt_n=-10.0)),
         ("untrusted force", seen(spring_n=6.9, felt_n=3.0), seen(spring_n=7.1, felt_n=3.0)),
-        ("untrusted force", seen(spring_n=0.0, felt_n=3.9), seen(spring_n=0.0, felt_n=4.1)),
+        ("untrusted force", seen(spring_n=0.0, felt_n=3.5), seen(spring_n=0.0, felt_n=3.6)),
+        ("untrusted force", seen(spring_n=4.0, felt_n=7.9), seen(spring_n=4.0, felt_n=8.1)),
+        ("springs at rest", seen(spring_rest_n=-1.4), seen(spring_rest_n=-1.6)),
         ("untrusted force", {}, pushed(float("nan"))),
         ("untrusted force", {}, {"force": felt(0, 0, 3.0, faults=("gauge saturated",))}),
         ("frozen force", seen(still_mm=0.17), seen(still_mm=0.19)),
