@@ -91,8 +91,9 @@ def test_a_delay_is_told_with_its_size_or_taken_out() -> None:
     assert aligned.verdict.tolist() == ["ok"] * 10
     assert dict(aligned.delay.parts)["force after EMG, estimated"] == aligned.lag_s
     one = analysed(Laboratory(delay_s=0.06, presses=1), align="lag")
-    assert np.isnan(one.lag_s)
-    assert any("not known, fewer than two presses" in note for note in one.notes)
+    assert one.lag_s == pytest.approx(0.06, abs=0.02)
+    assert np.isnan(one.lag_se_s)
+    assert "lag: not certain, force is not moved" in one.notes
 
 
 def test_a_zero_that_jumps_is_told_of_the_press_and_rejects_it() -> None:

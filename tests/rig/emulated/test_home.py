@@ -106,9 +106,9 @@ def test_a_probe_left_down_goes_home_from_where_it_stands(case: Case) -> None:
 
 def test_motors_that_have_gone_off_are_not_called_retracted(case: Case) -> None:
     def cut_off() -> None:
-        if case.probe_mm() > 0.35:
+        if case.probe_mm() > 1.5:  # friction may hold a shaft on springs 1 mm off motors at home
             put(case.bench, "reset")
 
     ended, _ = case.run(stop=cut_off)
     assert (ended.cause, ended.retracted, ended.deactivated) == ("lost device", False, True)
-    assert case.probe_mm() > 0.3
+    assert case.probe_mm() > 1.0
