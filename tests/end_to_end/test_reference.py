@@ -97,7 +97,7 @@ def test_the_whole_demo(whole: Path) -> None:
 
 def test_the_truth_of_people_is_found(people: Path) -> None:
     found = results(people)
-    assert found["recovery.n"] == 700
+    assert found["recovery.n"] == 699  # the interval of one slope is 11 times as wide as the others of its recording
     assert abs(float(str(found["recovery.mean_b_error"]))) <= 0.01
     assert float(str(found["recovery.mean_b_error_mcse"])) < 0.004
 
