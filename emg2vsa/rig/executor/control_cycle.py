@@ -51,6 +51,7 @@ class ControlCycle:
         self._plan, self._rig, self._devices, self._record, self._clock = plan, rig, devices, record, clock
         self._average = MovingAverage(rig.filter_samples, rig.rate_hz)
         self._sent: tuple[int, int] | None = None
+        self._stands_ticks = 0
         self._before: Force | None = None
         self._pressed = False
         self.motion: Motion | None = None
@@ -72,6 +73,8 @@ class ControlCycle:
             past_contact_mm=most_past_contact_mm(self._plan, self._rig),
         )
         self._witnesses = Witnesses(self._rig, actuator.springs, at)
+        if actuator.springs is not None:
+            self._stands_ticks = min((at.motor_1 - at.motor_2) // 2, self._rig.max_preset_ticks)
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
@@ -91,7 +94,7 @@ class ControlCycle:
                     f"{now_s - wanted.since_s:.1f} s after the press" if wanted.repetition else "before the press"
                 )
             self._enter(wanted, force)
-            self._send(wanted, now_s)
+            self._send(wanted)
             self._turned_s, self._before = now_s, force
             with ending("lost device"):
                 at, currents_ma = self._devices.actuator.measurements(), self._devices.actuator.currents_ma()
@@ -222,19 +225,21 @@ class ControlCycle:
         if felt_n >= self._plan.f_contact_n:
             raise EndRun("guard", "preload", f"{felt_n:.2f} N {when}, with the probe retracted")
 
-    def _send(self, wanted: Motion, now_s: float) -> None:
+    def _send(self, wanted: Motion) -> None:
         command = self._rig.ticks_at(wanted.depth_mm), self._preset_ticks(wanted)
         with ending("lost device"):
             self._devices.actuator.set_position_stiffness(*command)
         self._sent = command
-        self._witnesses.send(*command, now_s)
+        self._witnesses.send(*command, self._clock.now_s())  # a turn held up before commands later
 
     def _preset_ticks(self, motion: Motion) -> int:
         if motion.stiff and self._sent is not None and self._plan.schedule is not None:
             wanted = int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
         else:
             wanted = self._plan.preset_ticks(motion.step)
-        if self._sent is None or motion.phase not in ("home", "approach"):
+        if self._sent is None:
+            return max(wanted, self._stands_ticks)  # motors that turn back at once would leave the way to their command
+        if motion.phase not in ("home", "approach"):
             return wanted
         most = round(_PRESET_TICKS_PER_S * self._rig.period_s)
         return self._sent[1] + max(-most, min(most, wanted - self._sent[1]))
