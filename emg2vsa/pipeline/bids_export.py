@@ -273,13 +273,13 @@ def _write_group(
             part.emg_file, wanted="a sampling rate that BDF can hold to a millionth", found=f"{min(rates):.9g} Hz",
             do="Resample the recording.",
         )  # fmt: skip
-    befores = [round((channel.start_s - start_s) * channel.fs_hz) for channel, _ in channels.values()]
+    earlier = [round((channel.start_s - start_s) * channel.fs_hz) for channel, _ in channels.values()]
     counts = [round(channel.fs_hz * length_s) for channel, _ in channels.values()]
     sizes = [channel.samples.size for channel, _ in channels.values()]
-    records = max(-(-(before + n) // count) for before, n, count in zip(befores, sizes, counts, strict=True))
+    records = max(-(-(before + n) // count) for before, n, count in zip(earlier, sizes, counts, strict=True))
     stop_s = max(channel.start_s + channel.duration_s for channel, _ in channels.values())
     stored, rows, gaps = [], [], []
-    for (label, (channel, muscle)), before, count in zip(channels.items(), befores, counts, strict=True):
+    for (label, (channel, muscle)), before, count in zip(channels.items(), earlier, counts, strict=True):
         samples, missing = bridge_gaps(channel.samples, f"channel {channel.name!r}")
         filled = np.pad(samples, (before, records * count - before - samples.size), mode="edge")
         scale, unit = (1e6, "uV") if muscle else (1.0, "N")

@@ -157,14 +157,17 @@ def ahead() -> Iterator[None]:
 
     A frame that a thread makes grey takes a millisecond or two, which is a large part of a turn.
     """
-    real_time = hasattr(os, "sched_getscheduler") and os.sched_getscheduler(0) == os.SCHED_FIFO
-    if real_time:
-        os.sched_setparam(0, os.sched_param(LEAST_PRIORITY + 1))
+    real_time = sys.platform == "linux" and os.sched_getscheduler(0) == os.SCHED_FIFO
+    _set_priority(LEAST_PRIORITY + 1, real_time)
     try:
         yield
     finally:
-        if real_time:
-            os.sched_setparam(0, os.sched_param(LEAST_PRIORITY))
+        _set_priority(LEAST_PRIORITY, real_time)
+
+
+def _set_priority(priority: int, real_time: bool) -> None:
+    if sys.platform == "linux" and real_time:
+        os.sched_setparam(0, os.sched_param(priority))
 
 
 def _real_time(on: bool) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import sys
 from collections.abc import Callable
 from importlib import import_module
 from typing import Protocol, TypeVar
@@ -77,7 +78,7 @@ class SerialLine:
 
     def _shut_others_out(self, shut: bool) -> None:
         """No other program can open the port, also one that asks for no lock; but one of the superuser."""
-        if os.name != "posix":
+        if sys.platform == "win32":
             return
         termios = import_module("termios")
         # a pseudo-terminal would stay shut after a program that was killed
