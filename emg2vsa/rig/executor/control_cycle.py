@@ -74,7 +74,7 @@ class ControlCycle:
         )
         self._witnesses = Witnesses(self._rig, actuator.springs, at)
         if actuator.springs is not None:
-            self._stands_ticks = min((at.motor_1 - at.motor_2) // 2, self._rig.max_preset_ticks)
+            self._stands_ticks = min((at.motor_1 - at.motor_2) // 2, self._stiffest_ticks)
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
@@ -232,9 +232,13 @@ class ControlCycle:
         self._sent = command
         self._witnesses.send(*command, self._clock.now_s())  # a turn held up before commands later
 
+    @property
+    def _stiffest_ticks(self) -> int:
+        return int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
+
     def _preset_ticks(self, motion: Motion) -> int:
         if motion.stiff and self._sent is not None and self._plan.schedule is not None:
-            wanted = int(ticks_of_percent(self._rig.stiffness_percent, self._rig.max_preset_ticks)[1])
+            wanted = self._stiffest_ticks
         else:
             wanted = self._plan.preset_ticks(motion.step)
         if self._sent is None:
