@@ -21,7 +21,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import DataError
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers
+from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
 
 @dataclass(frozen=True)
@@ -55,26 +55,15 @@ class MixedModel:
 
     def pairs(self) -> PairDifferences:
         """Contrasts of the specimens, with the mean square of participants by specimens as their error, as f has it."""
-        first, second = pair_numbers(self.mean.shape[1])
-        se, df = self.se_difference[:, None], np.full(self.difference.shape, float(self.df2))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = self.difference / se
-        reach = special.stdtrit(df, 0.5 + 0.5 * self.confidence) * se
-        per_specimen = self.n // self.mean.shape[1]
-        return PairDifferences(
-            method="contrast of the linear mixed model",
-            caution=f"one of {first.size} pairs, not corrected for their number",
-            statistic_name="t",
-            first=first,
-            second=second,
-            difference=self.difference,
-            low=self.difference - reach,
-            high=self.difference + reach,
-            statistic=t,
-            df=df,
-            p=2 * special.stdtr(df, -np.abs(t)),
-            n=np.full(self.difference.shape, 2 * per_specimen),
-            confidence=self.confidence,
+        shape, k = self.difference.shape, self.mean.shape[1]
+        return student_pairs(
+            "contrast of the linear mixed model",
+            self.difference,
+            np.broadcast_to(self.se_difference[:, None], shape),
+            np.full(shape, float(self.df2)),
+            np.full(shape, 2 * (self.n // k)),
+            k,
+            self.confidence,
         )
 
     def outcome(self, i: int = 0) -> Outcome:

@@ -12,7 +12,7 @@ from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.stats.effect_size import paired_g
 from emg2vsa.stats.kruskal import midranks
 from emg2vsa.stats.moments import shifted_doubles
-from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers
+from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
 MOST_EXACT = 100
 """People up to whom all signs are counted; beyond, the law of the signed ranks is taken as normal."""
@@ -47,30 +47,20 @@ def paired_tests(values: ArrayLike, confidence: float = 0.95) -> PairedTests:
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.sum(differences, axis=1, where=there) / n
         squares = np.sum((differences - mean[:, None]) ** 2, axis=1, where=there)
-        sd = np.where(n > 1, np.sqrt(squares / np.maximum(n - 1, 1)), np.nan)
-        se = sd / np.sqrt(n)
-        t = np.where(sd > 0, mean / se, np.nan)
-    df = np.where(np.isnan(t), np.nan, n - 1.0)
-    reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * se
-    g, low, high = paired_g(t, np.maximum(n, 2), confidence)
-    of_data = (np.ldexp(end, unit[:, 0])[None] for end in (mean, mean - reach, mean + reach))
-    difference, lower, upper = of_data
+        se = np.sqrt(squares / (n * (n - 1.0)))
+    se = np.where(se > 0, se, np.nan)
+    t = student_pairs(
+        "paired t",
+        np.ldexp(mean, unit[:, 0])[None],
+        np.ldexp(se, unit[:, 0])[None],
+        np.where(np.isnan(se), np.nan, n - 1.0)[None],
+        n[None],
+        doubles.shape[1],
+        confidence,
+    )
+    g, low, high = paired_g(mean / se, np.maximum(n, 2), confidence)
     return PairedTests(
-        t=PairDifferences(
-            method="paired t",
-            caution=f"one of {first.size} pairs, not corrected for their number",
-            statistic_name="t",
-            first=first,
-            second=second,
-            difference=difference,
-            low=lower,
-            high=upper,
-            statistic=t[None],
-            df=df[None],
-            p=2 * special.stdtr(df, -np.abs(t))[None],
-            n=n[None],
-            confidence=confidence,
-        ),
+        t=t,
         g=g[None],
         g_low=low[None],
         g_high=high[None],

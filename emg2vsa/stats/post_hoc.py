@@ -64,6 +64,31 @@ def pair_numbers(k: int) -> tuple[Ints, Ints]:
     return pairs[:, 0], pairs[:, 1]
 
 
+def student_pairs(
+    method: str, difference: Floats, se: Floats, df: Floats, n: Ints, k: int, confidence: float
+) -> PairDifferences:
+    """All pairs of k groups by Student's t from ``difference``, its standard error ``se``, ``df``, ``n``, (d, q) each."""
+    first, second = pair_numbers(k)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = difference / se
+    reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * se
+    return PairDifferences(
+        method=method,
+        caution=f"one of {first.size} pairs, not corrected for their number",
+        statistic_name="t",
+        first=first,
+        second=second,
+        difference=difference,
+        low=difference - reach,
+        high=difference + reach,
+        statistic=t,
+        df=df,
+        p=2 * special.stdtr(df, -np.abs(t)),
+        n=n,
+        confidence=confidence,
+    )
+
+
 def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> PairDifferences:
     """Uncorrected pairwise t tests with the pooled SD and its df (Fisher 1935), as MATLAB's multcompare with 'lsd'.
 

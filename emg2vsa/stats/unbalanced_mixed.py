@@ -23,7 +23,7 @@ from scipy import optimize, special
 
 from emg2vsa.arrays import Floats, exponent_of
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers
+from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
 METHOD = "linear mixed model, REML, Satterthwaite df"
 _STEPS = 100
@@ -295,28 +295,16 @@ def _pairs(
 ) -> PairDifferences:
     first, second = pair_numbers(mean.size)
     contrasts = np.eye(mean.size)[first] - np.eye(mean.size)[second]
-    difference = contrasts @ mean
     se = np.sqrt(np.einsum("qs,st,qt->q", contrasts, covariance, contrasts))
-    df = np.array([df_of(contrast) for contrast in contrasts])
-    reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * se
     per_specimen = cells.count.sum(axis=0).astype(np.int64)
-    ends = (np.ldexp(end, unit)[None] for end in (difference, difference - reach, difference + reach))
-    difference_of_data, low, high = ends
-    t = difference / se
-    return PairDifferences(
-        method="contrast of the linear mixed model, Satterthwaite df",
-        caution=f"one of {first.size} pairs, not corrected for their number",
-        statistic_name="t",
-        first=first,
-        second=second,
-        difference=difference_of_data,
-        low=low,
-        high=high,
-        statistic=t[None],
-        df=df[None],
-        p=2 * special.stdtr(df, -np.abs(t))[None],
-        n=(per_specimen[first] + per_specimen[second])[None],
-        confidence=confidence,
+    return student_pairs(
+        "contrast of the linear mixed model, Satterthwaite df",
+        np.ldexp(contrasts @ mean, unit)[None],
+        np.ldexp(se, unit)[None],
+        np.array([[df_of(contrast) for contrast in contrasts]]),
+        (per_specimen[first] + per_specimen[second])[None],
+        mean.size,
+        confidence,
     )
 
 
