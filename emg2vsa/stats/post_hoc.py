@@ -67,7 +67,7 @@ def pair_numbers(k: int) -> tuple[Ints, Ints]:
 def student_pairs(
     method: str, difference: Floats, se: Floats, df: Floats, n: Ints, k: int, confidence: float
 ) -> PairDifferences:
-    """All pairs of k groups by Student's t from ``difference``, its standard error ``se``, ``df``, ``n``, (d, q) each."""
+    """All pairs of k groups by Student's t; difference, its standard error se, df and n : (d, q)."""
     first, second = pair_numbers(k)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = difference / se
