@@ -110,7 +110,7 @@ class OperatorState:
     """Whenever something in it changes, and first of all to a page that connects.
 
     awaits : what the operator is to do now: "quality", "contraction", "checklist", "specimen", "start", "verdict",
-    "end"; "" for nothing. specimen : the one to place next, or on the table. checklist : item to whether it has been confirmed.
+    "end"; "" for nothing. specimen : the one to place next, or on the table. checklist : item to whether it is done.
     commands : names of the commands that would be taken now.
     """
 
