@@ -130,12 +130,13 @@ def test_a_torn_last_line_is_cut_off_and_told(tmp_path, torn):
     whole = path.read_bytes()
     path.write_bytes(whole[:-torn])
     again = resumed(tmp_path)
-    lines, size = read_journal(path)
+    _lines, size = read_journal(path)
     assert again.wait()
     assert whole.startswith(path.read_bytes()[: size - 200].rpartition(b"\n")[0])
     again.close()
     events = [line.event for line in read_journal(path)[0]]
-    assert isinstance(events[-1], Told) and "was cut off" in events[-1].text
+    assert isinstance(events[-1], Told)
+    assert "was cut off" in events[-1].text
     assert Noted("the last line") not in events
     assert again.progress.next.number == 2
 
@@ -231,14 +232,16 @@ def test_samples_are_read_as_they_were_written_with_what_is_lost(tmp_path):
     record.close()
     opened = [line.event for line in read_journal(tmp_path / "sub-P03" / "journal.jsonl")[0]]
     assert [event.file for event in opened] == ["sitting-1_emg.samples", "sitting-1_emg-2.samples"]
-    assert isinstance(opened[0], StreamOpened) and opened[0].facts == {"device": "none"}
+    assert isinstance(opened[0], StreamOpened)
+    assert opened[0].facts == {"device": "none"}
     file = SampleFile(tmp_path / "sub-P03" / "sitting-1_emg.samples")
     assert (file.info, file.stop, file.lost, file.passed_over) == (EMG, 80, 13, 0)
     assert file.blocks.arrived_s.tolist() == [0.0, 0.04, 0.06]
     samples = file.read(30, 70)
     np.testing.assert_array_equal(samples[:10], parts[0][30:].astype(np.float32))
     np.testing.assert_array_equal(samples[30:], parts[60][:10].astype(np.float32))
-    assert np.isnan(samples[17:30]).all() and np.isfinite(samples[:17]).all()
+    assert np.isnan(samples[17:30]).all()
+    assert np.isfinite(samples[:17]).all()
 
 
 def test_a_file_of_samples_is_readable_wherever_it_was_cut(tmp_path):
@@ -272,7 +275,8 @@ def test_nothing_waits_for_the_disk_and_every_line_is_on_it_in_the_end(tmp_path)
     threads = threading.active_count()
     for i in range(20):
         record.append(Noted(str(i)))
-    assert record.wait() and record.is_safe
+    assert record.wait()
+    assert record.is_safe
     record.close()
     assert threading.active_count() == threads - 1
     assert len(read_journal(tmp_path / "sub-P03" / "journal.jsonl")[0]) == 20
