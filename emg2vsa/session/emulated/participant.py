@@ -237,7 +237,7 @@ class EmulatedParticipant:
     def _meet(self, glance: _Glance, time_s: float) -> None:
         """The next press is near: its planned mistake, if this is its first attempt, and an end of the last one's."""
         self._mistake = ""
-        now = [replace_end(each, time_s) if each.end_s == math.inf else each for each in self.afflictions]
+        now = [_over(each, time_s) if each.end_s == math.inf else each for each in self.afflictions]
         self.afflictions = now
         for mistake in [m for m in self._planned if (m.phase, m.press) == (glance.phase, glance.press)]:
             self._planned.remove(mistake)
@@ -282,10 +282,9 @@ class EmulatedParticipant:
                 self._enter("load", time_s)
         elif self._state == "load":
             self._depth_mm += self._rising(time_s, force_n) * STEP_S / kappa
-            waiting = self._seen.command not in ("start", "press", "stop")
-            if (self._mistake == "aborted" and force_n >= ABORT_N) or force_n >= MOST_N:
-                self._enter("release", time_s)
-            elif waiting and time_s - self._since_s > PATIENCE_S:
+            untold = self._seen.command not in ("start", "press", "stop")
+            most_n = ABORT_N if self._mistake == "aborted" else MOST_N
+            if force_n >= most_n or (untold and time_s - self._since_s > PATIENCE_S):
                 self._enter("release", time_s)
         elif self._state == "hold" and time_s - self._since_s > STAY_S:
             self._enter("release", time_s)
@@ -357,8 +356,7 @@ class EmulatedParticipant:
         self._due = deque(sorted(self._due, key=lambda each: each[0]))
 
 
-def replace_end(affliction: Affliction, time_s: float) -> Affliction:
-    """The affliction, over at a time."""
+def _over(affliction: Affliction, time_s: float) -> Affliction:
     return Affliction(affliction.kind, affliction.muscle, affliction.start_s, time_s)
 
 

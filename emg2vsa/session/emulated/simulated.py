@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-
 from emg2vsa.rig.clock import Clock
 from emg2vsa.session.emulated.mistakes import Mistake
 from emg2vsa.session.emulated.muscles import EmgSampler, ForceSampler
