@@ -71,6 +71,8 @@ class SessionTexts:
     stop: Text = "STOP"
     rest: Text = "Rest"
     pause: Text = "Break"
+    relax: Text = "Relax your arm"
+    contract: Text = "Tense your forearm as hard as you can"
     training: Text = "Practice"
     done: Text = "Finished. Thank you!"
     too_fast: Text = "slower"
