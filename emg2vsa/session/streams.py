@@ -16,8 +16,8 @@ class StreamInfo:
     kind : "emg" or "force". channels : names, muscle roles or "force". unit : "V" or "N", of every sample handed over.
     fs_hz : stated rate. range_max : largest value that the source can give, in ``unit``; None where it does not say.
     delay_s : fixed delay from the body to arrival, which the time stamps take off.
-    frame : samples that the device sends, and can lose, at once.
     facts : what the device says of itself (model, serial, mode, gain, filter), for the record.
+    frame : samples that the device sends, and can lose, at once.
     """
 
     kind: str
@@ -26,8 +26,8 @@ class StreamInfo:
     fs_hz: float
     range_max: float | None = None
     delay_s: float = 0.0
-    frame: int = 1
     facts: dict[str, str] = field(default_factory=dict)
+    frame: int = 1
 
 
 class Block(NamedTuple):
