@@ -49,6 +49,7 @@ class StreamOpened:
     range_max: float | None
     delay_s: float
     facts: dict[str, str] = field(default_factory=dict)
+    frame: int = 1
 
 
 @dataclass(frozen=True)

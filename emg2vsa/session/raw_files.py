@@ -1,10 +1,11 @@
 """The samples of a stream on disk: a file that only grows, readable whatever ended it.
 
 A file is a head and blocks. Head: ``E2VSAMP1``, length of the text (uint32), text (JSON: the stream as its source
-stated it), CRC-32 of the text (uint32). Block: ``BLK1``, number of samples n (uint32), number of the first sample since
-the stream's start (uint64), time of arrival of the last one in seconds on the session's clock (float64), CRC-32 of
-these three and of the samples (uint32), then the samples, n x channels float32 in the stream's unit. All numbers are
-little endian. Float32 keeps 24 bits: an error below 6e-8 of each value, less than the converters' own. A block that
+stated it), CRC-32 of the text (uint32). Block: ``BLK1``, number of samples n (uint32), number of stamps (uint32, n or
+0), number of the first sample since the stream's start (uint64), time of arrival of the last one in seconds on the
+session's clock (float64), CRC-32 of these four and of all that follows (uint32), then the samples, n x channels float32
+in the stream's unit, and the device's own times of the samples, float64 in seconds on the session's clock. All numbers
+are little endian. Float32 keeps 24 bits: an error below 6e-8 of each value, less than the converters' own. A block that
 does not match its checksum is passed over, and reading goes on at the next one that does.
 """
 
@@ -26,9 +27,9 @@ from emg2vsa.session.disk import GrowingFile, SessionDisk
 from emg2vsa.session.streams import Block, StreamInfo
 
 _MAGIC, _BLOCK = b"E2VSAMP1", b"BLK1"
-_HEAD = struct.Struct("<IQdI")
+_HEAD = struct.Struct("<IIQdI")
 """Of a block, after its mark."""
-_COUNTED = struct.Struct("<IQd")
+_COUNTED = struct.Struct("<IIQd")
 _LENGTH = struct.Struct("<I")
 _LARGEST_HEAD = 1_000_000
 
@@ -42,8 +43,10 @@ def head_bytes(info: StreamInfo) -> bytes:
 def block_bytes(block: Block) -> bytes:
     """A block as it stands in the file."""
     samples = np.ascontiguousarray(block.samples, dtype="<f4").tobytes()
-    counted = _COUNTED.pack(len(block.samples), block.first, block.arrived_s)
-    return _BLOCK + counted + _LENGTH.pack(zlib.crc32(samples, zlib.crc32(counted))) + samples
+    stamps = b"" if block.stamps_s is None else np.ascontiguousarray(block.stamps_s, dtype="<f8").tobytes()
+    content = samples + stamps
+    counted = _COUNTED.pack(len(block.samples), len(stamps) // 8, block.first, block.arrived_s)
+    return _BLOCK + counted + _LENGTH.pack(zlib.crc32(content, zlib.crc32(counted))) + content
 
 
 class SampleWriter:
@@ -62,12 +65,16 @@ class SampleWriter:
 
 @dataclass(frozen=True)
 class StoredBlocks:
-    """Where the blocks of a file are, in its order, (k,) each. offset : of the samples, bytes. count : samples."""
+    """Where the blocks of a file are, in its order, (k,) each. offset : of the samples, bytes. count : samples.
+
+    stamped : whether the device's own times follow the samples.
+    """
 
     first: NDArray[np.int64]
     count: NDArray[np.int64]
     arrived_s: NDArray[np.float64]
     offset: NDArray[np.int64]
+    stamped: NDArray[np.bool_]
 
 
 class SampleFile:
@@ -81,14 +88,13 @@ class SampleFile:
         with path.open("rb") as file:
             self.info, begin = _head(path, file.read(len(_MAGIC) + _LENGTH.size + _LARGEST_HEAD))
         self._channels = len(self.info.channels)
-        found = np.array(list(_blocks(path, begin, self._channels)), dtype=np.float64).reshape(-1, 4)
-        first, count, arrived_s, offset = found.T
+        found = np.array(list(_blocks(path, begin, self._channels)), dtype=np.float64).reshape(-1, 5)
+        first, count, arrived_s, offset, stamped = found.T
         self.blocks = StoredBlocks(
-            first.astype(np.int64), count.astype(np.int64), arrived_s.copy(), offset.astype(np.int64)
+            first.astype(np.int64), count.astype(np.int64), arrived_s.copy(), offset.astype(np.int64), stamped > 0
         )
-        stored = len(_BLOCK) + _HEAD.size
-        whole = int(np.sum(self.blocks.count * 4 * self._channels + stored))
-        self.passed_over = path.stat().st_size - begin - whole
+        sizes = self.blocks.count * (4 * self._channels + 8 * self.blocks.stamped) + len(_BLOCK) + _HEAD.size
+        self.passed_over = path.stat().st_size - begin - int(np.sum(sizes))
 
     @property
     def stop(self) -> int:
@@ -113,6 +119,17 @@ class SampleFile:
                 samples[low - start : high - start] = own[low - first : high - first]
         return samples
 
+    def stamps_s(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Numbers (n,) of the samples that the device gave a time, and these times (n,), s on the session's clock."""
+        numbers, times_s = [np.empty(0, dtype=np.int64)], [np.empty(0)]
+        with self.path.open("rb") as file:
+            for i in np.flatnonzero(self.blocks.stamped).tolist():
+                first, n = int(self.blocks.first[i]), int(self.blocks.count[i])
+                file.seek(int(self.blocks.offset[i]) + n * 4 * self._channels)
+                numbers.append(np.arange(first, first + n))
+                times_s.append(np.frombuffer(file.read(8 * n), dtype="<f8"))
+        return np.concatenate(numbers), np.concatenate(times_s)
+
 
 def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
     """What the head states, and its length."""
@@ -134,8 +151,8 @@ def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
         ) from error  # fmt: skip
 
 
-def _blocks(path: Path, begin: int, channels: int) -> Iterator[tuple[int, int, float, int]]:
-    """(first, count, arrived_s, offset of the samples) of every whole block."""
+def _blocks(path: Path, begin: int, channels: int) -> Iterator[tuple[int, int, float, int, int]]:
+    """(first, count, arrived_s, offset of the samples, number of stamps) of every whole block."""
     if path.stat().st_size <= begin:
         return
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
@@ -144,11 +161,11 @@ def _blocks(path: Path, begin: int, channels: int) -> Iterator[tuple[int, int, f
             samples = at + len(_BLOCK) + _HEAD.size
             if samples > len(content):
                 return
-            count, first, arrived_s, checksum = _HEAD.unpack_from(content, at + len(_BLOCK))
-            stop = samples + count * 4 * channels
+            count, stamps, first, arrived_s, checksum = _HEAD.unpack_from(content, at + len(_BLOCK))
+            stop = samples + count * 4 * channels + 8 * stamps
             counted = content[at + len(_BLOCK) : at + len(_BLOCK) + _COUNTED.size]
             if stop <= len(content) and zlib.crc32(content[samples:stop], zlib.crc32(counted)) == checksum:
-                yield first, count, arrived_s, samples
+                yield first, count, arrived_s, samples, stamps
                 at = stop
             else:
                 at += 1

@@ -244,6 +244,19 @@ def test_samples_are_read_as_they_were_written_with_what_is_lost(tmp_path):
     assert np.isfinite(samples[:17]).all()
 
 
+def test_the_devices_own_times_are_kept(tmp_path):
+    record = a_session(tmp_path)
+    stream = record.open_stream("emg", EMG)
+    stream.append(Block(np.zeros((3, 2)), 0, 1.0))
+    stream.append(Block(np.ones((2, 2)), 5, 1.1, np.array([1.05, 1.051])))
+    record.close()
+    file = SampleFile(stream.path)
+    assert file.passed_over == 0
+    numbers, times_s = file.stamps_s()
+    assert (numbers.tolist(), times_s.tolist()) == ([5, 6], [1.05, 1.051])
+    np.testing.assert_array_equal(file.read(5, 7), np.ones((2, 2)))
+
+
 def test_a_file_of_samples_is_readable_wherever_it_was_cut(tmp_path):
     record = a_session(tmp_path)
     stream = record.open_stream("emg", EMG)
@@ -252,7 +265,7 @@ def test_a_file_of_samples_is_readable_wherever_it_was_cut(tmp_path):
     record.close()
     path = tmp_path / "sub-P03" / "sitting-1_emg.samples"
     content = path.read_bytes()
-    block = 4 + 24 + 80
+    block = 4 + 28 + 80
     head = len(content) - 5 * block
     for size in range(head, len(content), 7):
         path.write_bytes(content[:size])
