@@ -71,6 +71,11 @@ class EmgSampler:
         """Samples measured by a time and not yet taken."""
         return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
 
+    @property
+    def newest_s(self) -> float:
+        """When the last sample taken was measured."""
+        return self._start_s + (self.taken - 1) / self.fs_hz
+
     def take(self, n: int) -> FloatArray:
         """(n, muscles) the next samples, V."""
         times_s = self._start_s + (self.taken + np.arange(n)) / self.fs_hz
@@ -111,6 +116,11 @@ class ForceSampler:
     def due(self, time_s: float) -> int:
         """As `EmgSampler`."""
         return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
+
+    @property
+    def newest_s(self) -> float:
+        """When the last sample taken was measured."""
+        return self._start_s + (self.taken - 1) / self.fs_hz
 
     def take(self, n: int) -> FloatArray:
         """(n, 1) the next samples, N."""
