@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, Self
 
@@ -20,14 +20,14 @@ EMG_STREAM, FORCE_STREAM = "emulated EMG", "emulated force"
 class LslOutlets:
     """Streams of the types EMG (V) and Force (N), pushed in chunks within a with statement.
 
-    muscles : name to share of the co-contraction. clock : of the participant; real time, for LSL stamps samples with
-    the computer's own clock. DeviceError where pylsl is not installed.
+    clock : of the participant; real time, for LSL stamps samples with the computer's own clock. DeviceError where pylsl
+    is not installed.
     """
 
     def __init__(
         self,
         participant: EmulatedParticipant,
-        muscles: Mapping[str, float],
+        muscles: Sequence[str],
         clock: WallClock,
         *,
         emg_hz: float = 2000.0,
