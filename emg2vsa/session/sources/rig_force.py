@@ -34,6 +34,9 @@ class RigForce:
         self._axis = unit_axis(settings.axis)
         self._delay_s, self._rate_hz = settings.delay_s, rate_hz
         self._info: StreamInfo | None = None
+        self._last_s: float | None = None
+        self._faulty_s: float | None = None
+        "Since when no sample has been free of faults."
         self._forget()
 
     @property
@@ -76,9 +79,7 @@ class RigForce:
 
     def _forget(self) -> None:
         self._next = self._before = self._good = 0
-        self._last_s: float | None = None
-        self._faulty_s: float | None = None
-        "Since when no sample has been free of faults."
+        self._last_s = self._faulty_s = None
 
     def _taken(self) -> list[ForceSample]:
         self._sensor.read()  # takes what waits; DeviceError when that is too old
@@ -117,7 +118,7 @@ class RigForce:
         if self._sensor.rating is None:
             return None
         parts = zip(self._sensor.rating.force_n, self._axis, strict=True)
-        return min(largest / abs(part) for largest, part in parts if part)
+        return float(min(largest / abs(part) for largest, part in parts if part))
 
 
 def unit_axis(axis: tuple[float, float, float]) -> NDArray[np.float64]:

@@ -1,6 +1,7 @@
-"""EMG from the server of Delsys' Trigno Control Utility (SDK guide MAN-025): commands on one TCP port, samples on another.
+"""EMG from the server of Delsys' Trigno Control Utility (SDK guide MAN-025).
 
-Samples come without time and without number, in frames of 13.5 ms; `emg2vsa.session.sample_clock` finds their times.
+Commands go to one TCP port. Samples come from another, in frames of 13.5 ms, without time and without number;
+`emg2vsa.session.sample_clock` finds their times.
 """
 
 from __future__ import annotations
@@ -69,7 +70,11 @@ class TrignoCommands:
         self._heard = b""
         self._socket = connect(host, port, self.where)
         self._socket.settimeout(REPLY_S)
-        greeting = self._reply("the greeting")
+        try:
+            greeting = self._reply("the greeting")
+        except DeviceError:
+            self.close()
+            raise
         if not greeting.startswith(GREETING):
             self.close()
             do = "Correct session.emg.host and session.emg.command_port."
@@ -128,17 +133,23 @@ class TrignoSource:
         self._info: StreamInfo | None = None
         self._commands: TrignoCommands | None = None
         self._data: socket.socket | None = None
-        self._forget()
+        self._columns: list[int] = []
+        self._quiet_s: float | None = None
+        "Since when nothing has come."
+        self._where = "Trigno server"
+        self._bytes, self._next, self._lost, self._ended = b"", 0, 0, ""
+        self._zeros = _Zeros(len(self._places))
 
     @property
     def info(self) -> StreamInfo:
         if self._info is None:
-            raise DeviceError("Trigno server", wanted="a started stream", found="none", do="Start the source first.")
+            raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
         return self._info
 
     def start(self) -> None:
         self.close()
-        self._forget()
+        self._bytes, self._next, self._lost, self._ended, self._quiet_s = b"", 0, 0, "", None
+        self._zeros = _Zeros(len(self._places))
         settings = self._settings
         commands = self._commands = TrignoCommands(settings.host, settings.command_port)
         self._where = commands.where
@@ -186,14 +197,6 @@ class TrignoSource:
             self._data.close()
             self._data = None
 
-    def _forget(self) -> None:
-        self._bytes, self._next, self._lost = b"", 0, 0
-        self._columns: list[int] = []
-        self._zeros = _Zeros(len(self._places))
-        self._ended = ""
-        self._quiet_s: float | None = None
-        "Since when nothing has come."
-
     def _set_up(self, commands: TrignoCommands) -> None:
         """Choose byte order and rate, and learn what the sensors are."""
         if commands.ask("MASTER?") == "NO":
@@ -231,7 +234,7 @@ class TrignoSource:
 
     def _received(self) -> bytes:
         if self._data is None:
-            raise DeviceError("Trigno server", wanted="a started stream", found="none", do="Start the source first.")
+            raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
         parts = []
         while not self._ended:
             try:
