@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from dataclasses import dataclass
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -24,7 +25,7 @@ CRYSTAL = 1e-4
 RATE_OFF = 0.005
 "A measured rate that differs by so much from the stated one is told."
 LATE_S = 0.008
-"Arrivals so far above the line are late: by a busy computer, or by samples that were lost. A frame of Trigno is 13.5 ms."
+"Arrivals so far above the line are late: a busy computer, or samples that were lost (a Trigno frame is 13.5 ms)."
 STEP_S, STEP_BLOCKS = 1.0, 5
 "Arrivals that are late for so long, and in so many blocks, are late for ever: samples were lost."
 GAP_S = 0.05
@@ -227,12 +228,16 @@ class SampleClock:
             self._place(round(place), round(place), arrived_s)
 
 
+@dataclass
 class _Late:
-    """Late blocks in a row. first, since_s : sample and arrival of the first. The least late one: last sample, arrival."""
+    """Late blocks in a row: first sample and arrival of the first; last sample and arrival of the least late one."""
 
-    def __init__(self, first: int, since_s: float, least_s: float, last: int, at_s: float) -> None:
-        self.first, self.since_s, self.least_s, self.last, self.at_s = first, since_s, least_s, last, at_s
-        self.blocks = 1
+    first: int
+    since_s: float
+    least_s: float
+    last: int
+    at_s: float
+    blocks: int = 1
 
 
 def _slope_below(x: NDArray[np.float64], z: NDArray[np.float64]) -> float:
