@@ -54,14 +54,16 @@ class PressCycle:
         self._settings, self._longest_s = settings, longest_s
         self.command: Command = "wait"
         self.attempt: Attempt | None = None
+        self.hold = False
+        "The rest goes on: the operator has something to do first."
         self._rest_until_s = 0.0
         self._low_since_s: float | None = None
 
     # what the operator decides
 
-    def open(self, now_s: float) -> None:
+    def open(self, now_s: float, rest_s: float = 0.0) -> None:
         """A specimen is there: presses may be asked for after a rest."""
-        self.command, self._rest_until_s = "rest", now_s
+        self.command, self._rest_until_s = "rest", now_s + rest_s
         self._low_since_s = None
 
     def close(self, command: Command) -> None:
@@ -121,8 +123,8 @@ class PressCycle:
         if force_n >= self._settings.force_n[0]:
             self.attempt = Attempt(now_s, early=True, begun_s=now_s, stop_s=now_s, peak_n=force_n)
             self.command = "stop"
-        elif self.command == "rest" and now_s >= self._rest_until_s:
-            self.command = "ready"
+        else:
+            self.command = "rest" if self.hold or now_s < self._rest_until_s else "ready"
 
     def _started(self, now_s: float, force_n: float) -> Attempt | None:
         assert self.attempt is not None

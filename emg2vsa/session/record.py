@@ -100,7 +100,8 @@ class Progress:
     @property
     def next(self) -> PlannedPress | None:
         """The first press that is not done; None when all are."""
-        return next((press for press in self.presses if not self.is_done(press.number)), None)
+        in_order = sorted(self.presses, key=lambda press: (press.stay, press.number))
+        return next((press for press in in_order if not self.is_done(press.number)), None)
 
     @property
     def running(self) -> Attempt | None:
@@ -132,6 +133,8 @@ class SessionRecord:
         self.progress = Progress(plan.presses)
         self._lock, self._now_s = lock, now_s
         self._lines, self.sitting = 0, 1
+        self.past: list[Line] = []
+        "Lines of earlier sittings, and what opening the folder added to them."
         path = folder / JOURNAL_FILE
         if path.exists():
             self._read(path)
@@ -139,13 +142,14 @@ class SessionRecord:
         self._journal = self._disk.open(path)
         self._resume()
 
-    def append(self, event: Event, time_s: float | None = None) -> None:
-        """Add an event to the journal; ``time_s`` where it happened before now."""
+    def append(self, event: Event, time_s: float | None = None) -> Line:
+        """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now."""
         self._lines += 1
         time_s = self._now_s() if time_s is None else time_s
         line = Line(self._lines, self.sitting, time_s, now_text(), event)
         self.progress.take(line)
         self._disk.seal(self._journal, line_bytes(line))
+        return line
 
     def open_stream(self, name: str, info: StreamInfo) -> SampleWriter:
         """A file for the samples of a stream that is called so in this sitting, "emg" or "force"; waits a moment.
@@ -202,15 +206,16 @@ class SessionRecord:
                 os.fsync(file.fileno())
         for line in lines:
             self.progress.take(line)
+        self.past = list(lines)
         self._lines = len(lines)
         self.sitting = max((line.sitting for line in lines), default=0) + 1
 
     def _resume(self) -> None:
         self._lines_before = self._lines
         if self.repaired_bytes:
-            self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
+            self.past.append(self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal.")))
         if (running := self.progress.running) is not None:
-            self.append(Interrupted(running.press, running.attempt))
+            self.past.append(self.append(Interrupted(running.press, running.attempt)))
 
 
 def new_session(

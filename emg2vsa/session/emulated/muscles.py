@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,20 +44,21 @@ def carrier_filter(fs_hz: float) -> FloatArray:
 class EmgSampler:
     """The EMG of some muscles, sample by sample; the same however many are taken at a time.
 
-    muscles : name to share of the co-contraction. range_v : largest value of the device. start_s : of sample 0.
+    muscles : name of each channel's muscle; a channel of an unknown one has nothing but noise and hum.
+    range_v : largest value of the device. start_s : of sample 0.
     """
 
     def __init__(
         self,
         participant: EmulatedParticipant,
-        muscles: Mapping[str, float],
+        muscles: Sequence[str],
         fs_hz: float,
         *,
         range_v: float = 11e-3,
         start_s: float = 0.0,
     ) -> None:
         self._participant, self._muscles = participant, tuple(muscles)
-        self._shares = np.array(list(muscles.values()))
+        self._shares = np.array([participant.person.muscle_share.get(muscle, 0.0) for muscle in muscles])
         self.fs_hz, self._range_v, self._start_s = fs_hz, range_v, start_s
         person = participant.person
         self._rng = np.random.default_rng(np.random.SeedSequence(person.seed[0], spawn_key=(*person.seed[1:], _EMG)))
@@ -71,6 +72,11 @@ class EmgSampler:
         """Samples measured by a time and not yet taken."""
         return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
 
+    @property
+    def newest_s(self) -> float:
+        """When the last sample taken was measured."""
+        return self._start_s + (self.taken - 1) / self.fs_hz
+
     def take(self, n: int) -> FloatArray:
         """(n, muscles) the next samples, V."""
         times_s = self._start_s + (self.taken + np.arange(n)) / self.fs_hz
@@ -80,22 +86,22 @@ class EmgSampler:
         person = self._participant.person
         white = self._rng.standard_normal((n, 2, len(self._muscles)))
         carrier, self._state = sosfilt(self._sos, white[:, 0], axis=0, zi=self._state)
-        emg_v = self._participant.cocontraction_v(times_s)[:, None] * self._shares * carrier
+        emg_v: FloatArray = self._participant.cocontraction_v(times_s)[:, None] * self._shares * carrier
         hum = math.sqrt(2) * np.sin(math.tau * person.mains_hz * times_s[:, None] + self._phases)
         emg_v += person.mains_v * hum + person.emg_noise_v * white[:, 1]
         for wrong in self._participant.afflicted(times_s[0], times_s[-1] + 1 / self.fs_hz):
             during = (times_s >= wrong.start_s) & (times_s < wrong.end_s)
             emg_v[during] = self._afflicted(wrong, emg_v[during], hum[during])
-        return np.clip(emg_v, -self._range_v, self._range_v)
+        return np.clip(emg_v, -self._range_v, self._range_v, out=emg_v)
 
     def _afflicted(self, wrong: Affliction, emg_v: FloatArray, hum: FloatArray) -> FloatArray:
         if wrong.kind == "mains":
             return emg_v + HUM_V * hum
         if wrong.kind == "clipping":
             return emg_v * TOO_LARGE
-        if wrong.kind == "electrode-off" and wrong.muscle in self._muscles:
-            column = self._muscles.index(wrong.muscle)
-            emg_v[:, column] = LIFTED_V * hum[:, column]
+        if wrong.kind == "electrode-off":
+            columns = [column for column, muscle in enumerate(self._muscles) if muscle == wrong.muscle]
+            emg_v[:, columns] = LIFTED_V * hum[:, columns]
         return emg_v
 
 
@@ -111,6 +117,11 @@ class ForceSampler:
     def due(self, time_s: float) -> int:
         """As `EmgSampler`."""
         return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
+
+    @property
+    def newest_s(self) -> float:
+        """When the last sample taken was measured."""
+        return self._start_s + (self.taken - 1) / self.fs_hz
 
     def take(self, n: int) -> FloatArray:
         """(n, 1) the next samples, N."""

@@ -186,7 +186,8 @@ class EmulatedParticipant:
             self.advance(float(until_s[-1]))
             first, last = math.floor(at_s[0] / STEP_S), math.ceil(at_s[-1] / STEP_S) + 1
             steps = np.arange(max(first, self._steps - _KEPT_STEPS + 1, 0), min(last, self._steps) + 1)
-            return np.interp(at_s, steps * STEP_S, self._history[steps % _KEPT_STEPS, column])
+            values: FloatArray = np.interp(at_s, steps * STEP_S, self._history[steps % _KEPT_STEPS, column])
+            return values
 
     # one step
 

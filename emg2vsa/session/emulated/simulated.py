@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.session.emulated.mistakes import Mistake
@@ -52,9 +52,9 @@ class SimulatedSource:
 
 
 def simulated_emg(
-    participant: EmulatedParticipant, muscles: Mapping[str, float], fs_hz: float, clock: Clock, delay_s: float = 0.0
+    participant: EmulatedParticipant, muscles: Sequence[str], fs_hz: float, clock: Clock, delay_s: float = 0.0
 ) -> SimulatedSource:
-    """The EMG. muscles : name to share of the co-contraction."""
+    """The EMG of some muscles."""
     info = StreamInfo("emg", tuple(muscles), "V", fs_hz, EMG_RANGE_V, delay_s, _FACTS)
     return SimulatedSource(EmgSampler(participant, muscles, fs_hz, range_v=EMG_RANGE_V), info, clock)
 
@@ -72,5 +72,5 @@ def simulate(
 ) -> tuple[EmulatedParticipant, SimulatedSource, SimulatedSource]:
     """The participant, the source of the EMG and that of the force. SettingError as `person_of`."""
     person = EmulatedParticipant(person_of(study, participant), mistakes=mistakes, range_n=settings.force_n)
-    emg = simulated_emg(person, person.person.muscle_share, settings.emg.fs_hz, clock, settings.emg.delay_s)
+    emg = simulated_emg(person, tuple(person.person.muscle_share), settings.emg.fs_hz, clock, settings.emg.delay_s)
     return person, emg, simulated_force(person, clock, delay_s=settings.force.delay_s)
