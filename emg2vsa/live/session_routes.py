@@ -34,7 +34,8 @@ def session_pages(desk: Desk, clock: Clock) -> Pages:
     """The pages "operator" and "participant" of a session. clock : the one that the session's times are on.
 
     A page fetches the newest from the desk when it can take it, so one that is slow misses messages and holds nobody
-    up. Operator: events "state", "participant", "traces", "alive". Participant: event "state", and messages of force without a name.
+    up. Events of the operator: "state", "participant", "traces", "alive"; of the participant: "state", and forces
+    without a name.
     """
     return {"operator": _operator_routes(desk), "participant": _participant_routes(desk, clock)}
 

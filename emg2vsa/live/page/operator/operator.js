@@ -75,12 +75,13 @@ function showState() {
   write("#who", `${participant} · ${study}`);
   write("#saved", saved || "\u00a0");
   write("#count", countOf(state));
-  write("#label", awaits === "specimen" ? "Place this specimen" : specimen ? "On the sensor" : "");
-  write("#specimen", specimen);
+  const placed = measuring() ? "" : specimen;
+  write("#label", awaits === "specimen" ? "Place this specimen" : placed ? "On the sensor" : "");
+  write("#specimen", placed);
   $("#specimen").classList.toggle("long", specimen.length > 6);
   $("#now").classList.toggle("place", awaits === "specimen");
   const next = upcoming(state);
-  write("#then", next.length ? `then ${next.join(", ")}` : "");
+  write("#then", next.length && placed ? `then ${next.join(", ")}` : "");
   write("#said", state.message);
   const primary = primaryOf(state);
   $("#primary").disabled = primary.name === "";
@@ -99,6 +100,8 @@ function showState() {
   showList();
 }
 
+const measuring = () => ["quality", "contraction"].includes(state.awaits); // no specimen yet
+
 function showMirror() {
   $("#mirror").replaceChildren(...(seen ? ["The participant reads: ", node("b", seen.text)] : []));
 }
@@ -111,7 +114,8 @@ function showProgress() {
 
 function showChecks() {
   const items = Object.entries(state.checklist);
-  $("#checks").hidden = items.length === 0 || state.phase === "quality";
+  $("#checks").hidden = items.length === 0 || measuring();
+  $("#checks").classList.toggle("done", items.every(([, done]) => done));
   fill("#checks ol", items.map(([item, done], i) => {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: done });
     box.disabled = !state.commands.includes("check");
@@ -203,7 +207,7 @@ function showList() {
 function showTraces() {
   const muscles = Object.keys(traces.envelopes_v), section = $("#traces");
   if (section.children.length !== muscles.length + 1) {
-    section.replaceChildren(figure("Force", ["filtered"]), ...muscles.map((muscle) => figure(muscle, ["envelope", "raw"])));
+    section.replaceChildren(figure("Force", ["filtered, N"]), ...muscles.map((muscle) => figure(muscle, ["envelope, µV", "raw"])));
   }
   const [lower, upper] = seen?.force_n ?? [0, 7];
   const top = Math.max(1.2 * upper, ...traces.force_n.map((v) => 1.05 * v)), bottom = Math.min(-0.3, ...traces.force_n);
@@ -220,7 +224,7 @@ function showTraces() {
 
 function figure(name, keys) {
   const made = document.createElement("figure"), caption = document.createElement("figcaption"), canvas = document.createElement("canvas");
-  caption.append(node("h2", name), document.createElement("output"), ...keys.map((key) => node("span", key, `key ${key}`)));
+  caption.append(node("h2", name), document.createElement("output"), ...keys.map((key) => node("span", key, `key ${key === "raw" ? key : ""}`)));
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", `${name} over time`);
   made.append(caption, canvas);
@@ -231,7 +235,7 @@ function plot(where, low, high, lines, areas, levels) {
   const canvas = where.querySelector("canvas");
   draw(canvas, {
     low, high, levels, areas, time: traces.time_s, windowS: WINDOW_S, lastLabel: "now",
-    ticks: ticksBetween(low, high, Math.max(2, canvas.clientHeight / 45)),
+    ticks: ticksBetween(low, high, Math.max(4, canvas.clientHeight / 35)),
     curves: lines.map(([values, width]) => ({ values, colour: "--blue", width })),
   });
 }
@@ -262,7 +266,7 @@ function refuse(text) {
 function press(key) {
   const request = state && askedBy(key, state, shownPress(state, chosen));
   const nowMs = performance.now();
-  if (!request || nowMs - askedMs < TOO_SOON_MS) return;
+  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return;
   ask(request, nowMs);
 }
 
