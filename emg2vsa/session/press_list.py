@@ -75,7 +75,9 @@ class PressList:
             press = next(press for press in self._progress.presses if press.number == event.press)
             self.tried.append(Tried(press, event.attempt))
             return
-        if not isinstance(event, (journal.PressEnded, journal.Judged, journal.Decided, journal.Interrupted, journal.Noted)):
+        if not isinstance(
+            event, (journal.PressEnded, journal.Judged, journal.Decided, journal.Interrupted, journal.Noted)
+        ):
             return
         own = self.find(event.press, event.attempt)
         if own is None:
@@ -158,7 +160,9 @@ def judged_event(tried: Tried, judged: Judged) -> journal.Judged:
     values: dict[str, float | None] = {"peak_n": _rounded(judged.peak_n), "load_s": _rounded(judged.load_s)}
     if found is not None and found.fitted:
         values |= {"a_v": found.a_v, "b_v": found.b_v}
-    verdict: journal.Verdict = "ok" if judged.verdict == "ok" else "warned" if judged.verdict == "warned" else "rejected"
+    verdict: journal.Verdict = (
+        "ok" if judged.verdict == "ok" else "warned" if judged.verdict == "warned" else "rejected"
+    )
     return journal.Judged(tried.press.number, tried.attempt, verdict, judged.problems, values)
 
 

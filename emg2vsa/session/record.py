@@ -214,7 +214,9 @@ class SessionRecord:
     def _resume(self) -> None:
         self._lines_before = self._lines
         if self.repaired_bytes:
-            self.past.append(self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal.")))
+            self.past.append(
+                self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
+            )
         if (running := self.progress.running) is not None:
             self.past.append(self.append(Interrupted(running.press, running.attempt)))
 

@@ -213,7 +213,9 @@ class Session:
         wanted = self._wanted
         here = self._placed and wanted is not None and self._stay is not None and wanted.stay == self._stay.stay
         ready = here and self._quality_done and not self._paused and now_s >= self._pause_until_s
-        cycle.hold = bool(self._asked or self._judge_at_s is not None or self.presses.undecided or not self._all_checked)
+        cycle.hold = bool(
+            self._asked or self._judge_at_s is not None or self.presses.undecided or not self._all_checked
+        )
         if ready:
             if cycle.command not in ("rest", "ready"):
                 cycle.open(now_s, self._settings.rest_s)
@@ -221,11 +223,15 @@ class Session:
             cycle.close(self._closed(now_s))
 
     def _closed(self, now_s: float) -> Command:
-        if self._measuring is not None:
-            return "start" if self._measuring.step == "contraction" else "wait"
         if self._wanted is None and self._quality_done and not self.presses.undecided and self._judge_at_s is None:
             return "done"
         return "pause" if self._paused or now_s < self._pause_until_s else "wait"
+
+    @property
+    def command(self) -> Command:
+        """What the participant is told; a contraction begins with START as a press does."""
+        contracting = self._measuring is not None and self._measuring.step == "contraction"
+        return "start" if contracting else self._cycle.command
 
     @property
     def _wanted(self) -> PlannedPress | None:
@@ -245,7 +251,9 @@ class Session:
         if press is self._suggested:
             self._suggested = None
             why = self._fits[press.specimen].suggestion
-            self._write(journal.PressAdded(press.number, press.phase, press.specimen, press.repetition, press.stay, why))
+            self._write(
+                journal.PressAdded(press.number, press.phase, press.specimen, press.repetition, press.stay, why)
+            )
         number = self.presses.attempts(press) + 1
         self._write(
             journal.PressBegun(press.number, number, press.specimen, press.phase, press.repetition, press.stay),
@@ -567,7 +575,9 @@ class Session:
     def _refuses_decision(self, request: Request) -> str:
         tried = self._meant(request)
         if tried is None and request.name == "skip":
-            return "" if self._placed and self._wanted is not None and not self._busy else "No press can be skipped now."
+            return (
+                "" if self._placed and self._wanted is not None and not self._busy else "No press can be skipped now."
+            )
         if tried is None or not tried.over:
             return "There is no finished press to decide on."
         number = tried.press.number
@@ -718,17 +728,17 @@ class Session:
             self.end()
             return
         cycle = self._cycle
-        if cycle.command != self._command:
-            self._command = cycle.command
+        if self.command != self._command:
+            self._command = self.command
             about = self._running
             press, attempt = (about.press.number, about.attempt) if about else (0, 0)
-            self._write(journal.Commanded(cycle.command, press, attempt))
+            self._write(journal.Commanded(self.command, press, attempt))
         self._sequence += 1
         force_n = self._bar.force_n
         speed = cycle.speed(now_s, force_n)
         newest_s = getattr(self, "_newest_force_s", now_s)
         self.force_message = ForceMessage(
-            self._sequence, newest_s, round(force_n, 4), self._bar.direction, speed, cycle.command
+            self._sequence, newest_s, round(force_n, 4), self._bar.direction, speed, self.command
         )
         self.traces.turn(now_s, force_n)
         if self._changed or now_s >= self._next_state_s:
@@ -742,10 +752,8 @@ class Session:
 
     def _participant_state(self) -> ParticipantState:
         own, wanted = self._settings, self._running.press if self._running else self._wanted
-        texts = {
-            name: value for name, value in vars(own.texts).items() if name != "language"
-        }
-        command = self._cycle.command
+        texts = {name: value for name, value in vars(own.texts).items() if name != "language"}
+        command = self.command
         text = texts.get(command, own.texts.wait)
         if self._measuring is not None:
             text = own.texts.contract if self._measuring.step == "contraction" else own.texts.relax
@@ -802,7 +810,7 @@ class Session:
         return OperatorState(
             participant=self.participant,
             study=self._study.title or self._study.name,
-            command=self._cycle.command,
+            command=self.command,
             awaits=awaits,
             message=message,
             specimen="" if wanted is None else wanted.specimen,
