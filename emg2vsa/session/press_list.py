@@ -29,7 +29,7 @@ class Tried:
     complete: bool = False
     times: Attempt | None = None
     found: FoundPress | None = None
-    around: Circumstances = Circumstances()
+    around: Circumstances = field(default_factory=Circumstances)
     epochs: tuple[int, int] = (0, 0)
     "Of the streams that saw it."
 
@@ -41,7 +41,9 @@ class Tried:
     @property
     def counts(self) -> bool:
         """It stands for its press, as far as its execution goes."""
-        return self.complete and (self.verdict in ("ok", "warned") and not self.decision or self.decision == "accept")
+        if not self.complete or self.decision:
+            return self.complete and self.decision == "accept"
+        return self.verdict in ("ok", "warned")
 
     @property
     def usable(self) -> FoundPress | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -129,7 +129,8 @@ class RecordedStream:
         if lost and not report.missing:
             problems.append(f"{lost} samples were lost.")
         name = {"emg": "EMG", "force": "Force"}[self.name]
-        state, text = "good", f"{name}: {info.fs_hz:.6g} samples a second."
+        state: Literal["good", "doubtful", "lost"] = "good"
+        text = f"{name}: {info.fs_hz:.6g} samples a second."
         if self.lost_why:
             state, text = "lost", f"{name}: {self.lost_why}"
         elif now_s - self._heard_s > SILENT_S:
@@ -137,9 +138,7 @@ class RecordedStream:
         elif problems:
             state, text = "doubtful", f"{name}: {' '.join(problems)}"
         counts = 0 if self._source is None else self._source.counts().samples
-        return DeviceView(
-            name, state, text, info.fs_hz, report.rate_hz, report.se_s, counts, lost,
-        )  # type: ignore[arg-type]  # fmt: skip
+        return DeviceView(name, state, text, info.fs_hz, report.rate_hz, report.se_s, counts, lost)
 
     def close(self) -> None:
         """Give the device back."""
@@ -155,7 +154,7 @@ class RecordedStream:
     def _take(self, source: Source, now_s: float) -> None:
         self._info = source.info
         self._writer: SampleWriter = self._record.open_stream(self.name, source.info)
-        self._clock = SampleClock(source.info.fs_hz, delay_s=source.info.delay_s)
+        self._clock = SampleClock(source.info.fs_hz, delay_s=source.info.delay_s, quantum=source.info.frame)
         self._source, self._expected, self._heard_s = source, 0, now_s
         self.lost_why = ""
         self.epoch += 1
