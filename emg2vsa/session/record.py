@@ -37,17 +37,16 @@ from emg2vsa.session.journal import (
 from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, plan_bytes, read_plan
 from emg2vsa.session.raw_files import SampleWriter
 from emg2vsa.session.streams import StreamInfo
+from emg2vsa.session_settings import PARTICIPANT_CODE
 
 LOCK_FILE = ".lock"
-CODE = re.compile(r"[A-Za-z]{1,6}[0-9]{1,6}")
-"""Of a participant: short letters, then a number, which no name is."""
 
 
 def check_code(participant: str) -> None:
     """SettingError where a participant's code could be a name: privacy begins with what a file is called."""
-    if not CODE.fullmatch(participant):
+    if not re.fullmatch(PARTICIPANT_CODE, participant):
         raise SettingError(
-            f"--participant {participant}", wanted="a code: one to six letters and then a number, such as P03",
+            f"--participant {participant}", wanted="a code: at most four letters and then a number, such as P03",
             found=repr(participant), do="Give a code. Keep the list of codes and names apart from the data, on paper.",
         )  # fmt: skip
 
