@@ -42,7 +42,7 @@ class LslOutlets:
         self._clock = clock
         now_s = clock.now_s()
         source = f"emg2vsa-emulated-{participant.person.name}"
-        self._streams = (
+        self._streams: tuple[tuple[EmgSampler | ForceSampler, Any], ...] = (
             (
                 EmgSampler(participant, muscles, emg_hz, start_s=now_s),
                 self._outlet(EMG_STREAM, "EMG", emg_hz, tuple(muscles), "V", source),
