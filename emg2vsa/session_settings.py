@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from emg2vsa.settings import Ge, Gt, Le, MinLen, NonNegative, Positive
+from emg2vsa.settings import Fraction, Ge, Gt, Le, MinLen, NonNegative, Positive
 
 Text = Annotated[str, MinLen(1)]
 Port = Annotated[int, Ge(1), Le(65535)]
@@ -71,12 +71,37 @@ class SessionTexts:
     stop: Text = "STOP"
     rest: Text = "Rest"
     pause: Text = "Break"
+    relax: Text = "Relax your arm"
+    contract: Text = "Tense your forearm as hard as you can"
     training: Text = "Practice"
     done: Text = "Finished. Thank you!"
     too_fast: Text = "slower"
     too_slow: Text = "faster"
     falling: Text = "keep increasing"
     lost: Text = "The display has lost the connection"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionLimits:
+    """How well a press must be done, beside what [window] asks of every recording: what only a live session knows.
+
+    Of two values the first warns and the second rejects. None depends on b or on the fit.
+    """
+
+    reaction_s: tuple[Positive, Positive] = (1.5, 5.0)
+    "Time from START to the lower force; after the second the press is given up."
+    early_s: NonNegative = 0.1
+    "A press that follows START sooner began before it: nobody reacts so fast. It is rejected."
+    peak_n: Positive = 9.0
+    "Largest force after STOP; more is warned."
+    lift_s: Positive = 2.0
+    "The finger must be lifted so soon after STOP; later is rejected."
+    zero_n: tuple[Positive, Positive] = (0.05, 0.2)
+    "Mean force of the half second before START, beside the zero taken when the specimen was placed."
+    lost_share: tuple[NonNegative, Fraction] = (0.0, 0.01)
+    "Share of the samples of a press that are lost."
+    age_ms: Positive = 60.0
+    "Age of the force on the participant's page (95 %); more is warned. A page that is hidden rejects."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,5 +154,15 @@ class SessionSettings:
     "Low-pass of the bar's force, which delays it by about 11 ms; stored forces are not filtered."
     ethics: str = ""
     "Number of the ethics approval, for the record."
+    checklist: tuple[Text, ...] = (
+        "arm on its support",
+        "electrodes and cables in place",
+        "chair and posture as before",
+    )
+    "What the operator confirms before the presses on each specimen."
+    check_each_press: bool = False
+    "true: the operator confirms the first item of the checklist before every press (the paper: arm support)."
+    limits: SessionLimits = field(default_factory=SessionLimits)
+    "How well a press must be done."
     texts: SessionTexts = field(default_factory=SessionTexts)
     "What the participant reads."

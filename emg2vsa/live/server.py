@@ -1,18 +1,25 @@
-"""The web server of the live pages, on this computer only, and who may come in."""
+"""The web server of the live pages, on this computer only unless another address is named, and who may come in."""
 
 from __future__ import annotations
 
+import errno
+import ipaddress
+import mimetypes
 import secrets
 import socket
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
 from secrets import compare_digest
+from threading import Event, Thread
 from urllib.parse import urlsplit
 
 import uvicorn
 from starlette.applications import Starlette
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import PlainTextResponse
-from starlette.routing import BaseRoute, Mount
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import BaseRoute, Mount, Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from emg2vsa.errors import SettingError
@@ -32,60 +39,109 @@ Pages = Mapping[str, Sequence[BaseRoute]]
 """First part of the address to the routes of a page."""
 
 
-def application(pages: Pages, token: str) -> ASGIApp:
-    """All pages, behind the door."""
-    routes = [Mount(f"/{token}/{name}", routes=routes) for name, routes in pages.items()]
-    return Door(Starlette(routes=routes), token)
+def application(pages: Pages, tokens: Mapping[str, str], names: Sequence[str] = _NAMES) -> ASGIApp:
+    """All pages, each behind the door with a token of its own; names : of this computer, as a browser may call it."""
+    routes = [Mount(f"/{tokens[name]}/{name}", routes=routes) for name, routes in pages.items()]
+    return Door(Starlette(routes=routes), tokens, names)
 
 
-def serve(pages: Pages, port: int, ready: Callable[[str], None]) -> None:
-    """Serve until Ctrl-C or SIGTERM.
+def serve(
+    pages: Pages, port: int, ready: Callable[..., None], bind: str | None = None, until: Event | None = None
+) -> None:
+    """Serve until Ctrl-C, SIGTERM or ``until``.
 
     Parameters
     ----------
     port : 0 for any that is free.
-    ready : called once with the address of the first page.
+    ready : called once with the address of every page, in their order.
+    bind : a further address of this computer, for a second screen or a tablet; the pages' addresses then name it.
+        What is sent over it is not encrypted.
 
     Raises
     ------
-    SettingError : the port is taken or not allowed.
+    SettingError : the port is taken or not allowed; ``bind`` is no IPv4 address of this computer.
     """
-    token = secrets.token_urlsafe(16)
-    with _listening(port) as listening:
+    tokens = {name: secrets.token_urlsafe(16) for name in pages}
+    with ExitStack() as stack:
+        listening = [stack.enter_context(_listening(HOST, port))]
+        port = listening[0].getsockname()[1]
+        if bind is not None and (bind := own_address(bind)) != HOST:
+            listening.append(stack.enter_context(_listening(bind, port)))
+        names = _NAMES if bind is None else (*_NAMES, bind)
         config = uvicorn.Config(
-            application(pages, token), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
+            application(pages, tokens, names), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
         )
-        ready(f"http://{HOST}:{listening.getsockname()[1]}/{token}/{next(iter(pages))}/")
-        uvicorn.Server(config).run(sockets=[listening])
+        server = uvicorn.Server(config)
+        if until is not None:
+            Thread(target=_end, args=(server, until), daemon=True).start()
+        ready(*(f"http://{bind or HOST}:{port}/{token}/{name}/" for name, token in tokens.items()))
+        server.run(sockets=listening)
 
 
-def _listening(port: int) -> socket.socket:
+def _end(server: uvicorn.Server, until: Event) -> None:
+    until.wait()
+    server.should_exit = True
+
+
+def own_address(text: str) -> str:
+    """One IPv4 address; 0.0.0.0 would leave open by which name a browser may call this computer."""
+    try:
+        address = ipaddress.IPv4Address(text)
+    except ValueError:
+        address = ipaddress.IPv4Address(0)
+    if address.is_unspecified or address.is_multicast:
+        do = "Name one IPv4 address of this computer, as its network settings show it (192.168.1.7)."
+        raise SettingError("--bind", wanted="one address of this computer", found=repr(text), do=do)
+    return str(address)
+
+
+def _listening(host: str, port: int) -> socket.socket:
     listening = socket.socket()
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind((HOST, port))
+        listening.bind((host, port))
         listening.listen()  # whoever opens the address at once waits, and is not refused
     except OSError as error:
         listening.close()
         found = error.strerror or str(error)
+        if error.errno == errno.EADDRNOTAVAIL:
+            do = "Name one IPv4 address of this computer, as its network settings show it."
+            raise SettingError(f"--bind {host}", wanted="an address of this computer", found=found, do=do) from error
         raise SettingError(
             f"port {port}", wanted="a free port", found=found, do="Choose another with --port."
         ) from error
     return listening
 
 
-class Door:
-    """Lets in who is on this computer, calls it by its own name, and has the token of the printed address; 403 else.
+def file_routes(*folders: Path) -> list[BaseRoute]:
+    """The files of a page; index.html is the page itself."""
+    files = sorted(path for folder in folders for path in folder.iterdir())
+    return [_file("" if path.name == "index.html" else path.name, path) for path in files]
 
-    It wraps an application whose every path begins with the token.
+
+def _file(name: str, path: Path) -> Route:
+    """Read now, so that many who come at once wait for no disk."""
+    content, kind = path.read_bytes(), mimetypes.guess_type(path.name)[0]
+
+    async def answer(request: Request) -> Response:
+        return Response(content, media_type=kind)
+
+    return Route(f"/{name}", answer)
+
+
+class Door:
+    """Lets in who calls this computer by its own name, and has the token of the page's printed address; 403 else.
+
+    It wraps an application whose every path begins with a page's token and the page's name.
 
     A request that says it comes from another page (Origin) is refused. The Host header is checked because a foreign
     page can make its own name point to 127.0.0.1 (DNS rebinding). Whatever changes something must carry the token in a
     header as well: a foreign page can send a form here, but no such header.
     """
 
-    def __init__(self, app: ASGIApp, token: str) -> None:
-        self._app, self._token = app, token.encode()
+    def __init__(self, app: ASGIApp, tokens: Mapping[str, str], names: Sequence[str] = _NAMES) -> None:
+        self._app, self._names = app, names
+        self._tokens = {name: token.encode() for name, token in tokens.items()}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -103,13 +159,15 @@ class Door:
 
     def _refused(self, scope: Scope) -> str | None:
         headers = Headers(scope=scope)
-        if headers.get("host", "").partition(":")[0] not in _NAMES:
-            return "This page is shown under 127.0.0.1 or localhost only.\n"
-        if not compare_digest(scope["path"].split("/")[1].encode(), self._token):
+        if headers.get("host", "").partition(":")[0] not in self._names:
+            return f"This page is shown under {' or '.join(self._names)} only.\n"
+        parts: list[str] = [*scope["path"].split("/"), "", ""]
+        token = self._tokens.get(parts[2], b"")
+        if not token or not compare_digest(parts[1].encode(), token):
             return "Wrong address. Use the whole address that emg2vsa printed.\n"
         if (origin := headers.get("origin")) is not None and urlsplit(origin).netloc != headers["host"]:
             return "This page is shown to itself only.\n"
         changes = scope["method"] not in ("GET", "HEAD")
-        if changes and not compare_digest(headers.get(TOKEN_HEADER, "").encode(), self._token):
+        if changes and not compare_digest(headers.get(TOKEN_HEADER, "").encode(), token):
             return "Use the button on the page.\n"
         return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mimetypes
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from emg2vsa.errors import Emg2vsaError
 from emg2vsa.live.audience import Audience
 from emg2vsa.live.follow import Follower, newest_run
 from emg2vsa.live.run_facts import read_ending
+from emg2vsa.live.server import file_routes
 from emg2vsa.rig.executor.stop_requests import request_stop
 from emg2vsa.rig.record.tiff_pages import newest_page
 
@@ -23,7 +23,7 @@ STOP_REASON = "STOP on the live page"
 _PERIOD_S = 0.05
 _QUALITY = 90
 """Of the JPEG; to be looked at, not measured."""
-_PAGE = Path(__file__).parent / "page" / "watch"
+_PAGES = Path(__file__).parent / "page"
 
 
 def watch_routes(folder: Path) -> list[BaseRoute]:
@@ -57,18 +57,8 @@ def watch_routes(folder: Path) -> list[BaseRoute]:
         Route("/stream", stream),
         Route("/frame", frame),
         Route("/stop", stop, methods=["POST"]),
-        *(_file("" if path.name == "index.html" else path.name, path) for path in sorted(_PAGE.iterdir())),
+        *file_routes(_PAGES / "watch", _PAGES / "shared"),
     ]
-
-
-def _file(name: str, path: Path) -> Route:
-    """A file of the page; read now, so that many who come at once wait for no disk."""
-    content, kind = path.read_bytes(), mimetypes.guess_type(path.name)[0]
-
-    async def answer(request: Request) -> Response:
-        return Response(content, media_type=kind)
-
-    return Route(f"/{name}", answer)
 
 
 def newest_frame(run: Path) -> bytes | None:

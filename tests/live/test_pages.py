@@ -26,7 +26,7 @@ HEADER = {TOKEN_HEADER: TOKEN}
 
 @pytest.fixture
 def client(runs):
-    return TestClient(application({"watch": watch_routes(runs)}, TOKEN), base_url="http://127.0.0.1:8420")
+    return TestClient(application({"watch": watch_routes(runs)}, {"watch": TOKEN}), base_url="http://127.0.0.1:8420")
 
 
 @pytest.mark.parametrize("path", PATHS)

@@ -1,0 +1,200 @@
+"""The addresses of a session's two pages: what they show goes down as server-sent events, what they ask comes up."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import AsyncIterator, Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from starlette.requests import Request as WebRequest
+from starlette.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.routing import BaseRoute, Route
+
+from emg2vsa.live.server import Pages, file_routes
+from emg2vsa.rig.clock import Clock
+from emg2vsa.session.views import REQUESTS, Desk, ForceMessage, Request, ScreenReport
+
+_FORCE_PERIOD_S = 0.004
+"""A little shorter than that of the messages, so that none waits long to be fetched."""
+_OPERATOR_PERIOD_S = 0.05
+MOST_VIEWERS = 6
+"""Of each page at once. A page that is opened again leaves its place; further ones are refused."""
+_LARGEST_BODY = 10_000
+_LARGEST_FIGURE = 1e9
+_PAGES = Path(__file__).parent / "page"
+
+
+def session_pages(desk: Desk, clock: Clock) -> Pages:
+    """The pages "operator" and "participant" of a session. clock : the one that the session's times are on.
+
+    A page fetches the newest from the desk when it can take it, so one that is slow misses messages and holds nobody
+    up. Operator: events "state" and "traces". Participant: event "state", and messages of force without a name.
+    """
+    return {"operator": _operator_routes(desk), "participant": _participant_routes(desk, clock)}
+
+
+def _operator_routes(desk: Desk) -> list[BaseRoute]:
+    async def ask(request: WebRequest) -> Response:
+        try:
+            wanted = operator_request(await _document(request))
+        except ValueError as error:
+            return PlainTextResponse(str(error), status_code=400)
+        refused = desk.ask(wanted)
+        return PlainTextResponse(refused, status_code=409 if refused else 200)
+
+    stream = _Stream(_OperatorEvents(desk).of_viewer)
+    files = file_routes(_PAGES / "operator", _PAGES / "shared")
+    return [Route("/stream", stream.answer), Route("/request", ask, methods=["POST"]), *files]
+
+
+def _participant_routes(desk: Desk, clock: Clock) -> list[BaseRoute]:
+    async def screen(request: WebRequest) -> Response:
+        try:
+            report = screen_report(await _document(request))
+        except ValueError as error:
+            return PlainTextResponse(str(error), status_code=400)
+        desk.screen(report)
+        return PlainTextResponse("")
+
+    async def server_clock(request: WebRequest) -> Response:
+        return JSONResponse({"server_s": time.perf_counter()})
+
+    stream = _Stream(lambda: participant_events(desk, clock))
+    return [
+        Route("/stream", stream.answer),
+        Route("/screen", screen, methods=["POST"]),
+        Route("/clock", server_clock),
+        *file_routes(_PAGES / "participant"),
+    ]
+
+
+class _Stream:
+    """Events for a few viewers at once."""
+
+    def __init__(self, events: Callable[[], AsyncIterator[str]]) -> None:
+        self._events, self._viewers = events, 0
+
+    async def answer(self, request: WebRequest) -> Response:
+        if self._viewers >= MOST_VIEWERS:
+            return PlainTextResponse("This page is open too often. Close the others.", status_code=503)
+        return StreamingResponse(self._counted(), media_type="text/event-stream")
+
+    async def _counted(self) -> AsyncIterator[str]:
+        self._viewers += 1
+        try:
+            yield "retry: 500\n\n"
+            async for text in self._events():
+                yield text
+        finally:
+            self._viewers -= 1
+
+
+async def participant_events(desk: Desk, clock: Clock) -> AsyncIterator[str]:
+    """The state whenever it changes, and each new force."""
+    state, sequence = None, None
+    while True:
+        text = ""
+        if (new := desk.participant()) is not state and new != state:
+            state, text = new, _event("state", asdict(new))
+        force = desk.force()
+        if force.sequence != sequence:
+            sequence, text = force.sequence, text + _force_event(force, clock.now_s())
+        if text:
+            yield text
+        await asyncio.sleep(_FORCE_PERIOD_S)
+
+
+def _force_event(force: ForceMessage, now_s: float) -> str:
+    """With its age when sent, and when that was on the server's own clock, which the page compares with its own."""
+    sent = {"age_s": round(now_s - force.time_s, 5), "sent_s": round(time.perf_counter(), 5)}
+    return _event("", force._asdict() | {"force_n": round(force.force_n, 4), "time_s": round(force.time_s, 5)} | sent)
+
+
+class _OperatorEvents:
+    """The state is written out once for all who see it."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._number, self._text = -1, ""
+
+    async def of_viewer(self) -> AsyncIterator[str]:
+        seen, after = None, 0
+        while True:
+            number, state = self._desk.operator()
+            if number != self._number:
+                self._number, self._text = number, _event("state", asdict(state))
+            text = "" if number == seen else self._text
+            seen = number
+            after, traces = self._desk.traces(after)
+            if traces.time_s:
+                text += _event("traces", asdict(traces))
+            if text:
+                yield text
+            await asyncio.sleep(_OPERATOR_PERIOD_S)
+
+
+def _event(name: str, content: dict[str, Any]) -> str:
+    head = f"event: {name}\n" if name else ""
+    return f"{head}data: {json.dumps(content, separators=(',', ':'), ensure_ascii=False)}\n\n"
+
+
+async def _document(request: WebRequest) -> dict[str, Any]:
+    """The JSON object that was sent. ValueError in words for whoever sent it."""
+    body = b""
+    async for piece in request.stream():
+        body += piece
+        if len(body) > _LARGEST_BODY:
+            raise ValueError(f"wanted at most {_LARGEST_BODY} bytes")
+    try:
+        document = json.loads(body.decode(), parse_constant=_not_finite)
+    except RecursionError as error:
+        raise ValueError("wanted a JSON object; found lists within lists") from error
+    if not isinstance(document, dict):
+        raise ValueError(f"wanted a JSON object; found {type(document).__name__}")
+    return document
+
+
+def _not_finite(name: str) -> float:
+    raise ValueError(f"wanted finite numbers; found {name}")
+
+
+def operator_request(document: dict[str, Any]) -> Request:
+    """ValueError for anything that is no request of the operator's page."""
+    _only(document, ("name", "press", "item", "text"))
+    name, press = document.get("name"), document.get("press")
+    if name not in REQUESTS:
+        raise ValueError(f"name: wanted one of {', '.join(REQUESTS)}; found {name!r}")
+    if press is not None and (type(press) is not int or press < 1):
+        raise ValueError(f"press: wanted the number of a press; found {press!r}")
+    item, text = document.get("item", ""), document.get("text", "")
+    for key, value in (("item", item), ("text", text)):
+        if not isinstance(value, str):
+            raise ValueError(f"{key}: wanted a text; found {value!r}")
+    return Request(name, press, item, text)
+
+
+def screen_report(document: dict[str, Any]) -> ScreenReport:
+    """ValueError for anything that is no report of the participant's page."""
+    figures = ("frames_per_s", "age_p50_ms", "age_p95_ms", "longest_frame_ms")
+    _only(document, (*figures, "hidden", "more"))
+    values = {}
+    for key in figures:
+        value = document.get(key)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < _LARGEST_FIGURE:
+            raise ValueError(f"{key}: wanted a number; found {value!r}")
+        values[key] = float(value)
+    hidden, more = document.get("hidden"), document.get("more", {})
+    if not isinstance(hidden, bool):
+        raise ValueError(f"hidden: wanted true or false; found {hidden!r}")
+    if not isinstance(more, dict) or not all(isinstance(value, int | float | str | bool) for value in more.values()):
+        raise ValueError("more: wanted names and plain values")
+    return ScreenReport(**values, hidden=hidden, more=more)
+
+
+def _only(document: dict[str, Any], known: tuple[str, ...]) -> None:
+    if unknown := sorted(set(document) - set(known)):
+        raise ValueError(f"wanted {', '.join(known)}; found {unknown[0]!r}")
