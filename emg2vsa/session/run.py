@@ -11,11 +11,11 @@ import platform
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa import __version__, settings
+from emg2vsa import __version__
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.clock import Beat, Clock
@@ -213,7 +213,9 @@ class Session:
         wanted = self._wanted
         here = self._placed and wanted is not None and self._stay is not None and wanted.stay == self._stay.stay
         ready = here and self._quality_done and not self._paused and now_s >= self._pause_until_s
-        cycle.hold = bool(self._asked or self._judge_at_s is not None or self.presses.undecided or not self._all_checked)
+        cycle.hold = bool(
+            self._asked or self._judge_at_s is not None or self.presses.undecided or not self._all_checked
+        )
         if ready:
             if cycle.command not in ("rest", "ready"):
                 cycle.open(now_s, self._settings.rest_s)
@@ -245,7 +247,9 @@ class Session:
         if press is self._suggested:
             self._suggested = None
             why = self._fits[press.specimen].suggestion
-            self._write(journal.PressAdded(press.number, press.phase, press.specimen, press.repetition, press.stay, why))
+            self._write(
+                journal.PressAdded(press.number, press.phase, press.specimen, press.repetition, press.stay, why)
+            )
         number = self.presses.attempts(press) + 1
         self._write(
             journal.PressBegun(press.number, number, press.specimen, press.phase, press.repetition, press.stay),
@@ -567,7 +571,9 @@ class Session:
     def _refuses_decision(self, request: Request) -> str:
         tried = self._meant(request)
         if tried is None and request.name == "skip":
-            return "" if self._placed and self._wanted is not None and not self._busy else "No press can be skipped now."
+            return (
+                "" if self._placed and self._wanted is not None and not self._busy else "No press can be skipped now."
+            )
         if tried is None or not tried.over:
             return "There is no finished press to decide on."
         number = tried.press.number
@@ -742,9 +748,7 @@ class Session:
 
     def _participant_state(self) -> ParticipantState:
         own, wanted = self._settings, self._running.press if self._running else self._wanted
-        texts = {
-            name: value for name, value in vars(own.texts).items() if name != "language"
-        }
+        texts = {name: value for name, value in vars(own.texts).items() if name != "language"}
         command = self._cycle.command
         text = texts.get(command, own.texts.wait)
         if self._measuring is not None:
