@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from casr.atomic import write_text_atomic
 from emg2vsa import __version__
 from emg2vsa.errors import SettingError
+from emg2vsa.settings import LABEL_CHARACTERS
 
 BIDS_VERSION = "1.11.1"
 Json = dict[str, Any]
-LABEL_CHARACTERS = 16
 CHANNEL_COLUMNS = (
     "name", "type", "units", "description", "sampling_frequency", "signal_electrode", "reference", "group",
     "target_muscle", "placement_scheme", "placement_description", "interelectrode_distance", "low_cutoff",

@@ -16,7 +16,6 @@ from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps, runs_of
 from emg2vsa.bids import (
     CHANNEL_COLUMNS,
-    LABEL_CHARACTERS,
     MUSCLES,
     BdfChannel,
     Json,
@@ -31,7 +30,7 @@ from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.readers.bids_sidecars import side_files
 from emg2vsa.readers.roles import RoleChannels, read_roles
 from emg2vsa.recordings import Channel
-from emg2vsa.settings import CocontractionSettings, FitSettings, ReadingSettings
+from emg2vsa.settings import LABEL_CHARACTERS, CocontractionSettings, FitSettings, ReadingSettings
 from emg2vsa.study import RecordingEntry, RecordingPart
 from emg2vsa.trials import Trials
 from emg2vsa.trials.extract import extract_trials

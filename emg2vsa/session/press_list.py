@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from emg2vsa.session import journal
-from emg2vsa.session.live_press import FoundPress, Judged, Problem
+from emg2vsa.session.live_press import Circumstances, FoundPress, Judged, Problem
 from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.record import Progress
@@ -29,6 +29,9 @@ class Tried:
     complete: bool = False
     times: Attempt | None = None
     found: FoundPress | None = None
+    around: Circumstances = Circumstances()
+    epochs: tuple[int, int] = (0, 0)
+    "Of the streams that saw it."
 
     @property
     def undecided(self) -> bool:
@@ -106,7 +109,7 @@ class PressList:
     @property
     def next(self) -> PlannedPress | None:
         """The first one that is not done."""
-        return next((press for press in self.presses if not self._progress.is_done(press.number)), None)
+        return self._progress.next
 
     @property
     def undecided(self) -> Tried | None:

@@ -71,21 +71,21 @@ class Session:
     def __init__(
         self,
         study: Study,
-        settings_: SessionSettings,
+        settings: SessionSettings,
         record: SessionRecord,
         streams: tuple[RecordedStream, RecordedStream],
         judge: Judge,
         changes: tuple[str, ...] = (),
     ) -> None:
         """streams : of EMG and force, open. judge : closed by the session. changes : of the study file on resume."""
-        self._study, self._settings, self._record, self._judge = study, settings_, record, judge
+        self._study, self._settings, self._record, self._judge = study, settings, record, judge
         self._emg, self._force = streams
         self._lock = threading.RLock()
         self._now_s = 0.0
         self._muscles = tuple(study.recordings[0].channels.emg)
         self.participant = record.plan.participant
-        self._bar = BarForce(settings_.bar_filter_hz)
-        self._cycle = PressCycle(settings_, study.window.max_duration_s)
+        self._bar = BarForce(settings.bar_filter_hz)
+        self._cycle = PressCycle(settings, study.window.max_duration_s)
         self.presses = PressList(record.progress)
         for line in record.past:
             self.presses.take(line.event)
@@ -101,7 +101,7 @@ class Session:
         # of the specimen on the table
         self._stay: PlannedPress | None = None
         self._placed = False
-        self._checked = dict.fromkeys(settings_.checklist, False)
+        self._checked = dict.fromkeys(settings.checklist, False)
         self._stay_first = {"emg": 0, "force": 0}
         self._epochs = (0, 0)
         self._pause_until_s = 0.0
@@ -264,7 +264,7 @@ class Session:
         tried, self._running = self._running, None
         if tried is None:
             return
-        tried.times = attempt
+        tried.times, tried.epochs = attempt, self._epochs
         assert attempt.end_s is not None
         complete = attempt.ending in ("lifted", "released")
         begun_s = attempt.start_s if attempt.begun_s is None else attempt.begun_s
