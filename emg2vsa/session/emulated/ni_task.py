@@ -125,11 +125,8 @@ class Task:
         if not self._muscles:
             raise DaqError("Specified operation cannot be performed when there are no channels.", NO_CHANNELS_IN_TASK)
         ni = self._ni
-        shares = ni.participant.person.muscle_share
         fs_hz = self._rate_hz * (1 + ni.clock_error)
-        # one column a channel, an open one as well; a muscle on two channels is measured twice
-        columns = {f"{n} {muscle}": shares.get(muscle, 0.0) for n, muscle in enumerate(self._muscles)}
-        self._sampler = EmgSampler(ni.participant, columns, fs_hz, range_v=np.inf, start_s=ni.clock.now_s())
+        self._sampler = EmgSampler(ni.participant, self._muscles, fs_hz, range_v=np.inf, start_s=ni.clock.now_s())
 
     def stop(self) -> None:
         """End sampling; what was not read is gone."""
