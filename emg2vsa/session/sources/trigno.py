@@ -218,7 +218,7 @@ class TrignoSource:
         fs_hz = port_rate_hz(commands)
         self._info = StreamInfo(
             "emg", tuple(self._places), "V", fs_hz,
-            range_max=max(RANGES_V.get(facts[f"{role}, range"], RANGES_V["HIGH"]) for role in self._places),
+            range_max=min(RANGES_V.get(facts[f"{role}, range"], RANGES_V["HIGH"]) for role in self._places),
             delay_s=self._settings.delay_s, facts=facts, frame=max(1, round(fs_hz * _frame_s(facts))),
         )  # fmt: skip
 
