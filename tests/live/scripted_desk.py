@@ -45,7 +45,9 @@ class ScriptedDesk:
 
     checklist: ClassVar = ("Forearm lies on its support", "Electrodes hold", "Force shows zero")
 
-    def __init__(self, clock: Clock, awaits: str = "quality", faults: dict[int, tuple[tuple[str, str], ...]] | None = None):
+    def __init__(
+        self, clock: Clock, awaits: str = "quality", faults: dict[int, tuple[tuple[str, str], ...]] | None = None
+    ):
         self._clock, self._awaits, self._faults = clock, awaits, faults or {}
         self._lock = threading.RLock()
         self._number = 1
