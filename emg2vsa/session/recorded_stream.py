@@ -32,10 +32,12 @@ class Arrived(NamedTuple):
 
 
 class RecordedStream:
-    """``open`` waits for the device; ``read`` never does. A lost device is opened again by itself, until it answers."""
+    """``read`` never waits. A lost device is opened again by itself, until it answers."""
 
-    def __init__(self, name: str, make: Callable[[], Source], record: SessionRecord, *, beside: bool) -> None:
-        """name : "emg" or "force". make : opens the source anew. beside : wait for a lost device in a thread."""
+    def __init__(
+        self, name: str, source: Source, make: Callable[[], Source], record: SessionRecord, now_s: float, beside: bool
+    ) -> None:
+        """name : "emg" or "force". source : started. make : opens it anew. beside : wait for that in a thread."""
         self.name = name
         self._make, self._record, self._beside = make, record, beside
         self._source: Source | None = None
@@ -49,15 +51,6 @@ class RecordedStream:
         "Why the device is lost; empty while it delivers."
         self.epoch = 0
         "Counts how often it was opened; sample numbers begin anew."
-
-    def open(self, now_s: float) -> None:
-        """Start the device and its file. DeviceError when no samples come."""
-        source = self._make()
-        try:
-            source.start()
-        except BaseException:
-            source.close()
-            raise
         self._take(source, now_s)
 
     @property

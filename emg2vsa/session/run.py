@@ -70,13 +70,14 @@ class Session:
         record: SessionRecord,
         streams: tuple[RecordedStream, RecordedStream],
         judge: Judge,
+        now_s: float,
         changes: tuple[str, ...] = (),
     ) -> None:
         """streams : of EMG and force, open. judge : closed by the session. changes : of the study file on resume."""
         self.study, self.settings, self.record, self._judge = study, settings, record, judge
         self.emg, self.force = streams
         self.lock = threading.RLock()
-        self.now_s = 0.0
+        self.now_s = now_s
         self._muscles = tuple(study.recordings[0].channels.emg)
         self.participant = record.plan.participant
         self.bar = BarForce(settings.bar_filter_hz)
