@@ -184,7 +184,7 @@ class EmulatedParticipant:
             return np.zeros(0)
         with self._lock:
             self.advance(float(until_s[-1]))
-            first, last = math.floor(at_s[0] / STEP_S), math.ceil(at_s[-1] / STEP_S) + 1
+            first, last = math.floor(at_s[0] / STEP_S), max(0, math.ceil(at_s[-1] / STEP_S))
             steps = np.arange(max(first, self._steps - _KEPT_STEPS + 1, 0), min(last, self._steps) + 1)
             values: FloatArray = np.interp(at_s, steps * STEP_S, self._history[steps % _KEPT_STEPS, column])
             return values
