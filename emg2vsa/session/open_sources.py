@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from emg2vsa.ati.cal_file import read_calibration
@@ -12,10 +12,10 @@ from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.force.daq_ft import DaqFt
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.rig.force.ni_volts import load_nidaqmx
-from emg2vsa.session.sources.lsl import LslSource
-from emg2vsa.session.sources.ni_daq import NiEmg, NiInputs
-from emg2vsa.session.sources.rig_force import RigForce
-from emg2vsa.session.sources.trigno import TrignoSource
+from emg2vsa.session.sources.lsl import LslSource, load_pylsl
+from emg2vsa.session.sources.ni_daq import NiEmg, NiInputs, emg_inputs
+from emg2vsa.session.sources.rig_force import RigForce, unit_axis
+from emg2vsa.session.sources.trigno import TrignoSource, places_of
 from emg2vsa.session.streams import Source
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
@@ -25,15 +25,19 @@ GAUGES_HZ = 1000.0
 "Rate of gauges that have a card of their own."
 
 
-def open_sources(
+Maker = Callable[[], Source]
+"""Opens a device anew, not started: when the session begins, and whenever the device was lost."""
+
+
+def source_makers(
     settings: SessionSettings,
     muscles: Sequence[str],
     clock: Clock,
     *,
     rig_force: ForceSettings | None = None,
-    simulated: tuple[Source, Source] | None = None,
-) -> tuple[Source, Source]:
-    """EMG and force, not started.
+    simulated: tuple[Maker, Maker] | None = None,
+) -> tuple[Maker, Maker]:
+    """Of EMG and force.
 
     Parameters
     ----------
@@ -44,24 +48,25 @@ def open_sources(
     Raises
     ------
     SettingError : a muscle without channel; two on one; no rig file; nobody to simulate.
-    DeviceError : the package for a device is not installed; the force sensor's box does not answer.
+    DeviceError : the package for a device is not installed. A maker: the force sensor's box does not answer.
     """
     emg, force = _of_muscles(settings.emg, muscles), settings.force
-    if "simulated" in (emg.kind, force.kind) and simulated is None:
-        table = "emg" if emg.kind == "simulated" else "force"
-        do = "Run the session with --virtual, or choose the kind of the device."
-        raise SettingError(f"session.{table}.kind", wanted="a device", found='"simulated"', do=do)
     inputs = NiInputs(emg.fs_hz, clock)
-    emg_source = simulated[0] if simulated and emg.kind == "simulated" else _emg(emg, inputs, clock)
+    # every channel of a task is named before it starts, whichever source starts first
+    make_emg = _emg(emg, inputs, clock, simulated)
     if force.kind == "rig":
         if emg.kind != "ni-daq" or rig_force is None or not _on_one_card(emg, rig_force):
             inputs = NiInputs(GAUGES_HZ, clock)
-        return emg_source, _rig_force(force, rig_force, inputs, clock)
-    if simulated and force.kind == "simulated":
-        return emg_source, simulated[1]
-    channel, table = {"force": force.channel}, "session.force"
-    lsl = LslSource("force", channel, clock, table=table, stream=force.stream, delay_s=force.delay_s)
-    return emg_source, lsl
+        return make_emg, _rig_force(force, rig_force, inputs, clock)
+    if force.kind == "lsl":
+        load_pylsl("session.force")
+        channel, stream, delay_s = {"force": force.channel}, force.stream, force.delay_s
+        return make_emg, lambda: LslSource(
+            "force", channel, clock, table="session.force", stream=stream, delay_s=delay_s
+        )
+    if simulated is None:
+        raise _nobody("force")
+    return make_emg, simulated[1]
 
 
 def _of_muscles(settings: EmgSourceSettings, muscles: Sequence[str]) -> EmgSourceSettings:
@@ -87,14 +92,21 @@ def _of_muscles(settings: EmgSourceSettings, muscles: Sequence[str]) -> EmgSourc
     return replace(settings, channels={role: channels[role] for role in muscles})
 
 
-def _emg(settings: EmgSourceSettings, inputs: NiInputs, clock: Clock) -> Source:
+def _emg(settings: EmgSourceSettings, inputs: NiInputs, clock: Clock, simulated: tuple[Maker, Maker] | None) -> Maker:
+    if settings.kind == "simulated" and simulated:
+        return simulated[0]
     if settings.kind == "ni-daq":
         load_nidaqmx('session.emg.kind = "ni-daq"')
-        return NiEmg(settings, inputs, clock)
+        group = emg_inputs(settings, inputs)
+        return lambda: NiEmg(settings, group, clock)
     if settings.kind == "trigno":
-        return TrignoSource(settings, clock)
-    table, stream = "session.emg", settings.stream
-    return LslSource("emg", settings.channels, clock, table=table, stream=stream, delay_s=settings.delay_s)
+        places_of(settings.channels)
+        return lambda: TrignoSource(settings, clock)
+    if settings.kind == "lsl":
+        load_pylsl("session.emg")
+        channels, stream, delay_s = settings.channels, settings.stream, settings.delay_s
+        return lambda: LslSource("emg", channels, clock, table="session.emg", stream=stream, delay_s=delay_s)
+    raise _nobody("emg")
 
 
 def _on_one_card(settings: EmgSourceSettings, force: ForceSettings) -> bool:
@@ -103,20 +115,34 @@ def _on_one_card(settings: EmgSourceSettings, force: ForceSettings) -> bool:
     return force.kind == "ni-daq" and (force.channels or "").partition("/")[0] in cards
 
 
-def _rig_force(settings: ForceSourceSettings, force: ForceSettings | None, inputs: NiInputs, clock: Clock) -> RigForce:
+def _rig_force(settings: ForceSourceSettings, force: ForceSettings | None, inputs: NiInputs, clock: Clock) -> Maker:
+    unit_axis(settings.axis)
     if force is None:
         do = "Name the rig file whose [force] table describes the sensor."
         raise SettingError("session.force.rig", wanted="a rig file", found="nothing", do=do)
+    bias = force.bias
     if force.kind == "net-ft":
-        if force.host is None:
+        if (host := force.host) is None:
             do = "Write it into the rig file; it leaves the factory with 192.168.1.1."
             raise SettingError("force.host", wanted="the address of the box", found="nothing", do=do)
         ports = {"rdt_port": force.rdt_port, "http_port": force.http_port}
-        box = open_net_ft(force.host, clock, buffered=force.buffered, stale_s=STALE_S, **ports)
-        return RigForce(box, settings, clock, rate_hz=box.config.rate_hz, bias=force.bias)
+
+        def box() -> Source:
+            sensor = open_net_ft(host, clock, buffered=force.buffered, stale_s=STALE_S, **ports)
+            return RigForce(sensor, settings, clock, rate_hz=sensor.config.rate_hz, bias=bias)
+
+        return box
     load_nidaqmx('force.kind = "ni-daq"')
     calibration = read_calibration(force.cal_file or "")
     gauges = inputs.add((force.channels or "",), 6, calibration.range_v, differential=True)
-    return RigForce(
-        DaqFt(gauges, calibration, clock, stale_s=STALE_S), settings, clock, rate_hz=inputs.fs_hz, bias=force.bias
-    )
+
+    def card() -> Source:
+        sensor = DaqFt(gauges, calibration, clock, stale_s=STALE_S)
+        return RigForce(sensor, settings, clock, rate_hz=gauges.rate_hz, bias=bias)
+
+    return card
+
+
+def _nobody(table: str) -> SettingError:
+    do = "Run the session with --virtual, or choose the kind of the device."
+    return SettingError(f"session.{table}.kind", wanted="a device", found='"simulated"', do=do)

@@ -63,7 +63,9 @@ class NiInputs:
         return group
 
     def start(self, user: NiGroup) -> None:
+        """Begin for a group; what it has not read is forgotten."""
         self._users.add(user)
+        user.waiting.clear()
         if self._task is None:
             self._next = 0
             self._begin()
@@ -78,6 +80,7 @@ class NiInputs:
             lists = self._task.read(number_of_samples_per_channel=-1)
         except self._ni.errors.Error as error:
             if getattr(error, "error_code", None) not in OVERFLOWS:
+                self._end()
                 raise self._trouble(error) from error
             last_s = self._read_s
             self._end()
@@ -190,17 +193,13 @@ class NiGroup:
 
 
 class NiEmg:
-    """A `Source` of EMG, V at the skin: voltages divided by the gain of the amplifier."""
+    """A `Source` of EMG, V at the skin: voltages divided by the gain of the amplifier. ``group`` : see `emg_inputs`."""
 
-    def __init__(self, settings: EmgSourceSettings, inputs: NiInputs, clock: Clock) -> None:
-        self._settings, self._clock = settings, clock
-        self._group = inputs.add(
-            tuple(settings.channels.values()), len(settings.channels), (-settings.range_v, settings.range_v),
-            differential=False,
-        )  # fmt: skip
+    def __init__(self, settings: EmgSourceSettings, group: NiGroup, clock: Clock) -> None:
+        self._settings, self._group, self._clock = settings, group, clock
         self._info: StreamInfo | None = None
-        self._first: list[Volts] = []
-        self._samples = self._next = 0
+        self._unread: list[Volts] = []
+        self._samples = self._next = self._before = 0
 
     @property
     def info(self) -> StreamInfo:
@@ -218,7 +217,7 @@ class NiEmg:
                 do = "Check the card's sample clock."
                 raise DeviceError(self._group.name, wanted="samples", found=f"none for {FIRST_S:g} s", do=do)
             self._clock.sleep_until(self._clock.now_s() + _POLL_S)
-        self._first = first
+        self._unread, self._before = first, first[0].first
         facts = {"device": "National Instruments analogue inputs", "gain": f"{settings.gain:g}"}
         facts["range"] = f"±{settings.range_v:g} V before the gain is divided out"
         facts |= {f"{role}, input": name for role, name in settings.channels.items()}
@@ -228,15 +227,22 @@ class NiEmg:
         )  # fmt: skip
 
     def read(self) -> list[Block]:
-        taken = self._first + self._group.read()
-        self._first = []
+        taken = self._unread + self._group.read()
+        self._unread = []
         for each in taken:
             self._samples += len(each.volts)
-            self._next = each.first + len(each.volts)
-        return [Block(each.volts / self._settings.gain, each.first, each.arrived_s) for each in taken]
+            self._next = each.first + len(each.volts) - self._before
+        gain, before = self._settings.gain, self._before
+        return [Block(each.volts / gain, each.first - before, each.arrived_s) for each in taken]
 
     def counts(self) -> StreamCounts:
         return StreamCounts(self._samples, self._next - self._samples)
 
     def close(self) -> None:
         self._group.close()
+
+
+def emg_inputs(settings: EmgSourceSettings, inputs: NiInputs) -> NiGroup:
+    """The inputs of the muscles; the card's own way of wiring, which is differential where it can."""
+    names = tuple(settings.channels.values())
+    return inputs.add(names, len(names), (-settings.range_v, settings.range_v), differential=False)
