@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.clock import Clock
-from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.session.desk import SessionDesk
-from emg2vsa.session.open_sources import open_sources
+from emg2vsa.session.open_sources import Maker
 from emg2vsa.session.plan import Plan, changes, draw_presses
 from emg2vsa.session.record import new_session, resume_session, session_folder
 from emg2vsa.session.recorded_stream import RecordedStream
 from emg2vsa.session.run import Session, check_muscles
 from emg2vsa.session.stay_judge import JudgeAtOnce, JudgeBeside
-from emg2vsa.session.streams import Source
-from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.session_settings import SessionSettings
 from emg2vsa.study import Study
 
-_NOBODY = (ForceSourceSettings(kind="simulated"), EmgSourceSettings(kind="simulated"))
-"""In the place of the other device, while one is opened alone."""
-
-Makers = tuple[Callable[[], Source], Callable[[], Source]]
-"""Open the source of the EMG, and that of the force, without starting it."""
+Makers = tuple[Maker, Maker]
+"""Of the source of the EMG, and of that of the force."""
 
 
 def settings_of(study: Study, participant: str) -> SessionSettings:
@@ -85,26 +80,3 @@ def open_session(
         session = Session(study, settings, record, (emg, force), judge, clock.now_s(), changed)
         stack.callback(session.end, "failed", "the program ended")
         yield SessionDesk(session)
-
-
-def device_makers(study: Study, clock: Clock, rig_force: ForceSettings | None) -> Makers:
-    """The devices that [session] names. rig_force : table [force] of the rig file, where the force comes from a rig.
-
-    The first time both are opened together, for they may share a card; a lost one is opened alone.
-    """
-    assert study.session is not None
-    settings, muscles = study.session, tuple(study.recordings[0].channels.emg)
-    first: list[Source] = []
-
-    def make(at: int) -> Source:
-        if not first:
-            first.extend(open_sources(settings, muscles, clock, rig_force=rig_force))
-        if first[at] not in handed:
-            handed.append(first[at])
-            return first[at]
-        nobody = replace(settings, force=_NOBODY[0]) if at == 0 else replace(settings, emg=_NOBODY[1])
-        pair = open_sources(nobody, muscles, clock, rig_force=rig_force, simulated=(first[0], first[1]))
-        return pair[at]
-
-    handed: list[Source] = []
-    return (lambda: make(0), lambda: make(1))

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from casr.command_line import Commands, add_command
 from emg2vsa.cli.arguments import add_study
@@ -76,9 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     clock = _clock(arguments)
     person, makers = _devices(study, arguments, clock)
     at_once = isinstance(clock, VirtualClock)
-    with open_session(
-        study, arguments.participant, clock, makers, resume=arguments.resume, at_once=at_once
-    ) as desk:
+    with open_session(study, arguments.participant, clock, makers, resume=arguments.resume, at_once=at_once) as desk:
         if arguments.no_page:
             _alone(desk, clock, person, at_once)
         else:
@@ -118,26 +116,26 @@ def _clock(arguments: argparse.Namespace) -> Clock:
     return WallClock() if arguments.speed in (None, 1) else FastClock(arguments.speed)
 
 
-def _devices(
-    study: Study, arguments: argparse.Namespace, clock: Clock
-) -> tuple[EmulatedParticipant | None, Makers]:
+def _devices(study: Study, arguments: argparse.Namespace, clock: Clock) -> tuple[EmulatedParticipant | None, Makers]:
     """The devices of [session]; or a participant, and what measures it."""
     from emg2vsa.rig_file import load_rig
-    from emg2vsa.session.open_session import device_makers
+    from emg2vsa.session.open_sources import source_makers
 
-    assert study.session is not None
+    settings = study.session
+    assert settings is not None
     if not arguments.virtual:
-        rig = study.session.force.rig if study.session.force.kind == "rig" else None
+        muscles = tuple(study.recordings[0].channels.emg)
+        rig = settings.force.rig if settings.force.kind == "rig" else None
         force = load_rig(study.path.parent / rig).devices.force if rig else None
-        return None, device_makers(study, clock, force)
+        return None, source_makers(settings, muscles, clock, rig_force=force)
     from emg2vsa.session.emulated.mistakes import parse_mistakes
     from emg2vsa.session.emulated.simulated import simulate
 
     if study.simulation is not None and arguments.seed is not None:
         study = replace(study, simulation=replace(study.simulation, seed=arguments.seed))
-    muscles = study.simulation.muscle_share if study.simulation else {}
-    mistakes = parse_mistakes(arguments.mistake, muscles)
-    person, emg, force_source = simulate(study, study.session, arguments.participant, clock, mistakes)
+    shares = study.simulation.muscle_share if study.simulation else {}
+    mistakes = parse_mistakes(arguments.mistake, shares)
+    person, emg, force_source = simulate(study, settings, arguments.participant, clock, mistakes)
     return person, (lambda: emg, lambda: force_source)
 
 
@@ -213,7 +211,8 @@ def _placing(desk: SessionDesk, person: EmulatedParticipant | None) -> Callable[
     return place
 
 
-def _web():  # type: ignore[no-untyped-def]
+def _web() -> Any:
+    """``serve`` and ``session_pages``. SettingError without the extra for web pages."""
     from emg2vsa.errors import SettingError
 
     try:
