@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from emg2vsa.settings import Ge, Gt, Le, MinLen, NonNegative, Positive
+from emg2vsa.settings import Fraction, Ge, Gt, Le, MinLen, NonNegative, Positive
 
 Text = Annotated[str, MinLen(1)]
 Port = Annotated[int, Ge(1), Le(65535)]
+
+PARTICIPANT_CODE = r"[A-Za-z]{0,4}[0-9]{1,6}"
+"""At most four letters and a number, which no name is."""
 
 TRIGNO_COMMAND_PORT, TRIGNO_EMG_PORT, TRIGNO_AUX_PORT = 50040, 50043, 50044
 """Of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
@@ -66,17 +69,76 @@ class SessionTexts:
     language: Text = "en"
     "Of the texts, for the browser (en, it, de)."
     wait: Text = "Please wait"
+    "While the operator prepares something."
     start: Text = "START"
+    "Command to press."
     press: Text = "Press"
+    "While force rises."
     stop: Text = "STOP"
+    "Command to lift the finger."
     rest: Text = "Rest"
+    "Between presses."
     pause: Text = "Break"
+    "Between specimens."
+    relax: Text = "Relax your arm"
+    "While the rest level of the EMG is measured."
+    contract: Text = "Tense your forearm as hard as you can"
+    "While the maximum contraction is measured."
     training: Text = "Practice"
+    "Beside the number of a practice press."
     done: Text = "Finished. Thank you!"
+    "At the end."
     too_fast: Text = "slower"
+    "While force rises too fast."
     too_slow: Text = "faster"
+    "While force rises too slowly."
     falling: Text = "keep increasing"
+    "While force falls before the upper force."
     lost: Text = "The display has lost the connection"
+    "While no force arrives."
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionAbout:
+    """What no device says of a recording, for the side files of the data set. Texts that are empty are left out."""
+
+    power_line_hz: Literal[50, 60] | None = None
+    "Frequency of the mains; omitted: not stated."
+    electrode_mm: Positive | None = None
+    "Distance of the two electrodes of a pair, mm (Bagnoli: 10)."
+    electrodes: str = ""
+    "Maker and model of the electrodes."
+    skin_preparation: str = ""
+    "How the skin was prepared."
+    ground: str = ""
+    "Where the ground electrode is."
+    instructions: str = "Press with rising force when the screen says START; lift the finger when it says STOP."
+    "What participants are told to do."
+    institution: str = ""
+    "Where the study is done."
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionLimits:
+    """How well a press must be done, beside what [window] asks of every recording: what only a live session knows.
+
+    Of two values the first warns and the second rejects. None depends on b or on the fit.
+    """
+
+    reaction_s: tuple[Positive, Positive] = (1.5, 5.0)
+    "Time from START to the lower force; after the second the press is given up."
+    early_s: NonNegative = 0.1
+    "A press that follows START sooner began before it: nobody reacts so fast. It is rejected."
+    peak_n: Positive = 9.0
+    "Largest force after STOP; more is warned."
+    lift_s: Positive = 2.0
+    "The finger must be lifted so soon after STOP; later is rejected."
+    zero_n: tuple[Positive, Positive] = (0.05, 0.2)
+    "Mean force of the half second before START, beside the zero taken when the specimen was placed."
+    lost_share: tuple[NonNegative, Fraction] = (0.0, 0.01)
+    "Share of the samples of a press that are lost."
+    age_ms: Positive = 60.0
+    "Age of the force on the participant's page (95 %); more is warned. A page that is hidden rejects."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,5 +191,17 @@ class SessionSettings:
     "Low-pass of the bar's force, which delays it by about 11 ms; stored forces are not filtered."
     ethics: str = ""
     "Number of the ethics approval, for the record."
+    checklist: tuple[Text, ...] = (
+        "arm on its support",
+        "electrodes and cables in place",
+        "chair and posture as before",
+    )
+    "What the operator confirms before the presses on each specimen."
+    check_each_press: bool = False
+    "true: the operator confirms the first item of the checklist before every press (the paper: arm support)."
+    limits: SessionLimits = field(default_factory=SessionLimits)
+    "How well a press must be done."
+    about: SessionAbout = field(default_factory=SessionAbout)
+    "What no device says, for the data set."
     texts: SessionTexts = field(default_factory=SessionTexts)
     "What the participant reads."

@@ -5,20 +5,17 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from emg2vsa.errors import DataError
-from emg2vsa.pipeline.store import myself, told
+from emg2vsa.held_lock import myself, taken, told
 
 _LOOK_AGAIN_S = 0.05
 _PATIENCE = 3
 """Looks before anybody is told: ``holder`` takes the lock for a moment."""
 LOCK_FILE = ".lock"
-_BYTE = 1 << 30
-"""Windows locks a byte, which nobody else may read then: one far behind the text that names the holder."""
 
 
 @contextlib.contextmanager
@@ -59,27 +56,3 @@ def holder(folder: Path) -> str:
         return "" if taken(handle) else told(path)
     finally:
         os.close(handle)
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def taken(handle: int) -> bool:
-        """Take the lock of an open file, unless another process holds it; closing the file gives it back."""
-        os.lseek(handle, _BYTE, os.SEEK_SET)
-        try:
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-
-else:
-    import fcntl
-
-    def taken(handle: int) -> bool:
-        """Take the lock of an open file, unless another process holds it; closing the file gives it back."""
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True

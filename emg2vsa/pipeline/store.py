@@ -9,14 +9,13 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import platform
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 from emg2vsa import artifacts
 from emg2vsa.errors import DataError
+from emg2vsa.held_lock import myself, told
 from emg2vsa.pipeline.fingerprint import MISSING, Fingerprints, digest
 
 
@@ -134,25 +133,6 @@ def claimed(claim: Path) -> Iterator[None]:
         yield
     finally:
         claim.unlink(missing_ok=True)
-
-
-def myself() -> dict[str, object]:
-    """Who holds a claim or a lock: process, computer, and since when."""
-    return {
-        "pid": os.getpid(),
-        "host": platform.node(),
-        "since": datetime.now().astimezone().isoformat("T", "seconds"),
-    }
-
-
-def told(path: Path) -> str:
-    """The holder that a claim or a lock names, in words."""
-    try:
-        held = json.loads(path.read_text())
-        since = datetime.fromisoformat(held["since"]).strftime("%H:%M:%S on %Y-%m-%d")
-        return f"process {held['pid']} on {held['host']}, since {since}"
-    except (OSError, ValueError, KeyError, TypeError):
-        return "another process"
 
 
 def remove_left_files(folder: Path, old: Sequence[Path], new: WrittenFiles) -> None:

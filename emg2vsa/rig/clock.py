@@ -50,6 +50,19 @@ class WallClock:
                 time.sleep(left_s - _WAIT_S)
 
 
+class FastClock:
+    """Wall time that runs ``factor`` times as fast."""
+
+    def __init__(self, factor: float) -> None:
+        self._wall, self._factor = WallClock(), factor
+
+    def now_s(self) -> float:
+        return self._wall.now_s() * self._factor
+
+    def sleep_until(self, time_s: float) -> None:
+        self._wall.sleep_until(time_s / self._factor)
+
+
 class VirtualClock:
     """Time that passes only when somebody sleeps: ten minutes in seconds."""
 

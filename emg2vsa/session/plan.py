@@ -1,9 +1,27 @@
-"""The order of a session's presses: drawn once, before the first press, and never again."""
+"""The order of a session's presses: drawn once, before the first press, and never again.
+
+The draw depends on nothing but its text: seed, name of the study and code of the participant, each on a line of its
+own, in UTF-8. Random 64-bit numbers are the first eight bytes, most significant first, of the SHA-256 of that text, a
+line feed and a counter (0, 1, 2, ... in decimal). A number below n is such a number modulo n, where it lies below the
+largest multiple of n; else the next is taken. A list is shuffled from its end (Fisher and Yates): for i = n - 1, ..., 1
+element i changes places with element j, a number below i + 1. So the order is the same on every computer and with every
+version of Python, and anybody can draw it again.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from itertools import count
+from pathlib import Path
+from typing import Any, Literal
+
+from emg2vsa.errors import DataError
+from emg2vsa.session_settings import SessionSettings
+
+PLAN_FILE = "plan.json"
 
 
 @dataclass(frozen=True)
@@ -16,3 +34,103 @@ class PlannedPress:
     specimen: str
     repetition: int
     stay: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What plan.json holds. settings : the tables of the study file that a session depends on, as they were.
+
+    drawn_at : date and time, ISO 8601. seed : of the draw; the order can be drawn again from it.
+    """
+
+    study: str
+    participant: str
+    seed: int
+    drawn_at: str
+    presses: tuple[PlannedPress, ...]
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+def draw_presses(
+    study: str, participant: str, specimens: Sequence[str], settings: SessionSettings
+) -> tuple[PlannedPress, ...]:
+    """The presses of a session in their order; ``specimens`` as the study file lists them.
+
+    Training comes first, its specimens as listed. Then, by ``settings.order``: "blocked": the specimens shuffled, all
+    presses of one in a row; "interleaved": for each repetition the specimens are shuffled anew, so that every specimen
+    has been pressed as often as every other, give or take one, at any moment; "listed": as listed.
+    """
+    turns = [("training", name, settings.training_repetitions) for name in settings.training_specimens]
+    random = _numbers(f"{settings.seed}\n{study}\n{participant}")
+    if settings.order == "interleaved":
+        for _ in range(settings.repetitions):
+            turns += [("main", name, 1) for name in _shuffled(specimens, random)]
+    else:
+        ordered = _shuffled(specimens, random) if settings.order == "blocked" else specimens
+        turns += [("main", name, settings.repetitions) for name in ordered]
+    presses: list[PlannedPress] = []
+    done: dict[tuple[str, str], int] = {}
+    stay, last = 0, ("", "")
+    for phase, name, times in turns:
+        stay, last = stay + ((phase, name) != last), (phase, name)
+        for _ in range(times):
+            done[last] = done.get(last, 0) + 1
+            kind: Literal["training", "main"] = "training" if phase == "training" else "main"
+            presses.append(PlannedPress(len(presses) + 1, kind, name, done[last], stay))
+    return tuple(presses)
+
+
+def _numbers(text: str) -> Iterator[int]:
+    """Random 64-bit numbers."""
+    return (int.from_bytes(hashlib.sha256(f"{text}\n{n}".encode()).digest()[:8], "big") for n in count())
+
+
+def _shuffled(names: Sequence[str], random: Iterator[int]) -> list[str]:
+    shuffled = list(names)
+    for i in range(len(shuffled) - 1, 0, -1):
+        limit = 2**64 // (i + 1) * (i + 1)
+        j = next(number for number in random if number < limit) % (i + 1)
+        shuffled[i], shuffled[j] = shuffled[j], shuffled[i]
+    return shuffled
+
+
+def plan_bytes(plan: Plan) -> bytes:
+    """The content of plan.json."""
+    return (json.dumps(asdict(plan), indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def read_plan(path: Path) -> Plan:
+    """The plan in a file. DataError where there is none that can be read."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        presses = tuple(PlannedPress(**press) for press in content["presses"])
+        return Plan(**{each.name: content[each.name] for each in fields(Plan)} | {"presses": presses})
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        found = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
+        raise DataError(
+            path, wanted="the plan of a session", found=found,
+            do="Put the file back from a copy. Without its plan a session cannot go on.",
+        ) from error  # fmt: skip
+
+
+def changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[str, ...]:
+    """What a study file says otherwise than when the plan was drawn: "session.rest_s was 2.0 and is 3.0"."""
+    old, new = _flat(json.loads(json.dumps(before)), ""), _flat(json.loads(json.dumps(now)), "")
+    return tuple(
+        f"{key} was {_shown(old, key)} and is {_shown(new, key)}"
+        for key in dict.fromkeys((*old, *new))
+        if old.get(key) != new.get(key)
+    )
+
+
+def _flat(value: Any, at: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        return {at: value}
+    found: dict[str, Any] = {}
+    for key, inner in value.items():
+        found |= _flat(inner, f"{at}.{key}" if at else key)
+    return found
+
+
+def _shown(values: Mapping[str, Any], key: str) -> str:
+    return json.dumps(values[key], ensure_ascii=False) if values.get(key) is not None else "not set"

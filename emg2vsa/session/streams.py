@@ -17,6 +17,7 @@ class StreamInfo:
     fs_hz : stated rate. range_max : largest value that the source can give, in ``unit``; None where it does not say.
     delay_s : fixed delay from the body to arrival, which the time stamps take off.
     facts : what the device says of itself (model, serial, mode, gain, filter), for the record.
+    frame : samples that the device sends, and can lose, at once.
     """
 
     kind: str
@@ -26,6 +27,7 @@ class StreamInfo:
     range_max: float | None = None
     delay_s: float = 0.0
     facts: dict[str, str] = field(default_factory=dict)
+    frame: int = 1
 
 
 class Block(NamedTuple):
@@ -34,15 +36,17 @@ class Block(NamedTuple):
     samples : (n, channels) in the stream's unit; NaN where the source says that a sample is lost but has a place.
     first : running number of the first sample since the stream's start, lost ones counted where they are known.
     arrived_s : when the last sample arrived, on the session's clock, ``delay_s`` not taken off.
+    stamps_s : (n,) the device's own times of the samples on the session's clock, not smoothed; None where it has none.
     """
 
     samples: NDArray[np.float64]
     first: int
     arrived_s: float
+    stamps_s: NDArray[np.float64] | None = None
 
 
 class StreamCounts(NamedTuple):
-    """Since the start: samples that came, and samples known to be lost."""
+    """Since the start: samples that came, and samples known to be lost (with or without a place)."""
 
     samples: int = 0
     lost: int = 0
@@ -56,7 +60,10 @@ class Source(Protocol):
         """Known once started."""
 
     def start(self) -> None:
-        """Begin, and return once first samples have come. DeviceError when none come."""
+        """Begin, and return once first samples have come. DeviceError when none come.
+
+        After a DeviceError of `read`, `start` begins a new stream: samples and counts from 0.
+        """
 
     def read(self) -> list[Block]:
         """Blocks since the last call, oldest first; never waits."""

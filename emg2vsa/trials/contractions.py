@@ -1,4 +1,4 @@
-"""The level of a muscle's maximum voluntary contraction, from recordings of it."""
+"""The level of a muscle's maximum voluntary contraction, from recordings of it; and its level at rest."""
 
 from __future__ import annotations
 
@@ -30,3 +30,13 @@ def contraction_levels_v(recordings: Sequence[Mapping[str, Channel]], filters: F
         for muscle, row in zip(record.muscles, held_v, strict=True):
             levels[muscle] = max(levels.get(muscle, 0.0), float(row.max()))
     return levels
+
+
+def mean_levels_v(recording: Mapping[str, Channel], filters: FilterSettings) -> dict[str, float]:
+    """Muscle to its mean envelope, volts, over a whole recording of EMG in volts, filtered as presses are.
+
+    Raises SignalError, SettingError as ``contraction_levels_v``.
+    """
+    record = emg_record(recording)
+    levels_v = filter_chain(filters, record, record.fs_hz).whole(record).mean(axis=1)
+    return dict(zip(record.muscles, levels_v.tolist(), strict=True))

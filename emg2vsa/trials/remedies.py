@@ -231,3 +231,22 @@ def remedy_of(line: str) -> str:
     reasons = ["; ".join(words[begin:end]) for begin, end in spans]
     found = (remedy.do for pattern, remedy in _FOUND if remedy.do and any(map(pattern.fullmatch, reasons)))
     return next(found, "")
+
+
+def remedies_of(line: str) -> list[tuple[str, str]]:
+    """The reasons of one press, joined by "; ", apart again, each with what to do about it; "" if unknown.
+
+    A reason may hold "; " itself: what stands there is one reason where it is known as one.
+    """
+    words = line.split("; ") if line else []
+    found: list[tuple[str, str]] = []
+    while words:
+        ends = (n for n in range(1, len(words) + 1) if _known("; ".join(words[:n])))
+        n = next(ends, 1)
+        reason, words = "; ".join(words[:n]), words[n:]
+        found.append((reason, remedy_of(reason)))
+    return found
+
+
+def _known(reason: str) -> bool:
+    return any(pattern.fullmatch(reason) for pattern, _ in _FOUND)

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from emg2vsa import artifacts
+from emg2vsa.held_lock import told
 from emg2vsa.pipeline.fingerprint import Fingerprints
-from emg2vsa.pipeline.store import ClaimedElsewhere, Store, claimed, remove_left_files, told, written_files
+from emg2vsa.pipeline.store import ClaimedElsewhere, Store, claimed, remove_left_files, written_files
 
 
 def test_a_step_is_claimed_by_one_process_at_a_time(tmp_path: Path) -> None:

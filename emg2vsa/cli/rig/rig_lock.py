@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.pipeline.lock import taken
+from emg2vsa.held_lock import taken
 from emg2vsa.rig.executor.stop_requests import request_stop
 from emg2vsa.rig.record.new_folder import how_ended
 

@@ -1,0 +1,199 @@
+"""Judging a press on its execution, by the functions of ``emg2vsa check`` and by what only a live session knows.
+
+Never by b, by how well the fit explains the press, or by normality: a press that is done again because of its outcome
+would bias the study.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from emg2vsa.errors import Emg2vsaError
+from emg2vsa.fits import fit_trials
+from emg2vsa.recordings import Channel
+from emg2vsa.session.press_cycle import Attempt
+from emg2vsa.session_settings import SessionSettings
+from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.trials.extract import extract_trials
+from emg2vsa.trials.remedies import remedies_of
+
+MARGIN_S = 0.5
+"A press that the filters find belongs to an attempt whose time it touches within this."
+
+Problem = tuple[str, str]
+"""What was found, and what to do."""
+
+
+@dataclass(frozen=True)
+class HowJudged:
+    """The settings of the study by which ``emg2vsa check`` will judge these presses."""
+
+    filters: FilterSettings
+    window: WindowSettings
+    force_channel: ForceChannelSettings
+    fit: FitSettings
+
+
+@dataclass(frozen=True)
+class FoundPress:
+    """A press as ``extract_trials`` found it; times in seconds on the session's clock.
+
+    a_v, b_v : of its fit, NaN where there is none. fitted : the fit is one that ``check`` would use.
+    """
+
+    start_s: float
+    stop_s: float
+    verdict: str
+    reasons: str
+    peak_n: float
+    a_v: float
+    b_v: float
+    fitted: bool
+
+
+@dataclass(frozen=True)
+class StayJudged:
+    """The presses of one stay at a specimen, so far. remarks : on the recording as a whole. failed : why none."""
+
+    presses: tuple[FoundPress, ...] = ()
+    remarks: tuple[Problem, ...] = ()
+    failed: str = ""
+
+
+def judge_stay(
+    emg: Mapping[str, Channel], force: Channel, participant: str, specimen: str, how: HowJudged
+) -> StayJudged:
+    """Presses of a stay so far, judged as ``emg2vsa check`` will judge its recording.
+
+    emg : volts by muscle; force : newtons, pressing positive; ``start_s`` of each on the session's clock.
+    """
+    try:
+        trials = extract_trials(
+            emg, force, participant=participant, specimen=specimen, filters=how.filters,
+            cocontraction=CocontractionSettings(), window=how.window, force_channel=how.force_channel,
+        )  # fmt: skip
+        fits = fit_trials(trials, how.fit, how.window)
+    except Emg2vsaError as error:
+        return StayJudged(failed=str(error))
+    usable = np.isfinite(fits.b_v) & (fits.verdict != "rejected")
+    presses = tuple(
+        FoundPress(*row)
+        for row in zip(
+            trials.start_s.tolist(), trials.stop_s.tolist(), trials.verdict.tolist(), trials.reasons,
+            trials.peak_force_n.tolist(), fits.a_v.tolist(), fits.b_v.tolist(), usable.tolist(), strict=True,
+        )
+    )  # fmt: skip
+    remarks = [pair for remark in trials.remarks for pair in remedies_of(remark)]
+    return StayJudged(presses, tuple(remarks))
+
+
+class Circumstances(NamedTuple):
+    """What else is known of the time of an attempt.
+
+    lost_share : of the samples of the worse stream. age_ms : of the force on the screen (95 %), None without a page.
+    """
+
+    lost_share: float = 0.0
+    age_ms: float | None = None
+    hidden: bool = False
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An attempt. verdict : ok, warned or rejected. found : the press of the analysis, None where it sees none."""
+
+    verdict: str
+    problems: tuple[Problem, ...]
+    peak_n: float
+    load_s: float | None
+    found: FoundPress | None
+
+
+def judge_attempt(
+    attempt: Attempt, stay: StayJudged, around: Circumstances, settings: SessionSettings, window: WindowSettings
+) -> Judged:
+    """The worse of what ``check`` says and what the session knows; rejecting problems first."""
+    found = press_of(attempt, stay.presses)
+    load_s = None if found is None else found.stop_s - found.start_s
+    live = [*_of_cycle(attempt, settings), *_of_speed(found, settings, window), *_around(around, settings)]
+    if found is None and attempt.ending not in ("not begun", "aborted", "interrupted"):
+        why = stay.failed or "the analysis finds no press here"
+        live.append((True, (why, "press from rest to the upper force in one go")))
+    checked = [] if found is None else remedies_of(found.reasons)
+    rejecting = [problem for rejects, problem in live if rejects]
+    warning = [problem for rejects, problem in live if not rejects]
+    by_check = "ok" if found is None else found.verdict
+    verdict = (
+        "rejected" if rejecting or by_check == "rejected" else "warned" if warning or by_check == "warned" else "ok"
+    )
+    problems = (*rejecting, *checked, *warning)
+    peak_n = attempt.peak_n if found is None else found.peak_n
+    return Judged(verdict, problems, peak_n, load_s, found)
+
+
+def press_of(attempt: Attempt, presses: Sequence[FoundPress]) -> FoundPress | None:
+    """The press of an attempt: of those that touch its time the one with the highest peak."""
+    assert attempt.end_s is not None
+    first_s, last_s = attempt.start_s - MARGIN_S, attempt.end_s + MARGIN_S
+    touching = [press for press in presses if press.start_s <= last_s and press.stop_s >= first_s]
+    return max(touching, key=lambda press: press.peak_n, default=None)
+
+
+_Said = Iterator[tuple[bool, Problem]]
+"""Whether it rejects, and the problem."""
+
+
+def _of_cycle(attempt: Attempt, settings: SessionSettings) -> _Said:
+    limits = settings.limits
+    ending, reaction_s = attempt.ending, attempt.reaction_s
+    if ending == "aborted":
+        yield True, ("aborted by the operator", "repeat the press")
+    elif ending == "interrupted":
+        yield True, (f"interrupted: {attempt.why}", "repeat the press")
+    elif ending == "not begun":
+        yield True, (f"no press within {limits.reaction_s[1]:g} s of START", "explain START again, then repeat")
+    if attempt.early:
+        yield True, ("pressed before START", "ask to wait for START, then repeat")
+    elif reaction_s is not None and reaction_s < limits.early_s:
+        yield True, (f"pressed {1e3 * reaction_s:.0f} ms after START: begun before it", "ask to wait for START")
+    elif reaction_s is not None and reaction_s > limits.reaction_s[0]:
+        yield False, (f"pressed {reaction_s:.1f} s after START", "ask to press as soon as START appears")
+    if attempt.stop_s is not None and not attempt.early and attempt.end_s is not None:
+        lifted_s = attempt.end_s - attempt.stop_s
+        if lifted_s > limits.lift_s:
+            yield (
+                True,
+                (f"not lifted within {limits.lift_s:g} s of STOP", "ask to lift the finger at STOP, then repeat"),
+            )
+    if attempt.peak_n > limits.peak_n:
+        yield False, (f"rose to {attempt.peak_n:.1f} N after STOP", "ask to lift the finger as soon as STOP appears")
+    warns_n, rejects_n = limits.zero_n
+    if abs(attempt.zero_n) > warns_n:
+        do = "place the specimen again, untouched, to take a new zero"
+        yield abs(attempt.zero_n) > rejects_n, (f"force was {attempt.zero_n:+.2f} N before START", do)
+
+
+def _of_speed(found: FoundPress | None, settings: SessionSettings, window: WindowSettings) -> _Said:
+    if found is None or found.peak_n < window.force_n[1]:
+        return
+    load_s, (shortest_s, longest_s) = found.stop_s - found.start_s, settings.load_s
+    if window.min_duration_s <= load_s < shortest_s:
+        yield False, (f"loaded in {load_s:.2f} s, faster than {shortest_s:g} s", "ask for a slower press")
+    elif longest_s < load_s <= window.max_duration_s:
+        yield False, (f"loaded in {load_s:.1f} s, slower than {longest_s:g} s", "ask for a faster press")
+
+
+def _around(around: Circumstances, settings: SessionSettings) -> _Said:
+    warns, rejects = settings.limits.lost_share
+    if around.lost_share > warns:
+        do = "check cables and the wireless link"
+        yield around.lost_share > rejects, (f"{100 * around.lost_share:.2g} % of the samples are lost", do)
+    if around.hidden:
+        yield True, ("the participant's page was hidden", "bring the page to the front, full screen, then repeat")
+    if around.age_ms is not None and around.age_ms > settings.limits.age_ms:
+        do = "close other programs; connect the screen to this computer"
+        yield False, (f"the page showed the force {around.age_ms:.0f} ms late", do)

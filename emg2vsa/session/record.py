@@ -1,0 +1,315 @@
+"""The folder of one participant's session: its plan, its journal and its samples, held by one process.
+
+``<BIDS root>/sourcedata/sub-P03/<task>/``: plan.json, journal.jsonl, and for each sitting and stream
+``sitting-1_emg.samples``. Nothing in it is ever overwritten.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+
+from emg2vsa.errors import DataError, DeviceError, SettingError
+from emg2vsa.held_lock import myself, taken, told
+from emg2vsa.session.disk import SYSTEM, SessionDisk, System, write_sealed
+from emg2vsa.session.journal import (
+    JOURNAL_FILE,
+    Decided,
+    Decision,
+    Event,
+    Interrupted,
+    Judged,
+    Line,
+    PressAdded,
+    PressBegun,
+    PressEnded,
+    StreamOpened,
+    Told,
+    line_bytes,
+    now_text,
+    read_journal,
+)
+from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, plan_bytes, read_plan
+from emg2vsa.session.raw_files import SampleWriter
+from emg2vsa.session.streams import StreamInfo
+from emg2vsa.session_settings import PARTICIPANT_CODE
+
+LOCK_FILE = ".lock"
+
+
+def check_code(participant: str) -> None:
+    """SettingError where a participant's code could be a name: privacy begins with what a file is called."""
+    if not re.fullmatch(PARTICIPANT_CODE, participant):
+        raise SettingError(
+            f"--participant {participant}", wanted="a code: at most four letters and then a number, such as P03",
+            found=repr(participant), do="Give a code. Keep the list of codes and names apart from the data, on paper.",
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One press that was begun. state : "running" until it ended; "aborted" and "interrupted" ones are done again."""
+
+    press: int
+    attempt: int
+    sitting: int
+    state: str = "running"
+    verdict: str = ""
+    decision: Decision = ""
+
+    @property
+    def counts(self) -> bool:
+        """Whether it stands for its press: complete, well done and not put aside, or accepted in spite of its faults."""
+        well_done = self.verdict in ("ok", "warned") and not self.decision
+        return self.state == "complete" and (well_done or self.decision == "accept")
+
+
+@dataclass
+class Progress:
+    """What has been done of a session. presses : of the plan, and those added. attempts : in their order."""
+
+    presses: tuple[PlannedPress, ...]
+    attempts: list[Attempt] = field(default_factory=list)
+
+    def take(self, line: Line) -> None:
+        """Count a line of the journal."""
+        event = line.event
+        if isinstance(event, PressAdded):
+            self.presses += (PlannedPress(**{each.name: getattr(event, each.name) for each in fields(PlannedPress)}),)
+        elif isinstance(event, PressBegun):
+            self.attempts.append(Attempt(event.press, event.attempt, line.sitting))
+        elif isinstance(event, (PressEnded, Judged, Decided, Interrupted)):
+            for i, known in enumerate(self.attempts):
+                if (known.press, known.attempt) == (event.press, event.attempt):
+                    self.attempts[i] = _after(known, event)
+
+    def attempts_of(self, press: int) -> list[Attempt]:
+        """Those of one press, in their order."""
+        return [attempt for attempt in self.attempts if attempt.press == press]
+
+    def is_done(self, press: int) -> bool:
+        """Whether a press needs no further attempt: its last one was complete and judged, and is not to be repeated.
+
+        A rejected one needs the operator's decision first.
+        """
+        own = self.attempts_of(press)
+        if not own or own[-1].state != "complete":
+            return bool(own) and own[-1].decision == "skip"
+        last = own[-1]
+        return last.counts or last.decision == "skip"
+
+    @property
+    def next(self) -> PlannedPress | None:
+        """The first press that is not done; None when all are."""
+        in_order = sorted(self.presses, key=lambda press: (press.stay, press.number))
+        return next((press for press in in_order if not self.is_done(press.number)), None)
+
+    @property
+    def running(self) -> Attempt | None:
+        """The attempt that has no end, or no verdict yet; on resume the one that was interrupted."""
+        return next((own for own in self.attempts if own.state in ("running", "complete") and not own.verdict), None)
+
+
+def _after(known: Attempt, event: PressEnded | Judged | Decided | Interrupted) -> Attempt:
+    given = {each.name: getattr(known, each.name) for each in fields(Attempt)}
+    if isinstance(event, PressEnded):
+        return Attempt(**given | {"state": event.how})
+    if isinstance(event, Interrupted):
+        return Attempt(**given | {"state": "interrupted"})
+    key, value = ("verdict", event.verdict) if isinstance(event, Judged) else ("decision", event.decision)
+    return Attempt(**given | {key: value})
+
+
+class SessionRecord:
+    """The folder of a session, open for recording. Methods never wait for the disk, but those that say so.
+
+    plan : as it was drawn. sitting : number of this one. progress : grows with every line. repaired_bytes : of a torn
+    last line that was cut off.
+    """
+
+    def __init__(
+        self, folder: Path, plan: Plan, lock: int, now_s: Callable[[], float], background: bool, system: System
+    ) -> None:
+        self.folder, self.plan, self.repaired_bytes = folder, plan, 0
+        self.progress = Progress(plan.presses)
+        self._lock, self._now_s = lock, now_s
+        self._lines, self.sitting = 0, 1
+        self.past: list[Line] = []
+        "Lines of earlier sittings, and what opening the folder added to them."
+        path = folder / JOURNAL_FILE
+        if path.exists():
+            self._read(path)
+        self._disk = SessionDisk(background=background, system=system)
+        self._journal = self._disk.open(path)
+        self._resume()
+
+    def append(self, event: Event, time_s: float | None = None) -> Line:
+        """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now."""
+        self._lines += 1
+        time_s = self._now_s() if time_s is None else time_s
+        line = Line(self._lines, self.sitting, time_s, now_text(), event)
+        self.progress.take(line)
+        self._disk.seal(self._journal, line_bytes(line))
+        return line
+
+    def open_stream(self, name: str, info: StreamInfo) -> SampleWriter:
+        """A file for the samples of a stream that is called so in this sitting, "emg" or "force"; waits a moment.
+
+        A stream that was lost and opened again gets a file of its own, and starts to count anew.
+        """
+        stem = f"sitting-{self.sitting}_{name}"
+        path = self.folder / f"{stem}.samples"
+        for n in range(2, 10_000):
+            if not path.exists():
+                break
+            path = self.folder / f"{stem}-{n}.samples"
+        writer = SampleWriter(self._disk, path, info)
+        opened = {each.name: getattr(info, each.name) for each in fields(StreamInfo)}
+        self.append(StreamOpened(name=name, file=path.name, **opened))
+        return writer
+
+    @property
+    def trouble(self) -> str:
+        """What the disk refuses, in a sentence; "" while it takes everything. The session pauses meanwhile."""
+        return self._disk.trouble
+
+    @property
+    def lines(self) -> int:
+        """Lines of the journal so far, of all sittings."""
+        return self._lines
+
+    @property
+    def is_safe(self) -> bool:
+        """Whether every line has reached the disk itself."""
+        return self._disk.sealed_lines == self._own_lines
+
+    def wait(self, timeout_s: float = 30.0) -> bool:
+        """Return when everything has reached the disk, or after the time; whether everything has."""
+        return self._disk.wait(timeout_s)
+
+    def close(self) -> None:
+        """Write what waits and give the folder back. DeviceError where the disk does not take it."""
+        try:
+            self._disk.close()
+        finally:
+            os.close(self._lock)
+
+    @property
+    def _own_lines(self) -> int:
+        return self._lines - self._lines_before
+
+    def _read(self, path: Path) -> None:
+        lines, whole = read_journal(path)
+        self.repaired_bytes = path.stat().st_size - whole
+        if self.repaired_bytes:
+            with path.open("rb+") as file:
+                file.truncate(whole)
+                os.fsync(file.fileno())
+        for line in lines:
+            self.progress.take(line)
+        self.past = list(lines)
+        self._lines = len(lines)
+        self.sitting = max((line.sitting for line in lines), default=0) + 1
+
+    def _resume(self) -> None:
+        self._lines_before = self._lines
+        if self.repaired_bytes:
+            self.past.append(
+                self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
+            )
+        if (running := self.progress.running) is not None:
+            self.past.append(self.append(Interrupted(running.press, running.attempt)))
+
+
+def new_session(
+    folder: Path, plan: Plan, now_s: Callable[[], float], *, background: bool = True, system: System = SYSTEM
+) -> SessionRecord:
+    """The folder of a new session, its plan on the disk itself before anything else.
+
+    now_s : time on the session's clock. background : write in a thread of its own; false for virtual time.
+    DataError : there is a session already, or another process holds it. DeviceError : the disk does not take it.
+    """
+    check_code(plan.participant)
+    lock = _held(folder)
+    with _given_back(lock):
+        if (folder / PLAN_FILE).exists():
+            raise DataError(
+                folder, wanted="a participant without a session of this task", found="a session of " + _about(folder),
+                do="Go on with it: --resume. Or give another participant's code.",
+            )  # fmt: skip
+        try:
+            write_sealed(system, folder / PLAN_FILE, plan_bytes(plan))
+        except OSError as error:
+            raise DeviceError(
+                folder, wanted="a folder with room for the session", found=error.strerror or str(error),
+                do="Free some disk space, or check the folder's permissions.",
+            ) from error  # fmt: skip
+        return SessionRecord(folder, plan, lock, now_s, background, system)
+
+
+def resume_session(
+    folder: Path, now_s: Callable[[], float], *, background: bool = True, system: System = SYSTEM
+) -> SessionRecord:
+    """The folder of a session that was begun, opened for its next sitting; arguments as of ``new_session``.
+
+    A torn last line of the journal is cut off, and a press that was running is marked as interrupted.
+    DataError : there is no session, another process holds it, or its plan or its journal is damaged.
+    """
+    if not (folder / PLAN_FILE).exists():
+        raise DataError(
+            folder, wanted="a session to resume", found="none" if not folder.exists() else "a folder without plan.json",
+            do="Begin without --resume, or check the participant's code.",
+        )  # fmt: skip
+    lock = _held(folder)
+    with _given_back(lock):
+        return SessionRecord(folder, read_plan(folder / PLAN_FILE), lock, now_s, background, system)
+
+
+def session_folder(root: Path, participant: str, task: str) -> Path:
+    """Where the session of a participant is, or will be, below the root of the data set."""
+    return root / "sourcedata" / f"sub-{participant}" / task
+
+
+def _held(folder: Path) -> int:
+    """The lock of the folder, as an open file."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = os.open(folder / LOCK_FILE, os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise DeviceError(
+            folder, wanted="a folder to record to", found=error.strerror or str(error),
+            do="Check the folder, its permissions and the disk.",
+        ) from error  # fmt: skip
+    if not taken(handle):
+        os.close(handle)
+        raise DataError(
+            folder, wanted="a session that no other process records", found=f"held by {told(folder / LOCK_FILE)}",
+            do="End the other process first: its operator's page has a button for that.",
+        )  # fmt: skip
+    with contextlib.suppress(OSError):  # a full disk; the lock holds without the name of its holder
+        os.ftruncate(handle, 0)
+        os.lseek(handle, 0, os.SEEK_SET)
+        os.write(handle, json.dumps(myself()).encode())
+    return handle
+
+
+@contextlib.contextmanager
+def _given_back(lock: int) -> Iterator[None]:
+    """Close the lock where opening fails."""
+    try:
+        yield
+    except BaseException:
+        os.close(lock)
+        raise
+
+
+def _about(folder: Path) -> str:
+    try:
+        return read_plan(folder / PLAN_FILE).drawn_at[:10]
+    except DataError:
+        return "unknown date"

@@ -1,0 +1,233 @@
+"""What judges the presses of a stay and the signals before a session: beside the 200 turns a second, or at once.
+
+The samples of a stay are handed over as they come, so that nothing large moves when a press has ended, and the memory
+of the session itself does not grow.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats
+from emg2vsa.recordings import Channel
+from emg2vsa.session.live_press import HowJudged, StayJudged, judge_stay
+from emg2vsa.session.quality import measured
+from emg2vsa.session.views import SignalView
+from emg2vsa.settings import FilterSettings
+
+_NICE = 5
+"""The judge gives way to the turns of the session."""
+
+
+class Timing(NamedTuple):
+    """start_s : time of sample ``first`` on the session's clock; fs_hz : rate by that clock."""
+
+    first: int
+    start_s: float
+    fs_hz: float
+
+
+@dataclass(frozen=True)
+class JudgeStay:
+    """Asks for the verdicts on the stay so far. timing : by stream."""
+
+    timing: Mapping[str, Timing]
+
+
+@dataclass(frozen=True)
+class MeasureSignals:
+    """Asks for the signal quality, the samples since `Begin` being the rest, and those after it the contraction.
+
+    rest, contraction : first sample and one past the last, None where it was not measured.
+    """
+
+    rest: tuple[int, int] | None
+    contraction: tuple[int, int] | None
+    fs_hz: float
+    filters: FilterSettings
+    range_max_v: float | None
+
+
+@dataclass(frozen=True)
+class Begin:
+    """A new stay: samples before are forgotten. muscles : name to column of the EMG stream."""
+
+    participant: str
+    specimen: str
+    how: HowJudged
+    muscles: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples (n, channels) of a stream, "emg" or "force", that follow one another from number ``first``."""
+
+    stream: str
+    first: int
+    samples: NDArray[np.float32]
+
+
+Answer = StayJudged | tuple[SignalView, ...]
+
+
+class Judge(Protocol):
+    """Takes messages in their order; `answer` has the answer to the last question once it is there."""
+
+    def tell(self, message: Begin | Samples | JudgeStay | MeasureSignals) -> None:
+        """Never waits for an answer."""
+
+    def answer(self) -> Answer | None:
+        """The answer, handed over once; None while there is none."""
+
+    def close(self) -> None:
+        """No more questions."""
+
+
+class JudgeAtOnce:
+    """Judges within the call: for virtual time, and at the far end of `JudgeBeside`."""
+
+    def __init__(self) -> None:
+        self._begun: Begin | None = None
+        self._samples: dict[str, list[Samples]] = {}
+        self._answer: Answer | None = None
+
+    def tell(self, message: Begin | Samples | JudgeStay | MeasureSignals) -> None:
+        match message:
+            case Begin():
+                self._begun, self._samples = message, {}
+            case Samples():
+                self._samples.setdefault(message.stream, []).append(message)
+            case JudgeStay():
+                self._answer = self._stay(message)
+            case MeasureSignals():
+                self._answer = self._signals(message)
+
+    def answer(self) -> Answer | None:
+        answer, self._answer = self._answer, None
+        return answer
+
+    def close(self) -> None:
+        self._samples = {}
+
+    def _stay(self, asked: JudgeStay) -> StayJudged:
+        begun = self._begun
+        if begun is None or not {"emg", "force"} <= self._samples.keys():
+            return StayJudged(failed="no samples have come")
+        emg, force = asked.timing["emg"], asked.timing["force"]
+        (newton,) = self._rows("force", force.first, None).T
+        return judge_stay(
+            self._channels(emg, None), _channel("force", newton, "N", force), begun.participant, begun.specimen,
+            begun.how,
+        )  # fmt: skip
+
+    def _signals(self, asked: MeasureSignals) -> tuple[SignalView, ...]:
+        rest, contraction = (
+            None if part is None else self._channels(Timing(part[0], 0.0, asked.fs_hz), part[1])
+            for part in (asked.rest, asked.contraction)
+        )
+        return measured(rest, contraction, asked.filters, asked.range_max_v)
+
+    def _channels(self, timing: Timing, stop: int | None) -> dict[str, Channel]:
+        assert self._begun is not None
+        rows = self._rows("emg", timing.first, stop)
+        return {muscle: _channel(muscle, rows[:, at], "V", timing) for muscle, at in self._begun.muscles.items()}
+
+    def _rows(self, stream: str, first: int, stop: int | None) -> Floats:
+        """(n, channels) samples from a number on; NaN for those that are not there."""
+        pieces = self._samples[stream]
+        last = max(piece.first + len(piece.samples) for piece in pieces) if stop is None else stop
+        rows = np.full((max(last - first, 0), pieces[0].samples.shape[1]), np.nan)
+        for piece in pieces:
+            low, high = max(piece.first, first), min(piece.first + len(piece.samples), last)
+            if low < high:
+                rows[low - first : high - first] = piece.samples[low - piece.first : high - piece.first]
+        return rows
+
+
+def _channel(name: str, samples: Floats, unit: str, timing: Timing) -> Channel:
+    return Channel(name, np.ascontiguousarray(samples), unit, timing.fs_hz, timing.start_s, "")
+
+
+class JudgeBeside:
+    """Judges in a process of its own. A judge that dies is told as a stay that could not be judged.
+
+    A thread sends, for a judge at work does not take what it is told, and the session cannot wait.
+    """
+
+    def __init__(self) -> None:
+        self._begun: Begin | None = None
+        self._asked = False
+        self._start()
+
+    def tell(self, message: Begin | Samples | JudgeStay | MeasureSignals) -> None:
+        if isinstance(message, Begin):
+            self._begun = message
+        self._asked |= isinstance(message, (JudgeStay, MeasureSignals))
+        self._messages.put(message)
+
+    def answer(self) -> Answer | None:
+        try:
+            if self._asked and self._end.poll():
+                self._asked = False
+                answer: Answer = self._end.recv()
+                return answer
+            if self._asked and not self._process.is_alive():
+                raise EOFError
+        except (EOFError, OSError):
+            self._asked = False
+            self.close()
+            self._start()
+            if self._begun is not None:
+                self.tell(self._begun)
+            return StayJudged(failed="the process that judges presses ended; emg2vsa check will judge this press")
+        return None
+
+    def close(self) -> None:
+        self._messages.put(None)
+        self._sender.join(2.0)
+        self._end.close()
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.terminate()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._end, far = context.Pipe()
+        self._process = context.Process(target=_serve, args=(far,), name="session judge", daemon=True)
+        self._process.start()
+        far.close()
+        self._messages: SimpleQueue[Any] = SimpleQueue()
+        arguments = (self._messages, self._end)
+        self._sender = threading.Thread(target=_send, args=arguments, name="to the judge", daemon=True)
+        self._sender.start()
+
+
+def _send(messages: SimpleQueue[Any], end: Connection[Any, Any]) -> None:
+    with contextlib.suppress(OSError):  # a judge that died; ``answer`` tells it
+        while (message := messages.get()) is not None:
+            end.send(message)
+
+
+def _serve(end: Connection[Any, Any]) -> None:
+    """The far end: until the near one is closed. Ctrl-C is for the session, which ends in its own time."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "nice"):
+        os.nice(_NICE)
+    judge = JudgeAtOnce()
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            judge.tell(end.recv())
+            if (answer := judge.answer()) is not None:
+                end.send(answer)

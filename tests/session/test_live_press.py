@@ -1,0 +1,142 @@
+"""The verdict on a press is that of ``emg2vsa check``, and what only a live session knows."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from emg2vsa.recordings import Channel
+from emg2vsa.session.live_fit import specimen_fit
+from emg2vsa.session.live_press import Circumstances, FoundPress, HowJudged, StayJudged, judge_attempt, judge_stay
+from emg2vsa.session.press_cycle import Attempt
+from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+from emg2vsa.settings import (
+    FilterSettings,
+    FitSettings,
+    ForceChannelSettings,
+    SimulationSettings,
+    WindowSettings,
+)
+from emg2vsa.synthetic.recording import make_recording
+
+SETTINGS = SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"))
+HOW = HowJudged(FilterSettings(), WindowSettings(), ForceChannelSettings(name="force"), FitSettings())
+
+
+@pytest.fixture(scope="module")
+def stay():
+    """A made stay of four presses, and its attempts as a session would have seen them."""
+    made = make_recording(
+        np.random.SeedSequence(3), SimulationSettings(repetitions=4), a_v=28e-6, b_v=13e-6, window_n=(0.5, 7.0)
+    )
+    emg = {m: Channel(m, x, "V", made.fs_hz, 100.0, "") for m, x in made.emg_v.items()}
+    force = Channel("force", made.force_n, "N", made.fs_hz, 100.0, "")
+    attempts = [
+        Attempt(
+            100 + onset - 0.6, begun_s=100 + onset, stop_s=100 + stop, end_s=101 + stop, peak_n=7.5, ending="lifted"
+        )
+        for onset, stop in zip(made.truth.presses.onset_s, made.truth.presses.stop_s, strict=True)
+    ]
+    return emg, force, attempts, made.truth
+
+
+def test_every_attempt_finds_its_press_and_its_slope(stay):
+    emg, force, attempts, truth = stay
+    judged = judge_stay(emg, force, "P03", "S3", HOW)
+    assert judged.failed == ""
+    for attempt, b_v in zip(attempts, truth.b_v, strict=True):
+        own = judge_attempt(attempt, judged, Circumstances(), SETTINGS, HOW.window)
+        assert own.found is not None
+        assert own.verdict == own.found.verdict != "rejected"
+        assert own.found.b_v == pytest.approx(b_v, rel=0.3)
+
+
+def test_a_press_is_judged_when_only_the_first_has_been_done(stay):
+    emg, force, attempts, _ = stay
+    end = round((attempts[0].end_s + 0.5 - 100) * force.fs_hz)
+    cut = {m: dataclasses.replace(c, samples=c.samples[:end]) for m, c in emg.items()}
+    judged = judge_stay(cut, dataclasses.replace(force, samples=force.samples[:end]), "P03", "S3", HOW)
+    assert judge_attempt(attempts[0], judged, Circumstances(), SETTINGS, HOW.window).verdict in ("ok", "warned")
+
+
+GOOD = Attempt(10.0, begun_s=10.3, stop_s=12.5, end_s=13.0, peak_n=7.6, ending="lifted")
+FOUND = FoundPress(10.4, 12.6, "ok", "", 7.6, 28e-6, 13e-6, True)
+
+
+@pytest.mark.parametrize(
+    ("change", "around", "verdict", "said"),
+    [
+        ({}, Circumstances(), "ok", ""),
+        ({"early": True}, Circumstances(), "rejected", "before START"),
+        ({"begun_s": 10.05}, Circumstances(), "rejected", "50 ms after START"),
+        ({"begun_s": 12.0}, Circumstances(), "warned", "2.0 s after START"),
+        ({"end_s": 15.0}, Circumstances(), "rejected", "not lifted within 2 s"),
+        ({"peak_n": 9.5}, Circumstances(), "warned", "9.5 N"),
+        ({"zero_n": 0.1}, Circumstances(), "warned", "+0.10 N before START"),
+        ({"zero_n": -0.25}, Circumstances(), "rejected", "-0.25 N before START"),
+        ({"ending": "aborted"}, Circumstances(), "rejected", "aborted"),
+        ({"ending": "interrupted", "why": "EMG lost"}, Circumstances(), "rejected", "EMG lost"),
+        ({}, Circumstances(lost_share=0.002), "warned", "0.2 % of the samples are lost"),
+        ({}, Circumstances(lost_share=0.02), "rejected", "2 % of the samples are lost"),
+        ({}, Circumstances(hidden=True), "rejected", "hidden"),
+        ({}, Circumstances(age_ms=80.0), "warned", "80 ms late"),
+    ],
+)  # fmt: skip
+def test_what_only_a_live_session_knows(change, around, verdict, said):
+    attempt = dataclasses.replace(GOOD, **change)
+    judged = judge_attempt(attempt, StayJudged((FOUND,)), around, SETTINGS, HOW.window)
+    assert judged.verdict == verdict
+    assert said in (judged.problems[0][0] if judged.problems else "")
+    assert all(do for _, do in judged.problems)
+
+
+@pytest.mark.parametrize(
+    ("found", "verdict", "said"),
+    [
+        ({"stop_s": 11.0}, "warned", "loaded in 0.60 s"),
+        ({"stop_s": 16.4}, "warned", "loaded in 6.0 s"),
+        ({"verdict": "rejected", "reasons": "reached 5.6 of 7 N; EDC is 3.2 dB over rest", "peak_n": 5.6}, "rejected",
+         "reached 5.6 of 7 N"),
+        ({"start_s": 90.0, "stop_s": 92.0}, "rejected", "no press here"),
+    ],
+)  # fmt: skip
+def test_what_the_analysis_says_of_the_press(found, verdict, said):
+    stay = StayJudged((dataclasses.replace(FOUND, **found),))
+    judged = judge_attempt(GOOD, stay, Circumstances(), SETTINGS, HOW.window)
+    assert judged.verdict == verdict
+    assert said in judged.problems[0][0]
+    assert judged.problems[0][1]
+
+
+def presses(b_v, a_v=28e-6):
+    return [dataclasses.replace(FOUND, b_v=b, a_v=a_v) for b in b_v]
+
+
+def test_the_interval_of_b_covers_its_truth_as_often_as_it_says():
+    rng = np.random.default_rng(4)
+    inside = 0
+    for _ in range(400):
+        fit = specimen_fit("S3", presses((13e-6 + 2e-6 * rng.standard_normal(10)).tolist()), 0.95, SETTINGS, 10)
+        inside += fit.low_v <= 13e-6 <= fit.high_v
+    assert 0.92 <= inside / 400 <= 0.98
+
+
+def test_more_presses_are_suggested_by_width_alone_and_only_where_the_study_says_so():
+    by_width = dataclasses.replace(SETTINGS, stop="width", width=0.05)
+    wide, narrow = [8e-6, 18e-6, 12e-6], [13e-6, 13.1e-6, 12.9e-6]
+    assert specimen_fit("S3", presses(wide), 0.95, SETTINGS, 3).suggestion == ""
+    assert "One more press" in specimen_fit("S3", presses(wide), 0.95, by_width, 3).suggestion
+    assert specimen_fit("S3", presses(narrow), 0.95, by_width, 3).suggestion == ""
+    assert specimen_fit("S3", presses(wide), 0.95, by_width, by_width.most_presses).suggestion == ""
+    assert specimen_fit("S3", presses(wide[:1]), 0.95, by_width, 3) is None
+
+
+@pytest.mark.parametrize("shift_v", [-20e-6, 0.0, 40e-6])
+def test_the_size_of_b_never_changes_the_suggestion(shift_v):
+    by_width = dataclasses.replace(SETTINGS, stop="width", width=0.1)
+    for spread in (0.5e-6, 1e-6, 3e-6):
+        of = [specimen_fit("S3", presses([13e-6 + s + k * spread for k in (-1, 0, 1)]), 0.95, by_width, 3).suggestion
+              for s in (0.0, shift_v)]  # fmt: skip
+        assert of[0] == of[1]
