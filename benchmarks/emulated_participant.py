@@ -2,8 +2,8 @@
 
 Run as ``python -m benchmarks.emulated_participant [--seconds 20]``; it prints Markdown tables. Alone: 16 channels of
 EMG at 2000 Hz in frames of 13.5 ms and the force at 1000 Hz, in turns of 5 ms of a clock that jumps, while the
-participant presses every 6 s. Served: the same EMG behind the Trigno server and the force behind the ATI box, in real time and six
-times faster, with one client of each in a process of its own; the cost is that of the server's process.
+participant presses every 6 s. Served: the same EMG behind the Trigno server and the force behind the ATI box, in real
+time and six times faster, with one client of each in a process of its own; the cost is that of the server's process.
 """
 
 from __future__ import annotations
