@@ -99,6 +99,26 @@ class SessionTexts:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SessionAbout:
+    """What no device says of a recording, for the side files of the data set. Texts that are empty are left out."""
+
+    power_line_hz: Literal[50, 60] | None = None
+    "Frequency of the mains; omitted: not stated."
+    electrode_mm: Positive | None = None
+    "Distance of the two electrodes of a pair, mm (Bagnoli: 10)."
+    electrodes: str = ""
+    "Maker and model of the electrodes."
+    skin_preparation: str = ""
+    "How the skin was prepared."
+    ground: str = ""
+    "Where the ground electrode is."
+    instructions: str = "Press with rising force when the screen says START; lift the finger when it says STOP."
+    "What participants are told to do."
+    institution: str = ""
+    "Where the study is done."
+
+
+@dataclass(frozen=True, kw_only=True)
 class SessionLimits:
     """How well a press must be done, beside what [window] asks of every recording: what only a live session knows.
 
@@ -181,5 +201,7 @@ class SessionSettings:
     "true: the operator confirms the first item of the checklist before every press (the paper: arm support)."
     limits: SessionLimits = field(default_factory=SessionLimits)
     "How well a press must be done."
+    about: SessionAbout = field(default_factory=SessionAbout)
+    "What no device says, for the data set."
     texts: SessionTexts = field(default_factory=SessionTexts)
     "What the participant reads."

@@ -62,6 +62,12 @@ class Attempt:
     verdict: str = ""
     decision: Decision = ""
 
+    @property
+    def counts(self) -> bool:
+        """Whether it stands for its press: complete and well done, or accepted in spite of its faults."""
+        well_done = self.verdict in ("ok", "warned") and not self.decision
+        return self.state == "complete" and (well_done or self.decision == "accept")
+
 
 @dataclass
 class Progress:
@@ -95,7 +101,7 @@ class Progress:
         if not own or own[-1].state != "complete":
             return bool(own) and own[-1].decision == "skip"
         last = own[-1]
-        return last.decision in ("accept", "skip") or (last.decision == "" and last.verdict in ("ok", "warned"))
+        return last.counts or last.decision == "skip"
 
     @property
     def next(self) -> PlannedPress | None:
@@ -213,7 +219,9 @@ class SessionRecord:
     def _resume(self) -> None:
         self._lines_before = self._lines
         if self.repaired_bytes:
-            self.past.append(self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal.")))
+            self.past.append(
+                self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
+            )
         if (running := self.progress.running) is not None:
             self.past.append(self.append(Interrupted(running.press, running.attempt)))
 

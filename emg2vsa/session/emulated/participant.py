@@ -222,7 +222,7 @@ class EmulatedParticipant:
         if glance.command == "ready" or (beginning and before.command not in ("ready", "start", "press")):
             self._meet(glance, time_s)
         reaction_s = self._rng.uniform(*self.person.reaction_s)
-        if glance.phase == "quality":
+        if glance.phase == "quality" or self._state == "contract":
             if beginning != (self._state == "contract"):
                 state = "contract" if beginning else "rest"
                 self._later(time_s + reaction_s, lambda now_s: self._enter(state, now_s))
