@@ -23,7 +23,8 @@ VOLTS |= {f"{part}volt{s}": VOLTS[f"{p}v"] for part, p in (("", ""), ("milli", "
 NEWTONS = {"n": 1.0, "mn": 1e-3, "newton": 1.0, "newtons": 1.0}
 RESOLVE_S, MOST_RESOLVE_S = 1.0, 5.0
 "How long the network is asked for its streams; and for how long it is asked again when the stream is not there."
-REPLY_S = 5.0
+REPLY_S, FIRST_S = 5.0, 5.0
+"Time for an answer of the sender, and for its first sample."
 SILENT_S = 10.0
 "A stream that has sent nothing for so long is lost; a sender that was started anew is found again sooner."
 OFFSET_EVERY_S = 1.0
@@ -90,7 +91,7 @@ class LslSource:
             self._describe(found, said)
             self._wait_for_first()
         except self._lost as error:
-            raise self._gone(str(error)) from error
+            raise self._gone(str(error).rstrip(".")) from error
         except BaseException:
             self.close()
             raise
@@ -104,7 +105,7 @@ class LslSource:
             if now_s - self._offset_at_s > OFFSET_EVERY_S:
                 self._set_offset(now_s)
         except self._lost as error:
-            raise self._gone(str(error)) from error
+            raise self._gone(str(error).rstrip(".")) from error
         if not len(stamps):
             if now_s - self._arrived_s > SILENT_S:
                 raise self._gone(f"nothing for {now_s - self._arrived_s:.0f} s")
@@ -190,10 +191,10 @@ class LslSource:
         raise DeviceError(f"{self._where}, {name}", wanted=f"the unit {wanted}", found=repr(unit), do=do)
 
     def _wait_for_first(self) -> None:
-        end_s = self._clock.now_s() + REPLY_S
+        end_s = self._clock.now_s() + FIRST_S
         while not self._inlet.samples_available():
             if self._clock.now_s() >= end_s:
-                raise self._gone(f"no sample for {REPLY_S:g} s")
+                raise self._gone(f"no sample for {FIRST_S:g} s")
             self._clock.sleep_until(self._clock.now_s() + _POLL_S)
         self._arrived_s = self._clock.now_s()
 
