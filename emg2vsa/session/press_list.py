@@ -29,7 +29,7 @@ class Tried:
     complete: bool = False
     times: Attempt | None = None
     found: FoundPress | None = None
-    around: Circumstances = Circumstances()
+    around: Circumstances = field(default_factory=Circumstances)
     epochs: tuple[int, int] = (0, 0)
     "Of the streams that saw it."
 
@@ -41,7 +41,9 @@ class Tried:
     @property
     def counts(self) -> bool:
         """It stands for its press, as far as its execution goes."""
-        return self.complete and (self.verdict in ("ok", "warned") and not self.decision or self.decision == "accept")
+        if not self.complete or self.decision:
+            return self.complete and self.decision == "accept"
+        return self.verdict in ("ok", "warned")
 
     @property
     def usable(self) -> FoundPress | None:
@@ -75,7 +77,9 @@ class PressList:
             press = next(press for press in self._progress.presses if press.number == event.press)
             self.tried.append(Tried(press, event.attempt))
             return
-        if not isinstance(event, (journal.PressEnded, journal.Judged, journal.Decided, journal.Interrupted, journal.Noted)):
+        if not isinstance(
+            event, (journal.PressEnded, journal.Judged, journal.Decided, journal.Interrupted, journal.Noted)
+        ):
             return
         own = self.find(event.press, event.attempt)
         if own is None:
@@ -158,7 +162,9 @@ def judged_event(tried: Tried, judged: Judged) -> journal.Judged:
     values: dict[str, float | None] = {"peak_n": _rounded(judged.peak_n), "load_s": _rounded(judged.load_s)}
     if found is not None and found.fitted:
         values |= {"a_v": found.a_v, "b_v": found.b_v}
-    verdict: journal.Verdict = "ok" if judged.verdict == "ok" else "warned" if judged.verdict == "warned" else "rejected"
+    verdict: journal.Verdict = (
+        "ok" if judged.verdict == "ok" else "warned" if judged.verdict == "warned" else "rejected"
+    )
     return journal.Judged(tried.press.number, tried.attempt, verdict, judged.problems, values)
 
 

@@ -205,10 +205,8 @@ class SampleClock:
         if (x[-1] - x[0]) * nominal >= LEARN_S:
             slope = _slope_below(x, z)
             if not self._learnt:
-                self._learnt = True
-                if _is_step(x, z, slope, nominal):
-                    self._begin_again()
-                    return
+                self._learn(nominal if _is_step(x, z, slope, nominal) else nominal + slope)
+                return
             above = z - slope * x
             above_s = float(np.median(above - above.min()))
             self._measured, self._se_s = nominal + slope, above_s
@@ -219,11 +217,12 @@ class SampleClock:
             self._slope = nominal + slope
         self._level_s = float((z - (self._slope - nominal) * x).min())
 
-    def _begin_again(self) -> None:
-        """Samples were lost in the first seconds: the same arrivals once more, with the stated rate."""
+    def _learn(self, slope: float) -> None:
+        """The rate is known well enough to tell late arrivals, which the first seconds may have had as well."""
+        self._learnt = True
         arrivals = list(zip(self._xs, self._ys, strict=True))
-        self._xs, self._ys, self._fitted = [], [], 3
-        self._slope, self._level_s = 1 / self.fs_hz, None
+        self._xs, self._ys, self._fitted = [], [], max(3, len(arrivals) // 2)
+        self._slope, self._level_s = slope, None
         for place, arrived_s in arrivals:
             self._place(round(place), round(place), arrived_s)
 
@@ -259,4 +258,4 @@ def _is_step(x: NDArray[np.float64], z: NDArray[np.float64], slope: float, nomin
     """Does the slope, which is far from the nominal one, come of one place rather than of all?"""
     span = max(1, len(x) // 6)
     everywhere = float(np.median((z[span:] - z[:-span]) / (x[span:] - x[:-span])))
-    return abs(slope) > RATE_OFF * nominal and abs(everywhere) < abs(slope) / 2
+    return abs(slope) > 10 * CRYSTAL * nominal and abs(everywhere) < abs(slope) / 2

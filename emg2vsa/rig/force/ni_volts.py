@@ -30,15 +30,7 @@ class NiVolts:
     def __init__(self, channels: str, range_v: tuple[float, float], *, rate_hz: float = 1000.0) -> None:
         self.name, self.rate_hz = channels, rate_hz
         self._range_v = range_v
-        try:
-            self._ni: Any = import_module("nidaqmx")
-        except ImportError as error:
-            raise DeviceError(
-                channels,
-                wanted="the package nidaqmx, which speaks to NI cards",
-                found="none",
-                do="Install nidaqmx and NI's DAQmx driver.",
-            ) from error
+        self._ni = load_nidaqmx(channels)
         self._task: Any = None
 
     def start(self) -> None:
@@ -87,3 +79,16 @@ class NiVolts:
         return DeviceError(
             self.name, wanted="six voltages", found=str(error), do="Check the card, its channels and NI's driver."
         )
+
+
+def load_nidaqmx(channels: str) -> Any:
+    """The package nidaqmx, wanted for some channels. DeviceError when it is absent."""
+    try:
+        return import_module("nidaqmx")
+    except ImportError as error:
+        raise DeviceError(
+            channels,
+            wanted="the package nidaqmx, which speaks to NI cards",
+            found="none",
+            do='Install nidaqmx (pip install "emg2vsa[daq]") and NI\'s DAQmx driver.',
+        ) from error

@@ -125,11 +125,8 @@ class Task:
         if not self._muscles:
             raise DaqError("Specified operation cannot be performed when there are no channels.", NO_CHANNELS_IN_TASK)
         ni = self._ni
-        shares = ni.participant.person.muscle_share
         fs_hz = self._rate_hz * (1 + ni.clock_error)
-        # one column a channel, an open one as well; a muscle on two channels is measured twice
-        columns = {f"{n} {muscle}": shares.get(muscle, 0.0) for n, muscle in enumerate(self._muscles)}
-        self._sampler = EmgSampler(ni.participant, columns, fs_hz, range_v=np.inf, start_s=ni.clock.now_s())
+        self._sampler = EmgSampler(ni.participant, self._muscles, fs_hz, range_v=np.inf, start_s=ni.clock.now_s())
 
     def stop(self) -> None:
         """End sampling; what was not read is gone."""
@@ -188,10 +185,11 @@ class Task:
         self._check()
         devices = {channel.partition("/")[0] for channel in self._ni.wiring}
         for channel in _channels(physical_channel):
-            device, _, number = channel.partition("/ai")
+            device, _, input_ = channel.partition("/")
             if device not in devices:
                 raise DaqError(f"Device identifier is invalid.\nDevice Specified: {device}", NO_DEVICE)
-            if not number.isdecimal() or int(number) >= _INPUTS:
+            number = input_.removeprefix("ai")
+            if number == input_ or not number.isdecimal() or int(number) >= _INPUTS:
                 raise DaqError(f"Physical channel specified does not exist on this device: {channel}", NO_CHANNEL)
             self._muscles.append(self._ni.wiring.get(channel, ""))
             self.channel_names.append(name_to_assign_to_channel or channel)

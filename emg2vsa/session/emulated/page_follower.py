@@ -100,7 +100,7 @@ class FollowedPage(_Events):
     def _seen(self, name: str, content: dict[str, Any]) -> None:
         if name == "state":
             known = {field.name for field in fields(ParticipantState)}
-            pairs = {key: tuple(value) if isinstance(value, list) else value for key, value in content.items()}
+            pairs: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in content.items()}
             self._state = ParticipantState(**{key: value for key, value in pairs.items() if key in known})
         elif not name:
             self._force = ForceMessage(*(content[key] for key in ForceMessage._fields))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
@@ -76,7 +77,6 @@ class TrignoServer:
         self.base = TrignoBase(slots)
         self.start_delay_s = start_delay_s
         self._participant, self._slots, self._clock, self._delay_s = participant, dict(slots), clock, delay_s
-        self._shares = {muscle: participant.person.muscle_share.get(muscle, 0.0) for muscle in slots.values()}
         self._lock = threading.RLock()
         self._ended = threading.Event()
         self._clients: list[_Client] = []
@@ -257,7 +257,8 @@ class TrignoServer:
             with self._lock:
                 run, samples = self._run, self.base.emg_samples(legacy=False)
             start_s = self._clock.now_s() + self.start_delay_s
-            sampler = EmgSampler(self._participant, self._shares, samples / FRAME_S, start_s=start_s)
+            muscles = tuple(self._slots.values())
+            sampler = EmgSampler(self._participant, muscles, samples / FRAME_S, start_s=start_s)
             frame = 0
             while self._goes_on(run):
                 frame += 1
@@ -270,7 +271,7 @@ class TrignoServer:
     def _goes_on(self, run: int) -> bool:
         return self.base.streaming and self._run == run and not self._ended.is_set()
 
-    def _send_frame(self, run: int, muscles_v: np.ndarray) -> None:
+    def _send_frame(self, run: int, muscles_v: NDArray[np.float64]) -> None:
         emg_v = np.zeros((len(muscles_v), SLOTS))
         with self._lock:
             if not self._goes_on(run):
@@ -278,10 +279,9 @@ class TrignoServer:
             if self._dropping:
                 self._dropping -= 1
                 return
-            columns = {muscle: column for column, muscle in enumerate(self._shares)}
-            for slot, muscle in self._slots.items():
+            for column, slot in enumerate(self._slots):
                 if self.base.sensors[slot].paired:
-                    emg_v[:, slot - 1] = muscles_v[:, columns[muscle]]
+                    emg_v[:, slot - 1] = muscles_v[:, column]
             base, made = self.base, {}
             held = self._clock.now_s() < self._stall_end_s
             for client in [each for each in self._clients if each.port != "command"]:

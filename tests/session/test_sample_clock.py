@@ -1,0 +1,195 @@
+"""Times of samples against the truth of devices that are simulated with all that delays an arrival."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from emg2vsa.session.sample_clock import MOST_BINS, SampleClock
+
+FRAME_HZ = 1 / 0.0135
+POLL_S = 0.005
+DELAY_S = 0.002
+
+
+def arrivals(
+    seed: int,
+    duration_s: float,
+    fs_hz: float,
+    *,
+    frame: int = 26,
+    jitter_s: float = 1e-3,
+    busy: Iterable[tuple[float, float]] = (),
+    lost: Iterable[tuple[float, float]] = (),
+    wander: float = 0.0,
+) -> tuple[list[tuple[int, int, float]], np.ndarray]:
+    """Blocks (first, n, arrived_s), and (index, true time) of the last sample of each.
+
+    Samples are sent in frames, delayed by ``DELAY_S`` and an exponential jitter, in order, and read by a program that
+    looks every 5 ms. busy, lost : (start, length), s, in which it does not look; of frames that never come. wander :
+    how far the device's clock, which keeps its rate in the mean, is off in the middle.
+    """
+    rng = np.random.default_rng(seed)
+    ends = np.arange(1, int(duration_s * fs_hz / frame) + 1) * frame - 1
+    true_s = ends / fs_hz
+    true_s = true_s + wander * np.sin(np.pi * true_s / duration_s)
+    sent_s = np.maximum.accumulate(true_s + DELAY_S + rng.exponential(jitter_s, len(ends)))
+    looks_s = np.arange(0, duration_s + 5, POLL_S)
+    looks_s = looks_s + np.abs(rng.normal(0, 2e-4, len(looks_s)))
+    for start_s, length_s in busy:
+        looks_s[(looks_s > start_s) & (looks_s < start_s + length_s)] = start_s + length_s
+    looks_s = np.unique(looks_s)
+    came = np.ones(len(ends), dtype=bool)
+    for start_s, length_s in lost:
+        came &= (true_s <= start_s) | (true_s > start_s + length_s)
+    look = np.searchsorted(looks_s, sent_s)[came]
+    starts = np.flatnonzero(np.diff(look, prepend=-1))
+    blocks = [
+        (int(a * frame), int((b - a) * frame), float(looks_s[look[a]])) for a, b in pairwise([*starts, len(look)])
+    ]
+    last = np.array([*starts[1:], len(look)]) - 1
+    return blocks, np.column_stack([(last + 1) * frame - 1, true_s[came][last]])
+
+
+def clock_of(blocks: Iterable[tuple[int, int, float]], fs_hz: float, **options: float) -> SampleClock:
+    clock = SampleClock(fs_hz, quantum=26, **options)
+    for block in blocks:
+        clock.add(*block)
+    return clock
+
+
+def errors_s(clock: SampleClock, truth: np.ndarray) -> np.ndarray:
+    times_s = clock.time_s(truth[:, 0].astype(np.int64))
+    np.testing.assert_allclose([clock.time_s(int(index)) for index in truth[::97, 0]], times_s[::97], atol=1e-12)
+    return times_s - truth[:, 1] - DELAY_S
+
+
+@pytest.mark.parametrize("ppm", [0, 40, -80])
+@pytest.mark.parametrize(("duration_s", "within_s"), [(5, 1e-3), (20, 5e-4), (120, 2e-4)])
+def test_bursts_jitter_drift_and_a_busy_computer(ppm: int, duration_s: float, within_s: float) -> None:
+    fs_hz = 26 * FRAME_HZ * (1 + ppm * 1e-6)
+    for seed in range(4):
+        busy = [(0.3 * duration_s, 0.3), (0.6 * duration_s, 0.3)]
+        blocks, truth = arrivals(seed, duration_s, fs_hz, busy=busy)
+        clock = clock_of(blocks, 26 * FRAME_HZ)
+        off_s, report = errors_s(clock, truth), clock.report()
+        assert np.abs(off_s).max() < within_s
+        assert report.se_s is not None
+        assert report.rate_hz is not None
+        assert report.rate_se_hz is not None
+        assert np.abs(off_s).max() < 2 * report.se_s
+        assert abs(report.rate_hz - fs_hz) < 4 * report.rate_se_hz
+        assert (report.missing, report.gaps) == (0, 2)
+        assert 0.3 < report.longest_gap_s < 0.3 + 1 / FRAME_HZ + POLL_S + 2e-3
+        assert clock.problems() == ()
+
+
+def test_what_the_rate_error_means() -> None:
+    """The standard error is that of the rates found, over 40 devices."""
+    fs_hz, errors, stated = 26 * FRAME_HZ, [], []
+    for seed in range(40):
+        report = clock_of(arrivals(seed, 20, fs_hz)[0], fs_hz).report()
+        errors.append((report.rate_hz or 0) - fs_hz)
+        stated.append(report.rate_se_hz or 0)
+    assert 0.4 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 1.5
+
+
+@pytest.mark.parametrize(("true", "stated", "percent"), [(26, 27, "-3.7 %"), (27, 26, "+3.8 %")])
+def test_26_samples_of_a_frame_taken_for_27(true: int, stated: int, percent: str) -> None:
+    blocks, truth = arrivals(1, 20, true * FRAME_HZ, frame=true)
+    clock = SampleClock(stated * FRAME_HZ)
+    told_s = None
+    for block in blocks:
+        clock.add(*block)
+        if told_s is None and clock.problems():
+            told_s = block[2]
+    assert told_s is not None
+    assert told_s < 4
+    assert percent in clock.problems()[0]
+    assert np.abs(errors_s(clock, truth)).max() < 5e-4
+    assert clock.report().missing == 0
+
+
+@pytest.mark.parametrize("at_s", [0.5, 1.5, 2.7, 3.2, 10.0, 28.0])
+@pytest.mark.parametrize("frames", [1, 3, 40])
+def test_frames_that_nobody_told_to_be_lost(at_s: float, frames: int) -> None:
+    fs_hz = 26 * FRAME_HZ * (1 + 3e-5)
+    lost_s = frames / FRAME_HZ
+    blocks, truth = arrivals(7, 30, fs_hz, lost=[(at_s, lost_s)])
+    clock = clock_of(blocks, 26 * FRAME_HZ)
+    assert clock.report().missing == 26 * frames
+    assert f"About {26 * frames} samples" in " ".join(clock.problems())
+    # where the loss lies within the first seconds is known to 0.1 s
+    settled = truth[(truth[:, 1] < at_s - 0.1) | (truth[:, 1] > at_s + lost_s + 0.15)]
+    assert np.abs(errors_s(clock, settled)).max() < 1e-3
+
+
+def test_two_losses_and_what_lies_between() -> None:
+    fs_hz = 26 * FRAME_HZ
+    blocks, truth = arrivals(3, 60, fs_hz, lost=[(10, 20 / FRAME_HZ), (40, 1 / FRAME_HZ)])
+    clock = clock_of(blocks, fs_hz)
+    assert clock.report().missing == 21 * 26
+    assert np.abs(errors_s(clock, truth)).max() < 5e-4
+
+
+def test_a_way_that_is_longer_for_a_time_is_no_loss() -> None:
+    fs_hz = 26 * FRAME_HZ
+    blocks, truth = arrivals(5, 40, fs_hz)
+    slow = [(first, n, arrived_s + 0.03 * (15 < arrived_s < 20)) for first, n, arrived_s in blocks]
+    clock = SampleClock(fs_hz, quantum=26)
+    seen = set()
+    for block in sorted(slow, key=lambda each: each[2]):
+        clock.add(*block)
+        seen.add(clock.report().missing)
+    assert seen == {0, 52}
+    assert clock.report().missing == 0
+    assert np.abs(errors_s(clock, truth)).max() < 5e-4
+
+
+def test_losses_that_the_source_numbers_are_not_told_twice() -> None:
+    fs_hz = 1000.0
+    clock = SampleClock(fs_hz)
+    for block in range(2000):
+        first = 10 * block + (500 if block >= 1000 else 0)
+        clock.add(first, 10, (first + 9) / fs_hz + 0.001)
+    assert clock.report().missing == 0
+    assert clock.report().gaps == 1
+    assert clock.time_s(20_000) == pytest.approx(20.001, abs=1e-6)
+
+
+def test_an_hour_in_a_memory_that_does_not_grow() -> None:
+    """At 74 bursts a second, with a device's clock that wanders by 2 ms from its mean rate."""
+    fs_hz = 26 * FRAME_HZ * (1 + 2e-5)
+    blocks, truth = arrivals(11, 3600, fs_hz, wander=2e-3)
+    clock = SampleClock(26 * FRAME_HZ, quantum=26)
+    most = 0
+    for block in blocks:
+        clock.add(*block)
+        most = max(most, len(clock._xs))
+    assert most <= MOST_BINS
+    report = clock.report()
+    assert report.se_s is not None
+    assert 5e-4 < report.se_s < 4e-3
+    assert np.abs(errors_s(clock, truth)).max() < 2 * report.se_s + 1e-3
+    assert report.missing == 0
+
+
+def test_the_fixed_delay_is_taken_off() -> None:
+    blocks, truth = arrivals(2, 10, 26 * FRAME_HZ)
+    clock = clock_of(blocks, 26 * FRAME_HZ, delay_s=0.048)
+    assert np.abs(errors_s(clock, truth) + 0.048).max() < 1e-3
+
+
+def test_before_the_first_block_and_after_few() -> None:
+    clock = SampleClock(1000.0, delay_s=0.01)
+    assert np.isnan(clock.time_s(0))
+    assert clock.report().rate_hz is None
+    clock.add(0, 0, 0.5)
+    assert np.isnan(clock.time_s(0))
+    clock.add(0, 10, 1.0)
+    assert clock.time_s(9) == pytest.approx(0.99)
+    assert clock.time_s(np.array([0, 19])) == pytest.approx([0.981, 1.0])
+    assert (clock.report().se_s, clock.problems()) == (None, ())
