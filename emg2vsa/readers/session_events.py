@@ -51,7 +51,7 @@ def session_presses(path: Path) -> tuple[SessionPress, ...]:
             rows = list(csv.DictReader(file, delimiter="\t"))
     except (OSError, ValueError, csv.Error) as error:
         raise RecordingError(
-            path, wanted="the events of a session", found=str(error), do="Write them again: emg2vsa session --resume."
+            path, wanted="the events of a session", found=str(error), do="Write them again: emg2vsa session finish."
         ) from error
     return tuple(_press(path, number, row) for number, row in enumerate(rows, 2) if row.get("trial_type") == "press")
 
