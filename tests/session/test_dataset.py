@@ -322,16 +322,9 @@ def test_a_known_moment_is_found_in_both_streams_within_a_sample_over_ten_minute
     assert [signal.label for signal in file.signals] == ["EDC", "FDS right", "Fz"]
     assert file.signals[0].sampling_frequency == pytest.approx(2000, rel=1e-6)
     apart = np.abs(found_s["Fz"] - found_s["EDC"]) * 2000
-    print(
-        "APART",
-        apart,
-        (found_s["EDC"] - (moments_s - 2) * (1 + 30e-6)) * 2000,
-        file.data_record_duration,
-        [x.sampling_frequency for x in file.signals],
-    )
     assert apart.max() < 1.0, apart
     onsets = (moments_s - 2.0) * (1 + 30e-6)
-    assert np.abs(found_s["EDC"] - onsets).max() * 2000 < 4.0, (found_s["EDC"] - onsets) * 2000
+    assert np.abs(found_s["EDC"] - onsets).max() * 2000 < 3.0, (found_s["EDC"] - onsets) * 2000
 
 
 def test_a_session_that_was_interrupted_becomes_numbered_recordings(study):
