@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from casr.atomic import write_text_atomic
 from emg2vsa import __version__
 from emg2vsa.errors import SettingError
+from emg2vsa.settings import LABEL_CHARACTERS
 
 BIDS_VERSION = "1.11.1"
 Json = dict[str, Any]
-LABEL_CHARACTERS = 16
 CHANNEL_COLUMNS = (
     "name", "type", "units", "description", "sampling_frequency", "signal_electrode", "reference", "group",
     "target_muscle", "placement_scheme", "placement_description", "interelectrode_distance", "low_cutoff",
@@ -74,19 +74,21 @@ def bdf_bytes(
     return file.to_bytes()
 
 
-def record_s(rates_hz: Iterable[float]) -> float | None:
+def record_s(
+    rates_hz: Iterable[float], tolerance: float = _RATE_TOLERANCE, longest_s: float = _LONGEST_RECORD_S
+) -> float | None:
     """The shortest length of a data record, s, that holds whole samples at each of the rates; None where none does.
 
-    A rate may move by a millionth, and the length is one that the format's eight characters can write.
+    A rate may move by ``tolerance`` of itself, and the length is one that the format's eight characters can write.
     """
     rates = sorted(set(rates_hz))
     if all(rate.is_integer() for rate in rates):
         return 1.0
     slowest = rates[0]
-    for n in range(1, math.floor(_LONGEST_RECORD_S * slowest) + 1):
-        length = float(f"{n / slowest:.6f}")
+    for n in range(1, math.floor(longest_s * slowest) + 1):
+        length = float(f"{n / slowest:.6f}"[:8])
         counts = [rate * length for rate in rates]
-        if length > 0 and all(abs(c - round(c)) <= _RATE_TOLERANCE * c and round(c) > 0 for c in counts):
+        if length > 0 and all(abs(c - round(c)) <= tolerance * c and round(c) > 0 for c in counts):
             return length
     return None
 
@@ -117,6 +119,50 @@ def _two_digits_above(value: float) -> float:
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     limit = math.ceil(value / unit) * unit
     return float(f"{limit:.2g}")
+
+
+def channel_cells(
+    label: str, muscle: str | None, unit: str, said: str, fs_hz: float, *, electrode_mm: float | None, told: str = ""
+) -> tuple[object, ...]:
+    """Cells of a channel in the order of ``CHANNEL_COLUMNS``. muscle : its role; None for the force.
+
+    said : what the channel is. told : what is to be known of its samples.
+    """
+    head = (label, "EMG" if muscle else "MISC", unit, said, f"{fs_hz:.10g}")
+    tail = ("n/a", "good", told or "n/a")
+    if muscle is None:
+        return (*head, *["n/a"] * 9, *tail)
+    name = MUSCLES.get(muscle.upper(), muscle)
+    distance = "n/a" if electrode_mm is None else f"{electrode_mm:g}"
+    placed = ("other", f"belly of the {name}", distance, "n/a", "n/a")
+    return (*head, f"{label}1", f"{label}2", label, name, *placed, *tail)
+
+
+def emg_sidecar(
+    task: str, muscles: Sequence[str], others: int, fs_hz: float, duration_s: float, *, mains_hz: float | None,
+    electrode_mm: float | None, software: str,
+) -> Json:  # fmt: skip
+    """The _emg.json of a recording of presses. muscles : roles of its EMG channels. others : number of the others."""
+    names = [MUSCLES.get(muscle.upper(), muscle) for muscle in muscles]
+    placed = f"Bipolar electrodes over the bellies of: {', '.join(names)}." if names else "No EMG in this file."
+    distance = {} if electrode_mm is None else {"InterelectrodeDistance": electrode_mm}
+    return {
+        "TaskName": task,
+        "TaskDescription": "Press a soft specimen with one finger, several times, with rests between.",
+        "SamplingFrequency": fs_hz,
+        "PowerLineFrequency": mains_hz if mains_hz is not None else "n/a",
+        "RecordingType": "continuous",
+        "RecordingDuration": round(duration_s, 6),
+        "SoftwareFilters": "n/a",
+        "EMGReference": "bipolar",
+        "EMGPlacementScheme": "Other",
+        "EMGPlacementSchemeDescription": placed,
+        "EMGChannelCount": len(names),
+        "MiscChannelCount": others,
+        "TriggerChannelCount": 0,
+        **distance,
+        "SoftwareVersions": software,
+    }
 
 
 def description(name: str, kind: str, what_made: str, authors: Sequence[str] = (), licence: str = "") -> Json:

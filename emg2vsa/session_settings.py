@@ -10,6 +10,9 @@ from emg2vsa.settings import Fraction, Ge, Gt, Le, MinLen, NonNegative, Positive
 Text = Annotated[str, MinLen(1)]
 Port = Annotated[int, Ge(1), Le(65535)]
 
+PARTICIPANT_CODE = r"[A-Za-z]{0,4}[0-9]{1,6}"
+"""At most four letters and a number, which no name is."""
+
 TRIGNO_COMMAND_PORT, TRIGNO_EMG_PORT, TRIGNO_AUX_PORT = 50040, 50043, 50044
 """Of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
 
@@ -66,19 +69,53 @@ class SessionTexts:
     language: Text = "en"
     "Of the texts, for the browser (en, it, de)."
     wait: Text = "Please wait"
+    "While the operator prepares something."
     start: Text = "START"
+    "Command to press."
     press: Text = "Press"
+    "While force rises."
     stop: Text = "STOP"
+    "Command to lift the finger."
     rest: Text = "Rest"
+    "Between presses."
     pause: Text = "Break"
+    "Between specimens."
     relax: Text = "Relax your arm"
+    "While the rest level of the EMG is measured."
     contract: Text = "Tense your forearm as hard as you can"
+    "While the maximum contraction is measured."
     training: Text = "Practice"
+    "Beside the number of a practice press."
     done: Text = "Finished. Thank you!"
+    "At the end."
     too_fast: Text = "slower"
+    "While force rises too fast."
     too_slow: Text = "faster"
+    "While force rises too slowly."
     falling: Text = "keep increasing"
+    "While force falls before the upper force."
     lost: Text = "The display has lost the connection"
+    "While no force arrives."
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionAbout:
+    """What no device says of a recording, for the side files of the data set. Texts that are empty are left out."""
+
+    power_line_hz: Literal[50, 60] | None = None
+    "Frequency of the mains; omitted: not stated."
+    electrode_mm: Positive | None = None
+    "Distance of the two electrodes of a pair, mm (Bagnoli: 10)."
+    electrodes: str = ""
+    "Maker and model of the electrodes."
+    skin_preparation: str = ""
+    "How the skin was prepared."
+    ground: str = ""
+    "Where the ground electrode is."
+    instructions: str = "Press with rising force when the screen says START; lift the finger when it says STOP."
+    "What participants are told to do."
+    institution: str = ""
+    "Where the study is done."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,5 +201,7 @@ class SessionSettings:
     "true: the operator confirms the first item of the checklist before every press (the paper: arm support)."
     limits: SessionLimits = field(default_factory=SessionLimits)
     "How well a press must be done."
+    about: SessionAbout = field(default_factory=SessionAbout)
+    "What no device says, for the data set."
     texts: SessionTexts = field(default_factory=SessionTexts)
     "What the participant reads."

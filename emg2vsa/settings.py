@@ -29,6 +29,9 @@ MinLen = partial(Limit, "length >=")
 TICKS_PER_TURN = 32768
 """Wire ticks of a qbmove in a turn of its output shaft, at the default resolution 1 of the firmware."""
 
+LABEL_CHARACTERS = 16
+"""Longest name of a channel that EDF and BDF hold."""
+
 GAUGE_AXES = ("Fx", "Fy", "Fz")
 """Forces that the gauges of an ATI transducer give."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     ChannelSettings,
     FilterSettings,
@@ -134,6 +135,10 @@ class Study(StageSettings):
     "Where the rig's runs come from; None: the study has none."
     runs: tuple[RunEntry, ...] = ()
     "The rig's runs, once they have been looked up."
+    session: SessionSettings | None = None
+    "How a participant's session is run; None: the study file does not say."
+    task: str = ""
+    "BIDS label of the task; a layout that is not BIDS has none."
 
     @property
     def stiffness_n_per_mm(self) -> dict[str, float]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, Union
 
-from emg2vsa import settings
+from emg2vsa import session_settings, settings
 from emg2vsa.rig import device_settings, experiment, rig_settings
 from emg2vsa.rig.emulated import settings as emulated
 from emg2vsa.rig_file import tables as rig_tables
@@ -26,7 +26,7 @@ from emg2vsa.study_file.problems import Kind, Pattern, kinds_of, required_keys
 
 def study_schema() -> dict[str, Any]:
     """The schema of a study file."""
-    return schema_of(study_tables.StudyFile, (study_tables, settings))
+    return schema_of(study_tables.StudyFile, (study_tables, settings, session_settings))
 
 
 def rig_schema() -> dict[str, Any]:

@@ -53,12 +53,12 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.pipeline.places import writable_or_temporary
 
     whole, below = study_of(arguments)
-    chosen = _only(whole, arguments.participants)
+    chosen = of_participants(whole, arguments.participants)
     with writable_or_temporary(chosen, below, now=True) as (study, below):
         if arguments.watch is not None:
             return _watch(arguments, study, whole, below)
         shown = progress(quiet=arguments.json)
-        verdicts = _judge(study, whole, jobs_of(arguments), shown, below)
+        verdicts = judge(study, whole, jobs_of(arguments), shown, below)
     if arguments.json:
         print_json({verdict.participant: as_json(verdict) for verdict in verdicts})
     else:
@@ -73,7 +73,7 @@ def as_json(verdict: SessionVerdict) -> dict[str, object]:
     return dataclasses.asdict(verdict) | {"advice": advice}
 
 
-def _only(study: Study, participants: list[str]) -> Study:
+def of_participants(study: Study, participants: list[str]) -> Study:
     """The study with the recordings of these participants."""
     from emg2vsa.errors import SettingError
 
@@ -87,7 +87,7 @@ def _only(study: Study, participants: list[str]) -> Study:
     return dataclasses.replace(study, recordings=tuple(e for e in study.recordings if e.participant in chosen))
 
 
-def _judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
+def judge(study: Study, whole: Study, jobs: int, shown: Progress, below: Path | None) -> list[SessionVerdict]:
     """The verdicts on the study's recordings, beside what is known of the ``whole`` study's others."""
     from emg2vsa.pipeline.run import run_study
 
@@ -186,7 +186,7 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
             listed = present
             try:
                 found, _ = study_of(arguments)
-                chosen = _only(found, arguments.participants)
+                chosen = of_participants(found, arguments.participants)
                 whole = dataclasses.replace(whole, recordings=found.recordings)
                 study = dataclasses.replace(study, recordings=chosen.recordings)
             except Emg2vsaError as error:  # the study file was edited meanwhile
@@ -199,7 +199,7 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
     try:
         for entry in landings(now, time.sleep):
             one = dataclasses.replace(study, recordings=(entry,))
-            (verdict,) = _judge(one, whole, 1, progress(quiet=True), below)
+            (verdict,) = judge(one, whole, 1, progress(quiet=True), below)
             verdicts[entry.key] = verdict.verdict
             if arguments.json:
                 print_json({entry.key: as_json(verdict)})

@@ -21,6 +21,8 @@ from emg2vsa.session.views import REQUESTS, Desk, ForceMessage, Request, ScreenR
 _FORCE_PERIOD_S = 0.004
 """A little shorter than that of the messages, so that none waits long to be fetched."""
 _OPERATOR_PERIOD_S = 0.05
+_SILENT_S = 0.5
+"""After so long without news the operator's page is told that there is a connection."""
 MOST_VIEWERS = 6
 """Of each page at once. A page that is opened again leaves its place; further ones are refused."""
 _LARGEST_BODY = 10_000
@@ -32,7 +34,8 @@ def session_pages(desk: Desk, clock: Clock) -> Pages:
     """The pages "operator" and "participant" of a session. clock : the one that the session's times are on.
 
     A page fetches the newest from the desk when it can take it, so one that is slow misses messages and holds nobody
-    up. Operator: events "state" and "traces". Participant: event "state", and messages of force without a name.
+    up. Events of the operator: "state", "participant", "traces", "alive"; of the participant: "state", and forces
+    without a name.
     """
     return {"operator": _operator_routes(desk), "participant": _participant_routes(desk, clock)}
 
@@ -115,23 +118,28 @@ def _force_event(force: ForceMessage, now_s: float) -> str:
 
 
 class _OperatorEvents:
-    """The state is written out once for all who see it."""
+    """The state is written out once for all who see it. "participant" is what the participant's page shows."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
         self._number, self._text = -1, ""
 
     async def of_viewer(self) -> AsyncIterator[str]:
-        seen, after = None, 0
+        seen, shown, after, silent = None, None, 0, 0
         while True:
             number, state = self._desk.operator()
             if number != self._number:
                 self._number, self._text = number, _event("state", asdict(state))
             text = "" if number == seen else self._text
             seen = number
+            if (participant := self._desk.participant()) != shown:
+                shown, text = participant, text + _event("participant", asdict(participant))
             after, traces = self._desk.traces(after)
             if traces.time_s:
                 text += _event("traces", asdict(traces))
+            silent = 0 if text else silent + 1
+            if silent * _OPERATOR_PERIOD_S >= _SILENT_S:
+                silent, text = 0, _event("alive", {})
             if text:
                 yield text
             await asyncio.sleep(_OPERATOR_PERIOD_S)

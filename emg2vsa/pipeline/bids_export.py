@@ -16,12 +16,12 @@ from emg2vsa import __version__
 from emg2vsa.arrays import bridge_gaps, runs_of
 from emg2vsa.bids import (
     CHANNEL_COLUMNS,
-    LABEL_CHARACTERS,
-    MUSCLES,
     BdfChannel,
     Json,
     bdf_bytes,
+    channel_cells,
     description,
+    emg_sidecar,
     record_s,
     write_json,
     write_tsv,
@@ -31,7 +31,7 @@ from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.readers.bids_sidecars import side_files
 from emg2vsa.readers.roles import RoleChannels, read_roles
 from emg2vsa.recordings import Channel
-from emg2vsa.settings import CocontractionSettings, FitSettings, ReadingSettings
+from emg2vsa.settings import LABEL_CHARACTERS, CocontractionSettings, FitSettings, ReadingSettings
 from emg2vsa.study import RecordingEntry, RecordingPart
 from emg2vsa.trials import Trials
 from emg2vsa.trials.extract import extract_trials
@@ -315,16 +315,10 @@ def _channel_row(
     label: str, channel: Channel, muscle: str | None, unit: str, fs_hz: float, about: About, before: int, moved: str
 ) -> tuple[object, ...]:
     repeated = f"the first {before} samples repeat the first one recorded" if before else ""
-    told = "; ".join(filter(None, (repeated, moved))) or "n/a"
+    told = "; ".join(filter(None, (repeated, moved)))
     said = f"{'surface EMG of ' + muscle if muscle else 'pressing force'}; in the source {channel.name!r}: "
     said += channel.conversion
-    head = (label, "EMG" if muscle else "MISC", unit, said, f"{fs_hz:.10g}")
-    if muscle is None:
-        return (*head, *["n/a"] * 9, "n/a", "good", told)
-    name = MUSCLES.get(muscle.upper(), muscle)
-    distance = "n/a" if about.electrode_mm is None else f"{about.electrode_mm:g}"
-    placed = ("other", f"belly of the {name}", distance, "n/a", "n/a")
-    return (*head, f"{label}1", f"{label}2", label, name, *placed, "n/a", "good", told)
+    return channel_cells(label, muscle, unit, said, fs_hz, electrode_mm=about.electrode_mm, told=told)
 
 
 _Event = tuple[float, float, str, object, str, str, str]
@@ -379,28 +373,13 @@ def _events(presses: _Presses, start_s: float, gaps: Sequence[tuple[float, float
 
 def _emg_json(channels: _Named, part: RecordingPart, about: About, duration_s: float) -> Json:
     emg = [channel for channel, muscle in channels.values() if muscle]
-    muscles = [MUSCLES.get(muscle.upper(), muscle) for _, muscle in channels.values() if muscle]
-    placed = f"Bipolar electrodes over the bellies of: {', '.join(muscles)}." if muscles else "No EMG in this file."
-    distance = {} if about.electrode_mm is None else {"InterelectrodeDistance": about.electrode_mm}
-    return {
-        "TaskName": about.task,
-        "TaskDescription": "Press a soft specimen with one finger, several times, with rests between.",
-        "SamplingFrequency": (emg or [channel for channel, _ in channels.values()])[0].fs_hz,
-        "PowerLineFrequency": about.mains_hz if about.mains_hz is not None else "n/a",
-        "RecordingType": "continuous",
-        "RecordingDuration": round(duration_s, 6),
-        "SoftwareFilters": "n/a",
-        "EMGReference": "bipolar",
-        "EMGPlacementScheme": "Other",
-        "EMGPlacementSchemeDescription": placed,
-        "EMGChannelCount": len(emg),
-        "MiscChannelCount": len(channels) - len(emg),
-        "TriggerChannelCount": 0,
-        **distance,
-        "SoftwareVersions": f"converted by emg2vsa {__version__}",
-        **_of_source(part.emg_file),
-        **(about.more or {}),
-    }
+    muscles = [muscle for _, muscle in channels.values() if muscle]
+    fs_hz = (emg or [channel for channel, _ in channels.values()])[0].fs_hz
+    own = emg_sidecar(
+        about.task, muscles, len(channels) - len(emg), fs_hz, duration_s, mains_hz=about.mains_hz,
+        electrode_mm=about.electrode_mm, software=f"converted by emg2vsa {__version__}",
+    )  # fmt: skip
+    return {**own, **_of_source(part.emg_file), **(about.more or {})}
 
 
 _FROM_SOURCE = (

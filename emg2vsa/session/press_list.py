@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from emg2vsa.session import journal
-from emg2vsa.session.live_press import FoundPress, Judged, Problem
+from emg2vsa.session.live_press import Circumstances, FoundPress, Judged, Problem
 from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.record import Progress
 from emg2vsa.session.views import PressView
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 @dataclass
@@ -29,6 +32,9 @@ class Tried:
     complete: bool = False
     times: Attempt | None = None
     found: FoundPress | None = None
+    around: Circumstances = field(default_factory=Circumstances)
+    epochs: tuple[int, int] = (0, 0)
+    "Of the streams that saw it."
 
     @property
     def undecided(self) -> bool:
@@ -38,7 +44,9 @@ class Tried:
     @property
     def counts(self) -> bool:
         """It stands for its press, as far as its execution goes."""
-        return self.complete and ((self.verdict in ("ok", "warned") and not self.decision) or self.decision == "accept")
+        if not self.complete or self.decision:
+            return self.complete and self.decision == "accept"
+        return self.verdict in ("ok", "warned")
 
     @property
     def usable(self) -> FoundPress | None:
@@ -106,7 +114,7 @@ class PressList:
     @property
     def next(self) -> PlannedPress | None:
         """The first one that is not done."""
-        return next((press for press in self.presses if not self._progress.is_done(press.number)), None)
+        return self._progress.next
 
     @property
     def undecided(self) -> Tried | None:
@@ -168,7 +176,9 @@ def _rounded(value: float | None) -> float | None:
 
 
 def said_the_same(one: journal.Judged, tried: Tried) -> bool:
-    """Whether a verdict repeats what is known."""
-    return replace(one, values={}) == journal.Judged(one.press, one.attempt, one.verdict, tried.problems) and (
-        one.verdict == tried.verdict
-    )
+    """Whether a verdict repeats what is known, the numbers in its words aside: each further press changes them."""
+    return one.verdict == tried.verdict and _words(one.problems) == _words(tried.problems)
+
+
+def _words(problems: tuple[Problem, ...]) -> list[str]:
+    return [_NUMBER.sub("", found) for found, _ in problems]

@@ -37,17 +37,16 @@ from emg2vsa.session.journal import (
 from emg2vsa.session.plan import PLAN_FILE, Plan, PlannedPress, plan_bytes, read_plan
 from emg2vsa.session.raw_files import SampleWriter
 from emg2vsa.session.streams import StreamInfo
+from emg2vsa.session_settings import PARTICIPANT_CODE
 
 LOCK_FILE = ".lock"
-CODE = re.compile(r"[A-Za-z]{1,6}[0-9]{1,6}")
-"""Of a participant: short letters, then a number, which no name is."""
 
 
 def check_code(participant: str) -> None:
     """SettingError where a participant's code could be a name: privacy begins with what a file is called."""
-    if not CODE.fullmatch(participant):
+    if not re.fullmatch(PARTICIPANT_CODE, participant):
         raise SettingError(
-            f"--participant {participant}", wanted="a code: one to six letters and then a number, such as P03",
+            f"--participant {participant}", wanted="a code: at most four letters and then a number, such as P03",
             found=repr(participant), do="Give a code. Keep the list of codes and names apart from the data, on paper.",
         )  # fmt: skip
 
@@ -62,6 +61,12 @@ class Attempt:
     state: str = "running"
     verdict: str = ""
     decision: Decision = ""
+
+    @property
+    def counts(self) -> bool:
+        """Whether it stands for its press: complete and well done, or accepted in spite of its faults."""
+        well_done = self.verdict in ("ok", "warned") and not self.decision
+        return self.state == "complete" and (well_done or self.decision == "accept")
 
 
 @dataclass
@@ -96,12 +101,13 @@ class Progress:
         if not own or own[-1].state != "complete":
             return bool(own) and own[-1].decision == "skip"
         last = own[-1]
-        return last.decision in ("accept", "skip") or (last.decision == "" and last.verdict in ("ok", "warned"))
+        return last.counts or last.decision == "skip"
 
     @property
     def next(self) -> PlannedPress | None:
         """The first press that is not done; None when all are."""
-        return next((press for press in self.presses if not self.is_done(press.number)), None)
+        in_order = sorted(self.presses, key=lambda press: (press.stay, press.number))
+        return next((press for press in in_order if not self.is_done(press.number)), None)
 
     @property
     def running(self) -> Attempt | None:
@@ -133,6 +139,8 @@ class SessionRecord:
         self.progress = Progress(plan.presses)
         self._lock, self._now_s = lock, now_s
         self._lines, self.sitting = 0, 1
+        self.past: list[Line] = []
+        "Lines of earlier sittings, and what opening the folder added to them."
         path = folder / JOURNAL_FILE
         if path.exists():
             self._read(path)
@@ -140,13 +148,14 @@ class SessionRecord:
         self._journal = self._disk.open(path)
         self._resume()
 
-    def append(self, event: Event, time_s: float | None = None) -> None:
-        """Add an event to the journal; ``time_s`` where it happened before now."""
+    def append(self, event: Event, time_s: float | None = None) -> Line:
+        """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now."""
         self._lines += 1
         time_s = self._now_s() if time_s is None else time_s
         line = Line(self._lines, self.sitting, time_s, now_text(), event)
         self.progress.take(line)
         self._disk.seal(self._journal, line_bytes(line))
+        return line
 
     def open_stream(self, name: str, info: StreamInfo) -> SampleWriter:
         """A file for the samples of a stream that is called so in this sitting, "emg" or "force"; waits a moment.
@@ -203,15 +212,18 @@ class SessionRecord:
                 os.fsync(file.fileno())
         for line in lines:
             self.progress.take(line)
+        self.past = list(lines)
         self._lines = len(lines)
         self.sitting = max((line.sitting for line in lines), default=0) + 1
 
     def _resume(self) -> None:
         self._lines_before = self._lines
         if self.repaired_bytes:
-            self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
+            self.past.append(
+                self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
+            )
         if (running := self.progress.running) is not None:
-            self.append(Interrupted(running.press, running.attempt))
+            self.past.append(self.append(Interrupted(running.press, running.attempt)))
 
 
 def new_session(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -32,10 +32,12 @@ class Arrived(NamedTuple):
 
 
 class RecordedStream:
-    """``open`` waits for the device; ``read`` never does. A lost device is opened again by itself, until it answers."""
+    """``read`` never waits. A lost device is opened again by itself, until it answers."""
 
-    def __init__(self, name: str, make: Callable[[], Source], record: SessionRecord, *, beside: bool) -> None:
-        """name : "emg" or "force". make : opens the source anew. beside : wait for a lost device in a thread."""
+    def __init__(
+        self, name: str, source: Source, make: Callable[[], Source], record: SessionRecord, now_s: float, beside: bool
+    ) -> None:
+        """name : "emg" or "force". source : started. make : opens it anew. beside : wait for that in a thread."""
         self.name = name
         self._make, self._record, self._beside = make, record, beside
         self._source: Source | None = None
@@ -49,15 +51,6 @@ class RecordedStream:
         "Why the device is lost; empty while it delivers."
         self.epoch = 0
         "Counts how often it was opened; sample numbers begin anew."
-
-    def open(self, now_s: float) -> None:
-        """Start the device and its file. DeviceError when no samples come."""
-        source = self._make()
-        try:
-            source.start()
-        except BaseException:
-            source.close()
-            raise
         self._take(source, now_s)
 
     @property
@@ -129,7 +122,8 @@ class RecordedStream:
         if lost and not report.missing:
             problems.append(f"{lost} samples were lost.")
         name = {"emg": "EMG", "force": "Force"}[self.name]
-        state, text = "good", f"{name}: {info.fs_hz:.6g} samples a second."
+        state: Literal["good", "doubtful", "lost"] = "good"
+        text = f"{name}: {info.fs_hz:.6g} samples a second."
         if self.lost_why:
             state, text = "lost", f"{name}: {self.lost_why}"
         elif now_s - self._heard_s > SILENT_S:
@@ -137,9 +131,7 @@ class RecordedStream:
         elif problems:
             state, text = "doubtful", f"{name}: {' '.join(problems)}"
         counts = 0 if self._source is None else self._source.counts().samples
-        return DeviceView(
-            name, state, text, info.fs_hz, report.rate_hz, report.se_s, counts, lost,
-        )  # type: ignore[arg-type]  # fmt: skip
+        return DeviceView(name, state, text, info.fs_hz, report.rate_hz, report.se_s, counts, lost)
 
     def close(self) -> None:
         """Give the device back."""
@@ -155,7 +147,7 @@ class RecordedStream:
     def _take(self, source: Source, now_s: float) -> None:
         self._info = source.info
         self._writer: SampleWriter = self._record.open_stream(self.name, source.info)
-        self._clock = SampleClock(source.info.fs_hz, delay_s=source.info.delay_s)
+        self._clock = SampleClock(source.info.fs_hz, delay_s=source.info.delay_s, quantum=source.info.frame)
         self._source, self._expected, self._heard_s = source, 0, now_s
         self.lost_why = ""
         self.epoch += 1

@@ -60,7 +60,7 @@ class Traces:
         """What came after the message of a number, of the last ten seconds at most, and the newest number."""
         kept = list(self._kept)
         newer = [message for own, message in kept if own > number]
-        joined = TraceMessage([], [], *({muscle: [] for muscle in self._muscles} for _ in range(3)))
+        joined = TraceMessage([], [], self._none(), self._none(), self._none())
         for message in newer:
             joined.time_s.extend(message.time_s)
             joined.force_n.extend(message.force_n)
@@ -69,6 +69,9 @@ class Traces:
                 joined.low_v[muscle].extend(message.low_v[muscle])
                 joined.high_v[muscle].extend(message.high_v[muscle])
         return (kept[-1][0] if kept else 0), joined
+
+    def _none(self) -> dict[str, list[float]]:
+        return {muscle: [] for muscle in self._muscles}
 
     def _message(self) -> TraceMessage:
         times, forces, *volts = zip(*self._columns, strict=True)

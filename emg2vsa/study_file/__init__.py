@@ -13,7 +13,7 @@ from typing import Any
 
 from emg2vsa.settings import PAPER, StageSettings
 from emg2vsa.study import Person, RecordingEntry, Study
-from emg2vsa.study_file import check_recordings, check_stages
+from emg2vsa.study_file import check_recordings, check_session, check_stages
 from emg2vsa.study_file.assembly import study_of
 from emg2vsa.study_file.problems import Problem, checked, checked_tables, shown
 from emg2vsa.study_file.tables import ParticipantsTable, StudyFile
@@ -118,7 +118,7 @@ def _contradictions(known: Mapping[str, Any]) -> Iterator[Problem]:
 
     A check takes tables as parameters of their names; one that has a default may have been left out.
     """
-    for check in (*check_recordings.CHECKS, *check_stages.CHECKS):
+    for check in (*check_recordings.CHECKS, *check_stages.CHECKS, *check_session.CHECKS):
         wanted = inspect.signature(check).parameters.values()
         if all(each.name in known and (known[each.name] is not None or each.default is None) for each in wanted):
             yield from check(**{each.name: known[each.name] for each in wanted})

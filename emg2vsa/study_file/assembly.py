@@ -53,6 +53,8 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         if file.runs
         else RunSettings(),
         runs_source=_runs_source(folder, file.runs) if file.runs else None,
+        session=file.session,
+        task=(file.recordings.task if file.recordings else None) or "",
     )
 
 

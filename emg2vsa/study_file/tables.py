@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal, TypeVar
 
+from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import (
     ChannelSettings,
     EmgChannelSettings,
@@ -185,6 +186,8 @@ class StudyFile(StageSettings, Recorded):
 
     runs: RunsTable | None = None
     "The rig's runs; omitted: the study ends with the schedules."
+    session: SessionSettings | None = None
+    "How a participant's session is run; omitted: recordings were made by other means."
 
 
 Settings = TypeVar("Settings", FilterSettings, WindowSettings)

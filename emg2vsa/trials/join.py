@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from itertools import pairwise
@@ -14,6 +15,8 @@ from emg2vsa.signals.delays import ESTIMATED
 from emg2vsa.signals.lag import PRESS_SD_S, UNKNOWN, Lag
 from emg2vsa.trials import Trials
 
+RATES_ALIKE = 1e-5
+
 
 def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
     """The presses of all ``parts``, numbered on; ``files``: the name of each, as notes give it.
@@ -23,7 +26,8 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
     recording alone is certain of, and lags that differ, are remarks. A fault is one of the whole only where every
     recording has it; else it is a remark, and the presses that it rejects stay rejected.
 
-    Raises SignalError where muscles, unit or rate differ from those of the first.
+    Raises SignalError where muscles, unit or rate differ from those of the first; a rate by more than a hundred
+    thousandth, which a file may round it by.
     """
     first = parts[0]
     if len(parts) == 1:
@@ -31,7 +35,8 @@ def join_trials(parts: Sequence[Trials], files: Sequence[str]) -> Trials:
     for part, file in zip(parts, files, strict=True):
         for name, unit in (("muscles", ""), ("activity_unit", ""), ("fs_hz", " Hz")):
             own, wanted = getattr(part, name), getattr(first, name)
-            if own != wanted:
+            same = math.isclose(own, wanted, rel_tol=RATES_ALIKE) if name == "fs_hz" else own == wanted
+            if not same:
                 raise SignalError(
                     file, wanted=f"{name} {wanted}{unit}, as in {files[0]}", found=f"{own}{unit}",
                     do="Give recordings of one participant on one specimen the same channels and rates.",

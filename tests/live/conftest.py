@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -10,6 +14,7 @@ from typing import Any
 
 import pytest
 
+import emg2vsa.live
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.run_log import Row
@@ -56,3 +61,29 @@ def ended() -> Callable[..., Ended]:
     """How a run ended: completed and safe, but for what is named."""
     whole = Ended("completed", "", "", "done", 3, 9.0, "", retracted=True, deactivated=True)
     return lambda **changes: replace(whole, **changes)
+
+
+@pytest.fixture
+def computed_by() -> Callable[[str], Callable[..., Any]]:
+    """Results of functions in a page's state.js, called with plain values as the browser computes them."""
+    program = shutil.which("deno", path=str(Path(sys.executable).parent)) or shutil.which("deno")
+    if program is None:
+        pytest.skip("deno is not installed (extra 'test')")
+
+    def of_page(page: str) -> Callable[..., Any]:
+        path = Path(emg2vsa.live.__file__).parent / "page" / page / "state.js"
+
+        def call(function: str, *arguments: Any) -> Any:
+            script = (
+                f"import * as state from {json.dumps(path.as_uri())};"
+                f"console.log(JSON.stringify(state.{function}(...{json.dumps(arguments)})));"
+            )
+            done = subprocess.run(
+                [program, "run", "--quiet", "--no-config", "--ext=js", "-"],
+                input=script, capture_output=True, text=True, timeout=60, check=True,
+            )  # fmt: skip
+            return json.loads(done.stdout)
+
+        return call
+
+    return of_page

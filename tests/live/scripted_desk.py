@@ -45,10 +45,12 @@ class ScriptedDesk:
 
     checklist: ClassVar = ("Forearm lies on its support", "Electrodes hold", "Force shows zero")
 
-    def __init__(self, clock: Clock, awaits: str = "quality", faults: dict[int, tuple[tuple[str, str], ...]] | None = None):
-        self._clock, self._awaits, self._faults = clock, awaits, faults or {}
+    def __init__(
+        self, clock: Clock, awaits: str = "quality", faults: dict[int, tuple[tuple[str, str], ...]] | None = None
+    ):
+        self.clock, self._awaits, self._faults = clock, awaits, faults or {}
         self._lock = threading.RLock()
-        self._number = 1
+        self._number, self._told = 1, ""
         self._presses = list(PLAN)
         self._at = 0
         self._start_s: float | None = None
@@ -71,23 +73,23 @@ class ScriptedDesk:
                 phase = [one for one in self._presses if one.phase == press.phase]
                 texts = {name: getattr(self.texts, name) for name in self.texts.__dataclass_fields__}
                 state = ParticipantState(
-                    command, texts.get(command, texts["wait"]), press.phase, phase.index(press) + 1, len(phase), FORCE_N,
-                    BAR_N, (1.0, 5.0), self.palette, False, self.texts.language, texts,  # type: ignore[arg-type]
-                    self._clock.now_s() + 24 if command == "pause" else None,
+                    command, texts.get(command, texts["wait"]), press.phase, phase.index(press) + 1, len(phase),
+                    FORCE_N, BAR_N, (1.0, 5.0), self.palette, False, self.texts.language, texts,  # type: ignore[arg-type]
+                    self.clock.now_s() + 24 if command == "pause" else None,
                 )  # fmt: skip
                 self._shown = key, state
             return self._shown[1]
 
     def force(self) -> ForceMessage:
         with self._lock:
-            now_s = self._clock.now_s()
+            now_s = self.clock.now_s()
             self._advance(now_s)
             force_n, direction = self.frozen_force or self._force(now_s)
             return ForceMessage(int(200 * now_s) * self.sequence_step, now_s, force_n, direction, "", self._command())
 
     def operator(self) -> tuple[int, OperatorState]:
         with self._lock:
-            self._advance(self._clock.now_s())
+            self._advance(self.clock.now_s())
             press = self._presses[self._at]
             state = OperatorState(
                 "P03", "palpation", self._command(), "" if self._start_s is not None else self._awaits,
@@ -98,7 +100,7 @@ class ScriptedDesk:
 
     def traces(self, after: int) -> tuple[int, TraceMessage]:
         with self._lock:
-            now = int(100 * self._clock.now_s())
+            now = int(100 * self.clock.now_s())
             begin = after + 1 if after else max(0, now - 1000)
             times_s = [n / 100 for n in range(begin, now + 1)]
             forces = [self._force(time_s)[0] for time_s in times_s]
@@ -135,7 +137,7 @@ class ScriptedDesk:
         self._awaits = "start" if all(self._done.values()) else "checklist"
 
     def _start(self, request: Request) -> None:
-        self._start_s = self._clock.now_s()
+        self._start_s = self.clock.now_s()
 
     def _abort(self, request: Request) -> None:
         self._judged(((("the press was aborted"), "repeat it"),))
@@ -193,6 +195,9 @@ class ScriptedDesk:
         whole_s = REACTION_S + LOAD_S + HELD_S + RELEASE_S + VERDICT_S
         if self._start_s is not None and now_s > self._start_s + whole_s:
             self._judged(self._faults.get(self._presses[self._at].number, ()))
+        command = self._command()
+        self._number += command != self._told
+        self._told = command
 
     def _force(self, time_s: float) -> tuple[float, Direction]:
         since_s = time_s - self._start_s - REACTION_S if self._start_s is not None else -1.0
@@ -209,7 +214,7 @@ class ScriptedDesk:
             return "pause"
         if self._start_s is None:
             return {"start": "ready", "verdict": "rest", "end": "done"}.get(self._awaits, "wait")
-        since_s = self._clock.now_s() - self._start_s - REACTION_S
+        since_s = self.clock.now_s() - self._start_s - REACTION_S
         if since_s < LOAD_S * FORCE_N[0] / PEAK_N:
             return "start"
         if since_s < LOAD_S:

@@ -2,17 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import shutil
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
 
-import emg2vsa.live
-
-STATE = Path(emg2vsa.live.__file__).parent / "page" / "watch" / "state.js"
 RUNNING = {
     "folder": "runs",
     "run": {"name": "run"},
@@ -26,25 +17,9 @@ CLICKED = {"askedS": 100.0, "failure": ""}
 UNTOUCHED = {"askedS": None, "failure": ""}
 
 
-@pytest.fixture(scope="module")
-def computed():
-    """Results of functions of state.js, called with plain values."""
-    program = shutil.which("deno", path=str(Path(sys.executable).parent)) or shutil.which("deno")
-    if program is None:
-        pytest.skip("deno is not installed (extra 'test')")
-
-    def call(function, *arguments):
-        script = (
-            f"import * as state from {json.dumps(STATE.as_uri())};"
-            f"console.log(JSON.stringify(state.{function}(...{json.dumps(arguments)})));"
-        )
-        done = subprocess.run(
-            [program, "run", "--quiet", "--no-config", "--ext=js", "-"],
-            input=script, capture_output=True, text=True, timeout=60, check=True,
-        )  # fmt: skip
-        return json.loads(done.stdout)
-
-    return call
+@pytest.fixture
+def computed(computed_by):
+    return computed_by("watch")
 
 
 @pytest.mark.parametrize(

@@ -124,7 +124,7 @@ def test_the_page_loads_nothing_from_elsewhere_and_everything_it_names(client):
     named = re.findall(r'(?:href|src)="([^":]+)"', page.text) + re.findall(
         r'from "(.+?)"', client.get(f"{IN}/watch.js").text
     )
-    assert set(named) == {"watch.css", "watch.js", "./plot.js", "./state.js"}
+    assert set(named) == {"look.css", "watch.css", "watch.js", "./plot.js", "./state.js"}
     for name in named:
         file = client.get(f"{IN}/{name}")
         assert file.status_code == 200

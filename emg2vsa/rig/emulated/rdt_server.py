@@ -9,6 +9,7 @@ import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Self
 
+from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.rdt_box import RdtBox, configuration_page
 from emg2vsa.rig.force.netft_config import PATH
@@ -21,16 +22,28 @@ PACE_S = 5e-4
 
 
 class RdtServer:
-    """Serves ``box`` in real time within a with statement, on the ports ``rdt_port`` and ``http_port`` of ``host``."""
+    """Serves ``box`` in real time within a with statement, on the ports ``rdt_port`` and ``http_port`` of ``host``.
 
-    def __init__(self, box: RdtBox, clock: Clock) -> None:
+    Ports that are not given are any that are free. DeviceError when a given one is taken or not allowed.
+    """
+
+    def __init__(self, box: RdtBox, clock: Clock, *, rdt_port: int = 0, http_port: int = 0) -> None:
         self.box, self._clock = box, clock
         self.host = HOST
         self._ended = threading.Event()
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._udp.bind((HOST, 0))
+        try:
+            self._udp.bind((HOST, rdt_port))
+            self._http = ThreadingHTTPServer((HOST, http_port), _page_of(box))
+        except OSError as error:
+            self._udp.close()
+            raise DeviceError(
+                f"{HOST}, ports {rdt_port} (UDP) and {http_port} (HTTP)",
+                wanted="two free ports for the emulated box",
+                found=error.strerror or str(error),
+                do="End the program that holds them, or choose other ports; below 1024 they need a right of their own.",
+            ) from error
         self._udp.setblocking(False)
-        self._http = ThreadingHTTPServer((HOST, 0), _page_of(box))
         self.rdt_port: int = self._udp.getsockname()[1]
         self.http_port: int = self._http.server_address[1]
         self._threads = [

@@ -20,8 +20,8 @@ EMG_STREAM, FORCE_STREAM = "emulated EMG", "emulated force"
 class LslOutlets:
     """Streams of the types EMG (V) and Force (N), pushed in chunks within a with statement.
 
-    clock : of the participant; real time, for LSL stamps samples with the computer's own clock. DeviceError where pylsl
-    is not installed.
+    names : of the streams. clock : of the participant; real time, for LSL stamps samples with the computer's own clock.
+    DeviceError where pylsl is not installed.
     """
 
     def __init__(
@@ -30,6 +30,7 @@ class LslOutlets:
         muscles: Sequence[str],
         clock: WallClock,
         *,
+        names: tuple[str | None, str | None] = (None, None),
         emg_hz: float = 2000.0,
         force_hz: float = 1000.0,
     ) -> None:
@@ -41,15 +42,16 @@ class LslOutlets:
             ) from error
         self._clock = clock
         now_s = clock.now_s()
+        self.names = names[0] or EMG_STREAM, names[1] or FORCE_STREAM
         source = f"emg2vsa-emulated-{participant.person.name}"
         self._streams: tuple[tuple[EmgSampler | ForceSampler, Any], ...] = (
             (
                 EmgSampler(participant, muscles, emg_hz, start_s=now_s),
-                self._outlet(EMG_STREAM, "EMG", emg_hz, tuple(muscles), "V", source),
+                self._outlet(self.names[0], "EMG", emg_hz, tuple(muscles), "V", source),
             ),
             (
                 ForceSampler(participant, force_hz, start_s=now_s),
-                self._outlet(FORCE_STREAM, "Force", force_hz, ("force",), "N", source),
+                self._outlet(self.names[1], "Force", force_hz, ("force",), "N", source),
             ),
         )
         self._ended = threading.Event()

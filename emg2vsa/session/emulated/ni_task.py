@@ -185,10 +185,11 @@ class Task:
         self._check()
         devices = {channel.partition("/")[0] for channel in self._ni.wiring}
         for channel in _channels(physical_channel):
-            device, _, number = channel.partition("/ai")
+            device, _, input_ = channel.partition("/")
             if device not in devices:
                 raise DaqError(f"Device identifier is invalid.\nDevice Specified: {device}", NO_DEVICE)
-            if not number.isdecimal() or int(number) >= _INPUTS:
+            number = input_.removeprefix("ai")
+            if number == input_ or not number.isdecimal() or int(number) >= _INPUTS:
                 raise DaqError(f"Physical channel specified does not exist on this device: {channel}", NO_CHANNEL)
             self._muscles.append(self._ni.wiring.get(channel, ""))
             self.channel_names.append(name_to_assign_to_channel or channel)

@@ -184,7 +184,7 @@ class EmulatedParticipant:
             return np.zeros(0)
         with self._lock:
             self.advance(float(until_s[-1]))
-            first, last = math.floor(at_s[0] / STEP_S), math.ceil(at_s[-1] / STEP_S) + 1
+            first, last = math.floor(at_s[0] / STEP_S), max(0, math.ceil(at_s[-1] / STEP_S))
             steps = np.arange(max(first, self._steps - _KEPT_STEPS + 1, 0), min(last, self._steps) + 1)
             values: FloatArray = np.interp(at_s, steps * STEP_S, self._history[steps % _KEPT_STEPS, column])
             return values
@@ -222,7 +222,7 @@ class EmulatedParticipant:
         if glance.command == "ready" or (beginning and before.command not in ("ready", "start", "press")):
             self._meet(glance, time_s)
         reaction_s = self._rng.uniform(*self.person.reaction_s)
-        if glance.phase == "quality":
+        if glance.phase == "quality" or self._state == "contract":
             if beginning != (self._state == "contract"):
                 state = "contract" if beginning else "rest"
                 self._later(time_s + reaction_s, lambda now_s: self._enter(state, now_s))

@@ -1,9 +1,10 @@
-// Curves over the last seconds on a canvas. A curve is {values, colour, width, dash}; a level is {at, text}.
+// Curves over the last seconds on a canvas. A curve is {values, colour, width, dash}; a level is {at, text}; an area
+// is {low, high, colour}.
 
 const FONT = '15px system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif';
 const LEFT = 46, RIGHT = 8, TOP = 8, BOTTOM = 22;
 
-export function draw(canvas, { time, windowS, low, high, ticks, levels = [], band = null, curves, lastLabel }) {
+export function draw(canvas, { time, windowS, low, high, ticks, levels = [], band = null, areas = [], curves, lastLabel }) {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name);
   const context = fitted(canvas);
@@ -36,6 +37,7 @@ export function draw(canvas, { time, windowS, low, high, ticks, levels = [], ban
   context.beginPath();
   context.rect(LEFT, 0, width, canvas.clientHeight - BOTTOM);
   context.clip();
+  for (const one of areas) area(context, time, one, x, y, colour);
   for (const curve of curves) trace(context, time, curve, x, y, colour);
   context.restore();
 }
@@ -83,6 +85,14 @@ function trace(context, time, { values, colour: name, width, dash = [] }, x, y, 
   }
   context.stroke();
   context.setLineDash([]);
+}
+
+function area(context, time, { low, high, colour: name }, x, y, colour) {
+  context.fillStyle = colour(name);
+  context.beginPath();
+  for (let i = 0; i < time.length; i++) context.lineTo(x(time[i]), y(high[i]));
+  for (let i = time.length - 1; i >= 0; i--) context.lineTo(x(time[i]), y(low[i]));
+  context.fill();
 }
 
 function line(context, x0, y0, x1, y1) {

@@ -1,0 +1,29 @@
+"""``emg2vsa session``: a participant's session; one file per sub-command."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from casr.command_line import Commands, add_subcommands
+
+SUBCOMMANDS = ("run", "finish", "emulate")
+
+
+def add_to(commands: Commands) -> None:
+    summary = "A participant's session: acquired, judged and saved while it runs."
+    parser = commands.add_parser(
+        "session",
+        help=summary,
+        description=summary,
+        epilog="emg2vsa session STUDY is short for emg2vsa session run STUDY. Try: emg2vsa session "
+        "studies/palpation/study.toml --participant P03 --virtual. docs/how-to/session.md leads through a session.",
+    )
+    add_subcommands(parser, "emg2vsa.cli.session", SUBCOMMANDS)
+    parse = parser.parse_known_args
+
+    def parse_known_args(words: Any = None, namespace: Any = None) -> Any:
+        """A study file in the place of a command is run."""
+        named = words and (words[0] in SUBCOMMANDS or words[0].startswith("-"))
+        return parse(words if named or not words else ["run", *words], namespace)
+
+    parser.parse_known_args = parse_known_args

@@ -1,0 +1,464 @@
+"""The folder of a session as BIDS-EMG: one recording for each stay at a specimen, and what happened in it as events.
+
+Made from the folder alone, which it does not change but for a list of the files that it wrote: written again from the
+same folder, every file has the same bytes. A file of the data set that it did not write is never replaced.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from pathlib import Path
+
+from casr.atomic import write_bytes_atomic, write_text_atomic
+from emg2vsa import __version__
+from emg2vsa.arrays import bridge_gaps, runs_of
+from emg2vsa.bids import (
+    CHANNEL_COLUMNS,
+    BdfChannel,
+    Json,
+    bdf_bytes,
+    channel_cells,
+    description,
+    emg_sidecar,
+    write_json,
+    write_tsv,
+)
+from emg2vsa.errors import DataError, Emg2vsaError, SettingError
+from emg2vsa.session.journal import (
+    JOURNAL_FILE,
+    Begun,
+    Commanded,
+    Continued,
+    Decided,
+    Judged,
+    Line,
+    Noted,
+    Paused,
+    PressBegun,
+    PressEnded,
+    ScreenTold,
+    read_journal,
+)
+from emg2vsa.session.plan import PLAN_FILE, PlannedPress, read_plan
+from emg2vsa.session.record import Progress
+from emg2vsa.session.stays import StaySignals, StayWindow, cut, in_sitting, stay_windows, stored_streams
+from emg2vsa.session_settings import SessionSettings
+from emg2vsa.settings import ChannelSettings
+from emg2vsa.study import Study
+
+TRAINING_TASK = "training"
+WRITTEN_FILE = "written.json"
+EVENT_COLUMNS = (
+    "onset", "duration", "trial_type", "specimen", "phase", "press", "repetition", "attempt", "verdict", "decision",
+    "counts", "reason", "peak_force", "load_time", "note",
+)  # fmt: skip
+_EVENTS: Json = {
+    "onset": {"Description": "From the first sample of the recording.", "Units": "s"},
+    "duration": {"Description": "Its length; n/a for what has none.", "Units": "s"},
+    "trial_type": {
+        "Description": "What the row is of.",
+        "Levels": {
+            "command_start": "The screen tells the participant to press.",
+            "command_stop": "The screen tells the participant to lift the finger.",
+            "press": "One attempt at a press, from the first touch until the finger is lifted.",
+            "rest": "Rest between presses.",
+            "pause": "The session is paused.",
+            "gap": "Samples that did not come; interpolated linearly here.",
+            "operator_note": "A note of the operator, in the column note.",
+        },
+    },
+    "specimen": {"Description": "The specimen that was pressed."},
+    "phase": {"Description": "Practice or not.", "Levels": {"training": "Practice.", "main": "Counts."}},
+    "press": {"Description": "Number of the press in the session's order, from 1."},
+    "repetition": {"Description": "Number of the press on this specimen, from 1."},
+    "attempt": {"Description": "From 1; a press that was not well done is done again."},
+    "verdict": {
+        "Description": "Verdict on the execution of the press, given within a second of its end.",
+        "Levels": {"ok": "As asked.", "warned": "With a remark.", "rejected": "Not as asked; see reason."},
+    },
+    "decision": {
+        "Description": "What the operator decided; n/a where nothing was to be decided.",
+        "Levels": {"accept": "Keep it.", "repeat": "Do it again.", "skip": "Go on without it."},
+    },
+    "counts": {
+        "Description": "Whether the press is one of the study's, by its execution alone.",
+        "Levels": {"true": "It is analysed.", "false": "It is not analysed, for the reason that is given."},
+    },
+    "reason": {"Description": "Reasons of verdict and decision."},
+    "peak_force": {"Description": "Largest force of the press.", "Units": "N"},
+    "load_time": {"Description": "Time from the lower to the upper force.", "Units": "s"},
+    "note": {"Description": "What the operator wrote."},
+}  # fmt: skip
+_README = """\
+# {name}
+
+Sessions run by emg2vsa {version}: people press soft specimens with one finger while the surface EMG of forearm muscles
+and the pressing force are recorded. One recording for each stay at a specimen; `acq-` names it, `run-` counts the stays
+at one specimen where there are several, `task-training` is practice. The clock of a recording is that of its EMG; the
+force is stored at the rate that it has by this clock. `events.tsv` has the commands, the presses with verdict and
+decision, pauses and notes. `sourcedata` has what was recorded, sample by sample, and every event; it is never changed.
+"""
+
+
+@dataclass(frozen=True)
+class Written:
+    """files : recordings in the data set. left_out : (stay, why) of those that could not be written. notes : to say."""
+
+    files: tuple[Path, ...]
+    left_out: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+@dataclass
+class _Press:
+    """One attempt, as the journal has it."""
+
+    begun: PressBegun
+    begun_s: float
+    ended: PressEnded | None = None
+    judged: Judged | None = None
+    decided: Decided | None = None
+    counts: bool = False
+    notes: list[str] = field(default_factory=list)
+
+
+def write_dataset(folder: Path, study: Study) -> Written:
+    """The session in ``folder`` into the data set of ``study``, whose recordings it becomes.
+
+    Recordings of an earlier call are replaced. DataError : plan or journal are damaged, or a recording is in the data
+    set already that no session wrote. SettingError : the data set cannot be written to.
+    """
+    settings = study.session
+    if settings is None:
+        raise SettingError(
+            study.path,
+            wanted="a table [session]",
+            found="none",
+            do="Put the table back with which the session was run.",
+        )
+    plan = read_plan(folder / PLAN_FILE)
+    lines, _ = read_journal(folder / JOURNAL_FILE)
+    presses = _presses(lines, plan.presses)
+    streams, faults = stored_streams(folder, lines)
+    windows = stay_windows(lines)
+    channels = _channels(study, plan.participant)
+    stems = _stems(windows, plan.participant, study.task)
+    left_out: list[tuple[str, str]] = []
+    signals: dict[str, StaySignals] = {}
+    for stem, window in zip(stems, windows, strict=True):
+        try:
+            emg, force = (streams.get((window.sitting, name), []) for name in ("emg", "force"))
+            signals[stem] = _usable(cut(window, emg, force), stem)
+        except Emg2vsaError as error:
+            left_out.append((f"{window.phase} on {window.specimen}", str(error)))
+    subject = study.data / f"sub-{plan.participant}"
+    targets = [subject / "emg" / f"{stem}_emg.bdf" for stem in signals]
+    try:
+        _make_room(folder, study.data, targets)
+        scans = []
+        for (stem, own), target in zip(signals.items(), targets, strict=True):
+            window = windows[stems.index(stem)]
+            rows = _events(window, own, list(in_sitting(lines, window.sitting)), presses)
+            _write_recording(target, window, own, rows, channels, settings, study, lines)
+            scans.append((target.relative_to(subject).as_posix(), _at(lines, window.sitting, own.start_s)))
+        _write_tables(study, plan.participant, scans, settings)
+    except OSError as error:
+        raise SettingError(
+            study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
+            do="Make room and write it again (emg2vsa session --resume, then end). The session itself is whole.",
+        ) from error  # fmt: skip
+    return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, signals)))
+
+
+def _presses(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[tuple[int, int], _Press]:
+    """Every attempt by press and attempt."""
+    found: dict[tuple[int, int], _Press] = {}
+    progress = Progress(planned)
+    for line in lines:
+        progress.take(line)
+        event = line.event
+        if isinstance(event, PressBegun):
+            found[event.press, event.attempt] = _Press(event, line.time_s)
+        if isinstance(event, (PressEnded, Judged, Decided, Noted)):
+            own = found.get((event.press, event.attempt))
+            if own is None:
+                continue
+            if isinstance(event, PressEnded):
+                own.ended = event
+            elif isinstance(event, Judged):
+                own.judged = event
+            elif isinstance(event, Decided):
+                own.decided = event
+            else:
+                own.notes.append(event.text)
+    for attempt in progress.attempts:
+        found[attempt.press, attempt.attempt].counts = attempt.counts
+    return found
+
+
+def _channels(study: Study, participant: str) -> ChannelSettings:
+    """The channels that every recording of the participant is read by."""
+    return next(entry.channels for entry in study.recordings if entry.participant == participant)
+
+
+def _stems(windows: Sequence[StayWindow], participant: str, task: str) -> list[str]:
+    """Names of the recordings; several of one specimen are numbered."""
+    keys = [(window.phase, window.specimen) for window in windows]
+    stems = []
+    for i, (phase, specimen) in enumerate(keys):
+        run = f"_run-{keys[: i + 1].count(keys[i])}" if keys.count(keys[i]) > 1 else ""
+        label = TRAINING_TASK if phase == "training" else task
+        stems.append(f"sub-{participant}_task-{label}_acq-{specimen}{run}")
+    return stems
+
+
+def _usable(signals: StaySignals, stem: str) -> StaySignals:
+    """SignalError where half of a channel or more is lost."""
+    for muscle, samples in zip(signals.muscles, signals.emg_v.T, strict=True):
+        bridge_gaps(samples, f"{stem}, {muscle}")
+    bridge_gaps(signals.force_n, f"{stem}, force")
+    return signals
+
+
+def _make_room(folder: Path, root: Path, targets: Sequence[Path]) -> None:
+    """Remove what an earlier call wrote and this one will not. DataError where a target is not its own.
+
+    The list of what will be written comes first, so that what a killed call left is known as its own.
+    """
+    known = folder / WRITTEN_FILE
+    before: list[str] = json.loads(known.read_text(encoding="utf-8")) if known.exists() else []
+    new = [target.relative_to(root).as_posix() for target in targets]
+    for name in new:
+        if name not in before and (root / name).exists():
+            raise DataError(
+                root / name, wanted="no recording of that name in the data set", found="one that no session wrote",
+                do="Move it away, or run the session with another participant's code.",
+            )  # fmt: skip
+    write_text_atomic(known, json.dumps(sorted({*before, *new}), indent=2) + "\n")
+    for name in before:
+        if name not in new:
+            for ending in ("_emg.bdf", "_emg.json", "_channels.tsv", "_events.tsv", "_events.json"):
+                (root / f"{name.removesuffix('_emg.bdf')}{ending}").unlink(missing_ok=True)
+    write_text_atomic(known, json.dumps(sorted(new), indent=2) + "\n")
+
+
+def _write_recording(
+    target: Path, window: StayWindow, signals: StaySignals, rows: Sequence[Mapping[str, object]],
+    channels: ChannelSettings, settings: SessionSettings, study: Study, lines: Sequence[Line],
+) -> None:  # fmt: skip
+    """Data file and side files of one stay."""
+    stem = target.name.removesuffix("_emg.bdf")
+    stored: list[BdfChannel] = []
+    cells = []
+    about = settings.about
+    for i, muscle in enumerate(signals.muscles):
+        label = channels.emg[muscle].name
+        samples, _ = bridge_gaps(signals.emg_v[:, i], label)
+        stored.append(BdfChannel(label, samples * 1e6, "uV", signals.emg_fs_hz, "bipolar surface electrode"))
+        said = f"surface EMG of {muscle}; {_measured(signals, 0)}"
+        cells.append(channel_cells(label, muscle, "uV", said, signals.emg_fs_hz, electrode_mm=about.electrode_mm))
+    force_n, _ = bridge_gaps(signals.force_n, "force")
+    label, sign = channels.force.name, channels.force.sign
+    stored.append(BdfChannel(label, force_n * sign, "N", signals.force_fs_hz, "force sensor"))
+    said = f"pressing force, {'pressing positive' if sign > 0 else 'pressing negative'}; {_measured(signals, 1)}"
+    told = f"the first sample is {1e3 * signals.offset_s:+.3f} ms from the first one of the EMG"
+    cells.append(channel_cells(label, None, "N", said, signals.force_fs_hz, electrode_mm=None, told=told))
+    annotations = [(float(str(row["onset"])), _number(row["duration"]), str(row["trial_type"])) for row in rows]
+    content = bdf_bytes(
+        stored, annotations, patient=target.name.split("_")[0].removeprefix("sub-"), equipment="emg2vsa-session",
+        record_s=signals.record_s, started=_wall(lines, window.sitting, signals.start_s).replace(microsecond=0),
+    )  # fmt: skip
+    write_bytes_atomic(target, content)
+    task = TRAINING_TASK if window.phase == "training" else study.task
+    own = emg_sidecar(
+        task, signals.muscles, 1, signals.emg_fs_hz, signals.duration_s, mains_hz=about.power_line_hz,
+        electrode_mm=about.electrode_mm, software=f"emg2vsa {__version__}",
+    )  # fmt: skip
+    more = {
+        "Instructions": about.instructions, "SkinPreparation": about.skin_preparation, "EMGGround": about.ground,
+        "ElectrodeManufacturersModelName": about.electrodes, "InstitutionName": about.institution,
+        **_device(signals),
+    }  # fmt: skip
+    write_json(target.with_name(f"{stem}_emg.json"), own | {key: text for key, text in more.items() if text})
+    write_tsv(target.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, cells)
+    write_tsv(
+        target.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
+    )
+    write_json(target.with_name(f"{stem}_events.json"), {**_EVENTS, "StimulusPresentation": _screen(lines, window)})
+
+
+def _measured(signals: StaySignals, which: int) -> str:
+    """What is known of the clock of a stream, for its description."""
+    stated = (signals.emg, signals.force)[which].fs_hz
+    se_s = signals.clock_se_s[which]
+    known = f", a sample's time to {1e3 * se_s:.2g} ms" if se_s == se_s else ""
+    lost = f"; {signals.lost[which]} samples lost" if signals.lost[which] else ""
+    return f"stated {stated:.9g} Hz, by the computer's clock {signals.measured_hz[which]:.9g} Hz{known}{lost}"
+
+
+def _device(signals: StaySignals) -> Json:
+    """What the devices say of themselves."""
+    facts = {**{f"Force{_camel(k)}": v for k, v in signals.force.facts.items()}, **signals.emg.facts}
+    named = {"manufacturer": "Manufacturer", "model": "ManufacturersModelName", "serial": "DeviceSerialNumber"}
+    return {
+        "Manufacturer": "n/a", **{named.get(key, _camel(key)): value for key, value in sorted(facts.items())},
+        "SoftwareFilters": "n/a",
+    }  # fmt: skip
+
+
+def _camel(text: str) -> str:
+    return "".join(part[:1].upper() + part[1:] for part in re.split(r"[^A-Za-z0-9]+", text))
+
+
+def _screen(lines: Sequence[Line], window: StayWindow) -> Json:
+    own = list(in_sitting(lines, window.sitting))
+    begun = next((event for line in own if isinstance(event := line.event, Begun)), None)
+    told = next((event for line in own if isinstance(event := line.event, ScreenTold)), None)
+    made: Json = {"SoftwareName": "emg2vsa", "SoftwareVersion": begun.software if begun else __version__}
+    if begun:
+        made["OperatingSystem"] = begun.computer
+    if told and {"width", "height"} <= told.more.keys():
+        made["ScreenResolution"] = [told.more["width"], told.more["height"]]
+    return made
+
+
+def _events(
+    window: StayWindow, signals: StaySignals, lines: Sequence[Line], presses: Mapping[tuple[int, int], _Press]
+) -> list[dict[str, object]]:
+    """Rows in time order, all within the recording."""
+    last_s = signals.duration_s
+    rows: list[dict[str, object]] = []
+
+    def add(kind: str, start_s: float, stop_s: float | None, **cells: object) -> None:
+        onset = signals.onset_s(start_s)
+        if not 0 <= onset < last_s:
+            return
+        length = "n/a" if stop_s is None else f"{min(signals.onset_s(stop_s), last_s) - onset:.6f}"
+        row: dict[str, object] = dict.fromkeys(EVENT_COLUMNS, "n/a")
+        rows.append(row | {"onset": f"{onset:.6f}", "duration": length, "trial_type": kind} | cells)
+
+    for key in window.presses:
+        own = presses[key]
+        ended = own.ended
+        start_s, stop_s = (own.begun_s, None) if ended is None else (ended.start_s, ended.stop_s)
+        add("press", start_s, stop_s, **_press_cells(own))
+    named = {"start": "command_start", "stop": "command_stop", "rest": "rest"}
+    commands = [line for line in lines if isinstance(line.event, Commanded)]
+    for i, line in enumerate(commands):
+        assert isinstance(line.event, Commanded)
+        if line.event.command in named:
+            rests = line.event.command == "rest"
+            until_s = commands[i + 1].time_s if rests and i + 1 < len(commands) else None
+            add(named[line.event.command], line.time_s, until_s, specimen=window.specimen, phase=window.phase)
+    for i, line in enumerate(lines):
+        if isinstance(line.event, Paused):
+            ends = (after.time_s for after in lines[i:] if isinstance(after.event, Continued))
+            add("pause", line.time_s, next(ends, None), reason=_cell(line.event.why))
+        elif isinstance(line.event, Noted):
+            number = line.event.press or "n/a"
+            add("operator_note", line.time_s, None, press=number, note=_cell(line.event.text))
+    for samples, fs_hz in ((signals.emg_v[:, 0], signals.emg_fs_hz), (signals.force_n, signals.force_fs_hz)):
+        firsts, stops = runs_of(samples != samples)
+        for first, stop in zip(firsts.tolist(), stops.tolist(), strict=True):
+            row: dict[str, object] = dict.fromkeys(EVENT_COLUMNS, "n/a")
+            cells = {"onset": f"{first / fs_hz:.6f}", "duration": f"{(stop - first) / fs_hz:.6f}", "trial_type": "gap"}
+            rows.append(row | cells)
+    return sorted(rows, key=lambda row: float(str(row["onset"])))
+
+
+def _press_cells(press: _Press) -> dict[str, object]:
+    begun, judged, decided = press.begun, press.judged, press.decided
+    problems = "; ".join(found for found, _ in judged.problems) if judged else ""
+    if press.ended is None:
+        reason = "interrupted"
+    elif press.ended.how == "aborted":
+        reason = ": ".join(filter(None, ("aborted", problems)))
+    elif decided and decided.decision in ("repeat", "skip"):
+        reason = ": ".join(filter(None, (decided.by, decided.decision, decided.reason or problems)))
+    else:
+        reason = problems
+    load_s = judged.values.get("load_s") if judged else None
+    peak_n = press.ended.peak_n if press.ended else None
+    return {
+        "specimen": begun.specimen, "phase": begun.phase, "press": begun.press, "repetition": begun.repetition,
+        "attempt": begun.attempt, "verdict": (judged.verdict if judged else "") or "n/a",
+        "decision": (decided.decision if decided else "") or "n/a", "counts": "true" if press.counts else "false",
+        "reason": _cell(reason), "peak_force": "n/a" if peak_n is None else f"{peak_n:.4g}",
+        "load_time": "n/a" if load_s is None else f"{load_s:.4g}", "note": _cell("; ".join(press.notes)),
+    }  # fmt: skip
+
+
+def _cell(text: str) -> str:
+    """A text as a cell of a table: no tab and no line feed in it."""
+    return " ".join(text.split()) or "n/a"
+
+
+def _number(cell: object) -> float | None:
+    return None if cell == "n/a" else float(str(cell))
+
+
+def _wall(lines: Sequence[Line], sitting: int, time_s: float) -> datetime:
+    """Date and time of day, without its zone, of a time on the clock of a sitting."""
+    line = next(in_sitting(lines, sitting))
+    return datetime.fromisoformat(line.at).replace(tzinfo=None) + timedelta(seconds=time_s - line.time_s)
+
+
+def _at(lines: Sequence[Line], sitting: int, time_s: float) -> str:
+    return _wall(lines, sitting, time_s).isoformat(timespec="milliseconds")
+
+
+def _write_tables(study: Study, participant: str, scans: Sequence[tuple[str, str]], settings: SessionSettings) -> None:
+    """Tables of the data set as a whole, and the list of the participant's scans; what others wrote stays."""
+    root = study.data
+    if not (root / "dataset_description.json").exists():
+        about = description(study.title or study.name, "raw", "Sessions of participants, run and recorded.")
+        ethics = {"EthicsApprovals": [settings.ethics]} if settings.ethics else {}
+        write_json(root / "dataset_description.json", about | ethics)
+    if not any((root / name).exists() for name in ("README", "README.md", "README.rst", "README.txt")):
+        write_text_atomic(root / "README.md", _README.format(name=study.title or study.name, version=__version__))
+    if not (root / "participants.json").exists():
+        write_json(root / "participants.json", {"participant_id": {"Description": "Code of the participant."}})
+    name = f"sub-{participant}"
+    _merge(root / "participants.tsv", ("participant_id",), {name: (name,)})
+    own = dict(sorted(((file, (file, at)) for file, at in scans), key=lambda row: row[1][1]))
+    path = root / name / f"{name}_scans.tsv"
+    _merge(path, ("filename", "acq_time"), own, gone=lambda file: not (path.parent / file).exists())
+
+
+def _merge(
+    path: Path,
+    columns: Sequence[str],
+    new: Mapping[str, Sequence[str]],
+    gone: Callable[[str], bool] = lambda key: False,
+) -> None:
+    """A table with ``new`` rows by their first cell; rows that are there keep their further cells, but ``gone`` ones."""
+    rows: list[list[str]] = []
+    if path.exists():
+        with path.open(encoding="utf-8-sig", newline="") as lines:
+            rows = [row for row in csv.reader(lines, delimiter="\t") if row]
+    head = rows[0] if rows else list(columns)
+    if head[0] != columns[0] or not set(columns) <= set(head):
+        raise DataError(
+            path, wanted=f"columns {', '.join(columns)}, the first of them first", found=", ".join(head),
+            do="Correct the table, or move it away.",
+        )  # fmt: skip
+    kept = {row[0]: row for row in rows[1:] if not gone(row[0])}
+    for key, cells in new.items():
+        given = dict(zip(columns, cells, strict=True))
+        before = dict(zip(head, kept.get(key, []), strict=False))
+        kept[key] = [given.get(column, before.get(column, "n/a")) for column in head]
+    write_tsv(path, head, list(kept.values()))
+
+
+def _notes(lines: Sequence[Line], signals: Mapping[str, StaySignals]) -> Iterable[str]:
+    if any(isinstance(line.event, Noted) for line in lines):
+        yield "The operator's notes are in the events files. See that no note names a person."
+    for stem, own in signals.items():
+        for name, lost in zip(("EMG", "force"), own.lost, strict=True):
+            if lost:
+                yield f"{stem}: {lost} samples of the {name} are lost; they are interpolated, and marked as gaps."

@@ -1,0 +1,97 @@
+"""The devices that a study's [session] names, emulated where it says that they are, for one emulated participant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+from emg2vsa.errors import SettingError
+from emg2vsa.rig.clock import FastClock, WallClock
+from emg2vsa.rig.device_settings import ForceSettings
+from emg2vsa.rig.emulated.rdt_server import RdtServer
+from emg2vsa.session.emulated.lsl_outlets import LslOutlets
+from emg2vsa.session.emulated.net_ft import force_box
+from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.trigno_server import Ports, TrignoServer
+from emg2vsa.session.sources.trigno import places_of
+from emg2vsa.session_settings import TRIGNO_COMMAND_PORT, EmgSourceSettings, SessionSettings
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+@dataclass(frozen=True)
+class Served:
+    """What stands where, a line each. trigno : None where the EMG is no Trigno's."""
+
+    lines: tuple[str, ...]
+    trigno: TrignoServer | None
+
+
+@contextmanager
+def serve(
+    participant: EmulatedParticipant,
+    settings: SessionSettings,
+    force: ForceSettings | None,
+    clock: FastClock | WallClock,
+    start_delay_s: float,
+) -> Iterator[Served]:
+    """Serve within a with statement. force : the [force] of the rig file, where session.force.kind is rig.
+
+    SettingError : a device is of a kind that no other process can reach, or is not on this computer.
+    """
+    _check(settings, force, clock)
+    lines: list[str] = []
+    trigno = None
+    with ExitStack() as stack:
+        if settings.emg.kind == "trigno":
+            trigno = stack.enter_context(_trigno(participant, settings.emg, clock, start_delay_s))
+            ports = ", ".join(f"{name} {port}" for name, port in trigno.ports._asdict().items())
+            lines.append(f"EMG: Trigno server at 127.0.0.1 and ::1, ports {ports.replace('_', ' ')}")
+        if force is not None:
+            box = force_box(participant, settings.force.axis)
+            server = RdtServer(box, clock, rdt_port=force.rdt_port, http_port=force.http_port)
+            stack.enter_context(server)
+            lines.append(f"force: Net F/T box at {server.host}, RDT {server.rdt_port}, HTTP {server.http_port}")
+        if "lsl" in (settings.emg.kind, settings.force.kind):
+            assert isinstance(clock, WallClock)
+            muscles = tuple(participant.person.muscle_share)
+            names = settings.emg.stream, settings.force.stream
+            outlets = stack.enter_context(LslOutlets(participant, muscles, clock, names=names))
+            lines.append(f"LSL streams: {' and '.join(outlets.names)}")
+        yield Served(tuple(lines), trigno)
+
+
+def _trigno(
+    participant: EmulatedParticipant, settings: EmgSourceSettings, clock: FastClock | WallClock, start_delay_s: float
+) -> TrignoServer:
+    slots = {place.sensor: muscle for muscle, place in places_of(settings.channels).items()}
+    usual = Ports() if settings.command_port == TRIGNO_COMMAND_PORT else Ports(0, 0, 0, 0, 0)
+    ports = usual._replace(command=settings.command_port, emg=settings.emg_port)
+    return TrignoServer(
+        participant, slots, clock, ports=ports, start_delay_s=start_delay_s, delay_s=settings.delay_s
+    )  # fmt: skip
+
+
+def _check(settings: SessionSettings, force: ForceSettings | None, clock: FastClock | WallClock) -> None:
+    kinds = settings.emg.kind, settings.force.kind
+    if kinds[0] in ("ni-daq", "simulated") and kinds[1] == "simulated":
+        raise SettingError(
+            "session.emg.kind and session.force.kind",
+            wanted="a device that another program can reach: trigno or lsl, rig or lsl",
+            found=" and ".join(kinds),
+            do="For simulated sources run emg2vsa session itself; it needs no emulated device.",
+        )
+    if kinds[0] == "trigno" and settings.emg.host not in LOOPBACK:
+        raise _elsewhere("session.emg.host", settings.emg.host)
+    if force is not None and (force.kind != "net-ft" or force.host not in LOOPBACK):
+        where = f"{force.kind} at {force.host}" if force.host else force.kind
+        raise _elsewhere("force.kind and force.host of the rig file", where)
+    if "lsl" in kinds and not isinstance(clock, WallClock):
+        do = "Leave --speed out; LSL stamps samples with the computer's own clock."
+        raise SettingError("--speed", wanted="1 with streams of LSL", found="another", do=do)
+
+
+def _elsewhere(where: str, found: str) -> SettingError:
+    do = 'Emulate with a copy of the file that has host = "127.0.0.1" (of a box: kind = "net-ft", http_port = 8080).'
+    return SettingError(where, wanted="a network device on this computer", found=found, do=do)

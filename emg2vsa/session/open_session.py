@@ -1,0 +1,82 @@
+"""A session from its devices to its desk, and whatever ends it: what was recorded stays, and can be resumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
+from datetime import datetime
+from pathlib import Path
+
+from emg2vsa.errors import SettingError
+from emg2vsa.rig.clock import Clock
+from emg2vsa.session.desk import SessionDesk
+from emg2vsa.session.open_sources import Maker
+from emg2vsa.session.plan import Plan, changes, draw_presses
+from emg2vsa.session.record import new_session, resume_session, session_folder
+from emg2vsa.session.recorded_stream import RecordedStream
+from emg2vsa.session.run import Session, check_muscles
+from emg2vsa.session.stay_judge import JudgeAtOnce, JudgeBeside
+from emg2vsa.session_settings import SessionSettings
+from emg2vsa.study import Study
+
+Makers = tuple[Maker, Maker]
+"""Of the source of the EMG, and of that of the force."""
+
+
+def settings_of(study: Study, participant: str) -> SessionSettings:
+    """The table [session]. SettingError where there is none, or the study does not know the participant."""
+    if study.session is None:
+        do = "Add it: docs/reference/study-file.md lists its keys."
+        raise SettingError(study.path, wanted="a table [session]", found="none", do=do)
+    if participant not in study.participants:
+        raise SettingError(
+            f"--participant {participant}", wanted=f"one of {', '.join(study.participants)}", found="another code",
+            do=f"Check the code, or add it to [participants] of {study.path}.",
+        )  # fmt: skip
+    return study.session
+
+
+def folder_of(study: Study, participant: str) -> Path:
+    """Where the samples and the journal of a participant's session are."""
+    return session_folder(study.data, participant, study.task)
+
+
+@contextmanager
+def open_session(
+    study: Study, participant: str, clock: Clock, makers: Makers, *, resume: bool = False, at_once: bool = False
+) -> Iterator[SessionDesk]:
+    """Devices started, folder and order made or found again, ready for `SessionDesk.run`.
+
+    at_once : judge and write within the turn, for a clock that stands still meanwhile. When the block is left before
+    the session has ended, the session ends as interrupted.
+    SettingError, DataError, DeviceError : as `settings_of`, `new_session`, `resume_session`, and the devices.
+    """
+    settings = settings_of(study, participant)
+    folder = folder_of(study, participant)
+    now = {"session": asdict(settings), "specimens": [each.name for each in study.specimens],
+           "window": asdict(study.window)}  # fmt: skip
+    with ExitStack() as stack:
+        sources = []
+        for make in makers:
+            sources.append(source := make())
+            stack.callback(source.close)
+            source.start()
+        check_muscles(study, sources[0].info.channels)
+        if resume:
+            record = resume_session(folder, clock.now_s, background=not at_once)
+        else:
+            presses = draw_presses(study.name, participant, now["specimens"], settings)  # type: ignore[arg-type]
+            drawn_at = datetime.now().astimezone().isoformat("T", "seconds")
+            plan = Plan(study.name, participant, settings.seed, drawn_at, presses, now)
+            record = new_session(folder, plan, clock.now_s, background=not at_once)
+        stack.callback(record.close)
+        emg, force = (
+            RecordedStream(name, source, make, record, clock.now_s(), not at_once)
+            for name, source, make in zip(("emg", "force"), sources, makers, strict=True)
+        )
+        judge = JudgeAtOnce() if at_once else JudgeBeside()
+        changed = changes(record.plan.settings, now) if resume else ()
+        session = Session(study, settings, record, (emg, force), judge, clock.now_s(), changed)
+        stack.callback(session.end, "failed", "the program ended")
+        yield SessionDesk(session)

@@ -1,0 +1,274 @@
+"""The stays of a session, cut out of its samples: EMG and force of each on one clock, and nothing resampled.
+
+EMG and force come from two devices, each with a crystal of its own; the clock of a sample is fitted to the times at
+which all samples of its sitting arrived (``SampleClock``). The EMG's clock is the clock of a stay: EMG keeps its stated
+rate, the force has the rate that it has by that clock, and both begin at one moment, to half a sample of the faster.
+A device whose rate is off by more than a crystal can be has its measured rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.bids import record_s
+from emg2vsa.errors import DataError
+from emg2vsa.session.journal import Checked, Line, PressBegun, PressEnded, StreamOpened
+from emg2vsa.session.raw_files import SampleFile
+from emg2vsa.session.sample_clock import SampleClock
+
+Floats = NDArray[np.float64]
+LEAD_S, TAIL_S = 2.0, 0.5
+"A stay begins when the specimen is placed, or so long before its first START; it ends so long after the last press."
+CRYSTAL = 1e-3
+"No crystal is off by more: a rate that is, was stated wrongly."
+_DRIFT_SAMPLES = 0.2
+"By so much of a sample may force and EMG move against each other within a stay, for the sake of whole data records."
+_LONGEST_RECORD_S = 60.0
+
+
+class StayWindow(NamedTuple):
+    """When a stay was, on the clock of its sitting. stay : of the plan. presses : (press, attempt) begun in it."""
+
+    sitting: int
+    stay: int
+    phase: str
+    specimen: str
+    start_s: float
+    stop_s: float
+    presses: tuple[tuple[int, int], ...]
+
+
+def stay_windows(lines: Sequence[Line]) -> list[StayWindow]:
+    """The stays with at least one complete press, in time order; one that was interrupted comes in several pieces."""
+    found: list[StayWindow] = []
+    placed_s: dict[str, float] = {}
+    begun: list[tuple[Line, PressBegun]] = []
+
+    def close() -> None:
+        if begun:
+            window = _window(begun, lines, placed_s.get(begun[0][1].specimen))
+            found.extend([window] if window else [])
+            begun.clear()
+
+    for line in lines:
+        event = line.event
+        if begun and line.sitting != begun[-1][0].sitting:
+            close()
+            placed_s.clear()
+        if isinstance(event, Checked) and event.specimen and event.item == PLACED:
+            close()
+            placed_s = {event.specimen: line.time_s}
+        elif isinstance(event, StreamOpened):
+            close()
+            placed_s.clear()
+        elif isinstance(event, PressBegun):
+            if begun and (event.phase, event.stay) != (begun[-1][1].phase, begun[-1][1].stay):
+                close()
+            begun.append((line, event))
+    close()
+    return found
+
+
+PLACED = "specimen placed"
+"""Item of ``Checked`` when the specimen is on the table, and no hand on it."""
+
+
+def _window(
+    begun: Sequence[tuple[Line, PressBegun]], lines: Sequence[Line], placed_s: float | None
+) -> StayWindow | None:
+    first, event = begun[0]
+    own = {(press.press, press.attempt) for _, press in begun}
+    ends = [
+        line.event.stop_s
+        for line in lines
+        if isinstance(line.event, PressEnded)
+        and line.event.how == "complete"
+        and (line.event.press, line.event.attempt) in own
+    ]
+    if not ends:
+        return None
+    start_s = first.time_s - LEAD_S if placed_s is None else min(placed_s, first.time_s)
+    stop_s = max(ends) + TAIL_S
+    presses = tuple((press.press, press.attempt) for line, press in begun if line.time_s < stop_s)
+    return StayWindow(first.sitting, event.stay, event.phase, event.specimen, start_s, stop_s, presses)
+
+
+@dataclass(frozen=True)
+class StaySignals:
+    """Samples of a stay. emg_v : (n, muscles), force_n : (m,), NaN where samples were lost. lost : samples lost.
+
+    Sample i of the EMG was at ``start_s + i / (stretch * emg_fs_hz)`` on the session's clock, sample j of the force at
+    ``start_s + offset_s`` and so on. measured_hz : of both by the computer's clock. record_s : of the file.
+    """
+
+    muscles: tuple[str, ...]
+    emg_v: Floats
+    force_n: Floats
+    emg_fs_hz: float
+    force_fs_hz: float
+    record_s: float
+    start_s: float
+    stretch: float
+    offset_s: float
+    measured_hz: tuple[float, float]
+    clock_se_s: tuple[float, float]
+    lost: tuple[int, int]
+    emg: StreamOpened
+    force: StreamOpened
+
+    def onset_s(self, time_s: float) -> float:
+        """A time on the session's clock, as seconds from the first sample of the stay."""
+        return (time_s - self.start_s) * self.stretch
+
+    @property
+    def duration_s(self) -> float:
+        """Of the EMG."""
+        return len(self.emg_v) / self.emg_fs_hz
+
+
+@dataclass
+class StoredStream:
+    """The samples of a stream and their clock. place : number of a sample with those that never came counted."""
+
+    opened: StreamOpened
+    file: SampleFile
+    clock: SampleClock = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.clock = SampleClock(self.opened.fs_hz, delay_s=self.opened.delay_s, quantum=self.opened.frame)
+        blocks = self.file.blocks
+        for first, n, arrived_s in zip(
+            blocks.first.tolist(), blocks.count.tolist(), blocks.arrived_s.tolist(), strict=True
+        ):
+            self.clock.add(first, n, arrived_s)
+
+    def span_s(self) -> tuple[float, float]:
+        """Times of the first and the last sample."""
+        blocks = self.file.blocks
+        if blocks.first.size == 0:
+            return np.inf, -np.inf
+        times_s = self.clock.time_s(np.array([blocks.first.min(), self.file.stop - 1], dtype=np.int64))
+        return float(times_s[0]), float(times_s[1])
+
+    @property
+    def step_s(self) -> float:
+        """Time between two samples, by the computer's clock."""
+        last = max(self.file.stop - 1, 1)
+        times_s = self.clock.time_s(np.arange(max(0, last - 1_000_000), last + 1, dtype=np.int64))
+        steps_s = np.diff(times_s)
+        usual_s = float(np.median(steps_s))
+        return float(steps_s.sum() / np.rint(steps_s / usual_s).sum())
+
+    def first_after(self, time_s: float) -> int:
+        """Number of the first sample not before a time."""
+        low, high = 0, self.file.stop
+        while low < high:
+            middle = (low + high) // 2
+            low, high = (middle + 1, high) if self.clock.time_s(middle) < time_s else (low, middle)
+        return low
+
+    def between(self, first: int, n_places: int, step_s: float) -> tuple[Floats, int]:
+        """``n_places`` samples (n, channels) from number ``first`` on, evenly in time, and how many are lost."""
+        stop = min(first + n_places, self.file.stop)
+        times_s = self.clock.time_s(np.arange(first, stop, dtype=np.int64))
+        places = np.rint((times_s - times_s[0]) / step_s).astype(np.int64)
+        inside = places < n_places
+        samples = self.file.read(first, first + int(np.count_nonzero(inside)))
+        placed = np.full((n_places, samples.shape[1]), np.nan)
+        placed[places[inside]] = samples
+        return placed, int(np.count_nonzero(np.isnan(placed).any(axis=1)))
+
+
+def stored_streams(
+    folder: Path, lines: Sequence[Line]
+) -> tuple[dict[tuple[int, str], list[StoredStream]], list[DataError]]:
+    """The streams of each sitting by (sitting, "emg" or "force"), in the order in which they were opened.
+
+    With them what is wrong with files that cannot be read.
+    """
+    found: dict[tuple[int, str], list[StoredStream]] = {}
+    faults: list[DataError] = []
+    for line in lines:
+        if isinstance(line.event, StreamOpened):
+            try:
+                stream = StoredStream(line.event, SampleFile(folder / line.event.file))
+            except DataError as error:
+                faults.append(error)
+                continue
+            if stream.file.blocks.first.size:
+                found.setdefault((line.sitting, line.event.name), []).append(stream)
+    return found, faults
+
+
+def cut(window: StayWindow, emg: Sequence[StoredStream], force: Sequence[StoredStream]) -> StaySignals:
+    """The samples of a stay, in whole data records. DataError where a stream does not cover it."""
+    own_emg, own_force = (_covering(window, streams, name) for streams, name in ((emg, "EMG"), (force, "force")))
+    steps_s = (own_emg.step_s, own_force.step_s)
+    measured = (1 / steps_s[0], 1 / steps_s[1])
+    stated = own_emg.opened.fs_hz
+    fs_hz = stated if abs(measured[0] / stated - 1) < CRYSTAL else float(f"{measured[0]:.6g}")
+    stretch = measured[0] / fs_hz
+    force_hz = measured[1] / stretch
+    length_s = window.stop_s - window.start_s
+    fastest = max(fs_hz, force_hz)
+    if abs(force_hz / own_force.opened.fs_hz - 1) * length_s * fastest < _DRIFT_SAMPLES / 2:
+        force_hz = own_force.opened.fs_hz
+    record = _record_s((fs_hz, force_hz), _DRIFT_SAMPLES / 2 / (length_s * fastest), window)
+    counts = round(fs_hz * record), round(force_hz * record)
+    first_emg, first_force = _common_start(own_emg, own_force, window.start_s)
+    start_s = float(own_emg.clock.time_s(first_emg))
+    records = max(1, -(-int((window.stop_s - start_s) / steps_s[0]) // counts[0]))
+    samples_v, lost_emg = own_emg.between(first_emg, records * counts[0], steps_s[0])
+    samples_n, lost_force = own_force.between(first_force, records * counts[1], steps_s[1])
+    return StaySignals(
+        own_emg.opened.channels, samples_v, samples_n[:, 0], counts[0] / record, counts[1] / record, record, start_s,
+        stretch, float(own_force.clock.time_s(first_force)) - start_s, measured,
+        (own_emg.clock.report().se_s or np.nan, own_force.clock.report().se_s or np.nan), (lost_emg, lost_force),
+        own_emg.opened, own_force.opened,
+    )  # fmt: skip
+
+
+def _covering(window: StayWindow, streams: Sequence[StoredStream], name: str) -> StoredStream:
+    """The stream that has all presses of a stay."""
+    for stream in reversed(streams):
+        first_s, last_s = stream.span_s()
+        if first_s < window.stop_s - TAIL_S and last_s > window.stop_s - TAIL_S and first_s <= window.start_s + LEAD_S:
+            return stream
+    spans = [f"{first_s:.1f} to {last_s:.1f} s" for first_s, last_s in (stream.span_s() for stream in streams)]
+    raise DataError(
+        f"stay {window.stay} ({window.specimen})",
+        wanted=f"{name} from {window.start_s:.1f} to {window.stop_s:.1f} s", found=", ".join(spans) or "no samples",
+        do="Its samples stay in sourcedata; repeat the presses if the participant is still there.",
+    )  # fmt: skip
+
+
+def _record_s(rates_hz: tuple[float, float], tolerance: float, window: StayWindow) -> float:
+    length_s = record_s(rates_hz, tolerance, _LONGEST_RECORD_S)
+    if length_s is None:
+        raise DataError(
+            f"stay {window.stay} ({window.specimen})", wanted="rates of EMG and force that share a data record of BDF",
+            found=f"{rates_hz[0]:.9g} and {rates_hz[1]:.9g} Hz", do="Set rates that are whole multiples of another.",
+        )  # fmt: skip
+    return length_s
+
+
+def _common_start(emg: StoredStream, force: StoredStream, start_s: float) -> tuple[int, int]:
+    """Numbers of the samples of both that stand closest to each other, at or after a time."""
+    slower, faster = (force, emg) if emg.opened.fs_hz >= force.opened.fs_hz else (emg, force)
+    anchor = slower.first_after(max(start_s, slower.span_s()[0], faster.span_s()[0]))
+    at_s = float(slower.clock.time_s(anchor))
+    near = max(1, faster.first_after(at_s))
+    before_s, after_s = (float(faster.clock.time_s(near - 1)), float(faster.clock.time_s(near)))
+    other = near if after_s - at_s <= at_s - before_s else near - 1
+    return (other, anchor) if faster is emg else (anchor, other)
+
+
+def in_sitting(lines: Sequence[Line], sitting: int) -> Iterator[Line]:
+    """The lines of one sitting."""
+    return (line for line in lines if line.sitting == sitting)

@@ -1,0 +1,195 @@
+"""Checks of [session]: against itself, and against the tables that say how its recordings are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from emg2vsa.session_settings import PARTICIPANT_CODE, EmgSourceSettings, SessionSettings
+from emg2vsa.settings import LABEL_CHARACTERS, ChannelSettings, WindowSettings
+from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
+from emg2vsa.study_file.tables import RecordingsTable, SpecimenTable
+
+_EMG_KEYS = {
+    "ni-daq": ("channels", "gain", "fs_hz", "range_v"),
+    "trigno": ("channels", "host", "command_port", "emg_port"),
+    "lsl": ("channels", "stream"),
+    "simulated": (),
+}
+_FORCE_KEYS = {"rig": ("rig", "axis"), "lsl": ("stream", "channel"), "simulated": ()}
+_REQUIRED = {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",), "rig": ("rig",), "simulated": ()}
+_SENSORS = range(1, 17)
+"""Of a Trigno system."""
+
+
+def _codes(session: SessionSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
+    for name in ids if session else ():
+        if not re.fullmatch(PARTICIPANT_CODE, name):
+            do = "Names stay out of the data: keep the list of codes and names apart, on paper."
+            yield Problem(("participants",), "codes with [session]: at most four letters and a number", repr(name), do)
+
+
+def _training(session: SessionSettings, specimens: tuple[SpecimenTable, ...]) -> Iterator[Problem]:
+    known = {specimen.name.casefold() for specimen in specimens}
+    seen: set[str] = set()
+    for index, name in enumerate(session.training_specimens):
+        at: KeyPath = ("session", "training_specimens", index)
+        if name.casefold() in known:
+            do = "The practice would make this specimen better known than the others. Take another one."
+            yield Problem(at, "a specimen that is not among [[specimens]]", repr(name), do)
+        if name.casefold() in seen:
+            yield Problem(at, "every name once", f"{name!r} again")
+        if not (name.isascii() and name.isalnum()):
+            yield Problem(at, "letters and digits only, as it is a label in BIDS file names", repr(name))
+        seen.add(name.casefold())
+
+
+def _forces(session: SessionSettings, window: WindowSettings) -> Iterator[Problem]:
+    lower, upper = session.force_n
+    at: KeyPath = ("session", "force_n")
+    if lower >= upper:
+        yield Problem(at, "the smaller number first", shown(list(session.force_n)))
+        return
+    if lower > window.force_n[0] or upper < window.force_n[1]:
+        wanted = f"at least the range that is analysed, [window] force_n = {shown(list(window.force_n))}"
+        yield Problem(at, wanted, shown(list(session.force_n)))
+    if session.bar_n < upper:
+        yield Problem(("session", "bar_n"), f"at least the upper force, {upper:g}", f"{session.bar_n:g}")
+    if session.ready_n >= lower:
+        yield Problem(("session", "ready_n"), f"less than the lower force, {lower:g}", f"{session.ready_n:g}")
+    if session.limits.peak_n <= upper:
+        wanted = f"more than the upper force, {upper:g}"
+        yield Problem(("session", "limits", "peak_n"), wanted, f"{session.limits.peak_n:g}")
+
+
+def _times(session: SessionSettings, window: WindowSettings) -> Iterator[Problem]:
+    shortest, longest = session.load_s
+    at: KeyPath = ("session", "load_s")
+    if shortest >= longest:
+        yield Problem(at, "the smaller number first", shown(list(session.load_s)))
+    elif shortest < window.min_duration_s or longest > window.max_duration_s:
+        wanted = f"times that [window] accepts, {window.min_duration_s:g} to {window.max_duration_s:g}"
+        yield Problem(
+            at, wanted, shown(list(session.load_s)), "Else a press could be right on the screen and rejected."
+        )
+    for key in ("reaction_s", "zero_n", "lost_share"):
+        pair = getattr(session.limits, key)
+        if pair[0] > pair[1]:
+            yield Problem(("session", "limits", key), "the smaller number first", shown(list(pair)))
+
+
+def _counts(session: SessionSettings, window: WindowSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    yield from _of_width(session, raw["session"])
+    expected = window.expected_trials
+    if expected is not None and session.stop == "count" and expected != session.repetitions:
+        wanted = f"as many as [window] expected_trials, {expected}"
+        yield Problem(("session", "repetitions"), wanted, str(session.repetitions), "Correct one of the two.")
+
+
+def _of_width(session: SessionSettings, given: Mapping[str, Any]) -> Iterator[Problem]:
+    if session.stop == "width" and session.most_presses < session.repetitions:
+        wanted = f"at least repetitions = {session.repetitions}"
+        yield Problem(("session", "most_presses"), wanted, str(session.most_presses))
+    for key in ("width", "most_presses"):
+        if session.stop == "count" and key in given:
+            do = 'Set stop = "width", or remove the key.'
+            yield Problem(("session", key), "stop = 'width' with this key", "stop = 'count'", do)
+
+
+def _sources(session: SessionSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
+    """Keys of the chosen kind, all that it needs and none of another."""
+    for name, keys in (("emg", _EMG_KEYS), ("force", _FORCE_KEYS)):
+        given = raw["session"][name]
+        others = {kind: tuple(key for key in own if key not in keys[given["kind"]]) for kind, own in keys.items()}
+        yield from keys_of_choice(f"session.{name}", given, "kind", others, _REQUIRED.get(given["kind"], ()))
+    if session.force.kind == "rig" and not any(session.force.axis):
+        yield Problem(("session", "force", "axis"), "a direction", shown(list(session.force.axis)))
+
+
+def _muscles(session: SessionSettings, channels: ChannelSettings) -> Iterator[Problem]:
+    """Each muscle of the study comes from a channel of its own."""
+    emg = session.emg
+    if not emg.channels:
+        return
+    at: KeyPath = ("session", "emg", "channels")
+    for role in emg.channels:
+        if role not in channels.emg:
+            do = nearest(role, channels.emg, f"The muscles are {', '.join(channels.emg)}.")
+            yield Problem((*at, role), "a muscle of [channels.emg]", repr(role), do)
+    for role in channels.emg:
+        if role not in emg.channels:
+            yield Problem((*at, role), f"the source's channel of the muscle {role!r}", "nothing")
+    seen: dict[str, str] = {}
+    for role, name in emg.channels.items():
+        if name in seen:
+            yield Problem((*at, role), "a channel of its own for each muscle", f"{name!r}, as for {seen[name]}")
+        seen.setdefault(name, role)
+        yield from _source_name(emg, (*at, role), name)
+
+
+def _source_name(emg: EmgSourceSettings, at: KeyPath, name: str) -> Iterator[Problem]:
+    if emg.kind == "ni-daq" and not re.fullmatch(r"[A-Za-z][\w-]*/ai\d+", name):
+        yield Problem(at, "an analogue input, such as 'Dev1/ai0'", repr(name))
+    if emg.kind == "trigno" and name not in map(str, _SENSORS):
+        yield Problem(at, "the number of a sensor, '1' to '16'", repr(name))
+
+
+def _layout(
+    session: SessionSettings,
+    recordings: RecordingsTable | None = None,
+    ids: tuple[str, ...] = (),
+) -> Iterator[Problem]:
+    """What a session writes must be where the study looks for it."""
+    at: KeyPath = ("session",)
+    if recordings is None:
+        yield Problem(at, "a table [recordings] with layout = 'bids', into which a session writes", "nothing")
+        return
+    if recordings.layout != "bids":
+        wanted = "[recordings] layout = 'bids', in which a session writes its recordings"
+        yield Problem(at, wanted, f"layout = {recordings.layout!r}", "Set layout, root and task.")
+    elif recordings.extension != "bdf":
+        yield Problem(("recordings", "extension"), "'bdf' with [session]", repr(recordings.extension))
+    elif recordings.task == "training":
+        yield Problem(("recordings", "task"), "another name than that of the practice", "'training'")
+
+
+def _written_as_read(session: SessionSettings, channels: ChannelSettings | None = None) -> Iterator[Problem]:
+    """A session writes EMG in uV, gain divided out, and force in N: the channels must not convert once more."""
+    if channels is None:
+        yield Problem(("session",), "tables [channels.emg.<muscle>] and [channels.force] of the study", "nothing")
+        return
+    for role, channel in channels.emg.items():
+        at: KeyPath = ("channels", "emg", role)
+        yield from _label(channel.name, (*at, "name"))
+        if channel.gain != 1.0:
+            do = "Give the amplifier's gain in [session.emg]; what a session writes is free of it."
+            yield Problem((*at, "gain"), "1 with [session]", f"{channel.gain:g}", do)
+        for key, good in (("unit", "uV"), ("fs_hz", None)):
+            yield from _omitted(getattr(channel, key), good, (*at, key))
+    force = channels.force
+    yield from _label(force.name, ("channels", "force", "name"))
+    for key, good in (
+        ("unit", "N"), ("newtons_per_unit", None), ("fs_hz", None), ("cal_file", None), ("trigger", None),
+    ):  # fmt: skip
+        yield from _omitted(getattr(force, key), good, ("channels", "force", key))
+    if force.delay_s:
+        do = "Give the delay in [session.force]; a session takes it off the times that it writes."
+        yield Problem(("channels", "force", "delay_s"), "0 with [session]", f"{force.delay_s:g}", do)
+
+
+def _omitted(value: object, good: str | None, at: KeyPath) -> Iterator[Problem]:
+    if value not in (None, good):
+        wanted = f"no such key with [session]{f', or {good!r}' if good else ''}"
+        yield Problem(at, wanted, shown(value), "A session writes EMG in uV and force in N, and states the rates.")
+
+
+def _label(name: str, at: KeyPath) -> Iterator[Problem]:
+    if len(name) > LABEL_CHARACTERS or not name.isascii():
+        wanted = f"at most {LABEL_CHARACTERS} ASCII characters with [session]: BDF holds no more"
+        yield Problem(at, wanted, repr(name))
+
+
+CHECKS = (
+    _codes, _training, _forces, _times, _counts, _sources, _muscles, _layout, _written_as_read,
+)  # fmt: skip

@@ -1,0 +1,158 @@
+"""Both pages of a session in a real browser: what is shown, how often and how late."""
+
+from __future__ import annotations
+
+import socket
+import time
+
+import pytest
+
+from emg2vsa.rig.clock import WallClock
+from emg2vsa.session.views import Request
+from tests.live.browser import CHROMIUM, running
+from tests.live.scripted_desk import PLAN, TOO_FAST, ScriptedDesk
+from tests.live.test_session_routes import Served
+
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
+]
+METER = "+document.querySelector('[role=meter]').getAttribute('aria-valuenow')"
+WORD = "document.querySelector('#word').textContent"
+LOOK = "document.body.dataset.look"
+PRIMARY = "document.querySelector('#primary b').textContent"
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with running(tmp_path_factory.mktemp("browser")) as browser:
+        yield browser
+
+
+@pytest.fixture
+def desk():
+    return ScriptedDesk(WallClock(), "start", {1: TOO_FAST})
+
+
+@pytest.fixture
+def served(desk):
+    with Served(desk, desk.clock) as served:
+        yield served
+
+
+@pytest.fixture
+def windows(browser, served):
+    """The operator's and the participant's, both connected."""
+    both = browser.open(served.addresses[0]), browser.open(served.addresses[1], 1920, 1080)
+    both[0].until("document.querySelector('#who').textContent.includes('P03')")
+    both[1].until(f"{LOOK} !== 'lost'")
+    yield both
+    for window in both:
+        window.close()
+
+
+def test_a_key_of_the_presenter_on_one_page_begins_a_press_on_the_other(windows, desk):
+    operator, participant = windows
+    meters = []
+    operator.key("PageDown", repeat=True)
+    assert desk.asked == []
+    operator.key("PageDown")
+    participant.until(f"{WORD} === 'START' && {LOOK} === 'start'", 2)
+    participant.until(f"{LOOK} === 'rise' && !document.querySelector('#zone').hidden", 2)
+    while participant.value(WORD) != "STOP":
+        meters.append(participant.value(METER))
+    peak = participant.until(f"{METER} === 7 && {LOOK} === 'stop' && {METER}", 2)
+    participant.until(f"{METER} === 0", 2)
+    assert peak == 7.0
+    assert meters == sorted(meters)
+    assert len(set(meters)) > 20
+    operator.until(f"{PRIMARY} === 'Repeat press'", 3)
+    assert "Force goes from 0.5 to 7 N in 0.4 s; 1 to 5 s wanted." in operator.text()
+    assert [request.name for request in desk.asked] == ["start"]
+    operator.key("PageUp")
+    operator.until(f"{PRIMARY} === 'START'", 2)
+    assert desk.asked[1] == Request("repeat", 1)
+
+
+def test_the_bar_is_drawn_often_and_shows_what_is_new(windows, desk):
+    desk.screens.clear()
+    time.sleep(1.2)  # the first second of a page counts for nothing
+    desk.screens.clear()
+    desk.ask(Request("start"))
+    time.sleep(4.2)
+    reports = desk.screens[:4]
+    assert len(reports) >= 3
+    frames = sorted(report.frames_per_s for report in reports)
+    assert frames[len(frames) // 2] >= 58
+    assert sorted(report.age_p95_ms for report in reports)[len(reports) // 2] <= 40
+    assert all(report.age_p50_ms > 0 for report in reports)
+    assert not any(report.hidden for report in reports)
+    assert reports[0].more["messages"] >= 120
+
+
+def test_a_page_that_is_loaded_again_goes_on_in_the_middle_of_a_press(windows, desk):
+    operator, participant = windows
+    participant.key("F5")  # a presenter's; it does nothing
+    participant.value("window.kept = 1")
+    desk.ask(Request("start"))
+    participant.until(f"{METER} > 2", 3)
+    assert participant.value("window.kept") == 1
+    for window in windows:
+        window.call("Page.reload")
+        window.until("window.kept === undefined && document.readyState === 'complete'")
+    participant.until(f"{WORD} === 'STOP'", 3)
+    operator.until(f"{PRIMARY} === 'Repeat press'", 5)
+
+
+def test_nothing_on_the_participants_page_tells_the_specimen(windows):
+    _, participant = windows
+    everything = participant.value("document.documentElement.outerHTML + location.href + document.title")
+    assert "Practice" in everything
+    for press in PLAN:
+        assert press.specimen not in everything
+    assert "P03" not in everything
+
+
+def test_keys_that_reach_the_participants_window_go_to_the_operators(windows, desk):
+    operator, participant = windows
+    participant.key(" ")
+    operator.until(f"{PRIMARY} !== 'START'", 2)
+    assert [request.name for request in desk.asked] == ["start"]
+    participant.key("Escape")
+    operator.until(f"{PRIMARY} === 'Repeat press'", 2)
+    assert [request.name for request in desk.asked] == ["start", "abort"]
+
+
+def test_a_lost_connection_greys_the_bar_and_comes_back(browser):
+    desk = ScriptedDesk(WallClock(), "start")
+    with Served(desk, desk.clock) as served:
+        participant = browser.open(served.addresses[1])
+        operator = browser.open(served.addresses[0])
+        participant.until(f"{LOOK} === 'plain'")
+        desk.sequence_step = 0  # the session is held up: no new force
+        participant.until(f"{LOOK} === 'lost'", 2)
+        assert participant.value(WORD) == "The display has lost the connection"
+        desk.sequence_step = 1
+        participant.until(f"{LOOK} === 'plain'", 2)
+    participant.until(f"{LOOK} === 'lost'", 2)  # the server is gone
+    operator.until("document.querySelector('#message').textContent.includes('No connection')", 5)
+    participant.close()
+    operator.close()
+
+
+def test_a_page_that_comes_when_the_places_are_taken_gets_one_later(browser, desk, served):
+    path = "/" + served.addresses[1].split("/", 3)[3]
+    host, port = served.addresses[1].split("/")[2].split(":")
+    others = []
+    for _ in range(6):
+        other = socket.create_connection((host, int(port)))
+        other.sendall(f"GET {path}stream HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+        assert other.recv(100).startswith(b"HTTP/1.1 200")
+        others.append(other)
+    participant = browser.open(served.addresses[1])
+    time.sleep(0.5)
+    assert participant.value(LOOK) == "lost"
+    for other in others:
+        other.close()
+    participant.until(f"{LOOK} === 'plain'", 5)
+    participant.close()

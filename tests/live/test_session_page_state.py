@@ -1,0 +1,231 @@
+"""What a session's two pages make of what they are sent, as the browser computes it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+
+import pytest
+
+from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.session.views import Request
+from tests.live.scripted_desk import TOO_FAST, ScriptedDesk
+
+FORCE = {"sequence": 7, "time_s": 10.0, "force_n": 3.5, "direction": "rising", "speed": "", "command": "press"}
+NOW = {"silentMs": 3, "sinceS": 0.0}
+RISING = {"colour": "rise", "begunS": 9.0}
+
+
+@pytest.fixture
+def participant(computed_by):
+    return computed_by("participant")
+
+
+@pytest.fixture
+def operator(computed_by):
+    return computed_by("operator")
+
+
+@pytest.fixture
+def state():
+    return asdict(ScriptedDesk(VirtualClock(), "start").participant()) | {"command": "press", "text": "Press"}
+
+
+def desk_at(awaits, **arguments):
+    return ScriptedDesk(VirtualClock(), awaits, **arguments)
+
+
+def state_of(desk):
+    return asdict(desk.operator()[1])
+
+
+@pytest.mark.parametrize(
+    ("command", "memory", "look"),
+    [
+        ("ready", "plain", "plain"), ("start", "plain", "start"), ("press", "plain", "plain"),
+        ("press", "rise", "rise"), ("press", "fall", "fall"), ("stop", "rise", "stop"), ("rest", "plain", "plain"),
+        ("wait", "plain", "wait"), ("pause", "plain", "pause"), ("done", "plain", "wait"),
+    ],
+)  # fmt: skip
+def test_every_command_has_a_look(participant, state, command, memory, look):
+    scene = participant("sceneOf", state, FORCE | {"command": command}, RISING | {"colour": memory}, NOW)
+    assert scene["look"] == look
+    assert (scene["share"], scene["over"]) == (0.5, False)
+
+
+@pytest.mark.parametrize(
+    ("change", "word", "hint"),
+    [
+        ({}, "Press", ""),
+        ({"speed": "too fast"}, "Press", "slower"),
+        ({"speed": "too slow"}, "Press", "faster"),
+        ({"command": "stop", "speed": "too fast"}, "STOP", ""),
+    ],
+)
+def test_words_of_a_press(participant, state, change, word, hint):
+    scene = participant("sceneOf", state, FORCE | change, RISING, NOW)
+    assert (scene["word"], scene["hint"]) == (word, hint)
+
+
+def test_a_falling_force_is_told(participant, state):
+    scene = participant("sceneOf", state, FORCE | {"speed": "too slow"}, RISING | {"colour": "fall"}, NOW)
+    assert (scene["word"], scene["hint"]) == ("Press", "keep increasing")
+
+
+@pytest.mark.parametrize("silent_ms", [199, 201])
+def test_a_bar_that_hears_nothing_is_grey_and_says_so(participant, state, silent_ms):
+    scene = participant("sceneOf", state, FORCE, RISING, NOW | {"silentMs": silent_ms})
+    lost = silent_ms > 200
+    assert scene["look"] == ("lost" if lost else "rise")
+    assert scene["word"] == (state["texts"]["lost"] if lost else "Press")
+
+
+@pytest.mark.parametrize(
+    ("force_n", "share", "over"), [(-0.3, 0, False), (7.0, 1, False), (7.03, 1, False), (7.6, 1, True)]
+)
+def test_more_force_than_the_bar_shows_is_marked(participant, state, force_n, share, over):
+    scene = participant("sceneOf", state, FORCE | {"force_n": force_n}, RISING, NOW)
+    assert (scene["share"], scene["over"], scene["value"]) == (share, over, max(0, force_n))
+
+
+@pytest.mark.parametrize(
+    ("elapsed_s", "low_n", "high_n"), [(0.0, 0.5, 0.5), (0.5, 1.15, 3.75), (1.0, 1.8, 7.0), (9.0, 7.0, 7.0)]
+)
+def test_the_window_moves_as_fast_as_the_band_of_times_says(participant, state, elapsed_s, low_n, high_n):
+    low, high = participant("zoneOf", elapsed_s, state)
+    assert (low, high) == (pytest.approx(low_n / 7), pytest.approx(high_n / 7))
+
+
+@pytest.mark.parametrize(
+    ("memory", "change", "after"),
+    [
+        (None, {"force_n": 0.4}, {"colour": "rise", "begunS": None}),
+        (None, {"command": "start", "force_n": 0.5, "direction": "none"}, {"colour": "plain", "begunS": 10.0}),
+        (RISING, {}, RISING),
+        (RISING, {"direction": "steady"}, RISING),
+        (RISING, {"direction": "falling", "force_n": 0.2}, RISING | {"colour": "fall"}),
+        (RISING, {"command": "stop"}, {"colour": "plain", "begunS": None}),
+    ],
+)
+def test_the_colour_stays_while_the_force_is_steady_and_the_window_begins_at_the_lower_force(
+    participant, state, memory, change, after
+):
+    memory = memory or {"colour": "plain", "begunS": None}
+    assert participant("remembered", memory, FORCE | change, state) == after
+
+
+@pytest.mark.parametrize(("left_s", "shown"), [(24.2, "0:25"), (61.0, "1:01"), (-3.0, "0:00")])
+def test_a_break_is_counted_down(participant, state, left_s, shown):
+    break_ = state | {"command": "pause", "pause_until_s": 10 + left_s}
+    assert participant("sceneOf", break_, FORCE | {"command": "pause"}, RISING, NOW)["pause"] == shown
+
+
+def test_the_clocks_are_compared_by_the_quickest_answer(participant):
+    answers = [
+        {"sentMs": 1000, "receivedMs": 1040, "serverMs": 500},
+        {"sentMs": 2000, "receivedMs": 2002, "serverMs": 1501},
+    ]
+    assert participant("offsetOf", answers) == 500
+
+
+def test_the_report_of_a_second(participant):
+    frames = [0, 16, 32, 48, 148]
+    report = participant("reportOf", frames, [5, 1, 3, 2, 40], True)
+    assert report == {
+        "frames_per_s": pytest.approx(4000 / 148), "age_p50_ms": 3, "age_p95_ms": 40, "longest_frame_ms": 100,
+        "hidden": True,
+    }  # fmt: skip
+    assert participant("reportOf", [0], [], True) == {
+        "frames_per_s": 0, "age_p50_ms": 0, "age_p95_ms": 0, "longest_frame_ms": 0, "hidden": True,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("awaits", "name", "label"),
+    [
+        ("quality", "measure-rest", "Measure rest"), ("contraction", "measure-contraction", "Measure contraction"),
+        ("specimen", "placed", "Specimen is placed"), ("checklist", "check", "Tick: Forearm lies on its support"),
+        ("start", "start", "START"), ("end", "end", "End session"),
+    ],
+)  # fmt: skip
+def test_the_large_button_does_what_is_awaited(operator, awaits, name, label):
+    primary = operator("primaryOf", state_of(desk_at(awaits)))
+    assert (primary["name"], primary["label"]) == (name, label)
+
+
+@pytest.mark.parametrize(("verdict", "name"), [("rejected", "repeat"), ("warned", "accept"), ("ok", "accept")])
+def test_a_press_that_is_not_usable_is_repeated_by_the_large_button(operator, verdict, name):
+    state = state_of(desk_at("verdict"))
+    assert operator("primaryOf", state | {"press": state["press"] | {"verdict": verdict}})["name"] == name
+
+
+@pytest.mark.parametrize(
+    ("awaits", "key", "asked"),
+    [
+        ("start", " ", {"name": "start", "press": None, "item": ""}),
+        ("start", "PageDown", {"name": "start", "press": None, "item": ""}),
+        ("start", "Escape", None),
+        ("start", "r", None),
+        ("start", "x", None),
+        ("start", "p", {"name": "pause", "press": None, "item": ""}),
+        ("start", ".", {"name": "pause", "press": None, "item": ""}),
+        ("verdict", "PageDown", {"name": "repeat", "press": 1, "item": ""}),
+        ("verdict", "PageUp", {"name": "repeat", "press": 1, "item": ""}),
+        ("verdict", "a", {"name": "accept", "press": 1, "item": ""}),
+        ("verdict", "s", {"name": "skip", "press": 1, "item": ""}),
+        ("checklist", "2", {"name": "check", "press": None, "item": "Electrodes hold"}),
+        ("checklist", "9", None),
+    ],
+)
+def test_keys(operator, awaits, key, asked):
+    desk = desk_at(awaits)
+    state = state_of(desk)
+    press = state["press"] | {"verdict": "rejected"}
+    assert operator("askedBy", key, state | {"press": press}, press if awaits == "verdict" else None) == asked
+
+
+def test_the_verdict_shown_is_that_of_the_last_press_unless_another_is_chosen(operator):
+    desk = desk_at("start", faults={2: TOO_FAST})
+    clock = desk.clock
+    for _ in range(2):
+        assert desk.ask(Request("start")) == ""
+        clock.sleep_until(clock.now_s() + 5)
+        desk.force()
+    state = state_of(desk)
+    assert operator("shownPress", state, None)["number"] == 2
+    assert operator("shownPress", state, 1)["number"] == 1
+    assert operator("shownPress", state, 5)["number"] == 2
+    assert operator("shownPress", state_of(desk_at("start")), None) is None
+    assert operator("countOf", state) == "Training: 2 of 2 presses"
+    assert operator("upcoming", state) == ["S3", "S1"]
+    assert operator("cellsOf", state) == [{"kind": "ok", "first": False}, {"kind": "rejected", "first": False}]
+    shown = operator("verdictOf", state["press"] | {"decision": "repeat", "attempt": 2})
+    assert shown == {"kind": "rejected", "mark": "✕", "text": "Not usable (to be repeated, attempt 2)"}
+
+
+@pytest.mark.parametrize(
+    ("change", "silent_s", "refused", "kind"),
+    [
+        ({}, 0.1, "", None), ({}, 2.5, "", "danger"), ({}, 0.1, "Not now.", "warn"),
+        ({"ended": "Done."}, 0.1, "", "good"),
+        ({"warnings": ["The screen is hidden."]}, 0.1, "", "warn"),
+    ],
+)  # fmt: skip
+def test_the_message_says_the_worst(operator, change, silent_s, refused, kind):
+    message = operator("messageOf", state_of(desk_at("start")) | change, silent_s, refused)
+    assert (message and message["kind"]) == kind
+
+
+def test_a_lost_device_is_said_before_all_else(operator):
+    state = state_of(desk_at("start"))
+    device = asdict(replace(desk_at("start").operator()[1].devices[0], state="lost", text="EMG is lost."))
+    message = operator("messageOf", state | {"devices": [device], "warnings": ["x"]}, 0.1, "")
+    assert message == {"kind": "danger", "stale": False, "text": "EMG is lost."}
+    assert operator("messageOf", None, 0.1, "")["text"] == "Connecting."
+
+
+def test_intervals_share_one_axis(operator):
+    fits = [{"low_v": 1e-5, "high_v": 3e-5, "b_v": 2e-5}, {"low_v": 2e-5, "high_v": 4e-5, "b_v": 3e-5}]
+    assert operator("intervalOf", fits[0], fits) == {
+        "from": pytest.approx(0.25), "to": pytest.approx(0.75), "middle": pytest.approx(0.5),
+    }  # fmt: skip
+    assert [operator("microvolts", v) for v in (None, 3.04e-6, 2.4e-4)] == ["–", "3.0 µV", "240 µV"]

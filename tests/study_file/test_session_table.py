@@ -1,0 +1,133 @@
+"""The table [session]: what it contradicts, and at which key that is said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from emg2vsa.errors import StudyError
+from emg2vsa.study import Study
+
+NI = """
+[session.emg]
+kind = "ni-daq"
+channels = { EDC = "Dev1/ai0", FDS = "Dev1/ai1" }
+gain = 1000
+[session.force]
+kind = "rig"
+rig = "rig.toml"
+"""
+SIMULATED = '\n[session]\nemg.kind = "simulated"\nforce.kind = "simulated"\n'
+CASES = [
+    # sources
+    ('emg.kind = "simulated"', "", "session.emg", "nothing"),
+    ('"simulated"', '"bluetooth"', "session.emg.kind", "'ni-daq', 'trigno', 'lsl' or 'simulated'"),
+    ('emg.kind = "simulated"', 'emg.kind = "ni-daq"', "session.emg.channels", "a key 'channels' with kind = 'ni-daq'"),
+    ("+", "emg.gain = 10", "session.emg.gain", "'gain' is of 'ni-daq'"),
+    ("+", 'emg.host = "10.0.0.1"', "session.emg.host", "keys of this kind only"),
+    ("+", 'emg.stream = "x"', "session.emg.stream", "keys of this kind only"),
+    ("+", "emg.command_port = 70000", "session.emg.command_port", "<= 65535"),
+    ("+", 'force.rig = "rig.toml"', "session.force.rig", "keys of this kind only"),
+    ("+", 'force.channel = "x"', "session.force.channel", "keys of this kind only"),
+    ("+", "emg.delay_s = -1", "session.emg.delay_s", ">= 0"),
+    # forces and times
+    ("+", "force_n = [7, 0.5]", "session.force_n", "the smaller number first"),
+    ("+", "force_n = [0.5, 6]", "session.force_n", "[window] force_n = [0.5, 7.0]"),
+    ("+", "force_n = [0.6, 7]", "session.force_n", "at least the range that is analysed"),
+    ("+", "bar_n = 5", "session.bar_n", "at least the upper force, 7"),
+    ("+", "ready_n = 0.5", "session.ready_n", "less than the lower force, 0.5"),
+    ("+", "limits.peak_n = 7", "session.limits.peak_n", "more than the upper force"),
+    ("+", "limits.reaction_s = [5, 2]", "session.limits.reaction_s", "the smaller number first"),
+    ("+", "limits.zero_n = [0.5, 0.2]", "session.limits.zero_n", "the smaller number first"),
+    ("+", "limits.lost_share = [0.5, 0.2]", "session.limits.lost_share", "the smaller number first"),
+    ("+", "load_s = [5, 1]", "session.load_s", "the smaller number first"),
+    ("+", "load_s = [0.2, 5]", "session.load_s", "[window] accepts, 0.5 to 20"),
+    ("+", "load_s = [1, 30]", "session.load_s", "right on the screen and rejected"),
+    ("+", "rest_s = -1", "session.rest_s", ">= 0"),
+    # order and counts
+    ("+", 'order = "random"', "session.order", "'blocked', 'interleaved' or 'listed'"),
+    ("+", "seed = -1", "session.seed", ">= 0"),
+    ("+", "repetitions = 0", "session.repetitions", ">= 1"),
+    ("+", 'stop = "width"\nmost_presses = 5', "session.most_presses", "at least repetitions = 10"),
+    ("+", "most_presses = 30", "session.most_presses", "stop = 'width' with this key"),
+    ("+", "width = 0.1", "session.width", 'Set stop = "width"'),
+    ("+", 'stop = "significance"', "session.stop", "'count' or 'width'"),
+    ("+", "[window]\nexpected_trials = 8", "session.repetitions", "expected_trials, 8"),
+    ("+", 'training_specimens = ["T1", "s3"]', "session.training_specimens[1]", "not among [[specimens]]"),
+    ("+", 'training_specimens = ["T1", "T1"]', "session.training_specimens[1]", "'T1' again"),
+    ("+", 'training_specimens = ["T_1"]', "session.training_specimens[0]", "letters and digits only"),
+    ("+", 'palette = "red"', "session.palette", "'paper' or 'safe'"),
+    ("+", "texts.start = ''", "session.texts.start", "not empty"),
+    ("+", "texts.begin = 'Los'", "session.texts.begin", "a known key"),
+    ("+", "repetition = 5", "session.repetition", "Did you mean 'repetitions'?"),
+    # where and how it is written
+    ('ids = ["P01", "P02"]', 'ids = ["P01", "Maria"]', "participants", "codes with [session]"),
+    ('task = "press"', 'task = "training"', "recordings.task", "another name than that of the practice"),
+    ('task = "press"', 'task = "press"\nextension = "edf"', "recordings.extension", "'bdf' with [session]"),
+    ("BIDS", "PATTERN", "session", "layout = 'pattern'"),
+    ('name = "EMG 1"', 'name = "EMG 1"\ngain = 1000', "channels.emg.EDC.gain", "amplifier's gain in [session.emg]"),
+    ('name = "EMG 1"', 'name = "EMG 1"\nunit = "mV"', "channels.emg.EDC.unit", "'uV'"),
+    ('name = "EMG 1"', 'name = "the first EMG channel"', "channels.emg.EDC.name", "at most 16 ASCII"),
+    ('name = "Fz"', 'name = "Fz"\nunit = "lbf"', "channels.force.unit", "'N'"),
+    ('name = "Fz"', 'name = "Fz"\nnewtons_per_unit = 2', "channels.force.newtons_per_unit", "no such key"),
+    ('name = "Fz"', 'name = "Fz"\ndelay_s = 0.1', "channels.force.delay_s", "delay in [session.force]"),
+]
+OF_NI = [
+    ('EDC = "Dev1/ai0", ', "", "session.emg.channels.EDC", "channel of the muscle 'EDC'"),
+    ('"Dev1/ai1"', '"Dev1/ai0"', "session.emg.channels.FDS", "as for EDC"),
+    ("EDC =", "ECD =", "session.emg.channels.ECD", "Did you mean 'EDC'?"),
+    ('"Dev1/ai1"', '"1"', "session.emg.channels.FDS", "'Dev1/ai0'"),
+    ('"ni-daq"', '"trigno"', "session.emg.channels.EDC", "'1' to '16'"),
+    ("gain = 1000", "gain = 0", "session.emg.gain", "> 0"),
+    ('rig = "rig.toml"', "", "session.force.rig", "a key 'rig'"),
+    ('rig = "rig.toml"', 'rig = "rig.toml"\naxis = [0, 0, 0]', "session.force.axis", "a direction"),
+    ('kind = "rig"', 'kind = "rig"\nstream = "x"', "session.force.stream", "keys of this kind only"),
+]
+PATTERN = 'layout = "pattern"\npattern = "data/{participant}_{specimen}.csv"'
+BIDS = 'layout = "bids"\nroot = "data"\ntask = "press"'
+
+
+def changed(text: str, old: str, new: str) -> str:
+    if old == "+":
+        return text + new + "\n"
+    if old == "BIDS":
+        old, new = BIDS, PATTERN
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+@pytest.fixture
+def with_session(small: str) -> Callable[[str], str]:
+    return lambda table: small.replace(PATTERN, BIDS) + table
+
+
+@pytest.mark.parametrize(("old", "new", "key", "said"), CASES)
+def test_what_a_session_contradicts_is_said_at_its_key(load, with_session, old, new, key, said):
+    with pytest.raises(StudyError) as caught:
+        load(changed(with_session(SIMULATED), old, new))
+    assert any(f" {key}: " in problem and said in problem for problem in caught.value.problems), str(caught.value)
+
+
+@pytest.mark.parametrize(("old", "new", "key", "said"), OF_NI)
+def test_channels_of_a_device(load, with_session, old, new, key, said):
+    with pytest.raises(StudyError) as caught:
+        load(changed(with_session("\n[session]\n" + NI), old, new))
+    assert any(f" {key}: " in problem and said in problem for problem in caught.value.problems), str(caught.value)
+
+
+def test_a_session_without_fault(load: Callable[[str], Study], with_session):
+    text = with_session('\n[session]\ntraining_specimens = ["T1"]\nstop = "width"\nmost_presses = 15\n' + NI)
+    session = load(text).session
+    assert session is not None
+    assert session.emg.channels == {"EDC": "Dev1/ai0", "FDS": "Dev1/ai1"}
+    assert session.force.axis == (0.0, 0.0, -1.0)
+    assert load(with_session("")).session is None
+
+
+def test_a_session_needs_recordings_and_channels(load):
+    runs = '[study]\nname = "r"\n[[specimens]]\nname = "S1"\nstiffness_n_per_mm = 3\n[runs]\n'
+    with pytest.raises(StudyError) as caught:
+        load(runs + SIMULATED)
+    assert "a table [recordings] with layout = 'bids'" in str(caught.value)
+    assert "tables [channels.emg.<muscle>]" in str(caught.value)
