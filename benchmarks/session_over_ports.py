@@ -2,8 +2,8 @@
 
 Run as ``python -m benchmarks.session_over_ports [--devices trigno lsl] [--keep DIR]``; it prints Markdown tables. One
 process is ``emg2vsa session emulate --operate``, the other ``emg2vsa session``: one press of practice, then three on
-each of two specimens, with three planted mistakes. trigno: EMG from the Trigno server, force from the ATI box; lsl: both as
-LSL streams. True: of the emulated participant; fitted: by the session, live.
+each of two specimens, with three planted mistakes. trigno: EMG from the Trigno server, force from the ATI box; lsl:
+both as LSL streams. True: of the emulated participant; fitted: by the session, live.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ force.rig = "rig.toml"
 """
 _LSL = """
 emg.kind = "lsl"
-emg.channels = { EDC = "EDC", FDS = "FDS" }
+emg.channels = { EDC = "ch7", FDS = "ch9" }
 force.kind = "lsl"
 """
 
@@ -138,15 +138,28 @@ def rows(folder: Path) -> Iterator[str]:
     session = next((folder / "data" / "sourcedata").rglob("journal.jsonl"))
     lines = [json.loads(line) for line in session.read_text().splitlines()]
     events = [(line["kind"], line["event"]) for line in lines]
-    judged = {(event["press"], event["attempt"]): event for kind, event in events if kind == "judged"}
+    begun = [(event["press"], event["attempt"]) for kind, event in events if kind == "press-begun"]
+    judged: dict[tuple[int, int], list[Any]] = {key: [] for key in begun}
+    for kind, event in events:
+        if kind == "judged":
+            judged[event["press"], event["attempt"]].append(event)
     pressed = json.loads((folder / "truth.json").read_text())["presses"]
-    for (number, attempt), true in zip(sorted(judged), pressed, strict=True):
-        event = judged[number, attempt]
+    for (number, attempt), true in zip(begun, pressed, strict=True):
+        event, last = judged[number, attempt][0], judged[number, attempt][-1]
         why = "; ".join(problem for problem, _ in event["problems"])
         b_v = event["values"].get("b_v")
         fitted = f"{1e6 * b_v:.1f}" if b_v is not None else ""
         told = f"{event['verdict']}{': ' if why else ''}{why}"
-        cells = true["specimen"], number, attempt, true["mistake"], told, f"{1e6 * true['b_v']:.1f}", fitted
+        cells = (
+            true["specimen"],
+            number,
+            attempt,
+            true["mistake"],
+            told,
+            last["verdict"],
+            f"{1e6 * true['b_v']:.1f}",
+            fitted,
+        )
         yield f"| {' | '.join(map(str, cells))} |"
     clocks = {event["stream"]: event for kind, event in events if kind == "clock-fitted"}
     for name, clock in clocks.items():
@@ -165,8 +178,8 @@ def main() -> None:
         begun_s = time.monotonic()
         status, said = carry_out(folder)
         print(f"\n## {devices}\n\nExit status {status} after {time.monotonic() - begun_s:.0f} s.\n")
-        print("| specimen | press | attempt | planted | verdict | true b, uV | fitted b, uV |")
-        print("|---|---|---|---|---|---|---|")
+        print("| specimen | press | attempt | planted | verdict at once | at the end | true b, uV | fitted b, uV |")
+        print("|---|---|---|---|---|---|---|---|")
         print("\n".join(rows(folder)), flush=True)
         print("\n```text\n" + re.sub(r"http://\S+|/\S+/(?=data|reports)", "…", said).strip() + "\n```", flush=True)
         if arguments.keep:

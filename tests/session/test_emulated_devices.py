@@ -150,13 +150,13 @@ def test_lsl_streams_say_what_they_are(
     from emg2vsa.session.emulated.lsl_outlets import LslOutlets
 
     clock = WallClock()
-    with LslOutlets(EmulatedParticipant(PERSON), ("EDC", "FDS"), clock) as outlets:
+    with LslOutlets(EmulatedParticipant(PERSON), {"EDC": "ch7", "FDS": "ch9"}, clock) as outlets:
         assert outlets.names == ("emulated EMG", "emulated force")
         found = {info.type(): info for info in pylsl.resolve_streams(3.0)}
         assert {"EMG", "Force"} <= set(found)
         inlet = pylsl.StreamInlet(found["EMG"])
         channel = inlet.info(5.0).desc().child("channels").child("channel")
-        assert (channel.child_value("label"), channel.child_value("unit")) == ("EDC", "V")
+        assert (channel.child_value("label"), channel.child_value("unit")) == ("ch7", "V")
         samples, stamps = [], []
         end_s = time.monotonic() + 1.0
         while time.monotonic() < end_s:
