@@ -170,7 +170,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
     except OSError as error:
         raise SettingError(
             study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
-            do="Make room and write it again (emg2vsa session --resume, then end). The session itself is whole.",
+            do="Make room and write it again: emg2vsa session finish. The session itself is whole.",
         ) from error  # fmt: skip
     return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, signals)))
 

@@ -13,7 +13,6 @@ from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.record import Progress
 from emg2vsa.session.views import PressView
 
-
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
@@ -177,7 +176,7 @@ def _rounded(value: float | None) -> float | None:
 
 
 def said_the_same(one: journal.Judged, tried: Tried) -> bool:
-    """Whether a verdict repeats what is known, the numbers in its words aside, which change with every further press."""
+    """Whether a verdict repeats what is known, the numbers in its words aside: each further press changes them."""
     return one.verdict == tried.verdict and _words(one.problems) == _words(tried.problems)
 
 

@@ -222,7 +222,9 @@ def test_events_say_what_happened_and_when(made):
     apart_s = float(found[4, 2]["onset"]) - float(found[3, 1]["onset"])
     assert apart_s == pytest.approx((made.starts_s[4, 2] - made.starts_s[3, 1]) * (1 + 30e-6), abs=2e-6)
     assert {row["trial_type"] for row in rows} >= {"command_start", "command_stop", "press", "rest"}
-    everything = [row for path in written.files for row in rows_of(path.with_name(path.name.replace("_emg.bdf", "_events.tsv")))]
+    everything = [
+        row for path in written.files for row in rows_of(path.with_name(path.name.replace("_emg.bdf", "_events.tsv")))
+    ]
     assert {row["note"] for row in everything} >= {"the participant coughed"}
     assert {row["trial_type"] for row in everything} >= {"pause", "operator_note"}
     described = json.loads(own.with_name(own.name.replace("_emg.bdf", "_events.json")).read_text())
@@ -314,14 +316,15 @@ def test_a_known_moment_is_found_in_both_streams_within_a_sample_over_ten_minute
     for signal in file.signals:
         times_s = np.arange(signal.data.size) / signal.sampling_frequency
         around = [np.abs(times_s - (moment - 2.0)) < 0.2 for moment in moments_s]
-        found_s[signal.label] = np.array([np.sum(times_s[a] * np.abs(signal.data[a])) / np.sum(np.abs(signal.data[a])) for a in around])
+        found_s[signal.label] = np.array(
+            [np.sum(times_s[a] * np.abs(signal.data[a])) / np.sum(np.abs(signal.data[a])) for a in around]
+        )
     assert [signal.label for signal in file.signals] == ["EDC", "FDS right", "Fz"]
     assert file.signals[0].sampling_frequency == pytest.approx(2000, rel=1e-6)
     apart = np.abs(found_s["Fz"] - found_s["EDC"]) * 2000
-    print('APART', apart, (found_s['EDC'] - (moments_s-2)*(1+30e-6))*2000, file.data_record_duration, [x.sampling_frequency for x in file.signals])
     assert apart.max() < 1.0, apart
     onsets = (moments_s - 2.0) * (1 + 30e-6)
-    assert np.abs(found_s["EDC"] - onsets).max() * 2000 < 4.0, (found_s["EDC"] - onsets) * 2000
+    assert np.abs(found_s["EDC"] - onsets).max() * 2000 < 3.0, (found_s["EDC"] - onsets) * 2000
 
 
 def test_a_session_that_was_interrupted_becomes_numbered_recordings(study):

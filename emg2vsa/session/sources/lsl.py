@@ -86,9 +86,11 @@ class LslSource:
         self._inlet = self._lsl.StreamInlet(found, max_buflen=360, recover=True)
         try:
             said = ElementTree.fromstring(self._inlet.info(REPLY_S).as_xml())
+            self._info = self._described(found, said)
             self._inlet.open_stream(REPLY_S)
             self._set_offset(self._clock.now_s())
-            self._describe(found, said)
+            offset = f"{self._offset.offset_s:.6f} s ± {self._offset.uncertainty_s:.6f} s at the start"
+            self._info.facts["clock offset"] = offset
             self._wait_for_first()
         except self._lost as error:
             raise self._gone(str(error).rstrip(".")) from error
@@ -154,7 +156,7 @@ class LslSource:
             return bool(stream.name() == self._stream)
         return bool(stream.type().lower() == self._type.lower())
 
-    def _describe(self, found: Any, said: ElementTree.Element) -> None:
+    def _described(self, found: Any, said: ElementTree.Element) -> StreamInfo:
         fs_hz = float(found.nominal_srate())
         if fs_hz <= 0:
             do = "Let the sender state its sampling rate."
@@ -169,9 +171,8 @@ class LslSource:
         facts = {"device": f"LSL stream {found.name()}", "host": found.hostname(), "source id": found.source_id()}
         facts |= {key: text for key in ("manufacturer", "model") if (text := said.findtext(f"desc/{key}"))}
         facts |= {f"{name}, unit sent": unit for name, unit in zip(self._channels, units, strict=True)}
-        facts["clock offset"] = f"{self._offset.offset_s:.6f} s ± {self._offset.uncertainty_s:.6f} s at the start"
         unit = "V" if self._kind == "emg" else "N"
-        self._info = StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts)
+        return StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts)
 
     def _column(self, name: str, label: str | None, labels: Sequence[str]) -> int:
         wanted = f"one channel with the label {label!r}" if label else "one channel, or a label"

@@ -156,6 +156,9 @@ def test_streams_that_cannot_be_used(pylsl: Any, clock: WallClock, monkeypatch: 
         Sender(pylsl, "words", "Markers", ("text",), ("",), form="string"),
         Sender(pylsl, "undescribed", "Force", ("x",), ("N",), described=False),
     ]
+    time.sleep(0.5)
+    found = pylsl.resolve_streams(2.0)  # once is enough; the senders stay as they are
+    monkeypatch.setattr(pylsl, "resolve_streams", lambda wait_time: found)
     one, two = {"EDC": "a"}, {"EDC": "a", "FDS": "z"}
     for kind, channels, stream, error, words in (
         ("emg", one, None, DeviceError, "session.emg.stream: wanted one LSL stream of type EMG; found 2 of them: "),
