@@ -436,7 +436,7 @@ def _merge(
     new: Mapping[str, Sequence[str]],
     gone: Callable[[str], bool] = lambda key: False,
 ) -> None:
-    """A table with ``new`` rows by their first cell; rows that are there keep their further cells, but ``gone`` ones."""
+    """A table with ``new`` rows by their first cell; what else rows have stays, and ``gone`` ones go."""
     rows: list[list[str]] = []
     if path.exists():
         with path.open(encoding="utf-8-sig", newline="") as lines:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from dataclasses import replace
 
@@ -42,7 +43,7 @@ def test_training_comes_first_as_listed():
 def test_presses_on_one_specimen_in_a_row_are_one_stay():
     for how in ("blocked", "interleaved", "listed"):
         presses = draw_presses("palpation", "P07", FIVE, replace(SETTINGS, order=how))
-        for before, after in zip(presses, presses[1:], strict=False):
+        for before, after in itertools.pairwise(presses):
             assert (after.stay == before.stay) == ((before.phase, before.specimen) == (after.phase, after.specimen))
             assert after.stay - before.stay in (0, 1)
 
@@ -51,7 +52,7 @@ def test_interleaved_presses_every_specimen_as_often_as_every_other_at_any_momen
     found = order("P05", "interleaved", repetitions=20)
     for n in range(len(found)):
         counts = Counter(found[:n])
-        assert max(counts.values(), default=0) - min((counts[name] for name in FIVE)) <= 1
+        assert max(counts.values(), default=0) - min(counts[name] for name in FIVE) <= 1
     rounds = {tuple(found[i : i + 5]) for i in range(0, 100, 5)}
     assert len(rounds) > 10
 
