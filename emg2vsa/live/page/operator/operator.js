@@ -1,18 +1,19 @@
 // Follows the session's stream (emg2vsa/session/views.py) and sends what the operator asks for.
 import { draw, ticksBetween } from "./plot.js";
 import {
-  askedBy, cellsOf, countOf, intervalOf, messageOf, microvolts, primaryOf, shownPress, upcoming, verdictOf,
+  askedBy, cellsOf, countOf, intervalOf, messageOf, microvolts, nameOf, primaryOf, shownPress, upcoming, verdictOf,
 } from "./state.js";
 
 const WINDOW_S = 10;
 const TOO_SOON_MS = 400; // a presenter's key that bounces must not do the next thing as well
-const REFUSED_MS = 6000;
+const REFUSED_MS = 6000, NEWS_MS = 12000;
 const DEVICE_MARKS = { good: "✓", doubtful: "!", lost: "✕" };
 const TOKEN = location.pathname.split("/")[1];
 const $ = (selector) => document.querySelector(selector);
 
 let state = null, seen = null, traces = null, chosen = null;
 let heardMs = performance.now(), askedMs = -1e9, refusedMs = -1e9, refused = "";
+let warned = 0, newsMs = -1e9;
 
 function listen() {
   const source = new EventSource("stream");
@@ -22,7 +23,11 @@ function listen() {
     take(JSON.parse(event.data));
     requestAnimationFrame(show);
   });
-  on("state", (content) => { state = content; });
+  on("state", (content) => {
+    state = content;
+    if (state.warnings.length > warned) newsMs = performance.now();
+    warned = state.warnings.length;
+  });
   on("participant", (content) => { seen = content; });
   on("traces", append);
   on("alive", () => {});
@@ -55,7 +60,8 @@ function show() {
 function render() {
   const nowMs = performance.now();
   if (nowMs - refusedMs > REFUSED_MS) refused = "";
-  const message = messageOf(state, (nowMs - heardMs) / 1000, refused);
+  const news = nowMs - newsMs < NEWS_MS ? state.warnings.at(-1) ?? "" : "";
+  const message = messageOf(state, (nowMs - heardMs) / 1000, refused, news);
   $("#message").hidden = message === null;
   document.body.classList.toggle("stale", message?.stale ?? false);
   if (message) {
@@ -85,17 +91,18 @@ function showState() {
   write("#said", state.message);
   const primary = primaryOf(state);
   $("#primary").disabled = primary.name === "";
+  $("#primary").classList.toggle("early", primary.name !== "" && !primary.ready);
   $("#primary").classList.toggle("go", primary.name === "start");
   write("#primary b", primary.label);
   for (const button of document.querySelectorAll("[data-ask]")) button.disabled = !commands.includes(button.dataset.ask);
   $('[data-ask="continue"]').hidden = !commands.includes("continue");
-  $('[data-ask="pause"]').hidden = commands.includes("continue");
   showMirror();
   showProgress();
   showChecks();
   showDevices();
   showSignals();
   showFits();
+  showWarnings();
   showVerdict();
   showList();
 }
@@ -166,40 +173,50 @@ function showFits() {
   }));
 }
 
+function showWarnings() {
+  $("#warnings").hidden = state.warnings.length === 0;
+  fill("#warnings ul", state.warnings.toReversed().map((text) => node("li", text)));
+}
+
 function showVerdict() {
   const press = shownPress(state, chosen);
   $("#verdict").hidden = press === null;
   if (press === null) return;
   const { kind, mark, text } = verdictOf(press);
-  write("#verdict h2", `Press ${press.number} · ${press.specimen}`);
+  write("#verdict h2", `Press ${nameOf(press)} · ${press.specimen}`);
   $("#judged").className = kind;
   write("#judged", `${mark} ${text}`);
+  for (const button of document.querySelectorAll("#verdict [data-ask]")) button.disabled ||= !press.last;
   fill("#problems", [
-    ...press.problems.map(([found, remedy]) => { const item = node("li"); item.append(node("b", sentence(found)), `→ ${sentence(remedy)}`); return item; }),
+    ...press.problems.map(([found, remedy]) => {
+      const item = node("li");
+      item.append(node("b", sentence(found)), remedy ? `→ ${sentence(remedy)}` : "");
+      return item;
+    }),
     ...(press.note ? [node("li", `Note: ${press.note}`)] : []),
   ]);
 }
 
 function showList() {
-  const done = state.presses.filter((one) => one.verdict !== "").reverse();
+  const done = state.presses.filter((one) => one.verdict !== "").reverse(), about = shownPress(state, chosen);
   $("#list").hidden = done.length === 0;
-  const about = shownPress(state, chosen)?.number;
   fill("#list tbody", done.flatMap((press) => {
-    const { kind, mark } = verdictOf(press), pick = node("button", String(press.number));
+    const name = nameOf(press), { kind, mark } = verdictOf(press), pick = node("button", name.replace(", attempt ", "."));
+    const here = about !== null && nameOf(about) === name;
     pick.type = "button";
-    pick.setAttribute("aria-label", `Show press ${press.number}`);
-    pick.addEventListener("click", () => { chosen = press.number; show(); });
-    const said = press.decision && press.decision !== "accept" ? `, ${press.decision}` : "";
+    pick.setAttribute("aria-label", `Show press ${name}`);
+    pick.addEventListener("click", () => { chosen = name; show(); });
+    const said = press.decision ? `, ${press.decision}` : "";
     const line = row("", press.specimen, [`${mark} ${press.verdict}${said}`, kind], number(press.peak_n, 2, "N"), number(press.load_s, 2, "s"));
     line.firstChild.append(pick);
-    line.classList.toggle("chosen", press.number === about);
+    line.classList.toggle("chosen", here);
     const remark = [...press.problems.map(([found]) => found), press.note].filter(Boolean).join("; ");
     if (!remark) return [line];
     line.classList.add("has-remark");
     const cell = node("td", remark);
     cell.colSpan = 5;
     const below = wrap("tr", cell);
-    below.className = `remark${press.number === about ? " chosen" : ""}`;
+    below.className = `remark${here ? " chosen" : ""}`;
     return [line, below];
   }));
 }
@@ -272,16 +289,15 @@ function press(key) {
 
 function openNote() {
   const about = shownPress(state, chosen);
-  if (about === null) return;
+  if (!about?.last) return;
   $("#note").hidden = false;
   $("#note").dataset.press = about.number;
-  $("#note input").value = about.note;
+  $("#note input").value = "";
   $("#note input").focus();
 }
 
 function openSure() {
-  const left = state.presses.filter((one) => one.verdict === "").length;
-  write("#sure-text", left ? `End the session now? ${left} presses are not done yet. It can be resumed later.` : "End the session now?");
+  write("#sure-text", `End the session now? ${countOf(state)} are done. It can be resumed later.`);
   $("#sure").showModal();
 }
 

@@ -36,10 +36,10 @@ const sentMs = () => (offsetMs === null ? force.receivedMs : Math.min(force.rece
 
 function draw() {
   const nowMs = performance.now();
-  const silentMs = force === null ? 0 : nowMs - sentMs();
-  show(sceneOf(state, force, memory, { silentMs, sinceS: (force?.age_s ?? 0) + silentMs / 1000 }));
+  const ageMs = force === null ? 0 : Math.max(0, 1000 * force.age_s + nowMs - sentMs());
+  show(sceneOf(state, force, memory, ageMs));
   frames.push(nowMs);
-  if (force !== null && offsetMs !== null) ages.push(Math.max(0, 1000 * force.age_s + silentMs));
+  if (force !== null && offsetMs !== null) ages.push(ageMs);
   requestAnimationFrame(draw);
 }
 
@@ -91,7 +91,7 @@ async function report() {
   const content = {
     ...reportOf(frames, ages, document.hidden),
     more: {
-      width: screen.width, height: screen.height, pixel_ratio: devicePixelRatio, messages,
+      width: innerWidth, height: innerHeight, pixel_ratio: devicePixelRatio, messages,
       full_screen: document.fullscreenElement !== null,
     },
   };
