@@ -27,8 +27,6 @@ from emg2vsa.session.quality import measured
 from emg2vsa.session.views import SignalView
 from emg2vsa.settings import FilterSettings
 
-_NICE = 5
-"""The judge gives way to the turns of the session."""
 
 
 class Timing(NamedTuple):
@@ -224,8 +222,6 @@ def _serve(end: Connection[Any, Any]) -> None:
     """The far end: until the near one is closed. Ctrl-C is for the session, which ends in its own time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
-        os.nice(_NICE)
-    judge = JudgeAtOnce()
     with contextlib.suppress(EOFError, OSError):
         while True:
             judge.tell(end.recv())

@@ -38,7 +38,7 @@ CHARACTERS = [
     ("too-slow@1", "warned", "slower than"),
     ("dips@1", "rejected", "force falls"),
     ("aborted@1", "rejected", "reached"),
-    ("overshoot@1", "warned", "after STOP"),
+    ("overshoot@1", "rejected", "after STOP"),
     ("never-lifts@1", "rejected", "not lifted"),
     ("early@1", "rejected", "before START"),
     ("electrode-off:FDS@1", "rejected", "electrode of FDS is off"),
