@@ -462,7 +462,7 @@ class Session:
         assert press is not None
         self.stay, self.placed = press, True
         self.bar.zero_n = self.mean_force()
-        self.write(journal.Checked("specimen placed", press.specimen))
+        self.write(journal.Checked(journal.PLACED, press.specimen))
         self._begin_stay()
 
     def mean_force(self) -> float:
