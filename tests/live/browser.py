@@ -96,8 +96,10 @@ class Window:
     def click(self, selector: str) -> None:
         self.value(f"document.querySelector({json.dumps(selector)}).click()")
 
-    def picture(self, path: Path) -> None:
-        image = self.call("Page.captureScreenshot", format="png")["data"]
+    def picture(self, path: Path, scale: float = 1.0) -> None:
+        width, height = self.value("[innerWidth, innerHeight]")
+        clip = {"x": 0, "y": 0, "width": width, "height": height, "scale": scale}
+        image = self.call("Page.captureScreenshot", format="png", clip=clip)["data"]
         path.write_bytes(base64.b64decode(image))
 
     def close(self) -> None:
