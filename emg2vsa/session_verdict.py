@@ -15,7 +15,7 @@ from emg2vsa.arrays import median
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import PressJudgement
 from emg2vsa.trials import Trials
-from emg2vsa.trials.reasons import grouped
+from emg2vsa.trials.reasons import grouped, put_aside
 from emg2vsa.trials.remedies import remedy_of
 
 LAG_APART_S = 0.03
@@ -127,8 +127,10 @@ def judge_session(
 
 def _judge_recording(trials: Trials, fits: Fits | None, wanted: int | None, doubts: Sequence[str]) -> SpecimenVerdict:
     judged, reasons = (trials.verdict, trials.reasons) if fits is None else (fits.verdict, fits.reason.tolist())
-    ok, warned, rejected = (int(np.sum(judged == v)) for v in ("ok", "warned", "rejected"))
-    found = len(trials.repetition)
+    # presses that were repeated while the participant was there are told, and missing to nobody
+    counted = np.array([not put_aside(reason) for reason in reasons], dtype=np.bool_)
+    ok, warned, rejected = (int(np.sum(judged[counted] == v)) for v in ("ok", "warned", "rejected"))
+    found = int(np.sum(counted))
     problems = grouped(zip(trials.repetition.tolist(), judged.tolist(), reasons, strict=True))
     # presses of a recording with a fault are used only where a person accepts all of it; the fault is then a remark
     fault = "" if ok + warned else trials.fault

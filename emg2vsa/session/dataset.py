@@ -144,7 +144,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
     plan = read_plan(folder / PLAN_FILE)
     lines, _ = read_journal(folder / JOURNAL_FILE)
     presses = _presses(lines, plan.presses)
-    streams = stored_streams(folder, lines)
+    streams, faults = stored_streams(folder, lines)
     windows = stay_windows(lines)
     channels = _channels(study, plan.participant)
     stems = _stems(windows, plan.participant, study.task)
@@ -170,9 +170,9 @@ def write_dataset(folder: Path, study: Study) -> Written:
     except OSError as error:
         raise SettingError(
             study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
-            do="Make room and write it again (emg2vsa session --resume, then end). The session itself is whole.",
+            do="Make room and write it again: emg2vsa session finish. The session itself is whole.",
         ) from error  # fmt: skip
-    return Written(tuple(targets), tuple(left_out), tuple(_notes(lines, signals)))
+    return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, signals)))
 
 
 def _presses(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[tuple[int, int], _Press]:
@@ -436,7 +436,7 @@ def _merge(
     new: Mapping[str, Sequence[str]],
     gone: Callable[[str], bool] = lambda key: False,
 ) -> None:
-    """A table with ``new`` rows by their first cell; those that are there keep their further cells, but ``gone`` ones."""
+    """A table with ``new`` rows by their first cell; rows that are there keep their further cells, but ``gone`` ones."""
     rows: list[list[str]] = []
     if path.exists():
         with path.open(encoding="utf-8-sig", newline="") as lines:

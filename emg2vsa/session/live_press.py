@@ -12,12 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from emg2vsa.arrays import bridge_gaps
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.session.press_cycle import Attempt
+from emg2vsa.session.quality import FLAT_V, HUM_V
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
+from emg2vsa.signals.quality import mains_ratios
 from emg2vsa.trials.extract import extract_trials
 from emg2vsa.trials.remedies import remedies_of
 
@@ -42,7 +45,8 @@ class HowJudged:
 class FoundPress:
     """A press as ``extract_trials`` found it; times in seconds on the session's clock.
 
-    a_v, b_v : of its fit, NaN where there is none. fitted : the fit is one that ``check`` would use.
+    a_v, b_v : of its fit, NaN where there is none. fitted : the fit is one that ``check`` would use. loose : muscles
+    whose electrode is off.
     """
 
     start_s: float
@@ -53,6 +57,7 @@ class FoundPress:
     a_v: float
     b_v: float
     fitted: bool
+    loose: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -84,11 +89,26 @@ def judge_stay(
         FoundPress(*row)
         for row in zip(
             trials.start_s.tolist(), trials.stop_s.tolist(), trials.verdict.tolist(), trials.reasons,
-            trials.peak_force_n.tolist(), fits.a_v.tolist(), fits.b_v.tolist(), usable.tolist(), strict=True,
+            trials.peak_force_n.tolist(), fits.a_v.tolist(), fits.b_v.tolist(), usable.tolist(),
+            (_loose(emg, *span) for span in zip(trials.start_s.tolist(), trials.stop_s.tolist(), strict=True)),
+            strict=True,
         )
     )  # fmt: skip
     remarks = [pair for remark in trials.remarks for pair in remedies_of(remark)]
     return StayJudged(presses, tuple(remarks))
+
+
+def _loose(emg: Mapping[str, Channel], start_s: float, stop_s: float) -> tuple[str, ...]:
+    """Muscles whose channel holds nothing but hum, or nothing at all, between two times."""
+    found = []
+    for muscle, channel in emg.items():
+        at = (round((time_s - channel.start_s) * channel.fs_hz) for time_s in (start_s, stop_s))
+        samples = bridge_gaps(channel.samples[slice(*at)], muscle)[0]
+        rms_v = float(np.std(samples))
+        (mains,) = mains_ratios([samples], channel.fs_hz).tolist()
+        if rms_v < FLAT_V or rms_v * np.sqrt(mains) > HUM_V:
+            found.append(muscle)
+    return tuple(found)
 
 
 class Circumstances(NamedTuple):
@@ -123,6 +143,8 @@ def judge_attempt(
     if found is None and attempt.ending not in ("not begun", "aborted", "interrupted"):
         why = stay.failed or "the analysis finds no press here"
         live.append((True, (why, "press from rest to the upper force in one go")))
+    for muscle in () if found is None else found.loose:
+        live.append((True, (f"the electrode of {muscle} is off", "attach it, look at its signal, then repeat")))
     checked = [] if found is None else remedies_of(found.reasons)
     rejecting = [problem for rejects, problem in live if rejects]
     warning = [problem for rejects, problem in live if not rejects]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from emg2vsa.session import journal
 from emg2vsa.session.live_press import Circumstances, FoundPress, Judged, Problem
@@ -11,6 +12,8 @@ from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.record import Progress
 from emg2vsa.session.views import PressView
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 @dataclass
@@ -173,7 +176,9 @@ def _rounded(value: float | None) -> float | None:
 
 
 def said_the_same(one: journal.Judged, tried: Tried) -> bool:
-    """Whether a verdict repeats what is known."""
-    return replace(one, values={}) == journal.Judged(one.press, one.attempt, one.verdict, tried.problems) and (
-        one.verdict == tried.verdict
-    )
+    """Whether a verdict repeats what is known, the numbers in its words aside: each further press changes them."""
+    return one.verdict == tried.verdict and _words(one.problems) == _words(tried.problems)
+
+
+def _words(problems: tuple[Problem, ...]) -> list[str]:
+    return [_NUMBER.sub("", found) for found, _ in problems]

@@ -85,8 +85,15 @@ class SampleFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        with path.open("rb") as file:
-            self.info, begin = _head(path, file.read(len(_MAGIC) + _LENGTH.size + _LARGEST_HEAD))
+        try:
+            with path.open("rb") as file:
+                content = file.read(len(_MAGIC) + _LENGTH.size + _LARGEST_HEAD)
+        except OSError as error:
+            raise DataError(
+                path, wanted="a file of samples of a session", found=error.strerror or str(error),
+                do="Put the file back from a copy.",
+            ) from error  # fmt: skip
+        self.info, begin = _head(path, content)
         self._channels = len(self.info.channels)
         found = np.array(list(_blocks(path, begin, self._channels)), dtype=np.float64).reshape(-1, 5)
         first, count, arrived_s, offset, stamped = found.T

@@ -64,7 +64,7 @@ class Attempt:
 
     @property
     def counts(self) -> bool:
-        """Whether it stands for its press: complete, well done and not put aside, or accepted in spite of its faults."""
+        """Whether it stands for its press: complete and well done, or accepted in spite of its faults."""
         well_done = self.verdict in ("ok", "warned") and not self.decision
         return self.state == "complete" and (well_done or self.decision == "accept")
 

@@ -24,7 +24,7 @@ from emg2vsa.session.sample_clock import SampleClock
 
 Floats = NDArray[np.float64]
 LEAD_S, TAIL_S = 2.0, 0.5
-"A stay begins when the specimen is placed, or else so long before its first START; it ends so long after the last press."
+"A stay begins when the specimen is placed, or so long before its first START; it ends so long after the last press."
 CRYSTAL = 1e-3
 "No crystal is off by more: a rate that is, was stated wrongly."
 _DRIFT_SAMPLES = 0.2
@@ -174,7 +174,7 @@ class StoredStream:
         return low
 
     def between(self, first: int, n_places: int, step_s: float) -> tuple[Floats, int]:
-        """``n_places`` samples (n, channels) from number ``first`` on, evenly in time, and how many of them are lost."""
+        """``n_places`` samples (n, channels) from number ``first`` on, evenly in time, and how many are lost."""
         stop = min(first + n_places, self.file.stop)
         times_s = self.clock.time_s(np.arange(first, stop, dtype=np.int64))
         places = np.rint((times_s - times_s[0]) / step_s).astype(np.int64)
@@ -185,15 +185,25 @@ class StoredStream:
         return placed, int(np.count_nonzero(np.isnan(placed).any(axis=1)))
 
 
-def stored_streams(folder: Path, lines: Sequence[Line]) -> dict[tuple[int, str], list[StoredStream]]:
-    """The streams of each sitting by (sitting, "emg" or "force"), in the order in which they were opened."""
+def stored_streams(
+    folder: Path, lines: Sequence[Line]
+) -> tuple[dict[tuple[int, str], list[StoredStream]], list[DataError]]:
+    """The streams of each sitting by (sitting, "emg" or "force"), in the order in which they were opened.
+
+    With them what is wrong with files that cannot be read.
+    """
     found: dict[tuple[int, str], list[StoredStream]] = {}
+    faults: list[DataError] = []
     for line in lines:
         if isinstance(line.event, StreamOpened):
-            stream = StoredStream(line.event, SampleFile(folder / line.event.file))
+            try:
+                stream = StoredStream(line.event, SampleFile(folder / line.event.file))
+            except DataError as error:
+                faults.append(error)
+                continue
             if stream.file.blocks.first.size:
                 found.setdefault((line.sitting, line.event.name), []).append(stream)
-    return found
+    return found, faults
 
 
 def cut(window: StayWindow, emg: Sequence[StoredStream], force: Sequence[StoredStream]) -> StaySignals:

@@ -9,6 +9,19 @@ from itertools import groupby
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?= (?:%|N|s|ms|dB|of|samples)(?!\w))")
 "A number with what it counts: one within a channel's name is part of the name."
 
+_SESSION = ("operator: ", "session: ")
+
+
+def by_session(reason: str) -> str:
+    """Why a press does not count in the session that it was made in, as one reason that says so."""
+    text = reason.replace("; ", ", ")
+    return text if text.startswith(_SESSION) else f"session: {text}"
+
+
+def put_aside(reasons: str) -> bool:
+    """Whether a session put the press aside: the reasons of a press begin with those of ``by_session``."""
+    return reasons.startswith(_SESSION)
+
 
 def grouped(presses: Iterable[tuple[int, str, str]]) -> list[str]:
     """One line per kind of (repetition, verdict, reason), in order of their first press; presses without reason aside.

@@ -38,6 +38,8 @@ REMEDIES = (
            "look at the press on the participant's page; repeat it, or exclude it in the study file", False),
     Remedy(r"(excluded|accepted) by hand: .*", "excluded by hand: sneezed",
            "an entry [[exclude]] or [[accept]] of the study file", "", None),
+    Remedy(r"(operator|session): .*", "operator: repeat: too fast",
+           "the session put the press aside while the participant was there: it was repeated, or broken off", "", True),
     Remedy(r"\[\[accept\]\] of one press does not overrule a fault of its recording: .*",
            "[[accept]] of one press does not overrule a fault of its recording: the curve is sound",
            "the fault spoils every press, so that one cannot be sound alone",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
 from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.readers.bids_sidecars import side_file_paths
+from emg2vsa.readers.session_events import only_counted, session_events, session_presses
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
@@ -42,6 +43,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     for number, part in enumerate(campaign.recordings[item].parts, 1):
         own = (part.emg_file, part.force_file) if part.force_file else (part.emg_file,)
         sides += [side for path in own for side in side_file_paths(path, campaign.side_files)]
+        sides += [events for path in own[:1] if (events := session_events(path)) is not None]
         calibration = part.channels.force.cal_file
         found |= {
             _role("emg", number): own[:1],
@@ -126,6 +128,7 @@ def trials_of(
     """Read one recording and extract its trials; ``force_file`` None means that force and EMG are in one file.
 
     cal_file : calibration of the transducer whose gauges the recording holds, where the force channel names one.
+    Presses that do not count in the session that made the recording are rejected.
 
     Raises as ``read_roles`` and ``extract_trials``.
     """
@@ -145,6 +148,8 @@ def trials_of(
         force_channel=channels.force,
         notes=roles.notes,
     )
+    if (events := session_events(emg_file)) is not None:
+        trials = only_counted(trials, session_presses(events))
     doubtful = tuple(note for note in roles.notes if remedy_of(note))  # to be acted upon, not only recorded
     return trials if trials.fault else replace(trials, remarks=(*doubtful, *trials.remarks))
 

@@ -7,8 +7,8 @@ from typing import Protocol
 
 from emg2vsa.session.views import OperatorState, Request
 
-THINKING_S = 0.3
-"After a change of the page the operator needs so long."
+THINKING_S, START_S = 0.3, 1.0
+"Between two looks at the page; and from a participant who is ready to START: sooner, no press could be early."
 
 
 class Asked(Protocol):
@@ -33,6 +33,7 @@ class EmulatedOperator:
         self._seen = -1
         self._act_at_s = 0.0
         self._on_table = ""
+        self._ready_s: float | None = None
 
     def turn(self, now_s: float) -> None:
         """Do what is due."""
@@ -40,6 +41,10 @@ class EmulatedOperator:
             return
         self._act_at_s = now_s + THINKING_S
         _, state = self._desk.operator()
+        if state.command != "ready":
+            self._ready_s = None
+        elif self._ready_s is None:
+            self._ready_s = now_s
         if state.ended:
             return
         begun = sum(bool(press.verdict) for press in state.presses)
@@ -56,7 +61,7 @@ class EmulatedOperator:
             case "checklist":
                 for item in (item for item, done in state.checklist.items() if not done):
                     self._desk.ask(Request("check", item=item))
-            case "start":
+            case "start" if self._ready_s is not None and now_s - self._ready_s >= START_S:
                 self._desk.ask(Request("start"))
             case "verdict":
                 if self._desk.ask(Request("repeat")):

@@ -23,7 +23,8 @@ VOLTS |= {f"{part}volt{s}": VOLTS[f"{p}v"] for part, p in (("", ""), ("milli", "
 NEWTONS = {"n": 1.0, "mn": 1e-3, "newton": 1.0, "newtons": 1.0}
 RESOLVE_S, MOST_RESOLVE_S = 1.0, 5.0
 "How long the network is asked for its streams; and for how long it is asked again when the stream is not there."
-REPLY_S = 5.0
+REPLY_S, FIRST_S = 5.0, 5.0
+"Time for an answer of the sender, and for its first sample."
 SILENT_S = 10.0
 "A stream that has sent nothing for so long is lost; a sender that was started anew is found again sooner."
 OFFSET_EVERY_S = 1.0
@@ -85,12 +86,14 @@ class LslSource:
         self._inlet = self._lsl.StreamInlet(found, max_buflen=360, recover=True)
         try:
             said = ElementTree.fromstring(self._inlet.info(REPLY_S).as_xml())
+            self._info = self._described(found, said)
             self._inlet.open_stream(REPLY_S)
             self._set_offset(self._clock.now_s())
-            self._describe(found, said)
+            offset = f"{self._offset.offset_s:.6f} s ± {self._offset.uncertainty_s:.6f} s at the start"
+            self._info.facts["clock offset"] = offset
             self._wait_for_first()
         except self._lost as error:
-            raise self._gone(str(error)) from error
+            raise self._gone(str(error).rstrip(".")) from error
         except BaseException:
             self.close()
             raise
@@ -104,7 +107,7 @@ class LslSource:
             if now_s - self._offset_at_s > OFFSET_EVERY_S:
                 self._set_offset(now_s)
         except self._lost as error:
-            raise self._gone(str(error)) from error
+            raise self._gone(str(error).rstrip(".")) from error
         if not len(stamps):
             if now_s - self._arrived_s > SILENT_S:
                 raise self._gone(f"nothing for {now_s - self._arrived_s:.0f} s")
@@ -153,7 +156,7 @@ class LslSource:
             return bool(stream.name() == self._stream)
         return bool(stream.type().lower() == self._type.lower())
 
-    def _describe(self, found: Any, said: ElementTree.Element) -> None:
+    def _described(self, found: Any, said: ElementTree.Element) -> StreamInfo:
         fs_hz = float(found.nominal_srate())
         if fs_hz <= 0:
             do = "Let the sender state its sampling rate."
@@ -168,9 +171,8 @@ class LslSource:
         facts = {"device": f"LSL stream {found.name()}", "host": found.hostname(), "source id": found.source_id()}
         facts |= {key: text for key in ("manufacturer", "model") if (text := said.findtext(f"desc/{key}"))}
         facts |= {f"{name}, unit sent": unit for name, unit in zip(self._channels, units, strict=True)}
-        facts["clock offset"] = f"{self._offset.offset_s:.6f} s ± {self._offset.uncertainty_s:.6f} s at the start"
         unit = "V" if self._kind == "emg" else "N"
-        self._info = StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts)
+        return StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts)
 
     def _column(self, name: str, label: str | None, labels: Sequence[str]) -> int:
         wanted = f"one channel with the label {label!r}" if label else "one channel, or a label"
@@ -190,10 +192,10 @@ class LslSource:
         raise DeviceError(f"{self._where}, {name}", wanted=f"the unit {wanted}", found=repr(unit), do=do)
 
     def _wait_for_first(self) -> None:
-        end_s = self._clock.now_s() + REPLY_S
+        end_s = self._clock.now_s() + FIRST_S
         while not self._inlet.samples_available():
             if self._clock.now_s() >= end_s:
-                raise self._gone(f"no sample for {REPLY_S:g} s")
+                raise self._gone(f"no sample for {FIRST_S:g} s")
             self._clock.sleep_until(self._clock.now_s() + _POLL_S)
         self._arrived_s = self._clock.now_s()
 

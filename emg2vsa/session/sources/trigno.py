@@ -28,6 +28,7 @@ FRAME_S = 0.0135
 RANGES_V = {"HIGH": 11e-3, "LOW": 5.5e-3}
 REPLY_S = 5.0
 "START takes up to this time."
+LEAVE_S = 0.5
 FIRST_S = 6.0
 "First samples come about 2 s after START."
 SILENT_S = 1.0
@@ -98,6 +99,12 @@ class TrignoCommands:
         if not reply.startswith(wanted):
             raise DeviceError(self.where, wanted=f"{wanted} to {command}", found=reply, do=do)
 
+    def leave(self) -> None:
+        """End the stream and the conversation; a server that hangs is not waited for long."""
+        self._socket.settimeout(LEAVE_S)
+        self.ask("STOP")
+        self.ask("QUIT")
+
     def close(self) -> None:
         self._socket.close()
 
@@ -107,7 +114,7 @@ class TrignoCommands:
             try:
                 data = self._socket.recv(_RECEIVE_BYTES)
             except TimeoutError as error:
-                raise self._lost(command, f"none within {REPLY_S:g} s") from error
+                raise self._lost(command, f"none within {self._socket.gettimeout():g} s") from error
             except OSError as error:
                 raise self._lost(command, error.strerror or str(error)) from error
             if not data:
@@ -167,12 +174,13 @@ class TrignoSource:
     def read(self) -> list[Block]:
         data = self._received()
         now_s = self._clock.now_s()
-        if not data:
-            self._check_alive(now_s)
-            return []
-        self._quiet_s = None
         self._bytes += data
-        whole = len(self._bytes) - len(self._bytes) % SAMPLE_BYTES
+        if data:
+            self._quiet_s = None
+        elif len(self._bytes) < SAMPLE_BYTES:
+            self._check_alive(now_s)
+        if not (whole := len(self._bytes) - len(self._bytes) % SAMPLE_BYTES):
+            return []
         rows = np.frombuffer(self._bytes[:whole], dtype="<f4").reshape(-1, SLOTS)[:, self._columns]
         self._bytes = self._bytes[whole:]
         samples = self._zeros.take(rows.astype(np.float64))
@@ -189,8 +197,7 @@ class TrignoSource:
         if self._commands is not None:
             # the utility answers each, or is gone
             with contextlib.suppress(DeviceError):
-                self._commands.ask("STOP")
-                self._commands.ask("QUIT")
+                self._commands.leave()
             self._commands.close()
             self._commands = None
         if self._data is not None:

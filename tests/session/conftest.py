@@ -1,0 +1,111 @@
+"""Whole sessions in virtual time: an emulated participant and operator, and everything else as in a real one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from emg2vsa.rig.clock import VirtualClock
+from emg2vsa.session.emulated.mistakes import parse_mistakes
+from emg2vsa.session.emulated.operator import EmulatedOperator
+from emg2vsa.session.emulated.participant import EmulatedParticipant
+from emg2vsa.session.emulated.simulated import simulate
+from emg2vsa.session.open_session import folder_of, open_session
+from emg2vsa.session.views import OperatorState
+from emg2vsa.study import Study
+from emg2vsa.study_file import load_study
+
+STUDY = """\
+[study]
+name = "small"
+title = "A small study"
+[participants]
+ids = ["P01", "P03"]
+[[specimens]]
+name = "S1"
+stiffness_n_per_mm = 7.63
+[[specimens]]
+name = "S3"
+stiffness_n_per_mm = 3.35
+[recordings]
+layout = "bids"
+root = "data"
+task = "press"
+[channels.emg.EDC]
+name = "EDC"
+[channels.emg.FDS]
+name = "FDS"
+[channels.force]
+name = "Fz"
+sign = -1
+[session]
+emg.kind = "simulated"
+force.kind = "simulated"
+repetitions = 3
+pause_s = 1.0
+{session}
+[simulation]
+seed = 5
+a_v = {{ S1 = 42e-6, S3 = 28e-6 }}
+b_v = {{ S1 = 20e-6, S3 = 13e-6 }}
+"""
+LONGEST_S = 900.0
+
+
+@dataclass
+class Played:
+    """A session that has been played. verdicts : (number, attempt) to verdict and problems."""
+
+    study_file: Path
+    study: Study
+    folder: Path
+    person: EmulatedParticipant
+    state: OperatorState
+    session: object
+
+    @property
+    def verdicts(self) -> dict[tuple[int, int], tuple[str, list[str]]]:
+        tried = [press for press in self.state.presses if press.verdict]
+        return {(p.number, p.attempt): (p.verdict, [found for found, _ in p.problems]) for p in tried}
+
+
+@pytest.fixture
+def study_file(tmp_path):
+    """Write a study file with further lines for its table [session]."""
+
+    def write(session: str = "") -> Path:
+        path = tmp_path / "study.toml"
+        path.write_text(STUDY.format(session=session), encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def play(study_file):
+    """Play a session to its end. mistakes : as of --mistake. beside : called after each turn with desk and time."""
+
+    def play(*mistakes, session="", resume=False, beside=None, source=None, operator=True, most_presses=None) -> Played:
+        path = study_file(session)
+        study = load_study(path)
+        clock = VirtualClock()
+        planned = parse_mistakes(mistakes, {"EDC": 1.0, "FDS": 1.0})
+        person, emg, force = simulate(study, study.session, "P03", clock, planned)
+        emg, force = source(emg, force) if source else (emg, force)
+        with open_session(study, "P03", clock, (lambda: emg, lambda: force), resume=resume, at_once=True) as desk:
+            person.watch(desk)
+            helper = EmulatedOperator(desk, person.place, most_presses)
+
+            def turn(now_s):
+                if operator:
+                    helper.turn(now_s)
+                if beside is not None:
+                    beside(desk, now_s)
+                assert now_s < LONGEST_S, desk.operator()[1].message
+
+            desk.run(clock, turn)
+        return Played(path, study, folder_of(study, "P03"), person, desk.operator()[1], desk.session)
+
+    return play

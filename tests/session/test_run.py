@@ -1,0 +1,147 @@
+"""A whole session: what is judged, what is refused, what is asked, and what its recordings say afterwards."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from emg2vsa.cli import main
+from emg2vsa.session.dataset import write_dataset
+from emg2vsa.session.views import Request
+from emg2vsa.study_file import load_study
+
+
+def test_a_small_session_from_its_signals_to_its_verdict(play, capsys):
+    played = play("dips@2", session='training_specimens = ["T1"]\ntraining_repetitions = 1')
+    assert played.state.ended == "completed"
+    first = next(press for press in played.state.presses if press.phase == "main")
+    number = first.number + 1
+    assert played.verdicts.pop((number, 1))[0] == "rejected"
+    kept = [press for press in played.state.presses if (press.number, press.attempt) != (number, 1)]
+    assert [press.verdict for press in kept] == ["ok"] * 7
+    assert max(played.session.verdict_delays_s) < 1.0
+    for view in played.state.signals:
+        assert view.problems == ()
+        assert view.snr_db > 30
+    for fit in played.state.fits:
+        truth = np.mean([p.b_v for p in played.person.presses if p.specimen == fit.specimen and not p.mistake])
+        assert fit.presses == 3
+        assert fit.low_v < fit.b_v < fit.high_v
+        assert fit.b_v == pytest.approx(truth, rel=0.15)
+    write_dataset(played.folder, played.study)
+    assert main(["check", str(played.study_file), "P03", "--jobs", "1"]) == 0
+    assert "S1 3/3, S3 3/3" in capsys.readouterr().out
+
+
+CHARACTERS = [
+    ("too-fast@1", "warned", "faster than"),
+    ("too-slow@1", "warned", "slower than"),
+    ("dips@1", "rejected", "force falls"),
+    ("aborted@1", "rejected", "reached"),
+    ("overshoot@1", "warned", "after STOP"),
+    ("never-lifts@1", "rejected", "not lifted"),
+    ("early@1", "rejected", "before START"),
+    ("electrode-off:FDS@1", "rejected", "electrode of FDS is off"),
+    ("mains@1", "warned", "mains is"),
+    ("clipping@1", "rejected", "clips"),
+    ("sensor-offset@1", "rejected", "before START"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("mistake", "verdict", "said"), CHARACTERS)
+def test_each_character_has_its_verdict_and_only_the_press_of_the_mistake_is_done_again(play, mistake, verdict, said):
+    played = play(mistake)
+    own = played.verdicts.pop((1, 1))
+    assert own[0] == verdict, own
+    assert any(said in found for found in own[1]), own
+    others = {key: value for key, value in played.verdicts.items() if key != (1, 1)}
+    assert {value[0] for value in others.values()} <= {"ok", "warned"}, others
+    assert ((1, 2) in others) == (verdict == "rejected")
+    assert played.state.ended == "completed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", [mistake for mistake, *_ in CHARACTERS])
+def test_check_of_the_recordings_agrees_with_the_verdicts_of_the_session(play, mistake):
+    from emg2vsa import artifacts
+    from emg2vsa.pipeline.run import run_study
+
+    played = play(mistake)
+    write_dataset(played.folder, played.study)
+    study = load_study(played.study_file)
+    own = [entry for entry in study.recordings if entry.participant == "P03"]
+    board = run_study(
+        type(study)(**{**vars(study), "recordings": tuple(own)}), stages=("trials",), jobs=1, progress=lambda *_: None
+    )
+    for entry in own:
+        (path,) = board.done("trials", (entry.key,))
+        trials = artifacts.load(path)
+        live = [p for p in played.state.presses if p.phase == "main" and p.specimen == entry.specimen and p.verdict]
+        counted = [p.verdict for p in live if p.verdict != "rejected"]
+        kept = [verdict for verdict in trials.verdict.tolist() if verdict != "rejected"]
+        assert len(kept) == len(counted) == 3, (trials.verdict, trials.reasons, live)
+
+
+def asked(requests):
+    """Ask at a time, once; what was said."""
+    said = []
+    waiting = list(requests)
+
+    def beside(desk, now_s):
+        while waiting and now_s >= waiting[0][0]:
+            said.append(desk.ask(waiting.pop(0)[1]))
+        if not waiting and desk.session.ended is None:
+            desk.ask(Request("abort"))
+            desk.ask(Request("end"))
+
+    return beside, said
+
+
+@pytest.mark.parametrize(
+    ("request_", "said"),
+    [
+        (Request("start"), "Place specimen"),
+        (Request("placed"), "Measure the signals"),
+        (Request("measure-contraction"), "Measure the rest first"),
+        (Request("abort"), "No press is under way"),
+        (Request("accept"), "no finished press"),
+        (Request("repeat", press=3), "no finished press"),
+        (Request("check", item="shoes"), "has no 'shoes'"),
+        (Request("note", text="  "), "empty"),
+        (Request("dance"), "no command"),
+    ],
+)
+def test_what_is_not_possible_is_refused_in_a_sentence(play, request_, said):
+    beside, answers = asked([(0.2, request_)])
+    play(operator=False, beside=beside)
+    assert said in answers[0]
+    assert answers[0].endswith(".")
+
+
+def test_start_needs_signals_specimen_checklist_and_rest(play):
+    items = ("arm on its support", "electrodes and cables in place", "chair and posture as before")
+    beside, said = asked(
+        [
+            (1.0, Request("continue")),
+            (1.1, Request("placed")),
+            (1.2, Request("start")),
+            *((1.3, Request("check", item=item)) for item in items),
+            (1.4, Request("start")),
+            (3.2, Request("pause")),
+            (3.3, Request("start")),
+            (3.4, Request("continue")),
+            (6.0, Request("start")),
+            (6.1, Request("start")),
+            (6.2, Request("end")),
+        ]
+    )
+    played = play(operator=False, beside=beside)
+    assert said[0] == said[1] == ""
+    assert "Confirm first: arm on its support" in said[2]
+    assert "rest lasts" in said[6]
+    assert "paused" in said[8]
+    assert said[7] == said[9] == said[10] == ""
+    assert "'start'" in said[11]
+    assert "abort it first" in said[12]
+    assert played.state.ended == "ended"
