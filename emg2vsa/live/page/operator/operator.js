@@ -80,7 +80,8 @@ function showState() {
   document.title = `${participant}: ${state.message || state.command}`;
   write("#who", participant);
   write("#study", study);
-  write("#saved", saved || "\u00a0");
+  write("#saved", saved.slice(saved.indexOf(": ") + 1).trim() || "\u00a0"); // without the folder, which the end tells
+  $("#saved").title = saved;
   write("#count", countOf(state));
   const placed = measuring() ? "" : specimen;
   write("#label", awaits === "specimen" ? "Place this specimen" : placed ? "On the sensor" : "");
