@@ -86,7 +86,7 @@ class Window:
         return str(self.value("document.body.innerText"))
 
     def key(self, key: str, repeat: bool = False) -> None:
-        text = {"text": key} if len(key) == 1 else {}
+        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
         codes = {"PageDown": 34, "PageUp": 33, "Escape": 27, " ": 32, "F5": 116, "Enter": 13}
         code = {"windowsVirtualKeyCode": codes.get(key, ord(key[0].upper()))}
         self.call("Input.dispatchKeyEvent", type="keyDown", key=key, autoRepeat=repeat, **text, **code)

@@ -208,7 +208,7 @@ function showList() {
     const name = nameOf(press), { kind, mark } = verdictOf(press), pick = node("button", name.replace(", attempt ", "."));
     const here = about !== null && nameOf(about) === name;
     pick.type = "button";
-    pick.setAttribute("aria-label", `Show press ${name}`);
+    pick.setAttribute("aria-label", `Show press ${pick.textContent}`);
     pick.addEventListener("click", () => { chosen = name; show(); });
     const said = press.decision ? `, ${press.decision}` : "";
     const line = row("", press.specimen, [`${mark} ${press.verdict}${said}`, kind], number(press.peak_n, 2, "N"), number(press.load_s, 2, "s"));
@@ -287,8 +287,9 @@ function refuse(text) {
 function press(key) {
   const request = state && askedBy(key, state, shownPress(state, chosen));
   const nowMs = performance.now();
-  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return;
+  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return false;
   ask(request, nowMs);
+  return true;
 }
 
 function openNote() {
@@ -313,7 +314,8 @@ addEventListener("keydown", (event) => {
   // a button reached by Tab keeps Space for itself
   if ((event.key === " " || event.key === "Enter") && event.target.matches("button, input")) return;
   if ([" ", "PageDown", "PageUp"].includes(event.key)) event.preventDefault();
-  if (!event.repeat) press(event.key.length === 1 ? event.key.toLowerCase() : event.key);
+  // what opens the note must not be its first letter
+  if (!event.repeat && press(event.key.length === 1 ? event.key.toLowerCase() : event.key)) event.preventDefault();
 });
 addEventListener("click", (event) => {
   const button = event.target.closest("button");
