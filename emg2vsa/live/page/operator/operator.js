@@ -78,8 +78,10 @@ function showState() {
   [shownState, shownChosen, shownSeen] = [state, chosen, seen];
   const { participant, study, specimen, awaits, commands, saved } = state;
   document.title = `${participant}: ${state.message || state.command}`;
-  write("#who", `${participant} · ${study}`);
-  write("#saved", saved || "\u00a0");
+  write("#who", participant);
+  write("#study", study);
+  write("#saved", saved.slice(saved.indexOf(": ") + 1).trim() || "\u00a0"); // without the folder, which the end tells
+  $("#saved").title = saved;
   write("#count", countOf(state));
   const placed = measuring() ? "" : specimen;
   write("#label", awaits === "specimen" ? "Place this specimen" : placed ? "On the sensor" : "");
@@ -96,6 +98,7 @@ function showState() {
   write("#primary b", primary.label);
   for (const button of document.querySelectorAll("[data-ask]")) button.disabled = !commands.includes(button.dataset.ask);
   $('[data-ask="continue"]').hidden = !commands.includes("continue");
+  $('[data-ask="continue"]').firstChild.data = measuring() ? "Go on without " : "Go on ";
   showMirror();
   showProgress();
   showChecks();
@@ -121,7 +124,7 @@ function showProgress() {
 
 function showChecks() {
   const items = Object.entries(state.checklist);
-  $("#checks").hidden = items.length === 0 || measuring();
+  $("#checks").hidden = items.length === 0 || measuring() || state.ended !== "";
   $("#checks").classList.toggle("done", items.every(([, done]) => done));
   fill("#checks ol", items.map(([item, done], i) => {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: done });
@@ -150,7 +153,8 @@ function showDevices() {
 
 function showSignals() {
   const { signals } = state;
-  $("#signals").hidden = signals.length === 0;
+  const doubtful = signals.some((signal) => signal.problems.length);
+  $("#signals").hidden = !(state.phase === "quality" || doubtful || state.commands.includes("measure-rest"));
   fill("#signals tbody", signals.map((signal) => row(
     signal.muscle, microvolts(signal.rest_v), microvolts(signal.contraction_v),
     signal.snr_db === null ? "–" : `${signal.snr_db.toFixed(0)} dB`,
@@ -204,7 +208,7 @@ function showList() {
     const name = nameOf(press), { kind, mark } = verdictOf(press), pick = node("button", name.replace(", attempt ", "."));
     const here = about !== null && nameOf(about) === name;
     pick.type = "button";
-    pick.setAttribute("aria-label", `Show press ${name}`);
+    pick.setAttribute("aria-label", `Show press ${pick.textContent}`);
     pick.addEventListener("click", () => { chosen = name; show(); });
     const said = press.decision ? `, ${press.decision}` : "";
     const line = row("", press.specimen, [`${mark} ${press.verdict}${said}`, kind], number(press.peak_n, 2, "N"), number(press.load_s, 2, "s"));
@@ -227,9 +231,9 @@ function showTraces() {
     section.replaceChildren(figure("Force", ["filtered, N"]), ...muscles.map((muscle) => figure(muscle, ["envelope, µV", "raw"])));
   }
   const [lower, upper] = seen?.force_n ?? [0, 7];
-  const top = Math.max(1.2 * upper, ...traces.force_n.map((v) => 1.05 * v)), bottom = Math.min(-0.3, ...traces.force_n);
+  const top = Math.max(1.4 * upper, ...traces.force_n.map((v) => 1.05 * v)), bottom = Math.min(-0.3, ...traces.force_n);
   plot(section.children[0], bottom, top, [[traces.force_n, 3]], [], [{ at: lower, text: `${lower} N` }, { at: upper, text: `${upper} N` }]);
-  section.children[0].querySelector("output").textContent = `${traces.force_n.at(-1)?.toFixed(2) ?? "–"} N`;
+  section.children[0].querySelector("output").textContent = number(traces.force_n.at(-1) ?? null, 2, "N");
   muscles.forEach((muscle, i) => {
     const scaled = (values) => values.map((v) => (v === null ? null : 1e6 * v));
     const [low, high, level] = [traces.low_v, traces.high_v, traces.envelopes_v].map((one) => scaled(one[muscle]));
@@ -251,7 +255,7 @@ function figure(name, keys) {
 function plot(where, low, high, lines, areas, levels) {
   const canvas = where.querySelector("canvas");
   draw(canvas, {
-    low, high, levels, areas, time: traces.time_s, windowS: WINDOW_S, lastLabel: "now",
+    low, high, levels, areas, time: traces.time_s, windowS: WINDOW_S, lastLabel: state?.ended || document.body.matches(".stale") ? "last" : "now",
     ticks: ticksBetween(low, high, Math.max(4, canvas.clientHeight / 35)),
     curves: lines.map(([values, width]) => ({ values, colour: "--blue", width })),
   });
@@ -283,8 +287,9 @@ function refuse(text) {
 function press(key) {
   const request = state && askedBy(key, state, shownPress(state, chosen));
   const nowMs = performance.now();
-  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return;
+  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return false;
   ask(request, nowMs);
+  return true;
 }
 
 function openNote() {
@@ -309,7 +314,8 @@ addEventListener("keydown", (event) => {
   // a button reached by Tab keeps Space for itself
   if ((event.key === " " || event.key === "Enter") && event.target.matches("button, input")) return;
   if ([" ", "PageDown", "PageUp"].includes(event.key)) event.preventDefault();
-  if (!event.repeat) press(event.key.length === 1 ? event.key.toLowerCase() : event.key);
+  // what opens the note must not be its first letter
+  if (!event.repeat && press(event.key.length === 1 ? event.key.toLowerCase() : event.key)) event.preventDefault();
 });
 addEventListener("click", (event) => {
   const button = event.target.closest("button");
@@ -357,7 +363,7 @@ function fill(where, children) {
 }
 
 function number(value, digits, unit) {
-  return value === null ? "–" : `${value.toFixed(digits)} ${unit}`;
+  return value === null ? "–" : `${value.toFixed(digits).replace(/^-(?=0\.0*$)/, "").replace("-", "\u2212")} ${unit}`;
 }
 
 function sentence(text) {

@@ -47,7 +47,7 @@ function show({ look, word, hint, phase, pause, value, share, over, zone }) {
   change("look", look, () => { document.body.dataset.look = look; });
   change("word", word, () => {
     $("#word").textContent = word;
-    $("h1").className = word.length > 8 ? "long" : "";
+    fit();
   });
   change("hint", hint, () => { $("#hint").textContent = hint; });
   change("phase", phase, () => { $("#phase").textContent = phase; });
@@ -59,6 +59,16 @@ function show({ look, word, hint, phase, pause, value, share, over, zone }) {
     $("#zone").hidden = zone === null;
     if (zone) Object.assign($("#zone").style, { bottom: `${100 * zone[0]}%`, height: `${100 * (zone[1] - zone[0])}%` });
   });
+}
+
+// whole words, as large as they fit beside the bar
+function fit() {
+  const heading = $("h1"), word = $("#word");
+  heading.className = word.textContent.length > 14 ? "long" : "";
+  for (let percent = 100; percent >= 40; percent -= 5) {
+    heading.style.setProperty("--fit", percent / 100);
+    if (word.scrollWidth <= word.clientWidth) return;
+  }
 }
 
 function change(name, value, apply) {
@@ -142,6 +152,7 @@ audio = new AudioContext();
 if (audio.state !== "running") audio = null;
 
 $("#full").addEventListener("click", (event) => { event.target.blur(); fill(); });
+addEventListener("resize", fit);
 document.addEventListener("fullscreenchange", () => document.body.classList.toggle("full", document.fullscreenElement !== null));
 if (matchMedia("(display-mode: fullscreen)").matches) document.body.classList.add("full");
 document.addEventListener("visibilitychange", () => { stayAwake(); report(); });
