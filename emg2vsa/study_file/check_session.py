@@ -18,10 +18,7 @@ _EMG_KEYS = {
     "simulated": (),
 }
 _FORCE_KEYS = {"rig": ("rig", "axis"), "lsl": ("stream", "channel"), "simulated": ()}
-_REQUIRED = {
-    "emg": {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",)},
-    "force": {"rig": ("rig",)},
-}
+_REQUIRED = {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",), "rig": ("rig",), "simulated": ()}
 
 
 def _codes(session: SessionSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
