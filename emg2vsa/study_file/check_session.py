@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from emg2vsa.session_settings import PARTICIPANT_CODE, EmgSourceSettings, SessionSettings
+from emg2vsa.session_settings import PARTICIPANT_CODE, TRIGNO_SENSOR, EmgSourceSettings, SessionSettings
 from emg2vsa.settings import LABEL_CHARACTERS, ChannelSettings, WindowSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
 from emg2vsa.study_file.tables import RecordingsTable, SpecimenTable
@@ -22,8 +22,6 @@ _REQUIRED = {
     "emg": {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",)},
     "force": {"rig": ("rig",)},
 }
-_SENSORS = range(1, 17)
-"""Of a Trigno system."""
 
 
 def _codes(session: SessionSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
@@ -134,8 +132,8 @@ def _muscles(session: SessionSettings, channels: ChannelSettings) -> Iterator[Pr
 def _source_name(emg: EmgSourceSettings, at: KeyPath, name: str) -> Iterator[Problem]:
     if emg.kind == "ni-daq" and not re.fullmatch(r"[A-Za-z][\w-]*/ai\d+", name):
         yield Problem(at, "an analogue input, such as 'Dev1/ai0'", repr(name))
-    if emg.kind == "trigno" and name not in map(str, _SENSORS):
-        yield Problem(at, "the number of a sensor, '1' to '16'", repr(name))
+    if emg.kind == "trigno" and not re.fullmatch(TRIGNO_SENSOR, name):
+        yield Problem(at, "the number of a sensor, '1' to '16' (or '3.2' for channel 2 of sensor 3)", repr(name))
 
 
 def _layout(
