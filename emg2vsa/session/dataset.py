@@ -295,7 +295,6 @@ def _write_recording(
         stored, annotations, patient=target.name.split("_")[0].removeprefix("sub-"), equipment="emg2vsa-session",
         record_s=signals.record_s, started=_wall(lines, window.sitting, signals.start_s).replace(microsecond=0),
     )  # fmt: skip
-    write_bytes_atomic(target, content)
     task = TRAINING_TASK if window.phase == "training" else study.task
     own = emg_sidecar(
         task, signals.muscles, 1, signals.emg_fs_hz, signals.duration_s, mains_hz=about.power_line_hz,
@@ -312,6 +311,7 @@ def _write_recording(
         target.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
     )
     write_json(target.with_name(f"{stem}_events.json"), {**_EVENTS, "StimulusPresentation": _screen(lines, window)})
+    write_bytes_atomic(target, content)  # last: who waits for the recording finds what belongs to it
 
 
 def _measured(signals: StaySignals, which: int) -> str:
