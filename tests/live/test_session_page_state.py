@@ -40,8 +40,8 @@ def state_of(desk):
 
 def test_every_command_has_a_look(participant, state):
     looks = {
-        ("ready", "plain"): "plain", ("start", "plain"): "start", ("press", "plain"): "plain", ("press", "rise"): "rise",
-        ("press", "fall"): "fall", ("stop", "rise"): "stop", ("rest", "plain"): "plain", ("wait", "plain"): "wait",
+        ("ready", "plain"): "plain", ("start", "plain"): "start", ("press", "plain"): "plain",
+        ("press", "rise"): "rise", ("press", "fall"): "fall", ("stop", "rise"): "stop", ("rest", "plain"): "plain", ("wait", "plain"): "wait",
         ("pause", "plain"): "pause", ("done", "plain"): "wait",
     }  # fmt: skip
     scenes = participant.each(
