@@ -41,13 +41,11 @@ def state_of(desk):
 def test_every_command_has_a_look(participant, state):
     looks = {
         ("ready", "plain"): "plain", ("start", "plain"): "start", ("press", "plain"): "plain",
-        ("press", "rise"): "rise", ("press", "fall"): "fall", ("stop", "rise"): "stop", ("rest", "plain"): "plain", ("wait", "plain"): "wait",
-        ("pause", "plain"): "pause", ("done", "plain"): "wait",
+        ("press", "rise"): "rise", ("press", "fall"): "fall", ("stop", "rise"): "stop", ("rest", "plain"): "plain",
+        ("wait", "plain"): "wait", ("pause", "plain"): "pause", ("done", "plain"): "wait",
     }  # fmt: skip
-    scenes = participant.each(
-        "sceneOf",
-        [(state, FORCE | {"command": command}, RISING | {"colour": colour}, NOW) for command, colour in looks],
-    )
+    rows = [(state, FORCE | {"command": command}, RISING | {"colour": colour}, NOW) for command, colour in looks]
+    scenes = participant.each("sceneOf", rows)
     assert [scene["look"] for scene in scenes] == list(looks.values())
     assert {(scene["share"], scene["over"]) for scene in scenes} == {(0.5, False)}
 
