@@ -28,9 +28,18 @@ from typing import NamedTuple
 import numpy as np
 
 from emg2vsa.session.disk import OperatingSystem
-from emg2vsa.session.journal import JOURNAL_FILE, Begun, Interrupted, Judged, Line, PressBegun, PressEnded, Told
+from emg2vsa.session.journal import (
+    JOURNAL_FILE,
+    Begun,
+    Interrupted,
+    Judged,
+    Line,
+    PressBegun,
+    PressEnded,
+    Told,
+    read_journal,
+)
 from emg2vsa.session.journal import line_bytes as journal_line
-from emg2vsa.session.journal import read_journal
 from emg2vsa.session.plan import PLAN_FILE, Plan, draw_presses
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.record import SessionRecord, new_session, resume_session

@@ -16,6 +16,9 @@ PARTICIPANT_CODE = r"[A-Za-z]{0,4}[0-9]{1,6}"
 TRIGNO_COMMAND_PORT, TRIGNO_EMG_PORT, TRIGNO_AUX_PORT = 50040, 50043, 50044
 """Of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
 
+TRIGNO_SENSOR = r"(1[0-6]|[1-9])(?:\.([1-9]))?"
+"""How a channel of a Trigno system is written: number of the sensor, and which of its EMG channels (Quattro)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class EmgSourceSettings:
@@ -24,8 +27,8 @@ class EmgSourceSettings:
     kind: Literal["ni-daq", "trigno", "lsl", "simulated"]
     "ni-daq: analogue inputs; trigno: Trigno SDK server; lsl: stream of the Lab Streaming Layer; simulated: no person."
     channels: dict[str, Text] = field(default_factory=dict)
-    """Muscle role (EDC, FDS) to the source's name of it: ni-daq Dev1/ai0, trigno the number of the sensor (1 to 16),
-    lsl the label of the channel."""
+    """Muscle role (EDC, FDS) to the source's name of it: ni-daq Dev1/ai0, trigno the number of the sensor (1 to 16, or
+    3.2 for channel 2 of a Quattro sensor), lsl the label of the channel."""
     gain: Positive = 1.0
     "ni-daq: of the amplifier, by which volts are divided (Bagnoli: 100, 1000 or 10000)."
     fs_hz: Positive = 1000.0

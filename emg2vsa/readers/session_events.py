@@ -1,4 +1,4 @@
-"""Presses of a recording that a session of emg2vsa made: ``_events.tsv`` says which of them count, and why others do not.
+"""Presses of a recording that a session of emg2vsa made: ``_events.tsv`` says which count, and why others do not.
 
 Known by its columns ``counts`` and ``decision``, which no other program writes; any other events file is not looked at.
 """

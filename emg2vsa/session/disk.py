@@ -105,7 +105,7 @@ def write_sealed(system: System, path: Path, content: bytes) -> None:
 
 
 class GrowingFile:
-    """A file, and what of it has reached the disk itself: ``sealed`` bytes. ``pending_bytes`` more are to be written."""
+    """A file, and what of it is on the disk itself: ``sealed`` bytes. ``pending_bytes`` more are to be written."""
 
     def __init__(self, path: Path, handle: int, size: int) -> None:
         self.path, self.handle, self.sealed = path, handle, size

@@ -70,9 +70,9 @@ class RecordedStream:
 
     @property
     def lost_samples(self) -> int:
-        """Since the session began: told by the source, missed in its numbers, or given up by a full disk."""
+        """Since the session began: told by the source, missing by the clock, or given up by a full disk."""
         counts = StreamCounts() if self._source is None else self._source.counts()
-        return self._lost_before + max(counts.lost, self._clock.report().missing) + self._given_up
+        return self._lost_before + counts.lost + self._clock.report().missing + self._given_up
 
     def read(self, now_s: float) -> Iterator[Arrived]:
         """What has come; nothing while the device is lost."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from emg2vsa.session_settings import PARTICIPANT_CODE, EmgSourceSettings, SessionSettings
+from emg2vsa.session_settings import PARTICIPANT_CODE, TRIGNO_SENSOR, EmgSourceSettings, SessionSettings
 from emg2vsa.settings import LABEL_CHARACTERS, ChannelSettings, WindowSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
 from emg2vsa.study_file.tables import RecordingsTable, SpecimenTable
@@ -18,9 +18,10 @@ _EMG_KEYS = {
     "simulated": (),
 }
 _FORCE_KEYS = {"rig": ("rig", "axis"), "lsl": ("stream", "channel"), "simulated": ()}
-_REQUIRED = {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",), "rig": ("rig",), "simulated": ()}
-_SENSORS = range(1, 17)
-"""Of a Trigno system."""
+_REQUIRED = {
+    "emg": {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",)},
+    "force": {"rig": ("rig",)},
+}
 
 
 def _codes(session: SessionSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
@@ -102,7 +103,7 @@ def _sources(session: SessionSettings, raw: Mapping[str, Any]) -> Iterator[Probl
     for name, keys in (("emg", _EMG_KEYS), ("force", _FORCE_KEYS)):
         given = raw["session"][name]
         others = {kind: tuple(key for key in own if key not in keys[given["kind"]]) for kind, own in keys.items()}
-        yield from keys_of_choice(f"session.{name}", given, "kind", others, _REQUIRED.get(given["kind"], ()))
+        yield from keys_of_choice(f"session.{name}", given, "kind", others, _REQUIRED[name].get(given["kind"], ()))
     if session.force.kind == "rig" and not any(session.force.axis):
         yield Problem(("session", "force", "axis"), "a direction", shown(list(session.force.axis)))
 
@@ -131,8 +132,8 @@ def _muscles(session: SessionSettings, channels: ChannelSettings) -> Iterator[Pr
 def _source_name(emg: EmgSourceSettings, at: KeyPath, name: str) -> Iterator[Problem]:
     if emg.kind == "ni-daq" and not re.fullmatch(r"[A-Za-z][\w-]*/ai\d+", name):
         yield Problem(at, "an analogue input, such as 'Dev1/ai0'", repr(name))
-    if emg.kind == "trigno" and name not in map(str, _SENSORS):
-        yield Problem(at, "the number of a sensor, '1' to '16'", repr(name))
+    if emg.kind == "trigno" and not re.fullmatch(TRIGNO_SENSOR, name):
+        yield Problem(at, "the number of a sensor, '1' to '16' (or '3.2' for channel 2 of sensor 3)", repr(name))
 
 
 def _layout(

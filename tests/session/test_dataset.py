@@ -17,8 +17,9 @@ import pytest
 from emg2vsa.errors import DataError, RecordingError, SettingError
 from emg2vsa.pipeline.stages.trials import trials_of
 from emg2vsa.readers.session_events import session_events, session_presses
-from emg2vsa.session.dataset import write_dataset
+from emg2vsa.session.dataset import refuse_foreign, write_dataset
 from emg2vsa.session.journal import (
+    PLACED,
     Begun,
     Checked,
     Commanded,
@@ -32,7 +33,6 @@ from emg2vsa.session.journal import (
 )
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.record import SessionRecord, new_session, resume_session, session_folder
-from emg2vsa.session.stays import PLACED
 from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
@@ -246,7 +246,9 @@ def test_the_validator_finds_no_error(made):
 
 def test_written_again_every_file_has_the_same_bytes_and_the_originals_stay(made):
     originals = {path: path.read_bytes() for path in made.folder.iterdir()}
+    refuse_foreign(made.folder, made.study, "P01")
     write_dataset(made.folder, made.study)
+    refuse_foreign(made.folder, made.study, "P01")
     first = {path: path.read_bytes() for path in made.study.data.rglob("*") if path.is_file()}
     write_dataset(made.folder, made.study)
     assert {path: path.read_bytes() for path in made.study.data.rglob("*") if path.is_file()} == first
@@ -366,9 +368,12 @@ def test_recordings_that_no_session_wrote_are_never_replaced(made):
     target = made.study.recordings[0].emg_file
     target.parent.mkdir(parents=True)
     target.write_bytes(b"precious")
-    with pytest.raises(DataError, match=r"acq-S1_emg.bdf.*one that no session wrote.*Move it away"):
+    with pytest.raises(DataError, match=r"acq-S1_emg.bdf.*one that this session did not write.*Move it away"):
         write_dataset(made.folder, made.study)
     assert target.read_bytes() == b"precious"
+    with pytest.raises(DataError, match=r"one that this session did not write"):
+        refuse_foreign(made.folder, made.study, "P01")
+    refuse_foreign(made.folder, made.study, "P02")
     assert [path.name for path in target.parent.iterdir()] == [target.name]
 
 

@@ -15,12 +15,15 @@ from casr.command_line import Commands, add_command
 from emg2vsa.cli.arguments import add_study
 
 if TYPE_CHECKING:
+    from emg2vsa.rig.clock import Clock
     from emg2vsa.rig.device_settings import ForceSettings
+    from emg2vsa.session.emulated.operator import EmulatedOperator
     from emg2vsa.session.emulated.participant import EmulatedParticipant
     from emg2vsa.session.emulated.serve import Served
     from emg2vsa.session_settings import SessionSettings
     from emg2vsa.study import Study
 
+_OPERATOR_S = 0.1
 _HELP = """  page URL               obey the participant's page at this address
   operator-page URL      put on the table what the operator's page names
   place NAME             put a specimen under the finger
@@ -50,6 +53,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--operator-page", metavar="URL", help="address of the operator's page, whose specimen is put on the table"
     )
+    parser.add_argument("--operate", action="store_true", help="emulate the operator at that page too")
     parser.add_argument(
         "--mistake",
         action="append",
@@ -82,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         with (
             serve(person, settings, _force(study, settings), clock, arguments.start_delay) as served,
-            _Table(person, served) as table,
+            _Table(person, served, clock, arguments.operate) as table,
         ):
             if arguments.page:
                 table.follow(arguments.page)
@@ -149,14 +153,16 @@ def _person(study: Study, settings: SessionSettings, arguments: argparse.Namespa
 class _Table:
     """What happens at the participant's table while the devices are served."""
 
-    def __init__(self, person: EmulatedParticipant, served: Served) -> None:
-        self._person, self._server = person, served.trigno
+    def __init__(self, person: EmulatedParticipant, served: Served, clock: Clock, operate: bool) -> None:
+        self._person, self._server, self._clock, self._operate = person, served.trigno, clock, operate
         self._pages = ExitStack()
+        self._ended = threading.Event()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
+        self._ended.set()
         self._pages.close()
 
     def follow(self, address: str) -> None:
@@ -167,9 +173,19 @@ class _Table:
 
     def follow_operator(self, address: str) -> None:
         """The specimens that this page names are put on the table. DeviceError when there is none."""
-        from emg2vsa.session.emulated.page_follower import FollowedTable
+        from emg2vsa.session.emulated.operator import EmulatedOperator
+        from emg2vsa.session.emulated.page_follower import FollowedOperator
 
-        self._pages.enter_context(FollowedTable(address, self._person.place))
+        place = self._person.place
+        page = self._pages.enter_context(FollowedOperator(address, None if self._operate else place))
+        if self._operate:
+            operator = EmulatedOperator(page, place)
+            threading.Thread(target=self._let_operate, args=(operator,), daemon=True).start()
+
+    def _let_operate(self, operator: EmulatedOperator) -> None:
+        while not self._ended.is_set():
+            self._clock.sleep_until(self._clock.now_s() + _OPERATOR_S)
+            operator.turn(self._clock.now_s())
 
     def obey(self, lines: Iterable[str]) -> None:
         """Do what is typed, line by line, until the last one."""

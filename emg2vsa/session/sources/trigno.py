@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.session.streams import Block, StreamCounts, StreamInfo
-from emg2vsa.session_settings import EmgSourceSettings
+from emg2vsa.session_settings import TRIGNO_SENSOR, EmgSourceSettings
 
 GREETING = "Delsys Trigno System Digital Protocol"
 END = b"\r\n\r\n"
@@ -51,8 +51,7 @@ def places_of(channels: Mapping[str, str]) -> dict[str, Place]:
     """Muscle to place, from ``session.emg.channels``: "3" is sensor 3, "3.2" channel 2 of it. SettingError else."""
     places = {}
     for role, text in channels.items():
-        said = re.fullmatch(r"(\d{1,2})(?:\.(\d))?", text.strip())
-        if not said or not 1 <= int(said[1]) <= SLOTS or said[2] == "0":
+        if not (said := re.fullmatch(TRIGNO_SENSOR, text)):
             raise SettingError(
                 f"session.emg.channels.{role}",
                 wanted='the number of a Trigno sensor: "1" to "16", or "3.2" for channel 2 of sensor 3',
