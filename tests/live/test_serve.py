@@ -14,7 +14,7 @@ import pytest
 
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
-from emg2vsa.live.server import serve
+from emg2vsa.live.server import listening, serve
 
 
 @contextmanager
@@ -58,23 +58,23 @@ def test_every_start_has_a_token_of_its_own(monkeypatch):
     monkeypatch.setattr("emg2vsa.live.server.uvicorn.Server.run", lambda server, sockets: None)
     addresses = []
     for _ in range(2):
-        serve({"watch": []}, 0, addresses.append)
+        with listening(0) as at:
+            serve({"watch": []}, at, addresses.append)
     tokens = {urlsplit(address).path.split("/")[1] for address in addresses}
     assert len(tokens) == 2
 
 
-def test_only_this_computer_is_served(monkeypatch):
-    bound = []
-    monkeypatch.setattr(
-        "emg2vsa.live.server.uvicorn.Server.run", lambda server, sockets: bound.append(sockets[0].getsockname()[0])
-    )
-    serve({"watch": []}, 0, lambda address: None)
-    assert bound == ["127.0.0.1"]
+def test_only_this_computer_is_served():
+    with listening(0) as at:
+        assert [own.getsockname()[0] for own in at.sockets] == ["127.0.0.1"]
 
 
 def test_a_port_that_is_taken(taken):
-    with pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"):
-        serve({"watch": []}, taken, lambda address: None)
+    with (
+        pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"),
+        listening(taken),
+    ):
+        pass
 
 
 @pytest.mark.parametrize("library", ["starlette", "uvicorn"])
