@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import http.client
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -15,6 +17,8 @@ import pytest
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
 from emg2vsa.live.server import listening, serve
+
+STUDIES = Path(__file__).resolve().parents[2] / "studies" / "palpation"
 
 
 @contextmanager
@@ -100,3 +104,36 @@ def test_a_port_that_is_none(tmp_path, capsys, port):
     with pytest.raises(SystemExit):
         main(["rig", "watch", str(tmp_path), f"--port={port}"])
     assert "wanted a port from 0 to 65535" in capsys.readouterr().err
+
+
+@pytest.fixture
+def session(tmp_path):
+    """Words of a session that an emulated participant would do, and the folder that it would make."""
+    for name in ("study.toml", "rig.toml"):
+        shutil.copy(STUDIES / name, tmp_path)
+    return ["session", str(tmp_path / "study.toml"), "--participant", "P03", "--virtual"], tmp_path / "data"
+
+
+def test_a_session_begins_nothing_where_its_port_is_taken(session, taken, capsys):
+    words, folder = session
+    assert main([*words, "--port", str(taken)]) == 2
+    assert f"port {taken}: wanted a free port" in capsys.readouterr().err
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "192.0.2.7", "tablet"])
+def test_a_session_begins_nothing_with_an_address_that_is_none(session, address, capsys):
+    words, folder = session
+    assert main([*words, "--port", "0", "--bind", address]) == 2
+    assert "--bind" in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_a_session_begins_nothing_without_the_extra(session, capsys, monkeypatch):
+    words, folder = session
+    for name in [name for name in sys.modules if name.startswith("emg2vsa.live")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    assert main(words) == 2
+    assert 'pip install "emg2vsa[web]"' in capsys.readouterr().err
+    assert not folder.exists()
