@@ -74,21 +74,19 @@ def bdf_bytes(
     return file.to_bytes()
 
 
-def record_s(
-    rates_hz: Iterable[float], tolerance: float = _RATE_TOLERANCE, longest_s: float = _LONGEST_RECORD_S
-) -> float | None:
+def record_s(rates_hz: Iterable[float]) -> float | None:
     """The shortest length of a data record, s, that holds whole samples at each of the rates; None where none does.
 
-    A rate may move by ``tolerance`` of itself, and the length is one that the format's eight characters can write.
+    A rate may move by a millionth, and the length is one that the format's eight characters can write.
     """
     rates = sorted(set(rates_hz))
     if all(rate.is_integer() for rate in rates):
         return 1.0
     slowest = rates[0]
-    for n in range(1, math.floor(longest_s * slowest) + 1):
-        length = float(f"{n / slowest:.6f}"[:8])
+    for n in range(1, math.floor(_LONGEST_RECORD_S * slowest) + 1):
+        length = float(f"{n / slowest:.6f}")
         counts = [rate * length for rate in rates]
-        if length > 0 and all(abs(c - round(c)) <= tolerance * c and round(c) > 0 for c in counts):
+        if length > 0 and all(abs(c - round(c)) <= _RATE_TOLERANCE * c and round(c) > 0 for c in counts):
             return length
     return None
 

@@ -187,7 +187,7 @@ class SessionSettings:
     most_presses: Annotated[int, Ge(1)] = 20
     "stop = width: largest number of presses of a specimen."
     palette: Literal["paper", "safe"] = "safe"
-    "paper: green and red; safe: blue and vermillion, for people who confuse those."
+    "paper: green and red; safe: blue and vermilion, for people who confuse those."
     sound: bool = False
     "A short tone with START and STOP."
     bar_filter_hz: Positive = 15.0

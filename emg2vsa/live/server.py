@@ -108,13 +108,14 @@ def own_address(text: str) -> str:
 
 
 def _listening(host: str, port: int) -> socket.socket:
-    listening = socket.socket()
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    """A socket on an address of this computer. SettingError where that, or the port, cannot be had."""
+    own = socket.socket()
+    own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind((host, port))
-        listening.listen()  # whoever opens the address at once waits, and is not refused
+        own.bind((host, port))
+        own.listen()  # whoever opens the address at once waits, and is not refused
     except OSError as error:
-        listening.close()
+        own.close()
         found = error.strerror or str(error)
         if error.errno == errno.EADDRNOTAVAIL:
             do = "Name one IPv4 address of this computer, as its network settings show it."
@@ -122,7 +123,7 @@ def _listening(host: str, port: int) -> socket.socket:
         raise SettingError(
             f"port {port}", wanted="a free port", found=found, do="Choose another with --port."
         ) from error
-    return listening
+    return own
 
 
 def file_routes(*folders: Path) -> list[BaseRoute]:

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.bids import record_s
 from emg2vsa.errors import DataError
 from emg2vsa.session.journal import PLACED, Checked, Line, PressBegun, PressEnded, StreamOpened
 from emg2vsa.session.raw_files import SampleFile
@@ -28,9 +27,9 @@ LEAD_S, TAIL_S = 2.0, 0.5
 "A stay begins when the specimen is placed, or so long before its first START; it ends so long after the last press."
 CRYSTAL = 1e-3
 "No crystal is off by more: a rate that is, was stated wrongly."
-_DRIFT_SAMPLES = 0.2
+_DRIFT_SAMPLES = 0.3
 "By so much of a sample may force and EMG move against each other within a stay, for the sake of whole data records."
-_LONGEST_RECORD_S = 60.0
+_BEYOND_S = 1.5
 
 
 class StayWindow(NamedTuple):
@@ -210,14 +209,8 @@ def cut(window: StayWindow, emg: Sequence[StoredStream], force: Sequence[StoredS
     measured = (1 / steps_s[0], 1 / steps_s[1])
     stated = own_emg.opened.fs_hz
     fs_hz = stated if abs(measured[0] / stated - 1) < CRYSTAL else float(f"{measured[0]:.6g}")
-    stretch = measured[0] / fs_hz
-    force_hz = measured[1] / stretch
-    length_s = window.stop_s - window.start_s
-    fastest = max(fs_hz, force_hz)
-    if abs(force_hz / own_force.opened.fs_hz - 1) * length_s * fastest < _DRIFT_SAMPLES / 2:
-        force_hz = own_force.opened.fs_hz
-    record = _record_s((fs_hz, force_hz), _DRIFT_SAMPLES / 2 / (length_s * fastest), window)
-    counts = round(fs_hz * record), round(force_hz * record)
+    record, *counts = data_record(fs_hz, fs_hz * measured[1] / measured[0], window.stop_s - window.start_s)
+    stretch = measured[0] * record / counts[0]
     first_emg, first_force = _common_start(own_emg, own_force, window.start_s)
     start_s = float(own_emg.clock.time_s(first_emg))
     left = (own_emg.file.stop - first_emg) / counts[0], (own_force.file.stop - first_force) / counts[1]
@@ -253,14 +246,20 @@ def _covering(window: StayWindow, streams: Sequence[StoredStream], name: str) ->
     )  # fmt: skip
 
 
-def _record_s(rates_hz: tuple[float, float], tolerance: float, window: StayWindow) -> float:
-    length_s = record_s(rates_hz, tolerance, _LONGEST_RECORD_S)
-    if length_s is None:
-        raise DataError(
-            f"stay {window.stay} ({window.specimen})", wanted="rates of EMG and force that share a data record of BDF",
-            found=f"{rates_hz[0]:.9g} and {rates_hz[1]:.9g} Hz", do="Set rates that are whole multiples of another.",
-        )  # fmt: skip
-    return length_s
+def data_record(emg_hz: float, force_hz: float, stay_s: float) -> tuple[float, int, int]:
+    """Length of a data record, s, and whole samples of EMG and of force in it.
+
+    The shortest, from a second on, whose records move force and EMG against each other by less than ``_DRIFT_SAMPLES``
+    in the whole stay, and end less than ``_BEYOND_S`` after it: at worst one record as long as the stay. The length has
+    the eight characters of a BDF header, which moves both rates alike, by less than a millionth.
+    """
+    n_emg = np.arange(round(emg_hz), math.ceil(emg_hz * (stay_s + _BEYOND_S)) + 1)
+    n_force = np.maximum(np.rint(n_emg * (force_hz / emg_hz)), 1)
+    drift = np.abs(n_force / (n_emg * (force_hz / emg_hz)) - 1) * stay_s * max(emg_hz, force_hz)
+    beyond_s = np.ceil(stay_s * emg_hz / n_emg) * n_emg / emg_hz - stay_s
+    good = np.flatnonzero((drift < _DRIFT_SAMPLES) & (beyond_s < _BEYOND_S))
+    best = good[0] if good.size else np.argmin(drift + np.maximum(beyond_s, 0))
+    return float(f"{n_emg[best] / emg_hz:.6f}"[:8]), int(n_emg[best]), int(n_force[best])
 
 
 def _common_start(emg: StoredStream, force: StoredStream, start_s: float) -> tuple[int, int]:

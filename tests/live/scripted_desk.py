@@ -61,7 +61,7 @@ class ScriptedDesk:
         self._paused = False
         self._shown: tuple[object, ParticipantState] | None = None
         self.sequence_step = 1
-        self.palette, self.texts = "safe", TEXTS
+        self.palette, self.sound, self.texts = "safe", False, TEXTS
         self.frozen_force: tuple[float, Direction] | None = None
         self.asked: list[Request] = []
         self.screens: list[ScreenReport] = []
@@ -75,7 +75,7 @@ class ScriptedDesk:
                 texts = {name: getattr(self.texts, name) for name in self.texts.__dataclass_fields__}
                 state = ParticipantState(
                     command, texts.get(command, texts["wait"]), press.phase, phase.index(press) + 1, len(phase),
-                    FORCE_N, BAR_N, (1.0, 5.0), self.palette, False, self.texts.language, texts,  # type: ignore[arg-type]
+                    FORCE_N, BAR_N, (1.0, 5.0), self.palette, self.sound, self.texts.language, texts,  # type: ignore[arg-type]
                     self.clock.now_s() + 24 if command == "pause" else None,
                 )  # fmt: skip
                 self._shown = key, state

@@ -157,6 +157,38 @@ def test_words_of_any_language_are_whole_and_large(browser, word):
     assert font_px >= (64 if " " in word else 126)
 
 
+def test_a_page_that_is_hidden_says_so_at_once(windows, desk):
+    _, participant = windows
+    desk.screens.clear()
+    participant.value(
+        "Object.defineProperty(document, 'hidden', { value: true });"
+        "document.dispatchEvent(new Event('visibilitychange'))"
+    )
+    end_s = time.monotonic() + 0.8  # sooner than the next report of itself need come
+    while not any(report.hidden for report in desk.screens):
+        assert time.monotonic() < end_s
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("sound", [True, False])
+def test_a_tone_comes_with_start_and_stop_where_it_is_asked_for(browser, desk, served, sound):
+    desk.sound = sound
+    window = browser.open("about:blank")
+    heard = (
+        "window.heard = []; const start = OscillatorNode.prototype.start;"
+        "OscillatorNode.prototype.start = function () { heard.push(this.frequency.value); start.call(this); };"
+    )
+    window.call("Page.enable")
+    window.call("Page.addScriptToEvaluateOnNewDocument", source=heard)
+    window.go(served.addresses[1])
+    window.until(f"{LOOK} === 'plain'")
+    desk.ask(Request("start"))
+    window.until(f"{LOOK} === 'stop'", 4)
+    time.sleep(0.2)
+    assert window.value("heard") == ([880, 440] if sound else [])
+    window.close()
+
+
 def test_nothing_on_the_participants_page_tells_the_specimen(windows):
     _, participant = windows
     everything = participant.value("document.documentElement.outerHTML + location.href + document.title")

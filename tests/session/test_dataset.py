@@ -33,6 +33,7 @@ from emg2vsa.session.journal import (
 )
 from emg2vsa.session.plan import Plan, draw_presses
 from emg2vsa.session.record import SessionRecord, new_session, resume_session, session_folder
+from emg2vsa.session.stays import data_record
 from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
@@ -427,3 +428,17 @@ def test_a_study_without_a_session(made):
     made.study.path.write_text(STUDY.split("[session]")[0])
     with pytest.raises(SettingError, match=r"a table \[session\]"):
         write_dataset(made.folder, load_study(made.study.path))
+
+
+def test_data_records_keep_the_ratio_of_the_rates_and_end_soon_after_the_stay():
+    rng = np.random.default_rng(3)
+    for emg_hz in (1000.0, 2000.0, 1925.92592592593):
+        for stated in (200.0, 1000.0, 148.148148):
+            for stay_s in (6.0, 90.0, 300.0):
+                force_hz = stated * (1 + rng.normal() * 10 ** rng.uniform(-7, -4))
+                length_s, n_emg, n_force = data_record(emg_hz, force_hz, stay_s)
+                drift = abs(n_force / n_emg / (force_hz / emg_hz) - 1) * stay_s * max(emg_hz, force_hz)
+                assert drift < 0.51
+                assert -(-stay_s // length_s) * length_s - stay_s < 1.51
+                assert len(f"{length_s:g}") <= 8
+    assert data_record(1000.0, 1000.0, 60.0) == (1.0, 1000, 1000)

@@ -17,6 +17,7 @@ function listen() {
     state = JSON.parse(event.data);
     document.documentElement.lang = state.language;
     document.documentElement.dataset.palette = state.palette;
+    if (state.sound) audio ??= new AudioContext(); // it runs at once where the browser was started with sound allowed
     layMarks();
   });
   source.onmessage = (event) => {
@@ -117,7 +118,7 @@ async function report() {
 }
 
 function tone(hz) {
-  if (hz === undefined || !state?.sound || audio?.state !== "running") return;
+  if (hz === undefined || audio?.state !== "running") return;
   const oscillator = audio.createOscillator(), volume = audio.createGain();
   oscillator.frequency.value = hz;
   volume.gain.value = 0.3;
@@ -128,8 +129,7 @@ function tone(hz) {
 
 // browsers allow a full screen and sound only after a click or a key on the page
 async function fill() {
-  audio ??= new AudioContext();
-  audio.resume();
+  audio?.resume();
   stayAwake();
   try {
     await document.documentElement.requestFullscreen();
@@ -146,10 +146,6 @@ async function stayAwake() {
     lock = null; // refused to save power, or not a secure page
   }
 }
-
-// a page that the browser starts with sound allowed (kiosk) needs no click
-audio = new AudioContext();
-if (audio.state !== "running") audio = null;
 
 $("#full").addEventListener("click", (event) => { event.target.blur(); fill(); });
 addEventListener("resize", fit);
