@@ -15,7 +15,7 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response, Strea
 from starlette.routing import BaseRoute, Route
 
 from emg2vsa.live.server import Pages, file_routes
-from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.clock import Clock, FastClock
 from emg2vsa.session.views import REQUESTS, Desk, ForceMessage, Request, ScreenReport
 
 _FORCE_PERIOD_S = 0.004
@@ -99,21 +99,22 @@ class _Stream:
 async def participant_events(desk: Desk, clock: Clock) -> AsyncIterator[str]:
     """The state whenever it changes, and each new force."""
     state, sequence = None, None
+    factor = clock.factor if isinstance(clock, FastClock) else 1.0
     while True:
         text = ""
         if (new := desk.participant()) is not state and new != state:
             state, text = new, _event("state", asdict(new))
         force = desk.force()
         if force.sequence != sequence:
-            sequence, text = force.sequence, text + _force_event(force, clock.now_s())
+            sequence, text = force.sequence, text + _force_event(force, (clock.now_s() - force.time_s) / factor)
         if text:
             yield text
         await asyncio.sleep(_FORCE_PERIOD_S)
 
 
-def _force_event(force: ForceMessage, now_s: float) -> str:
+def _force_event(force: ForceMessage, age_s: float) -> str:
     """With its age when sent, and when that was on the server's own clock, which the page compares with its own."""
-    sent = {"age_s": round(now_s - force.time_s, 5), "sent_s": round(time.perf_counter(), 5)}
+    sent = {"age_s": round(age_s, 5), "sent_s": round(time.perf_counter(), 5)}
     return _event("", force._asdict() | {"force_n": round(force.force_n, 4), "time_s": round(force.time_s, 5)} | sent)
 
 

@@ -1,4 +1,4 @@
-"""Presses of a recording that a session of emg2vsa made: ``_events.tsv`` says which of them count, and why others do not.
+"""Presses of a recording that a session of emg2vsa made: ``_events.tsv`` says which count, and why others do not.
 
 Known by its columns ``counts`` and ``decision``, which no other program writes; any other events file is not looked at.
 """
@@ -51,11 +51,9 @@ def session_presses(path: Path) -> tuple[SessionPress, ...]:
             rows = list(csv.DictReader(file, delimiter="\t"))
     except (OSError, ValueError, csv.Error) as error:
         raise RecordingError(
-            path, wanted="the events of a session", found=str(error), do="Write them again: emg2vsa session --resume."
+            path, wanted="the events of a session", found=str(error), do="Write them again: emg2vsa session finish."
         ) from error
-    return tuple(
-        _press(path, number, row) for number, row in enumerate(rows, 2) if row.get("trial_type") == "press"
-    )
+    return tuple(_press(path, number, row) for number, row in enumerate(rows, 2) if row.get("trial_type") == "press")
 
 
 def _press(path: Path, line: int, row: dict[str, str]) -> SessionPress:
@@ -86,4 +84,3 @@ def only_counted(trials: Trials, presses: Sequence[SessionPress]) -> Trials:
         verdicts[i] = "rejected"
         reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
     return replace(trials, verdict=np.array(verdicts, dtype="<U8"), reasons=tuple(reasons))
-

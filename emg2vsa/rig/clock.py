@@ -54,13 +54,13 @@ class FastClock:
     """Wall time that runs ``factor`` times as fast."""
 
     def __init__(self, factor: float) -> None:
-        self._wall, self._factor = WallClock(), factor
+        self._wall, self.factor = WallClock(), factor
 
     def now_s(self) -> float:
-        return self._wall.now_s() * self._factor
+        return self._wall.now_s() * self.factor
 
     def sleep_until(self, time_s: float) -> None:
-        self._wall.sleep_until(time_s / self._factor)
+        self._wall.sleep_until(time_s / self.factor)
 
 
 class VirtualClock:

@@ -170,9 +170,35 @@ def write_dataset(folder: Path, study: Study) -> Written:
     except OSError as error:
         raise SettingError(
             study.data, wanted="a data set with room for the session", found=error.strerror or str(error),
-            do="Make room and write it again (emg2vsa session --resume, then end). The session itself is whole.",
+            do="Make room and write it again: emg2vsa session finish. The session itself is whole.",
         ) from error  # fmt: skip
     return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, signals)))
+
+
+def refuse_foreign(folder: Path, study: Study, participant: str) -> None:
+    """DataError where recordings of the participant are in the data set that the session in ``folder`` did not write.
+
+    Asked before the first press, so that nobody is measured in vain.
+    """
+    own = _known(folder)
+    for entry in study.recordings:
+        for path in entry.files if entry.participant == participant else ():
+            if path.exists() and path.relative_to(study.data).as_posix() not in own:
+                raise _foreign(path)
+
+
+def _known(folder: Path) -> list[str]:
+    """Files that the session wrote into the data set, relative to its root."""
+    path = folder / WRITTEN_FILE
+    names: list[str] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+    return names
+
+
+def _foreign(path: Path) -> DataError:
+    return DataError(
+        path, wanted="no recording of that name in the data set", found="one that this session did not write",
+        do="Move it away, or run the session with another participant's code.",
+    )  # fmt: skip
 
 
 def _presses(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[tuple[int, int], _Press]:
@@ -230,15 +256,11 @@ def _make_room(folder: Path, root: Path, targets: Sequence[Path]) -> None:
 
     The list of what will be written comes first, so that what a killed call left is known as its own.
     """
-    known = folder / WRITTEN_FILE
-    before: list[str] = json.loads(known.read_text(encoding="utf-8")) if known.exists() else []
+    known, before = folder / WRITTEN_FILE, _known(folder)
     new = [target.relative_to(root).as_posix() for target in targets]
     for name in new:
         if name not in before and (root / name).exists():
-            raise DataError(
-                root / name, wanted="no recording of that name in the data set", found="one that no session wrote",
-                do="Move it away, or run the session with another participant's code.",
-            )  # fmt: skip
+            raise _foreign(root / name)
     write_text_atomic(known, json.dumps(sorted({*before, *new}), indent=2) + "\n")
     for name in before:
         if name not in new:
@@ -376,6 +398,8 @@ def _press_cells(press: _Press) -> dict[str, object]:
     problems = "; ".join(found for found, _ in judged.problems) if judged else ""
     if press.ended is None:
         reason = "interrupted"
+    elif judged is None:
+        reason = "interrupted before its verdict"
     elif press.ended.how == "aborted":
         reason = ": ".join(filter(None, ("aborted", problems)))
     elif decided and decided.decision in ("repeat", "skip"):
@@ -436,7 +460,7 @@ def _merge(
     new: Mapping[str, Sequence[str]],
     gone: Callable[[str], bool] = lambda key: False,
 ) -> None:
-    """A table with ``new`` rows by their first cell; rows that are there keep their further cells, but ``gone`` ones."""
+    """A table with ``new`` rows by their first cell; what else rows have stays, and ``gone`` ones go."""
     rows: list[list[str]] = []
     if path.exists():
         with path.open(encoding="utf-8-sig", newline="") as lines:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from emg2vsa.rig.clock import Beat, Clock
+from emg2vsa.rig.clock import Beat, Clock, LoopTiming
 from emg2vsa.session.operator_requests import ask
 from emg2vsa.session.run import TURN_S, Session
 from emg2vsa.session.session_views import operator_state, participant_state
@@ -48,13 +48,14 @@ class SessionDesk:
         if state != before:
             self._operator = (number + 1, state)
 
-    def run(self, clock: Clock, beside: Callable[[float], None] = lambda now_s: None) -> None:
+    def run(self, clock: Clock, beside: Callable[[float], None] = lambda now_s: None) -> LoopTiming:
         """Turn until the session has ended. beside : called after each turn, as by an emulated operator."""
         beat = Beat(clock, TURN_S)
         while self.session.ended is None:
             now_s, _ = beat.wait()
             self.turn(now_s)
             beside(now_s)
+        return beat.timing()
 
     def participant(self) -> ParticipantState:
         """The newest."""

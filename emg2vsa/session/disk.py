@@ -105,26 +105,33 @@ def write_sealed(system: System, path: Path, content: bytes) -> None:
 
 
 class GrowingFile:
-    """A file, and what of it has reached the disk itself (``sealed`` bytes); ``pending`` has not."""
+    """A file, and what of it is on the disk itself: ``sealed`` bytes. ``pending_bytes`` more are to be written."""
 
     def __init__(self, path: Path, handle: int, size: int) -> None:
         self.path, self.handle, self.sealed = path, handle, size
-        self.pending: list[bytes] = []
-        self.written, self.given_up = 0, 0
-        "Of ``pending``, pieces written to the system. Bytes given up while the disk was full."
+        self.pending_bytes = self.given_up = 0
+        "``given_up``: bytes that a full disk did not take in time."
+        self._pending: list[bytes] = []
+        self._written = self._written_bytes = 0
+        "Of ``_pending``, what the system has taken."
+
+    def add(self, piece: bytes) -> None:
+        """Have a piece written next."""
+        self._pending.append(piece)
+        self.pending_bytes += len(piece)
 
     def write_pending(self, system: System) -> None:
         """Write what is not written. OSError where the disk does not take it; no part of it stays in the file."""
-        if self.written == len(self.pending):
+        if self._written == len(self._pending):
             return
-        offset = self.sealed + sum(map(len, self.pending[: self.written]))
+        offset = self.sealed + self._written_bytes
         try:
-            system.write(self.handle, offset, b"".join(self.pending[self.written :]))
+            system.write(self.handle, offset, b"".join(self._pending[self._written :]))
         except OSError:
             with contextlib.suppress(OSError):  # the next attempt writes over what stays
                 system.truncate(self.handle, offset)
             raise
-        self.written = len(self.pending)
+        self._written, self._written_bytes = len(self._pending), self.pending_bytes
 
     def seal(self, system: System) -> None:
         """Write what is not written, and wait for the disk itself. OSError where it does not take all.
@@ -132,18 +139,15 @@ class GrowingFile:
         After a failed fsync the system may have dropped the pages, so everything since the last seal is written again.
         """
         self.write_pending(system)
-        if self.pending:
+        if self._pending:
             try:
                 system.sync(self.handle)
             except OSError:
-                self.written = 0
+                self._written = self._written_bytes = 0
                 raise
             self.sealed += self.pending_bytes
-            self.pending, self.written = [], 0
-
-    @property
-    def pending_bytes(self) -> int:
-        return sum(map(len, self.pending))
+            self._pending = []
+            self._written = self._written_bytes = self.pending_bytes = 0
 
 
 class _Piece(NamedTuple):
@@ -278,8 +282,8 @@ class SessionDisk:
         for file in self._files:
             if file is not line.file:
                 file.seal(self._system)
-        if not line.file.pending:  # else this line was refused before, and is there to be written again
-            line.file.pending.append(line.content)
+        if not line.file.pending_bytes:  # else this line was refused before, and is there to be written again
+            line.file.add(line.content)
         line.file.seal(self._system)
         self.sealed_lines += 1
         self._take(1)
@@ -289,7 +293,7 @@ class SessionDisk:
         with self._changed:
             pieces = list(itertools.takewhile(lambda piece: not piece.is_line, self._waiting))
         for piece in pieces:
-            piece.file.pending.append(piece.content)
+            piece.file.add(piece.content)
         self._take(len(pieces))
         for file in self._files:
             if file.pending_bytes >= _SEAL_BYTES:

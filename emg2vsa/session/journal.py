@@ -170,6 +170,10 @@ class Continued:
     """The session goes on after a pause."""
 
 
+PLACED = "specimen placed"
+"""Item of ``Checked`` when the specimen is on the table, and no hand on it."""
+
+
 @dataclass(frozen=True)
 class Checked:
     """The operator confirmed an item of the checklist, or that a specimen is in place."""

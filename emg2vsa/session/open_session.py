@@ -10,6 +10,7 @@ from pathlib import Path
 
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.clock import Clock
+from emg2vsa.session.dataset import refuse_foreign
 from emg2vsa.session.desk import SessionDesk
 from emg2vsa.session.open_sources import Maker
 from emg2vsa.session.plan import Plan, changes, draw_presses
@@ -56,6 +57,7 @@ def open_session(
     folder = folder_of(study, participant)
     now = {"session": asdict(settings), "specimens": [each.name for each in study.specimens],
            "window": asdict(study.window)}  # fmt: skip
+    refuse_foreign(folder, study, participant)
     with ExitStack() as stack:
         sources = []
         for make in makers:

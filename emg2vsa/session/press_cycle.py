@@ -144,23 +144,20 @@ class PressCycle:
             self.attempt.stop_s = now_s
             self.command = "stop"
         elif self._low_for(now_s, RELEASED_S):
-            ended = self._end(now_s, "released", "")
-            self._to_rest(now_s)
-            return ended
+            return self._lifted(now_s, "released")
         return None
 
     def _lifting(self, now_s: float) -> Attempt | None:
-        if not self._low_for(now_s, LIFTED_S):
-            return None
-        ended = self._end(now_s, "lifted", "")
-        self._to_rest(now_s)
-        return ended
+        return self._lifted(now_s, "lifted") if self._low_for(now_s, LIFTED_S) else None
 
     def _low_for(self, now_s: float, seconds: float) -> bool:
         return self._low_since_s is not None and now_s - self._low_since_s >= seconds
 
-    def _to_rest(self, now_s: float) -> None:
-        self.command, self._rest_until_s = "rest", now_s + self._settings.rest_s
+    def _lifted(self, now_s: float, ending: Ending) -> Attempt | None:
+        """It ended when the force became low, and the rest began."""
+        lifted_s = now_s if self._low_since_s is None else self._low_since_s
+        self.command, self._rest_until_s = "rest", lifted_s + self._settings.rest_s
+        return self._end(lifted_s, ending, "")
 
     def _end(self, now_s: float, ending: Ending, why: str) -> Attempt | None:
         ended, self.attempt = self.attempt, None

@@ -22,7 +22,7 @@ from emg2vsa.session.bar_force import BarForce
 from emg2vsa.session.live_fit import specimen_fit
 from emg2vsa.session.live_press import Circumstances, HowJudged, StayJudged, judge_attempt
 from emg2vsa.session.plan import PlannedPress
-from emg2vsa.session.press_cycle import Attempt, PressCycle
+from emg2vsa.session.press_cycle import LIFTED_S, Attempt, PressCycle
 from emg2vsa.session.press_list import PressList, Tried, judged_event, said_the_same
 from emg2vsa.session.record import SessionRecord
 from emg2vsa.session.recorded_stream import Arrived, RecordedStream
@@ -41,6 +41,8 @@ from emg2vsa.study import Study
 TURN_S = 0.005
 SETTLE_S = 0.5
 "A press is judged with so much of the rest after it, without which its filters would end within it."
+JUDGED_VALUES = 1_000_000
+"The end of a stay with so many samples, over all muscles, is judged within a second; all of it when the stay is over."
 FEED_S = 0.5
 "Samples go to the judge in pieces of this length."
 ZERO_S = 0.5
@@ -102,9 +104,11 @@ class Session:
         self._epochs = (0, 0)
         self.pause_until_s = 0.0
         self.paused = ""
-        self._judged = StayJudged()
         self._judge_at_s: float | None = None
         self._asked: str = ""
+        self._judged_from_s = 0.0
+        self._unjudged = False
+        "A part of the stay has been judged last, and not the whole."
         self.suggested: PlannedPress | None = None
         self.declined: set[str] = set()
         self.fits: dict[str, SpecimenFit] = {}
@@ -312,7 +316,7 @@ class Session:
         if self._asked and (answer := self._judge.answer()) is not None:
             asked, self._asked = self._asked, ""
             if isinstance(answer, StayJudged):
-                self._take_verdicts(answer) if asked == "stay" else self._say(answer.failed)
+                self._take_verdicts(answer) if asked in ("stay", "whole stay") else self._say(answer.failed)
             else:
                 self._take_signals(asked, answer)
         if now_s >= self._next_clock_s:
@@ -325,23 +329,43 @@ class Session:
             self._say("The finger has not been lifted. Tell the participant to lift it, or abort the press.")
         self._overdue = overdue
 
-    def _ask_judge(self) -> None:
+    def _ask_judge(self, whole: bool = False) -> None:
+        """About the stay so far, or as much of its end as can be judged within a second; ``whole``: all of it."""
         for stream in self._feeding:
             self._flush(stream)
-        timing = {
-            own.name: Timing(first, *own.timing(first))
-            for own, first in ((own, self._stay_first[own.name]) for own in (self.emg, self.force))
-        }
+        longest_s = np.inf if whole else JUDGED_VALUES / (len(self._muscles) * self.emg.info.fs_hz)
+        self._judged_from_s = self._judge_from_s(longest_s)
+        timing = {}
+        for own in (self.emg, self.force):
+            start_s, fs_hz = own.timing(first := self._stay_first[own.name])
+            later = max(0, round((self._judged_from_s - start_s) * fs_hz)) if self._judged_from_s else 0
+            timing[own.name] = Timing(first + later, *own.timing(first + later))
         self._judge.tell(JudgeStay(timing))
-        self._asked = "stay"
+        self._asked = "whole stay" if whole else "stay"
+        self._unjudged = self._judged_from_s > 0
+
+    def _judge_from_s(self, longest_s: float) -> float:
+        """The end of a press, after which no more than ``longest_s`` has passed; 0: all of the stay.
+
+        What was badly done and is done again is left behind: a channel that was clipped once is no fault of the rest.
+        """
+        if self.stay is None or not np.isfinite(longest_s):
+            return 0.0
+        before = [tried for tried in self.presses.of_stay(self.stay.stay) if tried.epochs == self._epochs][:-1]
+        ends = [(tried, tried.times.end_s + LIFTED_S) for tried in before if tried.times and tried.times.end_s]
+        from_s = max((end_s for tried, end_s in ends if tried.verdict == "rejected"), default=0.0)
+        start_s, _ = self.emg.timing(self._stay_first["emg"])
+        if self.now_s - max(from_s, start_s) <= longest_s:
+            return from_s
+        return next((end_s for _, end_s in ends if self.now_s - end_s <= longest_s), ends[-1][1] if ends else 0.0)
 
     def _take_verdicts(self, judged: StayJudged) -> None:
         """Of the press that has ended, and of those before it: the whole stay is judged, as its recording will be."""
-        self._judged = judged
         if self.stay is None:
             return
         for tried in self.presses.of_stay(self.stay.stay):
-            if tried.complete and tried.times is not None and tried.epochs == self._epochs:
+            here = tried.epochs == self._epochs
+            if tried.complete and tried.times is not None and here and tried.times.start_s >= self._judged_from_s:
                 self._tell_verdict(tried, judged)
         for said, do in judged.remarks:
             self._say(f"{said} -> {do}" if do else said)
@@ -431,14 +455,14 @@ class Session:
         columns = {muscle: at for at, muscle in enumerate(self._muscles)}
         self._judge.tell(Begin(self.participant, specimen, self._how(specimen), columns))
         self._stay_first = {own.name: own.next_index for own in (self.emg, self.force)}
-        self._judged = StayJudged()
+        self._unjudged = False
 
     def place(self) -> None:
         press = self.wanted
         assert press is not None
         self.stay, self.placed = press, True
         self.bar.zero_n = self.mean_force()
-        self.write(journal.Checked("specimen placed", press.specimen))
+        self.write(journal.Checked(journal.PLACED, press.specimen))
         self._begin_stay()
 
     def mean_force(self) -> float:
@@ -449,7 +473,10 @@ class Session:
         if self.stay is None or self.judging or self.cycle.attempt is not None:
             return
         wanted = self.wanted
-        if self.placed and (wanted is None or wanted.stay != self.stay.stay):
+        if self.placed and (wanted is None or wanted.stay != self.stay.stay) and not self.presses.undecided:
+            if self._unjudged:
+                self._ask_judge(whole=True)
+                return
             self.placed = False
             self.checklist = dict.fromkeys(self.settings.checklist, False)
             self.emg.tell_clock()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
-import os
 import signal
 import threading
 from collections.abc import Mapping
@@ -26,9 +25,6 @@ from emg2vsa.session.live_press import HowJudged, StayJudged, judge_stay
 from emg2vsa.session.quality import measured
 from emg2vsa.session.views import SignalView
 from emg2vsa.settings import FilterSettings
-
-_NICE = 5
-"""The judge gives way to the turns of the session."""
 
 
 class Timing(NamedTuple):
@@ -223,8 +219,6 @@ def _send(messages: SimpleQueue[Any], end: Connection[Any, Any]) -> None:
 def _serve(end: Connection[Any, Any]) -> None:
     """The far end: until the near one is closed. Ctrl-C is for the session, which ends in its own time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(os, "nice"):
-        os.nice(_NICE)
     judge = JudgeAtOnce()
     with contextlib.suppress(EOFError, OSError):
         while True:

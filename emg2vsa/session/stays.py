@@ -8,6 +8,7 @@ A device whose rate is off by more than a crystal can be has its measured rate.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.bids import record_s
 from emg2vsa.errors import DataError
-from emg2vsa.session.journal import Checked, Line, PressBegun, PressEnded, StreamOpened
+from emg2vsa.session.journal import PLACED, Checked, Line, PressBegun, PressEnded, StreamOpened
 from emg2vsa.session.raw_files import SampleFile
 from emg2vsa.session.sample_clock import SampleClock
 
@@ -73,10 +74,6 @@ def stay_windows(lines: Sequence[Line]) -> list[StayWindow]:
             begun.append((line, event))
     close()
     return found
-
-
-PLACED = "specimen placed"
-"""Item of ``Checked`` when the specimen is on the table, and no hand on it."""
 
 
 def _window(
@@ -182,7 +179,7 @@ class StoredStream:
         samples = self.file.read(first, first + int(np.count_nonzero(inside)))
         placed = np.full((n_places, samples.shape[1]), np.nan)
         placed[places[inside]] = samples
-        return placed, int(np.count_nonzero(np.isnan(placed).any(axis=1)))
+        return placed, int(np.count_nonzero(np.isnan(placed[: places[inside].max(initial=0)]).any(axis=1)))
 
 
 def stored_streams(
@@ -223,7 +220,8 @@ def cut(window: StayWindow, emg: Sequence[StoredStream], force: Sequence[StoredS
     counts = round(fs_hz * record), round(force_hz * record)
     first_emg, first_force = _common_start(own_emg, own_force, window.start_s)
     start_s = float(own_emg.clock.time_s(first_emg))
-    records = max(1, -(-int((window.stop_s - start_s) / steps_s[0]) // counts[0]))
+    left = (own_emg.file.stop - first_emg) / counts[0], (own_force.file.stop - first_force) / counts[1]
+    records = _records((window.stop_s - start_s) / (steps_s[0] * counts[0]), min(left), TAIL_S / record)
     samples_v, lost_emg = own_emg.between(first_emg, records * counts[0], steps_s[0])
     samples_n, lost_force = own_force.between(first_force, records * counts[1], steps_s[1])
     return StaySignals(
@@ -232,6 +230,13 @@ def cut(window: StayWindow, emg: Sequence[StoredStream], force: Sequence[StoredS
         (own_emg.clock.report().se_s or np.nan, own_force.clock.report().se_s or np.nan), (lost_emg, lost_force),
         own_emg.opened, own_force.opened,
     )  # fmt: skip
+
+
+def _records(wanted: float, left: float, tail: float) -> int:
+    """Whole data records of a stay: ``wanted`` and a bit, or what is ``left`` of them where that cuts its tail only."""
+    whole = max(1, math.ceil(wanted))
+    shorter = math.floor(left)
+    return shorter if 1 <= shorter < whole and shorter >= wanted - tail else whole
 
 
 def _covering(window: StayWindow, streams: Sequence[StoredStream], name: str) -> StoredStream:

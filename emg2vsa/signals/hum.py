@@ -122,22 +122,29 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
     hz : of the mains; None: whichever of both holds more.
     """
     powers = np.zeros((len(channels), 1 if hz else len(MAINS_HZ)))
-    for i, samples in enumerate(channels):
-        for k, mains_hz in enumerate((hz,) if hz else MAINS_HZ):
-            for order in range(1, HARMONICS + 1):
-                if order * mains_hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2:
-                    powers[i, k] += _clear_power(samples, order * mains_hz, fs_hz, start, stop)
+    for k, mains_hz in enumerate((hz,) if hz else MAINS_HZ):
+        for order in range(1, HARMONICS + 1):
+            if order * mains_hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2:
+                powers[:, k] += _clear_powers(channels, order * mains_hz, fs_hz, start, stop)
     return np.asarray(np.sqrt(powers[:, int(np.argmax(powers.sum(axis=0)))]))
 
 
-def _clear_power(samples: Floats, hz: float, fs_hz: float, start: Ints, stop: Ints) -> float:
-    """Mean square of a sine of ``hz`` within the presses; 0 where it is not clear of its surroundings."""
+def _clear_powers(channels: tuple[Floats, ...], hz: float, fs_hz: float, start: Ints, stop: Ints) -> list[float]:
+    """Mean square (m,) of a sine of ``hz`` within the presses; 0 where it is not clear of its surroundings."""
     pieces = _touch_pieces(start, stop, fs_hz)
+    power = np.empty((len(channels), len(pieces), 1 + TOUCH_ASIDE_HZ.size))
+    for i, (a, b) in enumerate(pieces):
+        turning = _turning(b - a, np.append(hz, hz + TOUCH_ASIDE_HZ), a, fs_hz)
+        for own, samples in zip(power, channels, strict=True):
+            own[i] = np.abs(_sines(samples[a:b], turning)) ** 2
+    return [_clear_power(samples, own, pieces) for samples, own in zip(channels, power, strict=True)]
+
+
+def _clear_power(samples: Floats, power: Floats, pieces: list[tuple[int, int]]) -> float:
+    """Of one channel; power : (q, 11) in each piece at the frequency and aside."""
     size = np.array([np.mean(samples[a:b] ** 2) for a, b in pieces])
     if not pieces or not size.all():
         return 0.0
-    power = np.array([np.abs(_sines(samples[a:b], np.append(hz, hz + TOUCH_ASIDE_HZ), a, fs_hz)) ** 2
-                      for a, b in pieces])  # fmt: skip
     aside = power[:, 1:].mean(axis=1)
     weights = size**-2 / np.sum(size**-2)
     excess = float(weights @ (power[:, 0] - aside))
@@ -155,7 +162,7 @@ def _present(
         expected = np.array(
             [np.interp(middle_s, time_s, row.real) + 1j * np.interp(middle_s, time_s, row.imag) for row in turned]
         )
-        found = _sines(samples[a:b], hz, a, fs_hz)
+        found = _sines(samples[a:b], _turning(b - a, hz, a, fs_hz))
         weight = 1 / max(float(np.mean(samples[a:b] ** 2)), 1e-300)
         both += weight * (found * expected.conj()).real
         own += weight * np.abs(expected) ** 2
@@ -173,10 +180,14 @@ def _touch_pieces(start: Ints, stop: Ints, fs_hz: float, longest_s: float = TOUC
     return pieces
 
 
-def _sines(samples: Floats, hz: Floats, begin: int, fs_hz: float) -> Phasors:
-    """Amplitudes and phases (h,), at the first sample of the record, of sines in a piece (n,) from ``begin`` on."""
+def _turning(size: int, hz: Floats, begin: int, fs_hz: float) -> Phasors:
+    """What sines (h,) are measured with in a piece from ``begin`` on, (h, size); one for all channels."""
+    return np.asarray(np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begin + np.arange(size))))
+
+
+def _sines(samples: Floats, turning: Phasors) -> Phasors:
+    """Amplitudes and phases (h,), at the first sample of the record, of sines in a piece (n,)."""
     window = np.sin(np.pi * (np.arange(samples.size) + 0.5) / samples.size) ** 2
-    turning = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begin + np.arange(samples.size)))
     return np.asarray(2 / window.sum() * np.sum(turning * (window * samples), axis=-1))
 
 

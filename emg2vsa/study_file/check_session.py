@@ -18,7 +18,10 @@ _EMG_KEYS = {
     "simulated": (),
 }
 _FORCE_KEYS = {"rig": ("rig", "axis"), "lsl": ("stream", "channel"), "simulated": ()}
-_REQUIRED = {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",), "rig": ("rig",), "simulated": ()}
+_REQUIRED = {
+    "emg": {"ni-daq": ("channels",), "trigno": ("channels",), "lsl": ("channels",)},
+    "force": {"rig": ("rig",)},
+}
 
 
 def _codes(session: SessionSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
@@ -100,7 +103,7 @@ def _sources(session: SessionSettings, raw: Mapping[str, Any]) -> Iterator[Probl
     for name, keys in (("emg", _EMG_KEYS), ("force", _FORCE_KEYS)):
         given = raw["session"][name]
         others = {kind: tuple(key for key in own if key not in keys[given["kind"]]) for kind, own in keys.items()}
-        yield from keys_of_choice(f"session.{name}", given, "kind", others, _REQUIRED.get(given["kind"], ()))
+        yield from keys_of_choice(f"session.{name}", given, "kind", others, _REQUIRED[name].get(given["kind"], ()))
     if session.force.kind == "rig" and not any(session.force.axis):
         yield Problem(("session", "force", "axis"), "a direction", shown(list(session.force.axis)))
 

@@ -86,7 +86,7 @@ class Window:
         return str(self.value("document.body.innerText"))
 
     def key(self, key: str, repeat: bool = False) -> None:
-        text = {"text": key} if len(key) == 1 else {}
+        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
         codes = {"PageDown": 34, "PageUp": 33, "Escape": 27, " ": 32, "F5": 116, "Enter": 13}
         code = {"windowsVirtualKeyCode": codes.get(key, ord(key[0].upper()))}
         self.call("Input.dispatchKeyEvent", type="keyDown", key=key, autoRepeat=repeat, **text, **code)
@@ -96,8 +96,10 @@ class Window:
     def click(self, selector: str) -> None:
         self.value(f"document.querySelector({json.dumps(selector)}).click()")
 
-    def picture(self, path: Path) -> None:
-        image = self.call("Page.captureScreenshot", format="png")["data"]
+    def picture(self, path: Path, scale: float = 1.0) -> None:
+        width, height = self.value("[innerWidth, innerHeight]")
+        clip = {"x": 0, "y": 0, "width": width, "height": height, "scale": scale}
+        image = self.call("Page.captureScreenshot", format="png", clip=clip)["data"]
         path.write_bytes(base64.b64decode(image))
 
     def close(self) -> None:

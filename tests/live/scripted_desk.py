@@ -38,7 +38,8 @@ TEXTS = SessionTexts()
 
 
 class ScriptedDesk:
-    """Awaits "quality" at first, unless ``awaits`` says otherwise. faults : number of a press to its problems.
+    """Awaits "quality" at first, unless ``awaits`` says otherwise. faults : number of a press to the problems of its
+    first attempt.
 
     asked, screens : what came from the pages.
     """
@@ -91,9 +92,10 @@ class ScriptedDesk:
         with self._lock:
             self._advance(self.clock.now_s())
             press = self._presses[self._at]
+            running = press if self._start_s is not None else None
             state = OperatorState(
                 "P03", "palpation", self._command(), "" if self._start_s is not None else self._awaits,
-                self._message(), press.specimen, press.phase, press, tuple(self._presses), dict(self._done),
+                self._message(), press.specimen, press.phase, running, tuple(self._presses), dict(self._done),
                 self._devices(), self._signals, self._fits(), (), self._commands(), "8 presses in sourcedata/sub-P03",
             )  # fmt: skip
             return self._number, state
@@ -140,7 +142,7 @@ class ScriptedDesk:
         self._start_s = self.clock.now_s()
 
     def _abort(self, request: Request) -> None:
-        self._judged(((("the press was aborted"), "repeat it"),))
+        self._judged((("the press was aborted", "repeat it"),))
 
     def _accept(self, request: Request) -> None:
         self._decided("accept")
@@ -153,7 +155,7 @@ class ScriptedDesk:
         self._decided("skip")
 
     def _note(self, request: Request) -> None:
-        at = next(i for i, press in enumerate(self._presses) if press.number == request.press)
+        at = max(i for i, press in enumerate(self._presses) if press.number == request.press)
         self._presses[at] = replace(self._presses[at], note=request.text)
 
     def _pause(self, request: Request) -> None:
@@ -168,7 +170,6 @@ class ScriptedDesk:
     def _decided(self, decision: str, again: PressView | None = None) -> None:
         self._presses[self._at] = replace(self._presses[self._at], decision=decision)  # type: ignore[arg-type]
         if again is not None:
-            again = replace(again, number=max(press.number for press in self._presses) + 1)
             self._presses.insert(self._at + 1, again)
         self._next()
 
@@ -194,7 +195,8 @@ class ScriptedDesk:
     def _advance(self, now_s: float) -> None:
         whole_s = REACTION_S + LOAD_S + HELD_S + RELEASE_S + VERDICT_S
         if self._start_s is not None and now_s > self._start_s + whole_s:
-            self._judged(self._faults.get(self._presses[self._at].number, ()))
+            press = self._presses[self._at]
+            self._judged(self._faults.get(press.number, ()) if press.attempt == 1 else ())
         command = self._command()
         self._number += command != self._told
         self._told = command

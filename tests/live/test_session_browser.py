@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -74,6 +75,40 @@ def test_a_key_of_the_presenter_on_one_page_begins_a_press_on_the_other(windows,
     assert desk.asked[1] == Request("repeat", 1)
 
 
+def test_a_note_is_written_about_the_press_that_is_shown_and_its_letters_are_no_commands(windows, desk):
+    operator, _ = windows
+    desk.ask(Request("start"))
+    desk.ask(Request("abort"))
+    operator.until(f"{PRIMARY} === 'Repeat press'", 2)
+    operator.key("n")
+    operator.until("document.activeElement.matches('#note input')", 2)
+    for letter in "rest":
+        operator.key(letter)
+    operator.key(" ")
+    operator.key("Enter")
+    operator.until("document.querySelector('#problems').textContent.includes('Note: rest')", 2)
+    assert [request.name for request in desk.asked] == ["start", "abort", "note"]
+
+
+def test_the_end_is_asked_for_twice(windows, desk):
+    operator, _ = windows
+    for answer, asked in (("#no", []), ("#yes", ["end"])):
+        operator.key("e")
+        operator.until("document.querySelector('#sure').open", 2)
+        operator.key("PageDown")
+        operator.click(answer)
+        operator.until("!document.querySelector('#sure').open", 2)
+        time.sleep(0.2)
+        assert [request.name for request in desk.asked] == asked
+
+
+def test_a_command_that_is_refused_says_why(windows, desk):
+    operator, _ = windows
+    operator.key("a")
+    operator.until("document.querySelector('#message').textContent === 'Accept is not possible now.'", 2)
+    assert desk.asked == []
+
+
 def test_the_bar_is_drawn_often_and_shows_what_is_new(windows, desk):
     desk.screens.clear()
     time.sleep(1.2)  # the first second of a page counts for nothing
@@ -102,6 +137,24 @@ def test_a_page_that_is_loaded_again_goes_on_in_the_middle_of_a_press(windows, d
         window.until("window.kept === undefined && document.readyState === 'complete'")
     participant.until(f"{WORD} === 'STOP'", 3)
     operator.until(f"{PRIMARY} === 'Repeat press'", 5)
+
+
+@pytest.mark.parametrize("word", ["STOP", "Drücken", "LOSLASSEN", "Tense your forearm as hard as you can"])
+def test_words_of_any_language_are_whole_and_large(browser, word):
+    desk = ScriptedDesk(WallClock(), "start")
+    desk.texts = replace(desk.texts, wait=word)
+    with Served(desk, desk.clock) as served:
+        window = browser.open(served.addresses[1], 1920, 1080)
+        window.until(f"{WORD} === {word!r}")
+        word_box, room_px, font_px = window.value(
+            "(() => { const word = document.querySelector('#word'), range = document.createRange();"
+            "range.selectNodeContents(word); const box = range.getBoundingClientRect();"
+            "return [[box.left, box.right], document.querySelector('#scale').getBoundingClientRect().left,"
+            "parseFloat(getComputedStyle(word).fontSize)]; })()"
+        )
+        window.close()
+    assert word_box[1] < room_px - 60  # the marks of the bar
+    assert font_px >= (64 if " " in word else 126)
 
 
 def test_nothing_on_the_participants_page_tells_the_specimen(windows):

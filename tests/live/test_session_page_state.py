@@ -11,7 +11,7 @@ from emg2vsa.session.views import Request
 from tests.live.scripted_desk import TOO_FAST, ScriptedDesk
 
 FORCE = {"sequence": 7, "time_s": 10.0, "force_n": 3.5, "direction": "rising", "speed": "", "command": "press"}
-NOW = {"silentMs": 3, "sinceS": 0.0}
+NOW = 3
 RISING = {"colour": "rise", "begunS": 9.0}
 
 
@@ -71,10 +71,10 @@ def test_a_falling_force_is_told(participant, state):
     assert (scene["word"], scene["hint"]) == ("Press", "keep increasing")
 
 
-@pytest.mark.parametrize("silent_ms", [199, 201])
-def test_a_bar_that_hears_nothing_is_grey_and_says_so(participant, state, silent_ms):
-    scene = participant("sceneOf", state, FORCE, RISING, NOW | {"silentMs": silent_ms})
-    lost = silent_ms > 200
+@pytest.mark.parametrize("age_ms", [199, 201])
+def test_a_bar_that_hears_nothing_is_grey_and_says_so(participant, state, age_ms):
+    scene = participant("sceneOf", state, FORCE, RISING, age_ms)
+    lost = age_ms > 200
     assert scene["look"] == ("lost" if lost else "rise")
     assert scene["word"] == (state["texts"]["lost"] if lost else "Press")
 
@@ -152,75 +152,94 @@ def test_the_large_button_does_what_is_awaited(operator, awaits, name, label):
     assert (primary["name"], primary["label"]) == (name, label)
 
 
-@pytest.mark.parametrize(("verdict", "name"), [("rejected", "repeat"), ("warned", "accept"), ("ok", "accept")])
-def test_a_press_that_is_not_usable_is_repeated_by_the_large_button(operator, verdict, name):
-    state = state_of(desk_at("verdict"))
-    assert operator("primaryOf", state | {"press": state["press"] | {"verdict": verdict}})["name"] == name
+@pytest.mark.parametrize(("commands", "name"), [(["repeat", "accept", "skip"], "repeat"), (["accept", "skip"], "skip")])
+def test_a_press_that_is_not_usable_is_repeated_as_long_as_that_is_allowed(operator, commands, name):
+    assert operator("primaryOf", state_of(desk_at("verdict")) | {"commands": commands})["name"] == name
+
+
+def test_the_large_button_goes_on_after_a_break_and_leaves_nothing_out_by_itself(operator):
+    paused = state_of(desk_at("start")) | {"awaits": "", "commands": ["continue", "end"]}
+    assert operator("primaryOf", paused)["name"] == "continue"
+    assert operator("primaryOf", paused | {"commands": ["continue", "pause", "end"]})["name"] == ""
+    assert operator("askedBy", "p", paused, None)["name"] == "continue"
+    without = state_of(desk_at("quality")) | {"commands": ["measure-rest", "continue", "pause"]}
+    assert operator("askedBy", "p", without, None)["name"] == "pause"
+    assert operator("askedBy", "c", without, None)["name"] == "continue"
+
+
+def test_what_is_asked_too_early_is_asked_all_the_same_and_shown_as_early(operator):
+    resting = state_of(desk_at("start")) | {"commands": ["pause", "end"]}
+    assert operator("primaryOf", resting) == {"name": "start", "item": "", "label": "START", "ready": False}
+    assert operator("askedBy", " ", resting, None) == {"name": "start", "press": None, "item": ""}
 
 
 @pytest.mark.parametrize(
     ("awaits", "key", "asked"),
     [
-        ("start", " ", {"name": "start", "press": None, "item": ""}),
-        ("start", "PageDown", {"name": "start", "press": None, "item": ""}),
-        ("start", "Escape", None),
-        ("start", "r", None),
-        ("start", "x", None),
-        ("start", "p", {"name": "pause", "press": None, "item": ""}),
-        ("start", ".", {"name": "pause", "press": None, "item": ""}),
-        ("verdict", "PageDown", {"name": "repeat", "press": 1, "item": ""}),
-        ("verdict", "PageUp", {"name": "repeat", "press": 1, "item": ""}),
-        ("verdict", "a", {"name": "accept", "press": 1, "item": ""}),
-        ("verdict", "s", {"name": "skip", "press": 1, "item": ""}),
-        ("checklist", "2", {"name": "check", "press": None, "item": "Electrodes hold"}),
-        ("checklist", "9", None),
+        ("start", " ", ("start", None, "")), ("start", "PageDown", ("start", None, "")), ("start", "Escape", None),
+        ("start", "x", None), ("start", "p", ("pause", None, "")), ("start", ".", ("pause", None, "")),
+        ("start", "r", ("repeat", 1, "")), ("verdict", "PageDown", ("repeat", None, "")),
+        ("verdict", "PageUp", ("repeat", 1, "")), ("verdict", "a", ("accept", 1, "")),
+        ("verdict", "s", ("skip", 1, "")),
+        ("checklist", "2", ("check", None, "Electrodes hold")), ("checklist", "9", None),
     ],
-)
+)  # fmt: skip
 def test_keys(operator, awaits, key, asked):
-    desk = desk_at(awaits)
-    state = state_of(desk)
-    press = state["press"] | {"verdict": "rejected"}
-    assert operator("askedBy", key, state | {"press": press}, press if awaits == "verdict" else None) == asked
+    state = state_of(desk_at(awaits))
+    request = asked and dict(zip(("name", "press", "item"), asked, strict=True))
+    assert operator("askedBy", key, state, state["presses"][0]) == request
 
 
 def test_the_verdict_shown_is_that_of_the_last_press_unless_another_is_chosen(operator):
     desk = desk_at("start", faults={2: TOO_FAST})
     clock = desk.clock
-    for _ in range(2):
+
+    def pressed():
         assert desk.ask(Request("start")) == ""
         clock.sleep_until(clock.now_s() + 5)
         desk.force()
-    state = state_of(desk)
+        return state_of(desk)
+
+    assert operator("shownPress", state_of(desk), None) is None
+    pressed()
+    state = pressed()
     assert operator("shownPress", state, None)["number"] == 2
-    assert operator("shownPress", state, 1)["number"] == 1
-    assert operator("shownPress", state, 5)["number"] == 2
-    assert operator("shownPress", state_of(desk_at("start")), None) is None
-    assert operator("countOf", state) == "Training: 2 of 2 presses"
+    assert operator("shownPress", state, "1")["number"] == 1
+    assert operator("shownPress", state, "5")["number"] == 2
+    assert operator("countOf", state) == "Training: 1 of 2 presses"
     assert operator("upcoming", state) == ["S3", "S1"]
-    assert operator("cellsOf", state) == [{"kind": "ok", "first": False}, {"kind": "rejected", "first": False}]
-    shown = operator("verdictOf", state["press"] | {"decision": "repeat", "attempt": 2})
-    assert shown == {"kind": "rejected", "mark": "✕", "text": "Not usable (to be repeated, attempt 2)"}
+    assert [cell["kind"] for cell in operator("cellsOf", state)] == ["ok", "rejected"]
+    assert desk.ask(Request("repeat", 2)) == ""
+    state = state_of(desk)
+    assert [cell["kind"] for cell in operator("cellsOf", state)] == ["ok", "now"]
+    first = operator("shownPress", state, "2")
+    assert (first["attempt"], first["last"]) == (1, True)
+    assert operator("verdictOf", first) == {"kind": "rejected", "mark": "✕", "text": "Not usable, to be repeated"}
+    state = pressed()
+    again = operator("shownPress", state, None)
+    assert (again["attempt"], again["last"], again["verdict"]) == (2, True, "ok")
+    assert not operator("shownPress", state, "2")["last"]
+    assert operator("shownPress", state, "2, attempt 2")["attempt"] == 2
 
 
 @pytest.mark.parametrize(
-    ("change", "silent_s", "refused", "kind"),
+    ("change", "silent_s", "refused", "news", "kind"),
     [
-        ({}, 0.1, "", None), ({}, 2.5, "", "danger"), ({}, 0.1, "Not now.", "warn"),
-        ({"ended": "Done."}, 0.1, "", "good"),
-        ({"warnings": ["The screen is hidden."]}, 0.1, "", "warn"),
+        ({}, 0.1, "", "", None), ({}, 2.5, "Not now.", "", "danger"), ({}, 0.1, "Not now.", "", "warn"),
+        ({}, 0.1, "", "The page is hidden.", "warn"), ({"ended": "completed"}, 60, "", "", "good"),
     ],
 )  # fmt: skip
-def test_the_message_says_the_worst(operator, change, silent_s, refused, kind):
-    message = operator("messageOf", state_of(desk_at("start")) | change, silent_s, refused)
+def test_the_message_says_the_worst(operator, change, silent_s, refused, news, kind):
+    message = operator("messageOf", state_of(desk_at("start")) | change, silent_s, refused, news)
     assert (message and message["kind"]) == kind
 
 
 def test_a_lost_device_is_said_before_all_else(operator):
-    state = state_of(desk_at("start"))
-    device = asdict(replace(desk_at("start").operator()[1].devices[0], state="lost", text="EMG is lost."))
-    message = operator("messageOf", state | {"devices": [device], "warnings": ["x"]}, 0.1, "")
+    desk = desk_at("start")
+    device = asdict(replace(desk.operator()[1].devices[0], state="lost", text="EMG is lost."))
+    message = operator("messageOf", state_of(desk) | {"devices": [device]}, 0.1, "Not now.", "x")
     assert message == {"kind": "danger", "stale": False, "text": "EMG is lost."}
-    assert operator("messageOf", None, 0.1, "")["text"] == "Connecting."
+    assert operator("messageOf", None, 0.1, "", "")["text"] == "Connecting."
 
 
 def test_intervals_share_one_axis(operator):

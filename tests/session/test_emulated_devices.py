@@ -17,11 +17,11 @@ from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.rig.force.net_ft import open_net_ft
 from emg2vsa.session.emulated.net_ft import force_box
 from emg2vsa.session.emulated.ni_task import EmulatedNi
-from emg2vsa.session.emulated.page_follower import FollowedPage, FollowedTable
+from emg2vsa.session.emulated.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
 from emg2vsa.session.emulated.serve import serve
-from emg2vsa.session.views import ForceMessage, ParticipantState
+from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState, PressView, Request, TraceMessage
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
 PERSON = Person(
@@ -150,13 +150,13 @@ def test_lsl_streams_say_what_they_are(
     from emg2vsa.session.emulated.lsl_outlets import LslOutlets
 
     clock = WallClock()
-    with LslOutlets(EmulatedParticipant(PERSON), ("EDC", "FDS"), clock) as outlets:
+    with LslOutlets(EmulatedParticipant(PERSON), {"EDC": "ch7", "FDS": "ch9"}, clock) as outlets:
         assert outlets.names == ("emulated EMG", "emulated force")
         found = {info.type(): info for info in pylsl.resolve_streams(3.0)}
         assert {"EMG", "Force"} <= set(found)
         inlet = pylsl.StreamInlet(found["EMG"])
         channel = inlet.info(5.0).desc().child("channels").child("channel")
-        assert (channel.child_value("label"), channel.child_value("unit")) == ("EDC", "V")
+        assert (channel.child_value("label"), channel.child_value("unit")) == ("ch7", "V")
         samples, stamps = [], []
         end_s = time.monotonic() + 1.0
         while time.monotonic() < end_s:
@@ -191,19 +191,23 @@ class ShortDesk(StillPage):
 
     def __init__(self) -> None:
         self.specimen, self.number = "S1", 1
+        self.asked: list[Request] = []
 
     def force(self) -> ForceMessage:
         self.number += 1
         return ForceMessage(self.number, 0.5, 1.25, "rising", "too fast", "press")
 
     def operator(self) -> tuple[int, object]:
-        from emg2vsa.session.views import OperatorState
+        presses = (PressView(1, "S1", "main", 1, 1, "ok"),)
+        return self.number, OperatorState(
+            "P03", "palpation", "start", "", "", self.specimen, "main", presses[0], presses, {"chair": False}
+        )
 
-        return self.number, OperatorState("P03", "palpation", "start", "", "", self.specimen, "main", None)
+    def ask(self, request: Request) -> str:
+        self.asked.append(request)
+        return "not yet" if request.name == "start" else ""
 
     def traces(self, after: int) -> tuple[int, object]:
-        from emg2vsa.session.views import TraceMessage
-
         return after, TraceMessage([], [], {}, {}, {})
 
 
@@ -230,12 +234,17 @@ def test_pages_are_followed_over_http(door: tuple[Door, ShortDesk]) -> None:
     pages, desk = door
     operator, participant = (next(a for a in pages.addresses if f"/{n}/" in a) for n in ("operator", "participant"))
     placed: list[str] = []
-    with FollowedPage(participant) as page, FollowedTable(operator, placed.append):
+    with FollowedPage(participant) as page, FollowedOperator(operator, placed.append) as asked:
         assert eventually(lambda: page.force().sequence > 1 and placed == ["S1"])
         assert page.participant() == STATE
         assert page.force()[2:] == (1.25, "rising", "too fast", "press")
         desk.specimen = "S5"
         assert eventually(lambda: placed == ["S1", "S5"])
+        assert (asked.operator()[1].specimen, asked.operator()[1].presses[0].verdict) == ("S5", "ok")
+        assert asked.ask(Request("check", item="chair")) == ""
+        assert asked.ask(Request("start")) == "not yet"
+        assert asked.ask(Request("dance")).startswith("name: wanted one of")
+        assert desk.asked == [Request("check", item="chair"), Request("start")]
 
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:9/x/participant/", "nonsense", "http://127.0.0.1:no/"])

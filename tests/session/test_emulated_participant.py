@@ -131,6 +131,16 @@ def test_mistakes_of_the_hand(mistake: str, wrong: object) -> None:
     assert 1.5 < again.stop_s - again.onset_s < 4.0
 
 
+def test_a_mistake_waits_for_its_press_to_begin() -> None:
+    table = Table(["aborted@1"])
+    table.press = 1
+    for command in ("ready", "rest", "ready", "wait"):
+        table.command = command  # type: ignore[assignment]
+        table.turns(0.5)
+    table.press = 0
+    assert table.one_press().mistake == "aborted"
+
+
 def test_a_dip_is_a_fall_of_about_a_newton() -> None:
     table = Table(["dips@1"])
     press = table.one_press()

@@ -38,7 +38,7 @@ def test_a_press_goes_from_start_to_stop_at_the_upper_force_and_to_rest_once_lif
     assert commands == ["rest", "ready", "start", "press", "stop", "rest", "ready"]
     assert attempt.begun_s == pytest.approx(1.3 + 0.5 / 4, abs=TURN_S)
     assert attempt.stop_s == pytest.approx(1.3 + 7 / 4, abs=TURN_S)
-    assert attempt.end_s == pytest.approx(4 - 0.3 / 20 + 0.1, abs=2 * TURN_S)
+    assert attempt.end_s == pytest.approx(4 - 0.4 * 0.3 / 8, abs=2 * TURN_S)
     assert attempt.peak_n == pytest.approx(8)
     assert attempt.ending == "lifted"
 
@@ -79,8 +79,8 @@ def test_start_is_refused_before_a_specimen_is_there_and_during_the_rest():
     cycle.turn(1.0, 8.0)
     cycle.turn(1.5, 0.0)
     cycle.turn(1.7, 0.0)
-    assert "1.9 s longer" in cycle.refuses_start(1.8, 0.0)
-    assert cycle.refuses_start(3.8, 0.0) == ""
+    assert "1.7 s longer" in cycle.refuses_start(1.8, 0.0)
+    assert cycle.refuses_start(3.6, 0.0) == ""
 
 
 def test_a_finger_that_is_never_lifted_is_told_and_the_operator_can_abort():

@@ -125,6 +125,13 @@ def test_a_session_without_fault(load: Callable[[str], Study], with_session):
     assert load(with_session("")).session is None
 
 
+def test_a_session_on_streams_of_lsl(load: Callable[[str], Study], with_session):
+    text = with_session('\n[session]\nemg.kind = "lsl"\nemg.channels = { EDC = "1", FDS = "2" }\nforce.kind = "lsl"\n')
+    session = load(text).session
+    assert session is not None
+    assert (session.emg.kind, session.force.kind) == ("lsl", "lsl")
+
+
 def test_a_session_needs_recordings_and_channels(load):
     runs = '[study]\nname = "r"\n[[specimens]]\nname = "S1"\nstiffness_n_per_mm = 3\n[runs]\n'
     with pytest.raises(StudyError) as caught:

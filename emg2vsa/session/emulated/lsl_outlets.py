@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, Self
 
@@ -20,16 +20,17 @@ EMG_STREAM, FORCE_STREAM = "emulated EMG", "emulated force"
 class LslOutlets:
     """Streams of the types EMG (V) and Force (N), pushed in chunks within a with statement.
 
-    names : of the streams. clock : of the participant; real time, for LSL stamps samples with the computer's own clock.
-    DeviceError where pylsl is not installed.
+    labels : muscle to the label of its channel. names : of the streams. clock : of the participant; real time, for LSL
+    stamps samples with the computer's own clock. DeviceError where pylsl is not installed.
     """
 
     def __init__(
         self,
         participant: EmulatedParticipant,
-        muscles: Sequence[str],
+        labels: Mapping[str, str],
         clock: WallClock,
         *,
+        force_label: str = "force",
         names: tuple[str | None, str | None] = (None, None),
         emg_hz: float = 2000.0,
         force_hz: float = 1000.0,
@@ -46,12 +47,12 @@ class LslOutlets:
         source = f"emg2vsa-emulated-{participant.person.name}"
         self._streams: tuple[tuple[EmgSampler | ForceSampler, Any], ...] = (
             (
-                EmgSampler(participant, muscles, emg_hz, start_s=now_s),
-                self._outlet(self.names[0], "EMG", emg_hz, tuple(muscles), "V", source),
+                EmgSampler(participant, tuple(labels), emg_hz, start_s=now_s),
+                self._outlet(self.names[0], "EMG", emg_hz, tuple(labels.values()), "V", source),
             ),
             (
                 ForceSampler(participant, force_hz, start_s=now_s),
-                self._outlet(self.names[1], "Force", force_hz, ("force",), "N", source),
+                self._outlet(self.names[1], "Force", force_hz, (force_label,), "N", source),
             ),
         )
         self._ended = threading.Event()

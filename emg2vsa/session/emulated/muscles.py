@@ -14,8 +14,10 @@ from emg2vsa.synthetic.carrier import AMPLIFIER_BAND_HZ, MUSCLE_HIGH_HZ, MUSCLE_
 
 FloatArray = NDArray[np.float64]
 
-LIFTED_V, HUM_V, OFFSET_N, TOO_LARGE = 1.5e-3, 30e-6, 0.25, 500.0
-"Mains hum, rms, of an electrode in the air; of a bad ground; zero error of the force; factor of EMG that is clipped."
+LIFTED_V, LIFTED_NOISE_V, HUM_V = 1.5e-3, 60e-6, 30e-6
+"Mains hum and noise, rms, of an electrode in the air; hum of a bad ground."
+OFFSET_N, TOO_LARGE = 0.25, 500.0
+"Zero error of the force; factor of EMG that is clipped."
 _EDGE = 0.45
 "Largest corner of a filter as a share of the rate."
 _EMG, _FORCE, _PHASE = 1, 2, 3
@@ -91,17 +93,17 @@ class EmgSampler:
         emg_v += person.mains_v * hum + person.emg_noise_v * white[:, 1]
         for wrong in self._participant.afflicted(times_s[0], times_s[-1] + 1 / self.fs_hz):
             during = (times_s >= wrong.start_s) & (times_s < wrong.end_s)
-            emg_v[during] = self._afflicted(wrong, emg_v[during], hum[during])
+            emg_v[during] = self._afflicted(wrong, emg_v[during], hum[during], white[during, 1])
         return np.clip(emg_v, -self._range_v, self._range_v, out=emg_v)
 
-    def _afflicted(self, wrong: Affliction, emg_v: FloatArray, hum: FloatArray) -> FloatArray:
+    def _afflicted(self, wrong: Affliction, emg_v: FloatArray, hum: FloatArray, white: FloatArray) -> FloatArray:
         if wrong.kind == "mains":
             return emg_v + HUM_V * hum
         if wrong.kind == "clipping":
             return emg_v * TOO_LARGE
         if wrong.kind == "electrode-off":
             columns = [column for column, muscle in enumerate(self._muscles) if muscle == wrong.muscle]
-            emg_v[:, columns] = LIFTED_V * hum[:, columns]
+            emg_v[:, columns] = LIFTED_V * hum[:, columns] + LIFTED_NOISE_V * white[:, columns]
         return emg_v
 
 

@@ -6,12 +6,12 @@ import http.client
 import json
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any, Self
 from urllib.parse import urlsplit
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.session.views import ForceMessage, ParticipantState
+from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState, PressView, Request
 
 ANSWER_S, AGAIN_S = 5.0, 0.5
 "Time in which a page must answer, and wait before it is asked again once it has been lost."
@@ -57,7 +57,7 @@ class _Events:
             try:
                 for name, content in _events(self._answer):
                     self._take(name, content)
-            except (OSError, ValueError, AttributeError, http.client.HTTPException):
+            except (OSError, ValueError, AttributeError, TypeError, KeyError, http.client.HTTPException):
                 pass  # the connection was lost, or closed by the end of this
             if self._ended.wait(AGAIN_S):
                 return
@@ -106,14 +106,42 @@ class FollowedPage(_Events):
             self._force = ForceMessage(*(content[key] for key in ForceMessage._fields))
 
 
-class FollowedTable(_Events):
-    """The operator's page: ``place`` is called with the specimen that it names, whenever that is another."""
+class FollowedOperator(_Events):
+    """The operator's page: what `emg2vsa.session.emulated.operator.EmulatedOperator` works with.
 
-    def __init__(self, address: str, place: Callable[[str], None]) -> None:
+    place : called with the specimen that the page names, whenever that is another; None: whoever asks here does it.
+    """
+
+    def __init__(self, address: str, place: Callable[[str], None] | None = None) -> None:
         self._place, self._specimen = place, ""
+        self._number, self._state = 0, OperatorState("", "", "wait", "", "", "", "quality", None)
         super().__init__(address, self._seen)
 
+    def operator(self) -> tuple[int, OperatorState]:
+        """The newest state, and its number."""
+        return self._number, self._state
+
+    def ask(self, request: Request) -> str:
+        """Ask for something as the page does; why it is refused, or ""."""
+        where = urlsplit(self._address)
+        headers = {"x-emg2vsa-token": where.path.split("/")[1], "content-type": "application/json"}
+        try:
+            line = http.client.HTTPConnection(where.hostname or "", where.port or 80, timeout=ANSWER_S)
+            line.request("POST", where.path.rstrip("/") + "/request", json.dumps(asdict(request)), headers)
+            answer = line.getresponse()
+            said = answer.read().decode("utf-8", "replace")
+            line.close()
+        except (OSError, http.client.HTTPException) as error:
+            return str(error)
+        return "" if answer.status == http.client.OK else said or f"HTTP status {answer.status}"
+
     def _seen(self, name: str, content: dict[str, Any]) -> None:
-        if name == "state" and content.get("specimen") not in ("", None, self._specimen):
-            self._specimen = str(content["specimen"])
+        if name != "state":
+            return
+        known = {field.name for field in fields(OperatorState)} - {"press", "presses", "devices", "signals", "fits"}
+        plain: dict[str, Any] = {key: value for key, value in content.items() if key in known}
+        presses = tuple(PressView(**press) for press in content["presses"])
+        self._number, self._state = self._number + 1, OperatorState(**plain, press=None, presses=presses)
+        if self._place is not None and self._state.specimen not in ("", self._specimen):
+            self._specimen = self._state.specimen
             self._place(self._specimen)

@@ -236,21 +236,25 @@ class EmulatedParticipant:
             self._later(time_s + reaction_s + late_s, self._stop)
 
     def _meet(self, glance: _Glance, time_s: float) -> None:
-        """The next press is near: its planned mistake, if this is its first attempt, and an end of the last one's."""
+        """The next press is near: its planned mistake, and an end of the last one's."""
         self._mistake = ""
         now = [_over(each, time_s) if each.end_s == math.inf else each for each in self.afflictions]
         self.afflictions = now
-        for mistake in [m for m in self._planned if (m.phase, m.press) == (glance.phase, glance.press)]:
-            self._planned.remove(mistake)
+        for mistake in self._planned_for(glance):
             self._mistake = mistake.kind
             if mistake.kind not in OF_HAND:
                 muscle = mistake.muscle or next(iter(self.person.muscle_share))
                 self.afflictions.append(Affliction(mistake.kind, muscle, time_s))
 
+    def _planned_for(self, glance: _Glance) -> list[Mistake]:
+        return [m for m in self._planned if (m.phase, m.press) == (glance.phase, glance.press)]
+
     def _begin(self, time_s: float) -> None:
         if self._state != "rest":
             return
         rng, seen = self._rng, self._seen
+        for mistake in self._planned_for(seen):
+            self._planned.remove(mistake)  # another attempt at this press is a good one
         self._scale = float(spread(rng, self.person.repetition_sd, 1)[0])
         self._rate_n_per_s = rng.uniform(*self.person.rise_n_per_s)
         self._rate_n_per_s *= {"too-fast": FAST, "too-slow": SLOW}.get(self._mistake, 1.0)

@@ -55,9 +55,15 @@ def serve(
             lines.append(f"force: Net F/T box at {server.host}, RDT {server.rdt_port}, HTTP {server.http_port}")
         if "lsl" in (settings.emg.kind, settings.force.kind):
             assert isinstance(clock, WallClock)
-            muscles = tuple(participant.person.muscle_share)
-            names = settings.emg.stream, settings.force.stream
-            outlets = stack.enter_context(LslOutlets(participant, muscles, clock, names=names))
+            labels = settings.emg.channels if settings.emg.kind == "lsl" else {}
+            outlets = LslOutlets(
+                participant,
+                labels or {muscle: muscle for muscle in participant.person.muscle_share},
+                clock,
+                force_label=settings.force.channel or "force",
+                names=(settings.emg.stream, settings.force.stream),
+            )
+            stack.enter_context(outlets)
             lines.append(f"LSL streams: {' and '.join(outlets.names)}")
         yield Served(tuple(lines), trigno)
 

@@ -1,18 +1,19 @@
 // Follows the session's stream (emg2vsa/session/views.py) and sends what the operator asks for.
 import { draw, ticksBetween } from "./plot.js";
 import {
-  askedBy, cellsOf, countOf, intervalOf, messageOf, microvolts, primaryOf, shownPress, upcoming, verdictOf,
+  askedBy, cellsOf, countOf, intervalOf, messageOf, microvolts, nameOf, primaryOf, shownPress, upcoming, verdictOf,
 } from "./state.js";
 
 const WINDOW_S = 10;
 const TOO_SOON_MS = 400; // a presenter's key that bounces must not do the next thing as well
-const REFUSED_MS = 6000;
+const REFUSED_MS = 6000, NEWS_MS = 12000;
 const DEVICE_MARKS = { good: "✓", doubtful: "!", lost: "✕" };
 const TOKEN = location.pathname.split("/")[1];
 const $ = (selector) => document.querySelector(selector);
 
 let state = null, seen = null, traces = null, chosen = null;
 let heardMs = performance.now(), askedMs = -1e9, refusedMs = -1e9, refused = "";
+let warned = 0, newsMs = -1e9;
 
 function listen() {
   const source = new EventSource("stream");
@@ -22,7 +23,11 @@ function listen() {
     take(JSON.parse(event.data));
     requestAnimationFrame(show);
   });
-  on("state", (content) => { state = content; });
+  on("state", (content) => {
+    state = content;
+    if (state.warnings.length > warned) newsMs = performance.now();
+    warned = state.warnings.length;
+  });
   on("participant", (content) => { seen = content; });
   on("traces", append);
   on("alive", () => {});
@@ -55,7 +60,8 @@ function show() {
 function render() {
   const nowMs = performance.now();
   if (nowMs - refusedMs > REFUSED_MS) refused = "";
-  const message = messageOf(state, (nowMs - heardMs) / 1000, refused);
+  const news = nowMs - newsMs < NEWS_MS ? state.warnings.at(-1) ?? "" : "";
+  const message = messageOf(state, (nowMs - heardMs) / 1000, refused, news);
   $("#message").hidden = message === null;
   document.body.classList.toggle("stale", message?.stale ?? false);
   if (message) {
@@ -72,8 +78,10 @@ function showState() {
   [shownState, shownChosen, shownSeen] = [state, chosen, seen];
   const { participant, study, specimen, awaits, commands, saved } = state;
   document.title = `${participant}: ${state.message || state.command}`;
-  write("#who", `${participant} · ${study}`);
-  write("#saved", saved || "\u00a0");
+  write("#who", participant);
+  write("#study", study);
+  write("#saved", saved.slice(saved.indexOf(": ") + 1).trim() || "\u00a0"); // without the folder, which the end tells
+  $("#saved").title = saved;
   write("#count", countOf(state));
   const placed = measuring() ? "" : specimen;
   write("#label", awaits === "specimen" ? "Place this specimen" : placed ? "On the sensor" : "");
@@ -85,17 +93,19 @@ function showState() {
   write("#said", state.message);
   const primary = primaryOf(state);
   $("#primary").disabled = primary.name === "";
+  $("#primary").classList.toggle("early", primary.name !== "" && !primary.ready);
   $("#primary").classList.toggle("go", primary.name === "start");
   write("#primary b", primary.label);
   for (const button of document.querySelectorAll("[data-ask]")) button.disabled = !commands.includes(button.dataset.ask);
   $('[data-ask="continue"]').hidden = !commands.includes("continue");
-  $('[data-ask="pause"]').hidden = commands.includes("continue");
+  $('[data-ask="continue"]').firstChild.data = measuring() ? "Go on without " : "Go on ";
   showMirror();
   showProgress();
   showChecks();
   showDevices();
   showSignals();
   showFits();
+  showWarnings();
   showVerdict();
   showList();
 }
@@ -114,7 +124,7 @@ function showProgress() {
 
 function showChecks() {
   const items = Object.entries(state.checklist);
-  $("#checks").hidden = items.length === 0 || measuring();
+  $("#checks").hidden = items.length === 0 || measuring() || state.ended !== "";
   $("#checks").classList.toggle("done", items.every(([, done]) => done));
   fill("#checks ol", items.map(([item, done], i) => {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: done });
@@ -143,7 +153,8 @@ function showDevices() {
 
 function showSignals() {
   const { signals } = state;
-  $("#signals").hidden = signals.length === 0;
+  const doubtful = signals.some((signal) => signal.problems.length);
+  $("#signals").hidden = !(state.phase === "quality" || doubtful || state.commands.includes("measure-rest"));
   fill("#signals tbody", signals.map((signal) => row(
     signal.muscle, microvolts(signal.rest_v), microvolts(signal.contraction_v),
     signal.snr_db === null ? "–" : `${signal.snr_db.toFixed(0)} dB`,
@@ -166,40 +177,50 @@ function showFits() {
   }));
 }
 
+function showWarnings() {
+  $("#warnings").hidden = state.warnings.length === 0;
+  fill("#warnings ul", state.warnings.toReversed().map((text) => node("li", text)));
+}
+
 function showVerdict() {
   const press = shownPress(state, chosen);
   $("#verdict").hidden = press === null;
   if (press === null) return;
   const { kind, mark, text } = verdictOf(press);
-  write("#verdict h2", `Press ${press.number} · ${press.specimen}`);
+  write("#verdict h2", `Press ${nameOf(press)} · ${press.specimen}`);
   $("#judged").className = kind;
   write("#judged", `${mark} ${text}`);
+  for (const button of document.querySelectorAll("#verdict [data-ask]")) button.disabled ||= !press.last;
   fill("#problems", [
-    ...press.problems.map(([found, remedy]) => { const item = node("li"); item.append(node("b", sentence(found)), `→ ${sentence(remedy)}`); return item; }),
+    ...press.problems.map(([found, remedy]) => {
+      const item = node("li");
+      item.append(node("b", sentence(found)), remedy ? `→ ${sentence(remedy)}` : "");
+      return item;
+    }),
     ...(press.note ? [node("li", `Note: ${press.note}`)] : []),
   ]);
 }
 
 function showList() {
-  const done = state.presses.filter((one) => one.verdict !== "").reverse();
+  const done = state.presses.filter((one) => one.verdict !== "").reverse(), about = shownPress(state, chosen);
   $("#list").hidden = done.length === 0;
-  const about = shownPress(state, chosen)?.number;
   fill("#list tbody", done.flatMap((press) => {
-    const { kind, mark } = verdictOf(press), pick = node("button", String(press.number));
+    const name = nameOf(press), { kind, mark } = verdictOf(press), pick = node("button", name.replace(", attempt ", "."));
+    const here = about !== null && nameOf(about) === name;
     pick.type = "button";
-    pick.setAttribute("aria-label", `Show press ${press.number}`);
-    pick.addEventListener("click", () => { chosen = press.number; show(); });
-    const said = press.decision && press.decision !== "accept" ? `, ${press.decision}` : "";
+    pick.setAttribute("aria-label", `Show press ${pick.textContent}`);
+    pick.addEventListener("click", () => { chosen = name; show(); });
+    const said = press.decision ? `, ${press.decision}` : "";
     const line = row("", press.specimen, [`${mark} ${press.verdict}${said}`, kind], number(press.peak_n, 2, "N"), number(press.load_s, 2, "s"));
     line.firstChild.append(pick);
-    line.classList.toggle("chosen", press.number === about);
+    line.classList.toggle("chosen", here);
     const remark = [...press.problems.map(([found]) => found), press.note].filter(Boolean).join("; ");
     if (!remark) return [line];
     line.classList.add("has-remark");
     const cell = node("td", remark);
     cell.colSpan = 5;
     const below = wrap("tr", cell);
-    below.className = `remark${press.number === about ? " chosen" : ""}`;
+    below.className = `remark${here ? " chosen" : ""}`;
     return [line, below];
   }));
 }
@@ -210,9 +231,9 @@ function showTraces() {
     section.replaceChildren(figure("Force", ["filtered, N"]), ...muscles.map((muscle) => figure(muscle, ["envelope, µV", "raw"])));
   }
   const [lower, upper] = seen?.force_n ?? [0, 7];
-  const top = Math.max(1.2 * upper, ...traces.force_n.map((v) => 1.05 * v)), bottom = Math.min(-0.3, ...traces.force_n);
+  const top = Math.max(1.4 * upper, ...traces.force_n.map((v) => 1.05 * v)), bottom = Math.min(-0.3, ...traces.force_n);
   plot(section.children[0], bottom, top, [[traces.force_n, 3]], [], [{ at: lower, text: `${lower} N` }, { at: upper, text: `${upper} N` }]);
-  section.children[0].querySelector("output").textContent = `${traces.force_n.at(-1)?.toFixed(2) ?? "–"} N`;
+  section.children[0].querySelector("output").textContent = number(traces.force_n.at(-1) ?? null, 2, "N");
   muscles.forEach((muscle, i) => {
     const scaled = (values) => values.map((v) => (v === null ? null : 1e6 * v));
     const [low, high, level] = [traces.low_v, traces.high_v, traces.envelopes_v].map((one) => scaled(one[muscle]));
@@ -234,7 +255,7 @@ function figure(name, keys) {
 function plot(where, low, high, lines, areas, levels) {
   const canvas = where.querySelector("canvas");
   draw(canvas, {
-    low, high, levels, areas, time: traces.time_s, windowS: WINDOW_S, lastLabel: "now",
+    low, high, levels, areas, time: traces.time_s, windowS: WINDOW_S, lastLabel: state?.ended || document.body.matches(".stale") ? "last" : "now",
     ticks: ticksBetween(low, high, Math.max(4, canvas.clientHeight / 35)),
     curves: lines.map(([values, width]) => ({ values, colour: "--blue", width })),
   });
@@ -266,22 +287,22 @@ function refuse(text) {
 function press(key) {
   const request = state && askedBy(key, state, shownPress(state, chosen));
   const nowMs = performance.now();
-  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return;
+  if (!request || (request.name !== "abort" && nowMs - askedMs < TOO_SOON_MS)) return false;
   ask(request, nowMs);
+  return true;
 }
 
 function openNote() {
   const about = shownPress(state, chosen);
-  if (about === null) return;
+  if (!about?.last) return;
   $("#note").hidden = false;
   $("#note").dataset.press = about.number;
-  $("#note input").value = about.note;
+  $("#note input").value = "";
   $("#note input").focus();
 }
 
 function openSure() {
-  const left = state.presses.filter((one) => one.verdict === "").length;
-  write("#sure-text", left ? `End the session now? ${left} presses are not done yet. It can be resumed later.` : "End the session now?");
+  write("#sure-text", `End the session now? ${countOf(state)} are done. It can be resumed later.`);
   $("#sure").showModal();
 }
 
@@ -293,7 +314,8 @@ addEventListener("keydown", (event) => {
   // a button reached by Tab keeps Space for itself
   if ((event.key === " " || event.key === "Enter") && event.target.matches("button, input")) return;
   if ([" ", "PageDown", "PageUp"].includes(event.key)) event.preventDefault();
-  if (!event.repeat) press(event.key.length === 1 ? event.key.toLowerCase() : event.key);
+  // what opens the note must not be its first letter
+  if (!event.repeat && press(event.key.length === 1 ? event.key.toLowerCase() : event.key)) event.preventDefault();
 });
 addEventListener("click", (event) => {
   const button = event.target.closest("button");
@@ -341,7 +363,7 @@ function fill(where, children) {
 }
 
 function number(value, digits, unit) {
-  return value === null ? "–" : `${value.toFixed(digits)} ${unit}`;
+  return value === null ? "–" : `${value.toFixed(digits).replace(/^-(?=0\.0*$)/, "").replace("-", "\u2212")} ${unit}`;
 }
 
 function sentence(text) {

@@ -6,39 +6,44 @@ const VERDICTS = { ok: "Good", warned: "Usable, with a remark", rejected: "Not u
 const DECISIONS = { repeat: "to be repeated", accept: "accepted", skip: "left out", "": "" };
 const PRIMARY = {
   "measure-rest": "Measure rest", "measure-contraction": "Measure contraction", placed: "Specimen is placed",
-  start: "START", accept: "Accept press", repeat: "Repeat press", end: "End session", continue: "Go on",
+  start: "START", skip: "Leave press out", repeat: "Repeat press", end: "End session", continue: "Go on",
 };
 
-// What the large button, Space and a presenter's forward key do now: {name, item, label}; name is "" for nothing.
+// What the large button, Space and a presenter's forward key do now: {name, item, label, ready}; name is "" for nothing.
+// ready: the session would take it; asked for all the same, it says why not.
 export function primaryOf(state) {
-  const { awaits, commands, checklist, press } = state;
+  const { awaits, commands, checklist } = state;
   const item = Object.keys(checklist).find((one) => !checklist[one]) ?? "";
   const wanted = {
-    quality: ["measure-rest"], contraction: ["measure-contraction"], checklist: item ? ["check"] : [], specimen: ["placed"],
-    start: ["start"], verdict: press?.verdict === "rejected" ? ["repeat", "skip"] : ["accept"], end: ["end"],
-  }[awaits] ?? [];
-  const name = [...wanted, ...(state.command === "pause" ? ["continue"] : [])].find((one) => commands.includes(one)) ?? "";
-  const label = name === "check" ? `Tick: ${item}` : name === "" ? waitingFor(state) : PRIMARY[name] ?? name;
-  return { name, item: name === "check" ? item : "", label };
+    quality: "measure-rest", contraction: "measure-contraction", checklist: item && "check", specimen: "placed",
+    start: "start", verdict: commands.includes("repeat") ? "repeat" : "skip", end: "end",
+  }[awaits] ?? (paused(state) ? "continue" : "");
+  const label = wanted === "check" ? `Tick: ${item}` : wanted === "" ? waitingFor(state) : PRIMARY[wanted];
+  return { name: wanted, item: wanted === "check" ? item : "", label, ready: commands.includes(wanted) };
 }
+
+// "continue" alone is also there to leave something out
+const paused = ({ commands }) => commands.includes("continue") && !commands.includes("pause");
 
 function waitingFor({ command, ended }) {
   if (ended) return "Session is over";
   return { start: "START is shown", press: "Pressing", stop: "STOP is shown" }[command] ?? "Please wait";
 }
 
-// What a key asks for: {name, press, item}, {name: "note"}, or null. shown: the press that decisions are about.
+// What a key asks for: {name, press, item}, or null. shown: the press that decisions are about.
 export function askedBy(key, state, shown) {
   const press = shown?.number ?? null;
   const { name, item } = primaryOf(state);
+  const plain = (name) => ({ name, press: null, item: "" }), about = (name) => ({ name, press, item: "" });
   const asked = {
-    " ": { name, item, press: DECISIONS[name] ? press : null }, PageUp: { name: "repeat", press }, Escape: { name: "abort", press: null },
-    a: { name: "accept", press }, r: { name: "repeat", press }, s: { name: "skip", press }, n: { name: "note", press },
-    p: { name: state.commands.includes("continue") ? "continue" : "pause", press: null }, e: { name: "end", press: null },
+    " ": { name, item, press: null }, PageUp: about("repeat"), Escape: plain("abort"), a: about("accept"), r: about("repeat"),
+    s: about("skip"), n: about("note"), p: plain(paused(state) ? "continue" : "pause"), c: plain("continue"), e: plain("end"),
   };
   const same = { PageDown: " ", ".": "p", b: "p" };
   const wanted = asked[same[key] ?? key] ?? checkedBy(key, state);
-  return wanted && state.commands.includes(wanted.name) ? { item: "", ...wanted } : null;
+  if (!wanted || wanted.name === "") return null;
+  // some presenters send Escape now and then
+  return wanted.name === "abort" && !state.commands.includes("abort") ? null : wanted;
 }
 
 function checkedBy(key, { checklist }) {
@@ -46,48 +51,60 @@ function checkedBy(key, { checklist }) {
   return item === undefined ? null : { name: "check", press: null, item };
 }
 
-// {kind, text} or null
-export function messageOf(state, silentS, refused) {
+// {kind, text, stale} or null. news: a warning that has just come.
+export function messageOf(state, silentS, refused, news) {
+  if (state?.ended) return { kind: "good", stale: false, text: `The session is over: ${state.ended}.\n${state.saved}` };
   if (silentS > LOST_S) return { kind: "danger", stale: true, text: "No connection. If the session was started again, open its new address." };
   if (state === null) return { kind: "wait", stale: false, text: "Connecting." };
   const lost = state.devices.filter((device) => device.state === "lost").map((device) => device.text);
   if (lost.length) return { kind: "danger", stale: false, text: lost.join("\n") };
   if (refused) return { kind: "warn", stale: false, text: refused };
-  if (state.ended) return { kind: "good", stale: false, text: state.ended };
-  return state.warnings.length ? { kind: "warn", stale: false, text: state.warnings.join("\n") } : null;
+  return news ? { kind: "warn", stale: false, text: news } : null;
 }
 
-// The press that the verdict shows and decisions are about: the chosen one, else the last that was judged.
-export function shownPress({ presses, press }, chosen) {
+export const nameOf = ({ number, attempt }) => (attempt > 1 ? `${number}, attempt ${attempt}` : String(number));
+
+const last = (presses, number) => presses.findLast((one) => one.number === number);
+
+const isDone = ({ verdict, decision }) => ["accept", "skip"].includes(decision) || (decision === "" && ["ok", "warned"].includes(verdict));
+
+// {press, last}: the attempt that the verdict shows, the chosen one, else the last that was judged; last: decisions are
+// about it, and not about a later attempt. Null before the first.
+export function shownPress({ presses }, chosen) {
   const judged = presses.filter((one) => one.verdict !== "");
-  return judged.find((one) => one.number === chosen) ?? (press?.verdict ? press : judged.at(-1)) ?? null;
+  const waiting = judged.findLast((one) => one.verdict === "rejected" && one.decision === "" && last(presses, one.number) === one);
+  const press = judged.find((one) => nameOf(one) === chosen) ?? waiting ?? judged.at(-1);
+  return press ? { ...press, last: last(judged, press.number) === press } : null;
 }
 
 // {mark, text, kind}
-export function verdictOf({ verdict, decision, attempt }) {
-  const also = [DECISIONS[decision], attempt > 1 ? `attempt ${attempt}` : ""].filter(Boolean).join(", ");
-  return { kind: verdict, mark: MARKS[verdict] ?? "", text: `${VERDICTS[verdict] ?? ""}${also ? ` (${also})` : ""}` };
+export function verdictOf({ verdict, decision }) {
+  const also = DECISIONS[decision] ? `, ${DECISIONS[decision]}` : "";
+  return { kind: verdict, mark: MARKS[verdict] ?? "", text: `${VERDICTS[verdict] ?? ""}${also}` };
 }
 
-// Specimens after the present one, in their order, without what lies on the table now.
+// Specimens after the present one, in their order.
 export function upcoming({ presses, specimen }) {
   const names = presses.filter((one) => one.verdict === "" && one.decision === "").map((one) => one.specimen);
   return names.filter((name, i) => name !== (i ? names[i - 1] : specimen)).slice(0, 6);
 }
 
-// Kinds of the cells of the bar, one a press: {kind, first}; first: of its specimen.
-export function cellsOf({ presses, press, phase }) {
-  const some = presses.filter((one) => one.phase === phase);
+const numbersOf = ({ presses, phase }) => [...new Set(presses.filter((one) => one.phase === phase).map((one) => one.number))];
+
+// Cells of the bar, one a press: {kind, first}; first: of its specimen. Now is what runs, else what comes next.
+export function cellsOf(state) {
+  const some = numbersOf(state).map((number) => last(state.presses, number));
+  const now = state.press?.number ?? some.find((one) => one.verdict === "")?.number;
   return some.map((one, i) => ({
-    kind: one.verdict || (press?.number === one.number ? "now" : ""), first: i > 0 && one.specimen !== some[i - 1].specimen,
+    kind: `${one.decision === "skip" ? "skipped" : one.verdict}${one.number === now ? " now" : ""}`.trim(),
+    first: i > 0 && one.specimen !== some[i - 1].specimen,
   }));
 }
 
 export function countOf(state) {
   if (state.phase === "quality") return "Signal quality";
-  const some = state.presses.filter((one) => one.phase === state.phase && one.decision !== "repeat");
-  const done = some.filter((one) => one.verdict !== "").length;
-  return `${state.phase === "training" ? "Training: " : ""}${done} of ${some.length} presses`;
+  const numbers = numbersOf(state), done = numbers.filter((number) => isDone(last(state.presses, number))).length;
+  return `${state.phase === "training" ? "Training: " : ""}${done} of ${numbers.length} presses`;
 }
 
 export function microvolts(volts) {

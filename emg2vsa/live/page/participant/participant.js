@@ -36,10 +36,10 @@ const sentMs = () => (offsetMs === null ? force.receivedMs : Math.min(force.rece
 
 function draw() {
   const nowMs = performance.now();
-  const silentMs = force === null ? 0 : nowMs - sentMs();
-  show(sceneOf(state, force, memory, { silentMs, sinceS: (force?.age_s ?? 0) + silentMs / 1000 }));
+  const ageMs = force === null ? 0 : Math.max(0, 1000 * force.age_s + nowMs - sentMs());
+  show(sceneOf(state, force, memory, ageMs));
   frames.push(nowMs);
-  if (force !== null && offsetMs !== null) ages.push(Math.max(0, 1000 * force.age_s + silentMs));
+  if (force !== null && offsetMs !== null) ages.push(ageMs);
   requestAnimationFrame(draw);
 }
 
@@ -47,7 +47,7 @@ function show({ look, word, hint, phase, pause, value, share, over, zone }) {
   change("look", look, () => { document.body.dataset.look = look; });
   change("word", word, () => {
     $("#word").textContent = word;
-    $("h1").className = word.length > 8 ? "long" : "";
+    fit();
   });
   change("hint", hint, () => { $("#hint").textContent = hint; });
   change("phase", phase, () => { $("#phase").textContent = phase; });
@@ -59,6 +59,16 @@ function show({ look, word, hint, phase, pause, value, share, over, zone }) {
     $("#zone").hidden = zone === null;
     if (zone) Object.assign($("#zone").style, { bottom: `${100 * zone[0]}%`, height: `${100 * (zone[1] - zone[0])}%` });
   });
+}
+
+// whole words, as large as they fit beside the bar
+function fit() {
+  const heading = $("h1"), word = $("#word");
+  heading.className = word.textContent.length > 14 ? "long" : "";
+  for (let percent = 100; percent >= 40; percent -= 5) {
+    heading.style.setProperty("--fit", percent / 100);
+    if (word.scrollWidth <= word.clientWidth) return;
+  }
 }
 
 function change(name, value, apply) {
@@ -91,7 +101,7 @@ async function report() {
   const content = {
     ...reportOf(frames, ages, document.hidden),
     more: {
-      width: screen.width, height: screen.height, pixel_ratio: devicePixelRatio, messages,
+      width: innerWidth, height: innerHeight, pixel_ratio: devicePixelRatio, messages,
       full_screen: document.fullscreenElement !== null,
     },
   };
@@ -142,6 +152,7 @@ audio = new AudioContext();
 if (audio.state !== "running") audio = null;
 
 $("#full").addEventListener("click", (event) => { event.target.blur(); fill(); });
+addEventListener("resize", fit);
 document.addEventListener("fullscreenchange", () => document.body.classList.toggle("full", document.fullscreenElement !== null));
 if (matchMedia("(display-mode: fullscreen)").matches) document.body.classList.add("full");
 document.addEventListener("visibilitychange", () => { stayAwake(); report(); });

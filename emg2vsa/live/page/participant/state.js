@@ -14,14 +14,14 @@ export function remembered(memory, force, state) {
 }
 
 // {look, word, hint, phase, pause, value, share, over, zone}; share: of the bar's height; zone: two shares or null.
-// sinceS: of the newest message, on the session's clock; silentMs: since a message was sent that is here.
-export function sceneOf(state, force, memory, { silentMs, sinceS }) {
-  if (state === null || force === null || silentMs > LOST_MS) {
+// ageMs: of the newest force.
+export function sceneOf(state, force, memory, ageMs) {
+  if (state === null || force === null || (ageMs > LOST_MS && force.command !== "done")) {
     const value = force === null ? 0 : Math.max(0, force.force_n);
     const share = state === null ? 0 : Math.min(1, value / state.bar_n);
     return { look: "lost", word: state?.texts.lost ?? "…", hint: "", phase: "", pause: "", value, share, over: false, zone: null };
   }
-  const value = Math.max(0, force.force_n), nowS = force.time_s + sinceS;
+  const value = Math.max(0, force.force_n), nowS = force.time_s + ageMs / 1000;
   const look = lookOf(force.command, memory.colour);
   return {
     look, value, share: Math.min(1, value / state.bar_n), over: value > 1.005 * state.bar_n,

@@ -1,0 +1,200 @@
+"""A disk that refuses: the session says so, damages nothing, and goes on when there is room."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from emg2vsa.errors import DeviceError
+from emg2vsa.session import disk as disk_module
+from emg2vsa.session.disk import OperatingSystem, SessionDisk
+from emg2vsa.session.journal import Noted, read_journal
+from emg2vsa.session.plan import Plan, draw_presses
+from emg2vsa.session.raw_files import SampleFile
+from emg2vsa.session.record import SessionRecord, new_session, resume_session
+from emg2vsa.session.streams import Block, StreamInfo
+from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
+
+SETTINGS = SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"))
+EMG = StreamInfo("emg", ("EDC",), "V", 1000.0)
+
+
+@dataclass
+class SmallDisk(OperatingSystem):
+    """A disk with so much room; a write that does not fit is taken in part, as disks do. slow_s : of an fsync."""
+
+    room: int = 10_000
+    slow_s: float = 0.0
+    broken: bool = False
+    sizes: dict[int, int] = field(default_factory=dict)
+
+    def write(self, handle: int, offset: int, piece: bytes) -> None:
+        used = sum(self.sizes.values()) - max(0, self.sizes.get(handle, 0) - offset)
+        fits = max(0, min(len(piece), self.room - used))
+        super().write(handle, offset, piece[:fits])
+        self.sizes[handle] = max(self.sizes.get(handle, 0), offset + fits)
+        if fits < len(piece):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def truncate(self, handle: int, size: int) -> None:
+        super().truncate(handle, size)
+        self.sizes[handle] = size
+
+    def sync(self, handle: int) -> None:
+        time.sleep(self.slow_s)
+        if self.broken:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+
+def a_session(tmp_path: Path, system: OperatingSystem, background: bool = False) -> SessionRecord:
+    presses = draw_presses("disk", "P01", ("S1",), SETTINGS)
+    plan = Plan("disk", "P01", 1, "", presses)
+    return new_session(tmp_path / "s", plan, lambda: 0.0, background=background, system=system)
+
+
+@pytest.mark.parametrize("background", [False, True])
+@pytest.mark.parametrize("fault", ["full", "broken"])
+def test_a_disk_that_refuses_is_told_and_nothing_is_lost_when_it_takes_again(tmp_path, monkeypatch, background, fault):
+    monkeypatch.setattr(disk_module, "_AGAIN_S", 0.02)
+    system = SmallDisk()
+    record = a_session(tmp_path, system, background)
+    stream = record.open_stream("emg", EMG)
+    samples = np.arange(3000.0).reshape(-1, 1)
+    for i in range(10):
+        stream.append(Block(samples[100 * i : 100 * i + 100], 100 * i, 0.0))
+    record.append(Noted("before"))
+    assert record.wait()
+    system.room, system.broken = (system.room if fault == "broken" else 6_000), fault == "broken"
+    for i in range(10, 30):
+        stream.append(Block(samples[100 * i : 100 * i + 100], 100 * i, 0.0))
+        record.append(Noted(f"during {i}"))
+    assert not record.wait(0.3)
+    word = os.strerror(errno.EIO if fault == "broken" else errno.ENOSPC)
+    assert record.trouble == f"The disk does not take the recording: {word}. Free some disk space."
+    assert not record.is_safe
+    lines, size = read_journal(tmp_path / "s" / "journal.jsonl")
+    assert Noted("before") in [line.event for line in lines]
+    assert size == (tmp_path / "s" / "journal.jsonl").stat().st_size
+    system.room, system.broken = 10**9, False
+    assert record.wait(5.0)
+    assert record.trouble == ""
+    record.append(Noted("after"))
+    record.close()
+    notes = [line.event.text for line in read_journal(tmp_path / "s" / "journal.jsonl")[0][1:]]
+    assert notes == ["before", *(f"during {i}" for i in range(10, 30)), "after"]
+    file = SampleFile(tmp_path / "s" / "sitting-1_emg.samples")
+    np.testing.assert_array_equal(file.read(0, 3000), samples)
+    assert file.passed_over == 0
+
+
+@pytest.mark.parametrize("background", [False, True])
+def test_a_disk_that_stays_full_is_told_at_the_end_and_the_session_resumes(tmp_path, monkeypatch, background):
+    monkeypatch.setattr(disk_module, "_AGAIN_S", 0.02)
+    record = a_session(tmp_path, SmallDisk(room=8_000), background)
+    stream = record.open_stream("emg", EMG)
+    for i in range(100):
+        stream.append(Block(np.ones((100, 1)), 100 * i, 0.0))
+        if i == 10:
+            record.wait()
+    record.append(Noted("lost"))
+    with pytest.raises(DeviceError, match=r"room for what was recorded last.*bytes that were not written.*--resume"):
+        record.close()
+    again = resume_session(tmp_path / "s", lambda: 0.0, background=False)
+    again.close()
+    file = SampleFile(tmp_path / "s" / "sitting-1_emg.samples")
+    assert 0 < file.stop < 10_000
+    assert file.lost == 0
+
+
+def test_samples_beyond_what_may_wait_are_given_up_and_counted(tmp_path, monkeypatch):
+    monkeypatch.setattr(disk_module, "LARGEST_WAITING_BYTES", 20_000)
+    record = a_session(tmp_path, SmallDisk(room=8_000))
+    stream = record.open_stream("emg", EMG)
+    taken = [stream.append(Block(np.ones((100, 1)), 100 * i, 0.0)) for i in range(150)]
+    assert taken[0]
+    assert not taken[-1]
+    with pytest.raises(DeviceError):
+        record.close()
+
+
+def test_no_caller_waits_for_a_slow_disk(tmp_path):
+    record = a_session(tmp_path, SmallDisk(room=10**9, slow_s=0.05), background=True)
+    stream = record.open_stream("emg", EMG)
+    longest_s = 0.0
+    for i in range(8):
+        begin_s = time.perf_counter()
+        stream.append(Block(np.ones((10, 1)), 10 * i, 0.0))
+        record.append(Noted(str(i)))
+        longest_s = max(longest_s, time.perf_counter() - begin_s)
+    assert not record.is_safe
+    assert longest_s < 0.05, longest_s
+    record.close()
+    assert SampleFile(tmp_path / "s" / "sitting-1_emg.samples").stop == 80
+    assert threading.active_count() < 10
+
+
+def test_a_line_never_reaches_the_disk_before_what_was_laid_before_it(tmp_path):
+    order: list[str] = []
+
+    class Watched(OperatingSystem):
+        def sync(self, handle: int) -> None:
+            order.append(os.readlink(f"/proc/self/fd/{handle}").rpartition("/")[2])
+
+    if not Path("/proc/self/fd").exists():
+        pytest.skip("names of open files are asked of /proc")
+    disk = SessionDisk(background=False, system=Watched())
+    samples, lines = disk.open(tmp_path / "samples"), disk.open(tmp_path / "lines")
+    disk.lay(samples, b"a")
+    disk.seal(lines, b"1")
+    disk.seal(lines, b"2")
+    disk.lay(samples, b"b")
+    disk.seal(lines, b"3")
+    disk.close()
+    assert order == ["samples", "lines", "lines", "samples", "lines"]
+
+
+KILLED = """
+import sys, time
+from pathlib import Path
+import numpy as np
+from emg2vsa.session.journal import Noted
+from emg2vsa.session.plan import Plan, draw_presses
+from emg2vsa.session.record import new_session
+from emg2vsa.session.streams import Block, StreamInfo
+record = new_session(Path(sys.argv[1]), Plan("disk", "P01", 1, "", ()), time.monotonic)
+stream = record.open_stream("emg", StreamInfo("emg", ("EDC",), "V", 1000.0))
+for i in range(100_000):
+    stream.append(Block(np.full((10, 1), i), 10 * i, 0.0))
+    if i % 20 == 0:
+        record.append(Noted(str(10 * i + 10)))
+        record.wait()
+        print(i, flush=True)
+"""
+
+
+def test_a_killed_process_leaves_every_line_and_the_samples_before_it(tmp_path):
+    folder = tmp_path / "s"
+    child = subprocess.Popen([sys.executable, "-c", KILLED, str(folder)], stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    last = [int(child.stdout.readline()) for _ in range(15)][-1]
+    child.kill()
+    child.wait()
+    child.stdout.close()
+    again = resume_session(folder, lambda: 0.0, background=False)
+    again.close()
+    notes = [
+        int(line.event.text) for line in read_journal(folder / "journal.jsonl")[0] if isinstance(line.event, Noted)
+    ]
+    assert notes[-1] >= 10 * last + 10
+    file = SampleFile(folder / "sitting-1_emg.samples")
+    samples = file.read(0, notes[-1])
+    np.testing.assert_array_equal(samples[:, 0], np.repeat(np.arange(notes[-1] // 10), 10))
