@@ -63,10 +63,10 @@ def serve(
     """
     tokens = {name: secrets.token_urlsafe(16) for name in pages}
     with ExitStack() as stack:
-        listening = [stack.enter_context(_listening(HOST, port))]
-        port = listening[0].getsockname()[1]
+        sockets = [stack.enter_context(listening(HOST, port))]
+        port = sockets[0].getsockname()[1]
         if bind is not None and (bind := own_address(bind)) != HOST:
-            listening.append(stack.enter_context(_listening(bind, port)))
+            sockets.append(stack.enter_context(listening(bind, port)))
         names = _NAMES if bind is None else (*_NAMES, bind)
         config = uvicorn.Config(
             application(pages, tokens, names), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
@@ -75,7 +75,7 @@ def serve(
         if until is not None:
             Thread(target=_end, args=(server, until), daemon=True).start()
         ready(*(f"http://{bind or HOST}:{port}/{token}/{name}/" for name, token in tokens.items()))
-        server.run(sockets=listening)
+        server.run(sockets=sockets)
 
 
 def _end(server: uvicorn.Server, until: Event) -> None:
@@ -95,14 +95,15 @@ def own_address(text: str) -> str:
     return str(address)
 
 
-def _listening(host: str, port: int) -> socket.socket:
-    listening = socket.socket()
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+def listening(host: str, port: int) -> socket.socket:
+    """A socket on an address of this computer. SettingError where that, or the port, cannot be had."""
+    own = socket.socket()
+    own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        listening.bind((host, port))
-        listening.listen()  # whoever opens the address at once waits, and is not refused
+        own.bind((host, port))
+        own.listen()  # whoever opens the address at once waits, and is not refused
     except OSError as error:
-        listening.close()
+        own.close()
         found = error.strerror or str(error)
         if error.errno == errno.EADDRNOTAVAIL:
             do = "Name one IPv4 address of this computer, as its network settings show it."
@@ -110,7 +111,7 @@ def _listening(host: str, port: int) -> socket.socket:
         raise SettingError(
             f"port {port}", wanted="a free port", found=found, do="Choose another with --port."
         ) from error
-    return listening
+    return own
 
 
 def file_routes(*folders: Path) -> list[BaseRoute]:

@@ -43,7 +43,6 @@ sign = -1
 [session]
 emg.kind = "simulated"
 force.kind = "simulated"
-repetitions = 3
 pause_s = 1.0
 {session}
 [simulation]
@@ -77,6 +76,8 @@ def study_file(tmp_path):
 
     def write(session: str = "") -> Path:
         path = tmp_path / "study.toml"
+        if not session.startswith("repetitions"):
+            session = f"repetitions = 3\n{session}"
         path.write_text(STUDY.format(session=session), encoding="utf-8")
         return path
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import FastClock
@@ -55,12 +56,16 @@ def received(line: socket.socket, count: int) -> bytes:
     return data
 
 
-def test_greeting_comes_in_one_piece_over_both_families(server: TrignoServer) -> None:
-    for host in ("127.0.0.1", "::1"):
-        with connected(server.ports.command, host) as line:
-            greeting = line.recv(1024)
-        assert greeting[:45] == b"Delsys Trigno System Digital Protocol Version"
-        assert greeting.endswith(b"\r\n\r\n")
+@pytest.mark.parametrize("host", ["127.0.0.1", "::1"])
+def test_greeting_comes_in_one_piece_over_both_families(server: TrignoServer, host: str) -> None:
+    try:
+        socket.create_server((host, 0), family=socket.AF_INET6 if ":" in host else socket.AF_INET).close()
+    except OSError:
+        pytest.skip(f"this computer has no {host}")
+    with connected(server.ports.command, host) as line:
+        greeting = line.recv(1024)
+    assert greeting[:45] == b"Delsys Trigno System Digital Protocol Version"
+    assert greeting.endswith(b"\r\n\r\n")
 
 
 @pytest.mark.parametrize(
@@ -221,3 +226,83 @@ def test_a_port_that_is_taken_is_named(server: TrignoServer) -> None:
     ports = Ports(command=server.ports.command, legacy_emg=0, legacy_aux=0, emg=0, aux=0)
     with pytest.raises(DeviceError, match=rf"port {server.ports.command}.*command"):
         TrignoServer(a_person(), {1: "EDC"}, FastClock(SPEED), ports=ports)
+
+
+CONVERSATIONS = {
+    # bytes as the client sends them, and what it looks for in one receive of its own size
+    "pytrigno and libemg": [(b"START\r\n\r\n", 128, b"OK"), (b"STOP\r\n\r\n", 128, b"OK")],
+    "delsys-trigno-client": [
+        (b"MASTER\r\n\r\n", 1024, b"NEW MASTER"), (b"SENSOR 1 PAIRED?\r\n\r\n", 1024, b"YES"),
+        (b"START\r\n\r\n", 1024, b"OK"), (b"STOP\r\n\r\n", 1024, b"OK"), (b"QUIT\r\n\r\n", 1024, b"BYE"),
+    ],
+    "a fork of pytrigno that sets modes": [
+        (b"SENSOR 1 MODE?\r\n\r\n", 128, b"0"), (b"SENSOR 1 SETMODE 7\r\n\r\n", 128, b"SENSOR 1 SET TO MODE 7"),
+        (b"SENSOR 1 ACTIVE?\r\n\r\n", 128, b"YES"), (b"START\r\n\r\n", 128, b"OK"),
+    ],
+    "trignoclient": [
+        (b"ENDIANESS?\r\n\r\n", 512, b"INVALID COMMAND"), (b"UPSAMPLING?\r\n\r\n", 512, b"UPSAMPLING ON"),
+        (b"BACKWARDS COMPATIBILITY?\r\n\r\n", 512, b"YES"), (b"FRAME INTERVAL?\r\n\r\n", 512, b"0.0135"),
+        (b"SENSOR 5 STARTINDEX?\r\n\r\n", 512, b"5"), (b"SENSOR 5 EMGCHANNELCOUNT?\r\n\r\n", 512, b"1"),
+        (b"START\r\n\r\n", 512, b"OK"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("client", CONVERSATIONS)
+def test_conversations_of_clients(server: TrignoServer, client: str) -> None:
+    with commander(server) as line, connected(server.ports.emg), connected(server.ports.aux):
+        for sent, size, looked_for in CONVERSATIONS[client]:
+            line.sendall(sent)
+            reply = line.recv(size)
+            assert looked_for in reply
+            assert reply.endswith(b"\r\n\r\n")
+
+
+def test_a_client_that_starts_before_it_has_read_the_greeting(server: TrignoServer) -> None:
+    # DelsysTrignoLSL: two connections at once, START at once, then chunks of 1024 bytes cut into samples of 64
+    with connected(server.ports.emg) as emg, connected(server.ports.command) as line:
+        line.sendall(b"START\r\n\r\n")
+        said = b""
+        while b"OK\r\n\r\n" not in said:
+            said += line.recv(1024)
+        assert said.startswith(b"Delsys Trigno System")
+        chunks = [emg.recv(1024) for _ in range(200)]
+        assert sum(len(chunk) % SAMPLE for chunk in chunks) == 0
+        line.sendall(b"STOP\r\n\r\n")
+        assert line.recv(1024) == b"OK\r\n\r\n"
+
+
+class Counting(TrignoServer):
+    """Slot 1 counts samples instead of measuring."""
+
+    count = 0
+
+    def _send_frame(self, run: int, muscles_v: NDArray[np.float64]) -> None:
+        muscles_v[:, 0] = self.count + np.arange(len(muscles_v))
+        self.count += len(muscles_v)
+        super()._send_frame(run, muscles_v)
+
+
+def steps(data: bytes) -> NDArray[np.float64]:
+    return np.diff(np.frombuffer(data, "<f4").reshape(-1, 16)[:, 0])
+
+
+def test_frames_that_are_late_stalled_or_lost() -> None:
+    with (
+        Counting(a_person(), {1: "EDC", 5: "FDS"}, FastClock(SPEED), start_delay_s=3.0) as server,
+        commander(server) as line,
+        connected(server.ports.emg) as emg,
+    ):
+        begun = time.monotonic()
+        asked(line, "START")
+        data = received(emg, 27 * SAMPLE)
+        assert time.monotonic() - begun >= 3.0 / SPEED
+        server.stall(5.0)
+        begun = time.monotonic()
+        data += received(emg, 600 * 27 * SAMPLE)
+        assert time.monotonic() - begun >= 5.0 / SPEED
+        assert set(steps(data)) == {1.0}
+        server.drop(3)
+        data = received(emg, 200 * 27 * SAMPLE)
+        assert sorted(set(steps(data))) == [1.0, 3 * 27 + 1.0]
+        assert np.sum(steps(data) > 1) == 1

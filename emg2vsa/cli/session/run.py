@@ -73,6 +73,8 @@ def run(arguments: argparse.Namespace) -> int:
     study = load_study(arguments.study)
     settings_of(study, arguments.participant)
     _check(arguments)
+    if not arguments.no_page:
+        _check_address(arguments)
     clock = _clock(arguments)
     person, makers = _devices(study, arguments, clock)
     at_once = isinstance(clock, VirtualClock)
@@ -106,6 +108,16 @@ def _check(arguments: argparse.Namespace) -> None:
         raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
     if arguments.seed is not None and arguments.seed < 0:
         raise SettingError("--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose another.")
+
+
+def _check_address(arguments: argparse.Namespace) -> None:
+    """SettingError where the pages could not be served, told before a folder is made or a device is started."""
+    _web()
+    from emg2vsa.live.server import HOST, listening, own_address
+
+    listening(HOST, arguments.port).close()
+    if arguments.bind is not None:
+        listening(own_address(arguments.bind), 0).close()
 
 
 def _clock(arguments: argparse.Namespace) -> Clock:

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import selectors
 import socket
+import sys
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -311,7 +312,8 @@ def _listener(family: socket.AddressFamily, host: str, port: int) -> socket.sock
     except OSError as error:
         raise _no_such_family from error
     try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if sys.platform != "win32":  # where it would let two programs have one port
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((host, port))
         listener.listen()
     except OSError as error:

@@ -1,0 +1,84 @@
+"""``emg2vsa session`` at the command line: what it refuses, and a whole session without a page."""
+
+from __future__ import annotations
+
+import pytest
+
+from emg2vsa.cli import main
+
+STUDY = """\
+[study]
+name = "small"
+title = "A small study"
+[participants]
+ids = ["P03"]
+[[specimens]]
+name = "S1"
+[recordings]
+layout = "bids"
+root = "data"
+task = "press"
+[channels.emg.EDC]
+name = "EDC"
+[channels.force]
+name = "Fz"
+{session}
+[simulation]
+muscle_share = {{ EDC = 1.0 }}
+a_v = {{ S1 = 42e-6 }}
+b_v = {{ S1 = 20e-6 }}
+"""
+SESSION = '[session]\nemg.kind = "simulated"\nforce.kind = "simulated"\nrepetitions = 1\n'
+
+
+@pytest.fixture
+def study_file(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.format(session=SESSION), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--participant", "P09"], "wanted one of P03"),
+        (["--participant", "P03"], "wanted a device"),
+        (["--participant", "P03", "--no-page"], "--no-page: wanted --virtual"),
+        (["--participant", "P03", "--speed", "2"], "--speed: wanted --virtual"),
+        (["--participant", "P03", "--virtual", "--speed", "1000"], "0.1 to 100"),
+        (["--participant", "P03", "--virtual", "--seed", "-1"], "--seed"),
+        (["--participant", "P03", "--virtual", "--no-page", "--mistake", "sneeze@1"], "--mistake"),
+        (["--participant", "P03", "--virtual", "--no-page", "--resume"], "a session to resume"),
+        (["--participant", "P03", "--virtual", "--bind", "everywhere"], "--bind"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_in_one_line(study_file, capsys, words, said):
+    assert main(["session", str(study_file), *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error
+    assert error.count("\n") == 1
+    assert not list(study_file.parent.glob("data/sourcedata/*/*/journal.jsonl"))
+
+
+def test_a_study_without_the_table_is_refused(tmp_path, capsys):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.format(session=""), encoding="utf-8")
+    for command in (["session", str(path)], ["session", "finish", str(path)]):
+        assert main([*command, "--participant", "P03"]) == 2
+        assert "a table [session]" in capsys.readouterr().err
+
+
+def test_there_is_nothing_to_finish_before_a_session(study_file, capsys):
+    assert main(["session", "finish", str(study_file), "--participant", "P03"]) == 2
+    assert "plan" in capsys.readouterr().err
+
+
+def test_a_session_of_one_press_without_a_page(study_file, capsys):
+    assert main(["session", str(study_file), "--participant", "P03", "--virtual", "--no-page"]) == 0
+    said = capsys.readouterr().out
+    assert "completed" in said
+    assert "S1 1/1" in said
+    assert (study_file.parent / "reports" / "small" / "participants" / "P03.html").exists() or "page:" in said
+    assert main(["session", str(study_file), "--participant", "P03", "--virtual", "--no-page"]) == 2
+    assert "--resume" in capsys.readouterr().err

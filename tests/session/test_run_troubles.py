@@ -1,0 +1,184 @@
+"""What a session does when a device is lost, the disk is full, the page is hidden, or the program is ended."""
+
+from __future__ import annotations
+
+import errno
+
+import pytest
+
+from emg2vsa.errors import DataError, DeviceError
+from emg2vsa.session.journal import JOURNAL_FILE, Commanded, Interrupted, Paused, PressBegun, read_journal
+from emg2vsa.session.open_session import open_session
+from emg2vsa.session.views import Request, ScreenReport
+
+pytestmark = pytest.mark.slow
+FEW = "repetitions = 2"
+
+
+class Failing:
+    """A source that is lost while its ``lost`` is true, and cannot be opened meanwhile."""
+
+    lost = False
+
+    def __init__(self, source):
+        self._source = source
+
+    def __getattr__(self, name):
+        return getattr(self._source, name)
+
+    def start(self):
+        self._check()
+        self._source.start()
+
+    def read(self):
+        self._check()
+        return self._source.read()
+
+    def _check(self):
+        if self.lost:
+            raise DeviceError("EMG", wanted="samples", found="none", do="Switch it on.")
+
+
+def test_a_lost_device_interrupts_the_press_and_the_session_goes_on_when_it_is_back(play):
+    failing = []
+
+    def lost(emg, force):
+        failing.append(Failing(emg))
+        return failing[0], force
+
+    back_s = []
+
+    def switch(desk, now_s):
+        if not back_s and desk.force().command == "press":
+            back_s.append(now_s + 7.0)
+            failing[0].lost = True
+        elif back_s and now_s > back_s[0]:
+            failing[0].lost = False
+
+    played = play(source=lost, session=FEW, beside=switch)
+    assert played.state.ended == "completed"
+    assert played.verdicts[1, 1] == ("rejected", ["interrupted: EMG lost"])
+    assert sum(press.verdict in ("ok", "warned") for press in played.state.presses) == 4
+    lines, _ = read_journal(played.folder / JOURNAL_FILE)
+    assert Paused("device") in [line.event for line in lines]
+    assert len(list(played.folder.glob("*_emg*.samples"))) == 2
+
+
+def test_a_session_that_was_killed_goes_on_with_the_same_order_and_repeats_its_press(play):
+    killed = {}
+
+    class Killed(Exception):
+        pass
+
+    def kill(desk, now_s):
+        if now_s > 30 and desk.force().command == "press":
+            killed["press"] = desk.session.running.press.number
+            raise Killed
+
+    with pytest.raises(Killed):
+        play(session=FEW, beside=kill)
+    resumed = play(session=FEW, resume=True)
+    assert resumed.state.ended == "completed"
+    own = [press for press in resumed.state.presses if press.number == killed["press"]]
+    assert [press.attempt for press in own] == [1, 2]
+    assert [press.verdict for press in own] == ["rejected", "ok"]
+    assert len(resumed.state.presses) == 5
+    assert all(fit.presses == 2 for fit in resumed.state.fits)
+
+
+def test_two_processes_cannot_record_one_session_nor_begin_it_twice(play, study_file):
+    from emg2vsa.rig.clock import VirtualClock
+
+    played = play(operator=False, beside=lambda desk, now_s: desk.ask(Request("end")))
+    with (
+        pytest.raises(DataError, match="--resume"),
+        open_session(played.study, "P03", VirtualClock(), _sources(played.study), at_once=True),
+    ):
+        pass
+
+
+def _sources(study):
+    from emg2vsa.rig.clock import VirtualClock
+    from emg2vsa.session.emulated.simulated import simulate
+
+    _, emg, force = simulate(study, study.session, "P03", VirtualClock())
+    return (lambda: emg, lambda: force)
+
+
+def test_a_changed_study_file_is_told_on_resume_and_the_order_stays(play):
+    play(session=FEW, most_presses=1)
+    resumed = play(session=FEW + "\nrest_s = 3.0", resume=True)
+    assert any("session.rest_s was 2.0 and is 3.0" in said for said in resumed.state.warnings)
+    assert len([press for press in resumed.state.presses if press.verdict]) == 4
+
+
+def test_a_hidden_page_rejects_the_press_under_way(play):
+    def hide(desk, now_s):
+        running = desk.session.running
+        hidden = running is not None and (running.press.number, running.attempt) == (1, 1)
+        desk.screen(ScreenReport(60.0, 10.0, 20.0, 17.0, hidden))
+
+    played = play(session=FEW, beside=hide)
+    assert played.verdicts[1, 1] == ("rejected", ["the participant's page was hidden"])
+    assert played.verdicts[1, 2][0] == "ok"
+
+
+def test_a_full_disk_pauses_the_session_until_there_is_room(play, monkeypatch):
+    from emg2vsa.session.disk import OperatingSystem
+
+    write = OperatingSystem.write
+    full = {"now": False, "seen": False}
+
+    def refuse(self, handle, offset, piece):
+        if full["now"]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(self, handle, offset, piece)
+
+    monkeypatch.setattr(OperatingSystem, "write", refuse)
+
+    def fill(desk, now_s):
+        full["now"] = 25.0 < now_s < 28.0
+        full["seen"] |= "No space left" in desk.operator()[1].saved
+
+    played = play(session=FEW, beside=fill)
+    assert full["seen"]
+    assert played.state.ended == "completed"
+    events = [line.event for line in read_journal(played.folder / JOURNAL_FILE)[0]]
+    assert Paused("disk") in events
+    assert sum(isinstance(event, PressBegun) for event in events) >= 4
+    assert sum(press.verdict in ("ok", "warned") for press in played.state.presses) == 4
+
+
+def test_a_press_is_repeated_no_more_often_than_the_study_allows(play):
+    def repeat(desk, now_s):
+        last = [press for press in desk.operator()[1].presses if press.verdict]
+        if last and last[-1].number == 1 and not last[-1].decision and desk.force().command == "rest":
+            answers.add(desk.ask(Request("repeat", press=1, text="the participant sneezed")))
+
+    answers = set()
+    played = play(session=FEW + "\nmost_repeats = 1", beside=repeat)
+    assert [press.attempt for press in played.state.presses if press.number == 1] == [1, 2]
+    assert any("1 presses on this specimen were repeated" in answer for answer in answers)
+
+
+def test_a_good_press_is_not_repeated_without_a_reason(play):
+    def repeat(desk, now_s):
+        last = [press for press in desk.operator()[1].presses if press.verdict]
+        if len(last) == 1:
+            answers.add(desk.ask(Request("repeat", press=1)))
+
+    answers = set()
+    play(session=FEW, beside=repeat)
+    assert any("give the reason as a note" in answer for answer in answers)
+
+
+def test_a_further_press_is_suggested_by_width_and_written_as_such(play):
+    played = play(session='repetitions = 2\nstop = "width"\nwidth = 0.02\nmost_presses = 3')
+    added = [press for press in played.state.presses if press.repetition == 3]
+    assert {press.specimen for press in added} == {"S1", "S3"}
+    assert all(press.verdict for press in added)
+    numbers = [press.number for press in played.state.presses]
+    assert numbers != sorted(numbers)  # each comes within the stay of its specimen
+    lines, _ = read_journal(played.folder / JOURNAL_FILE)
+    assert not any(isinstance(line.event, Interrupted) for line in lines)
+    assert Commanded("done") in [line.event for line in lines]
