@@ -19,7 +19,7 @@ from emg2vsa.session.sources.trigno import TrignoSource, places_of
 from emg2vsa.session.streams import Source
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
-STALE_S = 0.5
+STALE_S = 1.0
 "A force sensor of which nothing comes for so long is lost; nobody is hurt by a bar that stands still for less."
 GAUGES_HZ = 1000.0
 "Rate of gauges that have a card of their own."

@@ -35,7 +35,8 @@ class Block(NamedTuple):
 
     samples : (n, channels) in the stream's unit; NaN where the source says that a sample is lost but has a place.
     first : running number of the first sample since the stream's start, lost ones counted where they are known.
-    arrived_s : when the last sample arrived, on the session's clock, ``delay_s`` not taken off.
+    arrived_s : when the last sample arrived, on the session's clock, ``delay_s`` not taken off; or its time in
+    ``stamps_s``.
     stamps_s : (n,) the device's own times of the samples on the session's clock, not smoothed; None where it has none.
     """
 

@@ -3,55 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from benchmarks.session_sources import DELAY_S, FRAME_HZ, POLL_S, arrivals
 from emg2vsa.session.sample_clock import MOST_BINS, SampleClock
-
-FRAME_HZ = 1 / 0.0135
-POLL_S = 0.005
-DELAY_S = 0.002
-
-
-def arrivals(
-    seed: int,
-    duration_s: float,
-    fs_hz: float,
-    *,
-    frame: int = 26,
-    jitter_s: float = 1e-3,
-    busy: Iterable[tuple[float, float]] = (),
-    lost: Iterable[tuple[float, float]] = (),
-    wander: float = 0.0,
-) -> tuple[list[tuple[int, int, float]], np.ndarray]:
-    """Blocks (first, n, arrived_s), and (index, true time) of the last sample of each.
-
-    Samples are sent in frames, delayed by ``DELAY_S`` and an exponential jitter, in order, and read by a program that
-    looks every 5 ms. busy, lost : (start, length), s, in which it does not look; of frames that never come. wander :
-    how far the device's clock, which keeps its rate in the mean, is off in the middle.
-    """
-    rng = np.random.default_rng(seed)
-    ends = np.arange(1, int(duration_s * fs_hz / frame) + 1) * frame - 1
-    true_s = ends / fs_hz
-    true_s = true_s + wander * np.sin(np.pi * true_s / duration_s)
-    sent_s = np.maximum.accumulate(true_s + DELAY_S + rng.exponential(jitter_s, len(ends)))
-    looks_s = np.arange(0, duration_s + 5, POLL_S)
-    looks_s = looks_s + np.abs(rng.normal(0, 2e-4, len(looks_s)))
-    for start_s, length_s in busy:
-        looks_s[(looks_s > start_s) & (looks_s < start_s + length_s)] = start_s + length_s
-    looks_s = np.unique(looks_s)
-    came = np.ones(len(ends), dtype=bool)
-    for start_s, length_s in lost:
-        came &= (true_s <= start_s) | (true_s > start_s + length_s)
-    look = np.searchsorted(looks_s, sent_s)[came]
-    starts = np.flatnonzero(np.diff(look, prepend=-1))
-    blocks = [
-        (int(a * frame), int((b - a) * frame), float(looks_s[look[a]])) for a, b in pairwise([*starts, len(look)])
-    ]
-    last = np.array([*starts[1:], len(look)]) - 1
-    return blocks, np.column_stack([(last + 1) * frame - 1, true_s[came][last]])
 
 
 def clock_of(blocks: Iterable[tuple[int, int, float]], fs_hz: float, **options: float) -> SampleClock:
