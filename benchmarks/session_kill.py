@@ -152,8 +152,8 @@ def finished(study_file: Path, participant: str, folder: Path) -> tuple[str, int
     return verdict.verdict, sum(dataclasses.replace(each).usable for each in verdict.specimens)
 
 
-def run(kills: int, seed: int) -> str:
-    """The table, as Markdown."""
+def run(kills: int, seed: int, longest_s: float) -> str:
+    """The table, as Markdown; ``longest_s``: begin no further sitting after so long, but the one that ends a session."""
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.study_file import load_study
 
@@ -166,16 +166,16 @@ def run(kills: int, seed: int) -> str:
     sums: Counter[str] = Counter()
     moments: Counter[str] = Counter()
     ends: list[tuple[str, int]] = []
-    person, resume, most_running = 0, False, 0
+    person, resume, most_lost = 0, False, 0
     begun = time.perf_counter()
-    while sums["kills"] < kills or resume:
-        killing = sums["kills"] < kills
-        lines, _ = sitting(study_file, people[person], resume, rng.uniform(0.0, 9.0) if killing else None)
+    while (killing := sums["kills"] < kills and time.perf_counter() - begun < longest_s) or resume:
+        lines, _ = sitting(study_file, people[person], resume, rng.uniform(0.0, 6.0) if killing else None)
         folder = folder_of(study, people[person])
         known = look(folder)
         shown = {tuple(map(int, line.split()[1:])) for line in lines if line.startswith("verdict")}
+        lost = len(shown - known["judged"])
         sums["shown"] += len(shown)
-        sums["lost"] += len(shown - known["judged"])
+        sums["lost"] += lost
         sums["unreadable"] += known["unreadable"]
         if lines[-1].startswith("ended"):
             ends.append(finished(study_file, people[person], folder))
@@ -186,40 +186,46 @@ def run(kills: int, seed: int) -> str:
         sums["kills"] += 1
         sums["torn"] += known["torn"] > 0
         sums["running"] += known["running"]
-        most_running = max(most_running, known["running"])
+        most_lost = max(most_lost, known["running"] + lost)
         resume = True
-    seconds = time.perf_counter() - begun
     shutil.rmtree(work)
+    return table(sums, moments, ends, most_lost, seed, time.perf_counter() - begun)
+
+
+def table(
+    sums: Counter[str], moments: Counter[str], ends: list[tuple[str, int]], most_lost: int, seed: int, seconds: float
+) -> str:
     when = ", ".join(f"{name} {n}" for name, n in moments.most_common())
     verdicts = ", ".join(f"{verdict} with {usable} of {PRESSES} presses" for verdict, usable in ends)
     rows = [
         ("kills", str(sums["kills"])),
         ("what the participant was told at that moment", when),
         ("verdicts that were shown before a kill or an end", str(sums["shown"])),
-        ("of these not in the journal afterwards", str(sums["lost"])),
+        ("of these not in the journal afterwards, so that the press is repeated", str(sums["lost"])),
         ("kills that interrupted a press", str(sums["running"])),
-        ("most presses that one kill interrupted", str(most_running)),
+        ("most presses that one kill cost, the one under way or the one shown last", str(most_lost)),
         ("kills that left an unfinished line or block, which was passed over", str(sums["torn"])),
         ("files that could not be read", str(sums["unreadable"])),
         ("sessions that went on to their end", str(len(ends))),
         ("their recordings, as emg2vsa check judges them", verdicts),
     ]
-    table = "\n".join(f"| {name} | {value} |" for name, value in rows)
+    body = "\n".join(f"| {name} | {value} |" for name, value in rows)
     head = " ".join((__doc__ or "").partition("Run:")[0].split())
-    return f"# A session that is killed\n\n{head}\n\nSeed {seed}; {seconds:.0f} s.\n\n| | |\n|---|---|\n{table}\n"
+    return f"# A session that is killed\n\n{head}\n\nSeed {seed}; {seconds:.0f} s.\n\n| | |\n|---|---|\n{body}\n"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=16)
+    parser.add_argument("--seconds", type=float, default=3600.0, help="no further kill after so long")
     parser.add_argument("--child", nargs=2, metavar=("STUDY", "PARTICIPANT"))
     parser.add_argument("--resume", action="store_true")
     arguments = parser.parse_args()
     if arguments.child:
         child(Path(arguments.child[0]), arguments.child[1], arguments.resume)
         return
-    text = run(arguments.kills, arguments.seed)
+    text = run(arguments.kills, arguments.seed, arguments.seconds)
     RESULT.write_text(text, encoding="utf-8")
     print(text)
 

@@ -1,9 +1,9 @@
 """A session of 16 muscles at 2000 Hz and force at 200 Hz: samples lost, memory, processor, and time to a verdict.
 
-Once with the clock on the wall, pages' views and the judge beside it as in a real session; and once in virtual time, for
-an hour's worth of samples, where each turn follows the last at once and presses are judged within the turn. The
-participant is emulated within the same process; the share of its sensors is measured and told apart. The files are read
-back and compared with what the sources handed over: number of samples, and their sum. Run: python -m benchmarks.session_load
+Once with the clock on the wall, pages' views and the judge beside it as in a real session; and once in virtual time,
+where each turn follows the last at once and presses are judged within the turn. The participant is emulated within the
+same process; the share of its sensors is measured and told apart. The files are read back and compared with what the
+sources handed over: number of samples, and their sum. Run: python -m benchmarks.session_load
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def play(clock, minutes: float, at_once: bool) -> dict[str, object]:  # type: ig
         "samples lost": f"{lost}",
         "files hold exactly what the sources handed over": "yes" if same else "NO",
         "presses judged": f"{presses}",
-        "from the end of a press to its verdict, median / longest": f"{_quantile(delays, 0.5)} / {_quantile(delays, 1)} s",
+        "end of a press to its verdict, median / longest": f"{_quantile(delays, 0.5)} / {_quantile(delays, 1)} s",
         "memory after two minutes, smallest / largest": f"{min(settled):.0f} / {max(settled):.0f} MB",
         "processor, of one core, per second on its clock": f"{100 * (used_s - emulator_s) / (60 * minutes):.0f} %",
         "... of the emulated sensors, beside": f"{100 * emulator_s / (60 * minutes):.0f} %",

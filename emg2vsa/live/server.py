@@ -7,11 +7,12 @@ import ipaddress
 import mimetypes
 import secrets
 import socket
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from secrets import compare_digest
 from threading import Event, Thread
+from typing import NamedTuple
 from urllib.parse import urlsplit
 
 import uvicorn
@@ -45,15 +46,22 @@ def application(pages: Pages, tokens: Mapping[str, str], names: Sequence[str] = 
     return Door(Starlette(routes=routes), tokens, names)
 
 
-def serve(
-    pages: Pages, port: int, ready: Callable[..., None], bind: str | None = None, until: Event | None = None
-) -> None:
-    """Serve until Ctrl-C, SIGTERM or ``until``.
+class Listening(NamedTuple):
+    """Sockets that listen, on ``host`` as the printed addresses name it; names : this computer is called by there."""
+
+    sockets: list[socket.socket]
+    host: str
+    port: int
+    names: tuple[str, ...]
+
+
+@contextmanager
+def listening(port: int, bind: str | None = None) -> Iterator[Listening]:
+    """Take the port, before anything begins that a port which is taken would end.
 
     Parameters
     ----------
     port : 0 for any that is free.
-    ready : called once with the address of every page, in their order.
     bind : a further address of this computer, for a second screen or a tablet; the pages' addresses then name it.
         What is sent over it is not encrypted.
 
@@ -61,21 +69,25 @@ def serve(
     ------
     SettingError : the port is taken or not allowed; ``bind`` is no IPv4 address of this computer.
     """
-    tokens = {name: secrets.token_urlsafe(16) for name in pages}
     with ExitStack() as stack:
-        listening = [stack.enter_context(_listening(HOST, port))]
-        port = listening[0].getsockname()[1]
+        sockets = [stack.enter_context(_listening(HOST, port))]
+        port = sockets[0].getsockname()[1]
         if bind is not None and (bind := own_address(bind)) != HOST:
-            listening.append(stack.enter_context(_listening(bind, port)))
-        names = _NAMES if bind is None else (*_NAMES, bind)
-        config = uvicorn.Config(
-            application(pages, tokens, names), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
-        )
-        server = uvicorn.Server(config)
-        if until is not None:
-            Thread(target=_end, args=(server, until), daemon=True).start()
-        ready(*(f"http://{bind or HOST}:{port}/{token}/{name}/" for name, token in tokens.items()))
-        server.run(sockets=listening)
+            sockets.append(stack.enter_context(_listening(bind, port)))
+        yield Listening(sockets, bind or HOST, port, _NAMES if bind is None else (*_NAMES, bind))
+
+
+def serve(pages: Pages, at: Listening, ready: Callable[..., None], until: Event | None = None) -> None:
+    """Serve until Ctrl-C, SIGTERM or ``until``. ready : called once with the address of every page, in their order."""
+    tokens = {name: secrets.token_urlsafe(16) for name in pages}
+    config = uvicorn.Config(
+        application(pages, tokens, at.names), log_level="critical", lifespan="off", timeout_graceful_shutdown=1
+    )
+    server = uvicorn.Server(config)
+    if until is not None:
+        Thread(target=_end, args=(server, until), daemon=True).start()
+    ready(*(f"http://{at.host}:{at.port}/{token}/{name}/" for name, token in tokens.items()))
+    server.run(sockets=at.sockets)
 
 
 def _end(server: uvicorn.Server, until: Event) -> None:

@@ -82,5 +82,6 @@ def only_counted(trials: Trials, presses: Sequence[SessionPress]) -> Trials:
             continue
         said = by_session(own.reason if own is not None and longest_s > 0 else _NOT_ASKED_FOR)
         verdicts[i] = "rejected"
-        reasons[i] = f"{said}; {reasons[i]}" if reasons[i] else said
+        told = not reasons[i] or reasons[i].replace("; ", ", ") in said
+        reasons[i] = said if told else f"{said}; {reasons[i]}"
     return replace(trials, verdict=np.array(verdicts, dtype="<U8"), reasons=tuple(reasons))

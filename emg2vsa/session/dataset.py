@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -146,14 +147,13 @@ def write_dataset(folder: Path, study: Study) -> Written:
     presses = _presses(lines, plan.presses)
     streams, faults = stored_streams(folder, lines)
     windows = stay_windows(lines)
-    channels = _channels(study, plan.participant)
     stems = _stems(windows, plan.participant, study.task)
     left_out: list[tuple[str, str]] = []
     signals: dict[str, StaySignals] = {}
     for stem, window in zip(stems, windows, strict=True):
         try:
             emg, force = (streams.get((window.sitting, name), []) for name in ("emg", "force"))
-            signals[stem] = _usable(cut(window, emg, force), stem)
+            signals[stem] = _usable(cut(window, emg, force), _channels(study, plan.participant, window.specimen), stem)
         except Emg2vsaError as error:
             left_out.append((f"{window.phase} on {window.specimen}", str(error)))
     subject = study.data / f"sub-{plan.participant}"
@@ -164,6 +164,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
         for (stem, own), target in zip(signals.items(), targets, strict=True):
             window = windows[stems.index(stem)]
             rows = _events(window, own, list(in_sitting(lines, window.sitting)), presses)
+            channels = _channels(study, plan.participant, window.specimen)
             _write_recording(target, window, own, rows, channels, settings, study, lines)
             scans.append((target.relative_to(subject).as_posix(), _at(lines, window.sitting, own.start_s)))
         _write_tables(study, plan.participant, scans, settings)
@@ -183,14 +184,24 @@ def refuse_foreign(folder: Path, study: Study, participant: str) -> None:
     own = _known(folder)
     for entry in study.recordings:
         for path in entry.files if entry.participant == participant else ():
-            if path.exists() and path.relative_to(study.data).as_posix() not in own:
+            if path.exists() and Path(os.path.relpath(path, study.data)).as_posix() not in own:
                 raise _foreign(path)
 
 
 def _known(folder: Path) -> list[str]:
     """Files that the session wrote into the data set, relative to its root."""
     path = folder / WRITTEN_FILE
-    names: list[str] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+    if not path.exists():
+        return []
+    try:
+        names = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise ValueError("no list of names")
+    except (OSError, ValueError) as error:
+        raise DataError(
+            path, wanted="the list of recordings that the session wrote", found=str(error),
+            do="Move the participant's recordings and this file away, and write them again: emg2vsa session finish.",
+        ) from error  # fmt: skip
     return names
 
 
@@ -227,9 +238,15 @@ def _presses(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[t
     return found
 
 
-def _channels(study: Study, participant: str) -> ChannelSettings:
-    """The channels that every recording of the participant is read by."""
-    return next(entry.channels for entry in study.recordings if entry.participant == participant)
+def _channels(study: Study, participant: str, specimen: str) -> ChannelSettings:
+    """The channels by which the recording is read; practice has those of another specimen."""
+    own = {entry.specimen: entry.channels for entry in study.recordings if entry.participant == participant}
+    if not own:
+        raise SettingError(
+            f"participant {participant}", wanted=f"a participant of {study.path}", found="another code",
+            do="Put the code back into [participants].",
+        )  # fmt: skip
+    return own.get(specimen, next(iter(own.values())))
 
 
 def _stems(windows: Sequence[StayWindow], participant: str, task: str) -> list[str]:
@@ -243,10 +260,15 @@ def _stems(windows: Sequence[StayWindow], participant: str, task: str) -> list[s
     return stems
 
 
-def _usable(signals: StaySignals, stem: str) -> StaySignals:
-    """SignalError where half of a channel or more is lost."""
-    for muscle, samples in zip(signals.muscles, signals.emg_v.T, strict=True):
-        bridge_gaps(samples, f"{stem}, {muscle}")
+def _usable(signals: StaySignals, channels: ChannelSettings, stem: str) -> StaySignals:
+    """SignalError where more than half of a channel is lost. DataError where a muscle of the study was not recorded."""
+    for muscle in channels.emg:
+        if muscle not in signals.muscles:
+            raise DataError(
+                stem, wanted=f"the muscle {muscle} of [channels.emg]", found=", ".join(signals.muscles),
+                do="Put the table back with which the session was run.",
+            )  # fmt: skip
+        bridge_gaps(signals.emg_v[:, signals.muscles.index(muscle)], f"{stem}, {muscle}")
     bridge_gaps(signals.force_n, f"{stem}, force")
     return signals
 
@@ -278,9 +300,9 @@ def _write_recording(
     stored: list[BdfChannel] = []
     cells = []
     about = settings.about
-    for i, muscle in enumerate(signals.muscles):
-        label = channels.emg[muscle].name
-        samples, _ = bridge_gaps(signals.emg_v[:, i], label)
+    for muscle, channel in channels.emg.items():
+        label = channel.name
+        samples, _ = bridge_gaps(signals.emg_v[:, signals.muscles.index(muscle)], label)
         stored.append(BdfChannel(label, samples * 1e6, "uV", signals.emg_fs_hz, "bipolar surface electrode"))
         said = f"surface EMG of {muscle}; {_measured(signals, 0)}"
         cells.append(channel_cells(label, muscle, "uV", said, signals.emg_fs_hz, electrode_mm=about.electrode_mm))
@@ -295,10 +317,9 @@ def _write_recording(
         stored, annotations, patient=target.name.split("_")[0].removeprefix("sub-"), equipment="emg2vsa-session",
         record_s=signals.record_s, started=_wall(lines, window.sitting, signals.start_s).replace(microsecond=0),
     )  # fmt: skip
-    write_bytes_atomic(target, content)
     task = TRAINING_TASK if window.phase == "training" else study.task
     own = emg_sidecar(
-        task, signals.muscles, 1, signals.emg_fs_hz, signals.duration_s, mains_hz=about.power_line_hz,
+        task, tuple(channels.emg), 1, signals.emg_fs_hz, signals.duration_s, mains_hz=about.power_line_hz,
         electrode_mm=about.electrode_mm, software=f"emg2vsa {__version__}",
     )  # fmt: skip
     more = {
@@ -312,6 +333,7 @@ def _write_recording(
         target.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
     )
     write_json(target.with_name(f"{stem}_events.json"), {**_EVENTS, "StimulusPresentation": _screen(lines, window)})
+    write_bytes_atomic(target, content)  # last: who waits for the recording finds what belongs to it
 
 
 def _measured(signals: StaySignals, which: int) -> str:
@@ -463,8 +485,13 @@ def _merge(
     """A table with ``new`` rows by their first cell; what else rows have stays, and ``gone`` ones go."""
     rows: list[list[str]] = []
     if path.exists():
-        with path.open(encoding="utf-8-sig", newline="") as lines:
-            rows = [row for row in csv.reader(lines, delimiter="\t") if row]
+        try:
+            with path.open(encoding="utf-8-sig", newline="") as lines:
+                rows = [row for row in csv.reader(lines, delimiter="\t") if row]
+        except (ValueError, csv.Error) as error:
+            raise DataError(
+                path, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct it, or move it away."
+            ) from error
     head = rows[0] if rows else list(columns)
     if head[0] != columns[0] or not set(columns) <= set(head):
         raise DataError(

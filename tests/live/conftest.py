@@ -6,7 +6,7 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -65,7 +65,7 @@ def ended() -> Callable[..., Ended]:
 
 @pytest.fixture
 def computed_by() -> Callable[[str], Callable[..., Any]]:
-    """Results of functions in a page's state.js, called with plain values as the browser computes them."""
+    """Results of functions in a page's state.js, called with plain values; ``each`` : with every row of many."""
     program = shutil.which("deno", path=str(Path(sys.executable).parent)) or shutil.which("deno")
     if program is None:
         pytest.skip("deno is not installed (extra 'test')")
@@ -73,17 +73,23 @@ def computed_by() -> Callable[[str], Callable[..., Any]]:
     def of_page(page: str) -> Callable[..., Any]:
         path = Path(emg2vsa.live.__file__).parent / "page" / page / "state.js"
 
-        def call(function: str, *arguments: Any) -> Any:
+        def each(function: str, rows: Sequence[Sequence[Any]]) -> list[Any]:
             script = (
                 f"import * as state from {json.dumps(path.as_uri())};"
-                f"console.log(JSON.stringify(state.{function}(...{json.dumps(arguments)})));"
+                f"const rows = {json.dumps(rows)};"
+                f"console.log(JSON.stringify(rows.map((row) => state.{function}(...row))));"
             )
             done = subprocess.run(
                 [program, "run", "--quiet", "--no-config", "--ext=js", "-"],
                 input=script, capture_output=True, text=True, timeout=60, check=True,
             )  # fmt: skip
-            return json.loads(done.stdout)
+            results: list[Any] = json.loads(done.stdout)
+            return results
 
+        def call(function: str, *arguments: Any) -> Any:
+            return each(function, [arguments])[0]
+
+        call.each = each  # type: ignore[attr-defined]
         return call
 
     return of_page

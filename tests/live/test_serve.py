@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import http.client
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
 
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
-from emg2vsa.live.server import serve
+from emg2vsa.live.server import listening, serve
+
+STUDIES = Path(__file__).resolve().parents[2] / "studies" / "palpation"
 
 
 @contextmanager
@@ -58,23 +62,23 @@ def test_every_start_has_a_token_of_its_own(monkeypatch):
     monkeypatch.setattr("emg2vsa.live.server.uvicorn.Server.run", lambda server, sockets: None)
     addresses = []
     for _ in range(2):
-        serve({"watch": []}, 0, addresses.append)
+        with listening(0) as at:
+            serve({"watch": []}, at, addresses.append)
     tokens = {urlsplit(address).path.split("/")[1] for address in addresses}
     assert len(tokens) == 2
 
 
-def test_only_this_computer_is_served(monkeypatch):
-    bound = []
-    monkeypatch.setattr(
-        "emg2vsa.live.server.uvicorn.Server.run", lambda server, sockets: bound.append(sockets[0].getsockname()[0])
-    )
-    serve({"watch": []}, 0, lambda address: None)
-    assert bound == ["127.0.0.1"]
+def test_only_this_computer_is_served():
+    with listening(0) as at:
+        assert [own.getsockname()[0] for own in at.sockets] == ["127.0.0.1"]
 
 
 def test_a_port_that_is_taken(taken):
-    with pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"):
-        serve({"watch": []}, taken, lambda address: None)
+    with (
+        pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"),
+        listening(taken),
+    ):
+        pass
 
 
 @pytest.mark.parametrize("library", ["starlette", "uvicorn"])
@@ -100,3 +104,36 @@ def test_a_port_that_is_none(tmp_path, capsys, port):
     with pytest.raises(SystemExit):
         main(["rig", "watch", str(tmp_path), f"--port={port}"])
     assert "wanted a port from 0 to 65535" in capsys.readouterr().err
+
+
+@pytest.fixture
+def session(tmp_path):
+    """Words of a session that an emulated participant would do, and the folder that it would make."""
+    for name in ("study.toml", "rig.toml"):
+        shutil.copy(STUDIES / name, tmp_path)
+    return ["session", str(tmp_path / "study.toml"), "--participant", "P03", "--virtual"], tmp_path / "data"
+
+
+def test_a_session_begins_nothing_where_its_port_is_taken(session, taken, capsys):
+    words, folder = session
+    assert main([*words, "--port", str(taken)]) == 2
+    assert f"port {taken}: wanted a free port" in capsys.readouterr().err
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "192.0.2.7", "tablet"])
+def test_a_session_begins_nothing_with_an_address_that_is_none(session, address, capsys):
+    words, folder = session
+    assert main([*words, "--port", "0", "--bind", address]) == 2
+    assert "--bind" in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_a_session_begins_nothing_without_the_extra(session, capsys, monkeypatch):
+    words, folder = session
+    for name in [name for name in sys.modules if name.startswith("emg2vsa.live")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    assert main(words) == 2
+    assert 'pip install "emg2vsa[web]"' in capsys.readouterr().err
+    assert not folder.exists()

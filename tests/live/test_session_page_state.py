@@ -38,18 +38,16 @@ def state_of(desk):
     return asdict(desk.operator()[1])
 
 
-@pytest.mark.parametrize(
-    ("command", "memory", "look"),
-    [
-        ("ready", "plain", "plain"), ("start", "plain", "start"), ("press", "plain", "plain"),
-        ("press", "rise", "rise"), ("press", "fall", "fall"), ("stop", "rise", "stop"), ("rest", "plain", "plain"),
-        ("wait", "plain", "wait"), ("pause", "plain", "pause"), ("done", "plain", "wait"),
-    ],
-)  # fmt: skip
-def test_every_command_has_a_look(participant, state, command, memory, look):
-    scene = participant("sceneOf", state, FORCE | {"command": command}, RISING | {"colour": memory}, NOW)
-    assert scene["look"] == look
-    assert (scene["share"], scene["over"]) == (0.5, False)
+def test_every_command_has_a_look(participant, state):
+    looks = {
+        ("ready", "plain"): "plain", ("start", "plain"): "start", ("press", "plain"): "plain",
+        ("press", "rise"): "rise", ("press", "fall"): "fall", ("stop", "rise"): "stop", ("rest", "plain"): "plain",
+        ("wait", "plain"): "wait", ("pause", "plain"): "pause", ("done", "plain"): "wait",
+    }  # fmt: skip
+    rows = [(state, FORCE | {"command": command}, RISING | {"colour": colour}, NOW) for command, colour in looks]
+    scenes = participant.each("sceneOf", rows)
+    assert [scene["look"] for scene in scenes] == list(looks.values())
+    assert {(scene["share"], scene["over"]) for scene in scenes} == {(0.5, False)}
 
 
 @pytest.mark.parametrize(
@@ -173,21 +171,19 @@ def test_what_is_asked_too_early_is_asked_all_the_same_and_shown_as_early(operat
     assert operator("askedBy", " ", resting, None) == {"name": "start", "press": None, "item": ""}
 
 
-@pytest.mark.parametrize(
-    ("awaits", "key", "asked"),
-    [
-        ("start", " ", ("start", None, "")), ("start", "PageDown", ("start", None, "")), ("start", "Escape", None),
-        ("start", "x", None), ("start", "p", ("pause", None, "")), ("start", ".", ("pause", None, "")),
-        ("start", "r", ("repeat", 1, "")), ("verdict", "PageDown", ("repeat", None, "")),
-        ("verdict", "PageUp", ("repeat", 1, "")), ("verdict", "a", ("accept", 1, "")),
-        ("verdict", "s", ("skip", 1, "")),
-        ("checklist", "2", ("check", None, "Electrodes hold")), ("checklist", "9", None),
-    ],
-)  # fmt: skip
-def test_keys(operator, awaits, key, asked):
-    state = state_of(desk_at(awaits))
-    request = asked and dict(zip(("name", "press", "item"), asked, strict=True))
-    assert operator("askedBy", key, state, state["presses"][0]) == request
+def test_keys(operator):
+    keys = {
+        ("start", " "): ("start", None, ""), ("start", "PageDown"): ("start", None, ""), ("start", "Escape"): None,
+        ("start", "x"): None, ("start", "p"): ("pause", None, ""), ("start", "."): ("pause", None, ""),
+        ("start", "r"): ("repeat", 1, ""), ("verdict", "PageDown"): ("repeat", None, ""),
+        ("verdict", "PageUp"): ("repeat", 1, ""), ("verdict", "a"): ("accept", 1, ""),
+        ("verdict", "s"): ("skip", 1, ""), ("checklist", "2"): ("check", None, "Electrodes hold"),
+        ("checklist", "9"): None,
+    }  # fmt: skip
+    states = {awaits: state_of(desk_at(awaits)) for awaits, _ in keys}
+    asked = operator.each("askedBy", [(key, states[at], states[at]["presses"][0]) for at, key in keys])
+    for (where, wanted), found in zip(keys.items(), asked, strict=True):
+        assert found == (wanted and dict(zip(("name", "press", "item"), wanted, strict=True))), where
 
 
 def test_the_verdict_shown_is_that_of_the_last_press_unless_another_is_chosen(operator):

@@ -179,3 +179,13 @@ def test_a_module_edited_while_a_step_runs_leaves_no_result(study: Path, tmp_pat
     assert "Traceback" not in done.stderr
     assert list(stored.parent.iterdir()) == []
     assert look(study)["trials/P01/S1"].status == "stale"
+
+
+def test_a_session_table_makes_no_result_stale(study: Path) -> None:
+    """Nor do texts and devices that change in it: a session makes recordings, and what they hold counts."""
+    text = study.read_text()
+    assert {step.status for step in look(study).values()} == {"fresh"}
+    for more in ('training_specimens = ["T1"]\n', 'seed = 7\ntexts.start = "Los"\n'):
+        kinds = 'emg.kind = "simulated"\nforce.kind = "simulated"\nrepetitions = 3\n'
+        study.write_text(f"{text}\n[session]\n{kinds}{more}")
+        assert {step.status for step in look(study).values()} == {"fresh"}

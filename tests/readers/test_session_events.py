@@ -51,6 +51,8 @@ def test_presses_by_the_attempt_that_they_lie_in(trials):
     said = replace(trials, reasons=("too silent",) * 4)
     assert only_counted(said, presses).reasons[1] == "operator: repeat: too fast, dips; too silent"
     assert only_counted(said, presses).reasons[0] == "too silent"
+    said = replace(trials, reasons=("too fast; dips",) * 4)
+    assert only_counted(said, presses).reasons[1] == "operator: repeat: too fast, dips"
 
 
 def test_the_larger_share_of_a_press_decides(trials):

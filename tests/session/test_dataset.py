@@ -397,6 +397,32 @@ def test_a_stay_whose_samples_are_gone_is_left_out_and_told(made):
     assert any("sitting-1_force.samples" in note and "No such file" in note for note in written.notes)
 
 
+def test_a_muscle_that_was_not_recorded(made):
+    made.study.path.write_text(STUDY.replace("FDS]", "FCR]"))
+    written = write_dataset(made.folder, load_study(made.study.path))
+    assert written.files == ()
+    assert all("wanted the muscle FCR of [channels.emg]; found EDC, FDS" in why for _, why in written.left_out)
+
+
+def test_a_participant_who_is_no_longer_in_the_study(made):
+    made.study.path.write_text(STUDY.replace('"P01", ', ""))
+    written = write_dataset(made.folder, load_study(made.study.path))
+    assert all("Put the code back into [participants]" in why for _, why in written.left_out)
+
+
+def test_a_damaged_list_of_what_was_written(made):
+    (made.folder / "written.json").write_text('{"a": 1}')
+    with pytest.raises(DataError, match=r"written.json.*no list of names.*session finish"):
+        write_dataset(made.folder, made.study)
+
+
+def test_a_table_of_people_that_is_no_text(made):
+    made.study.data.mkdir(exist_ok=True)
+    (made.study.data / "participants.tsv").write_bytes(b"participant_id\n\xff\xfe")
+    with pytest.raises(DataError, match=r"participants.tsv.*a tab-separated table in UTF-8"):
+        write_dataset(made.folder, made.study)
+
+
 def test_a_study_without_a_session(made):
     made.study.path.write_text(STUDY.split("[session]")[0])
     with pytest.raises(SettingError, match=r"a table \[session\]"):

@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
         do = "Choose the folder of a run, or of runs."
         raise SettingError(folder, wanted="a folder", found="a file", do=do)
     try:
-        from emg2vsa.live.server import serve
+        from emg2vsa.live.server import listening, serve
         from emg2vsa.live.watch_routes import watch_routes
     except ModuleNotFoundError as error:
         library = str(error.name).partition(".")[0]
@@ -43,7 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"Open {address}\nCtrl-C ends the page, not the run.", flush=True)
 
     try:
-        serve({"watch": watch_routes(folder)}, arguments.port, ready)
+        with listening(arguments.port) as at:
+            serve({"watch": watch_routes(folder)}, at, ready)
     except KeyboardInterrupt:
         print()
     return 0

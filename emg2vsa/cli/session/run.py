@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command
 from emg2vsa.cli.arguments import add_study
 
 if TYPE_CHECKING:
+    from emg2vsa.live.server import Listening
     from emg2vsa.rig.clock import Clock
     from emg2vsa.session.desk import SessionDesk
     from emg2vsa.session.emulated.participant import EmulatedParticipant
@@ -76,11 +77,14 @@ def run(arguments: argparse.Namespace) -> int:
     clock = _clock(arguments)
     person, makers = _devices(study, arguments, clock)
     at_once = isinstance(clock, VirtualClock)
-    with open_session(study, arguments.participant, clock, makers, resume=arguments.resume, at_once=at_once) as desk:
-        if arguments.no_page:
+    with (
+        _port_taken(arguments) as at,
+        open_session(study, arguments.participant, clock, makers, resume=arguments.resume, at_once=at_once) as desk,
+    ):
+        if at is None:
             _alone(desk, clock, person, at_once)
         else:
-            _with_pages(desk, clock, person, arguments)
+            _with_pages(desk, clock, person, at)
         ended = desk.session.ended
     if person is not None and arguments.truth:
         person.write_truth(Path(arguments.truth))
@@ -154,16 +158,15 @@ def _alone(desk: SessionDesk, clock: Clock, person: EmulatedParticipant | None, 
         desk.session.end("ended", "Ctrl-C")
 
 
-def _with_pages(
-    desk: SessionDesk, clock: Clock, person: EmulatedParticipant | None, arguments: argparse.Namespace
-) -> None:
+def _with_pages(desk: SessionDesk, clock: Clock, person: EmulatedParticipant | None, at: Listening) -> None:
     """The session turns in a thread of its own beside the server of the pages."""
     import threading
     import time
 
+    from emg2vsa.live.server import HOST, serve
+    from emg2vsa.live.session_routes import session_pages
     from emg2vsa.rig.clock import undisturbed
 
-    serve, session_pages = _web()
     failures: list[BaseException] = []
     over = threading.Event()
 
@@ -180,7 +183,7 @@ def _with_pages(
     def ready(*addresses: str) -> None:
         operator, participant = addresses
         print(f"operator:    {operator}\nparticipant: {participant}")
-        if arguments.bind:
+        if at.host != HOST:
             print("What these pages send over the network is not encrypted.")
         print("Ctrl-C ends the session; --resume takes it up again.", flush=True)
 
@@ -189,7 +192,7 @@ def _with_pages(
         person.watch(desk)
     turning.start()
     try:
-        serve(session_pages(desk, clock), arguments.port, ready, arguments.bind, over)
+        serve(session_pages(desk, clock), at, ready, over)
         over.wait()
     except KeyboardInterrupt:
         print()
@@ -211,17 +214,18 @@ def _placing(desk: SessionDesk, person: EmulatedParticipant | None) -> Callable[
     return place
 
 
-def _web() -> Any:
-    """``serve`` and ``session_pages``. SettingError without the extra for web pages."""
+def _port_taken(arguments: argparse.Namespace) -> AbstractContextManager[Listening | None]:
+    """Before the session begins, for it ends nothing that has begun. SettingError without the extra for web pages."""
     from emg2vsa.errors import SettingError
 
+    if arguments.no_page:
+        return nullcontext()
     try:
-        from emg2vsa.live.server import serve
-        from emg2vsa.live.session_routes import session_pages
+        from emg2vsa.live.server import listening
     except ModuleNotFoundError as error:
         library = str(error.name).partition(".")[0]
         if library not in ("starlette", "uvicorn"):
             raise
         do = 'Install it: pip install "emg2vsa[web]".'
         raise SettingError("session", wanted="the extra for web pages", found=f"no {library}", do=do) from error
-    return serve, session_pages
+    return listening(arguments.port, arguments.bind)

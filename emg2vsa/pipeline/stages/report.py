@@ -13,8 +13,11 @@ if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.report.inputs import StudyResults
 
-NOT_SHOWN = ("path", "results", "reports", "data", "runs", "runs_source", "recordings")
-"""Where things lie changes nothing in a report; which runs there are, it sees in their results."""
+NOT_SHOWN = ("path", "results", "reports", "data", "task", "runs", "runs_source", "recordings", "session")
+"""Where things lie changes nothing in a report; which runs there are, it sees in their results.
+
+How a session is run makes recordings, and what they hold counts.
+"""
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
