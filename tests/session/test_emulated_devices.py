@@ -122,7 +122,9 @@ def pressed(person: EmulatedParticipant, felt: Callable[[], float], most_s: floa
 def test_the_force_reaches_the_rigs_driver_through_the_box() -> None:
     clock, person = FastClock(5.0), EmulatedParticipant(PERSON)
     with RdtServer(force_box(person, (0.0, 0.0, -1.0)), clock) as server:
-        sensor = open_net_ft(server.host, WallClock(), rdt_port=server.rdt_port, http_port=server.http_port)
+        sensor = open_net_ft(
+            server.host, WallClock(), rdt_port=server.rdt_port, http_port=server.http_port, stale_s=2.0
+        )
         sensor.start()
         try:
             assert pressed(person, lambda: -sensor.read().force_n[2]) >= 5.0

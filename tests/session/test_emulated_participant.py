@@ -218,7 +218,7 @@ def test_the_carrier_has_a_mean_rectified_value_of_one_and_the_spectrum_of_emg(f
 
 def test_emg_holds_a_and_b() -> None:
     table = Table(specimen="S5")
-    presses = [table.one_press() for _ in range(10)]
+    presses = [table.one_press() for _ in range(6)]
     # independent of the package's estimator: mean rectified EMG of slices of time against ln F
     emg_v = np.abs(np.concatenate(table.emg)).sum(axis=1)
     slopes = []
