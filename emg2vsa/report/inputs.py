@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
-
 from numpy.typing import NDArray
+
 from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale

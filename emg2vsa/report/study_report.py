@@ -31,10 +31,9 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
     figures by ``write_figure_pdfs``.
     """
     results = replace(results, failures=ShortPaths(results.study).failures(results.failures))
-    sections = [section for section in SECTIONS if section.applies(results)]
-    content = contents(results, sections)
+    content = contents(results)
     texts = {
-        "index.html": _page(results, sections, content),
+        "index.html": _page(results, content),
         "results.json": results_json(content.quantities),
         "numbers.tex": numbers_tex(content.quantities),
         "methods.txt": methods_text(results) + "\n",
@@ -48,9 +47,10 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
     return [folder / name for name in texts]
 
 
-def contents(results: StudyResults, sections: list[Section]) -> Content:
-    """What the sections give, by name. ValueError : two of them give the same name."""
+def contents(results: StudyResults) -> Content:
+    """What the sections that apply give, by name. ValueError : two of them give the same name."""
     content = Content()
+    sections = _sections(results)
     for section in sections:
         _add(content.quantities, dict(section.quantities(results)), section)
     content.quantities = dict(sorted(content.quantities.items()))
@@ -61,6 +61,10 @@ def contents(results: StudyResults, sections: list[Section]) -> Content:
         _add(content.tables, {table.name: table for table in section.tables(results, content.quantities)}, section)
         _add(content.drawings, _drawn(section, results), section)
     return content
+
+
+def _sections(results: StudyResults) -> list[Section]:
+    return [section for section in SECTIONS if section.applies(results)]
 
 
 def _add(into: dict[str, Any], more: dict[str, Any], section: Section) -> None:
@@ -76,7 +80,7 @@ def _drawn(section: Section, results: StudyResults) -> dict[str, Drawing]:
 
 def write_figure_pdfs(results: StudyResults, folder: Path) -> list[Path]:
     """Write every figure of the report as ``folder/figures/NAME.pdf``, for a paper; the files."""
-    drawn = [_drawn(section, results) for section in SECTIONS if section.applies(results)]
+    drawn = [_drawn(section, results) for section in _sections(results)]
     paths = {folder / f"figures/{name}.pdf": drawing for each in drawn for name, drawing in each.items()}
     for path, drawing in paths.items():
         write_bytes_atomic(path, drawing.pdf())
@@ -93,8 +97,8 @@ def _printed(content: Content) -> Iterator[tuple[str, str]]:
         yield f"figures/{name}.tex", figure_tex(drawing)
 
 
-def _page(results: StudyResults, sections: list[Section], content: Content) -> str:
-    study = results.study
+def _page(results: StudyResults, content: Content) -> str:
+    study, sections = results.study, _sections(results)
     header = (
         f"<h1>{escape(study.title)}</h1>"
         f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode.</p>'
