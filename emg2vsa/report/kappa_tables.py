@@ -6,7 +6,7 @@ import numpy as np
 
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, LawResult
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
-from emg2vsa.report import paper_comparison as paper
+from emg2vsa.report import paper
 from emg2vsa.report.table import Cell, Column, Table
 from emg2vsa.report.wording import UNDEFINED, interval, number
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults
 from emg2vsa.discrimination import Discrimination
-from emg2vsa.report import paper_comparison as paper
-from emg2vsa.report.quantity import Items, Quantity
+from emg2vsa.report import paper
+from emg2vsa.report.numbers import Items, Quantity
 from emg2vsa.report.runs_tables import gap_of, interval_of
 from emg2vsa.runs import RunScores
 

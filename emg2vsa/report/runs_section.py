@@ -13,8 +13,8 @@ from emg2vsa.report import runs_conclusions as conclusions
 from emg2vsa.report.drawing import Drawing, shown
 from emg2vsa.report.kappa_conclusion import kappa_conclusion
 from emg2vsa.report.kappa_tables import kappa_tables
+from emg2vsa.report.numbers import Quantity
 from emg2vsa.report.paper_comparison import runs_comparison
-from emg2vsa.report.quantity import Quantity
 from emg2vsa.report.runs_figures import runs_figures
 from emg2vsa.report.runs_quantities import kappa_quantities, runs_quantities
 from emg2vsa.report.runs_tables import runs_tables

@@ -11,7 +11,7 @@ from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.conditions import ConditionComparison
 from emg2vsa.discrimination.run_table import CONDITIONS, RIGID, RunTable
 from emg2vsa.discrimination.separation import Gaps
-from emg2vsa.report import paper_comparison as paper
+from emg2vsa.report import paper
 from emg2vsa.report.table import Cell, Column, Table
 from emg2vsa.report.wording import UNDEFINED, area_unit, exact_p, interval, listed
 from emg2vsa.runs import RunScores

@@ -9,7 +9,7 @@ import numpy as np
 from emg2vsa.companions.groups import GroupTests
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.discrimination.area import AreaByAngle
-from emg2vsa.report.companion_rows import Row, companion_table, equality_rows, evidence_row, normality_rows
+from emg2vsa.report.companion_rows import CompanionRow, companion_table, equality_rows, evidence_row, normality_rows
 from emg2vsa.report.outcome_text import range_said
 from emg2vsa.report.table import Table
 from emg2vsa.report.verdicts import change, how_many
@@ -35,7 +35,7 @@ def runs_verdicts(found: Discrimination) -> dict[str, Table]:
     return {table.name: table for table in made}
 
 
-def _area(found: Discrimination) -> list[Row]:
+def _area(found: Discrimination) -> list[CompanionRow]:
     alpha, groups = found.settings.alpha, found.area.groups
     ranks = groups.kruskal.p
     paper = f"Kruskal-Wallis: {how_many(ranks, alpha, _MANY)}"
@@ -47,9 +47,9 @@ def _area(found: Discrimination) -> list[Row]:
     ]
 
 
-def _welch_row(groups: GroupTests, alpha: float) -> Row:
+def _welch_row(groups: GroupTests, alpha: float) -> CompanionRow:
     ranks = groups.kruskal.p
-    return Row(
+    return CompanionRow(
         f"Kruskal-Wallis: {how_many(ranks, alpha, _MANY)}",
         f"Welch's ANOVA: {how_many(groups.welch.p, alpha, _MANY)}",
         range_said("rank epsilon2", groups.kruskal.epsilon2),
@@ -57,12 +57,12 @@ def _welch_row(groups: GroupTests, alpha: float) -> Row:
     )
 
 
-def _angle(found: Discrimination) -> list[Row]:
+def _angle(found: Discrimination) -> list[CompanionRow]:
     if found.area_by_angle is None:
         return []
     of, alpha = found.area_by_angle, found.settings.alpha
     return [
-        Row(
+        CompanionRow(
             f"Kruskal-Wallis and Dunn, Bonferroni, {condition}: {_worst(of, each)}",
             f"Mann-Whitney, exact, Holm: {_named(of, each, of.pairs.p_rank_holm)}",
             range_said("|r_rb|", np.abs(of.pairs.mann_whitney.rank_biserial[each])),
@@ -92,14 +92,14 @@ def _named(of: AreaByAngle, rows: list[int], p: np.ndarray) -> str:
     return f"worst p = {exact_p(float(own[row, pair]))} ({', '.join(filter(None, (specimen, ends)))})"
 
 
-def _casr(found: Discrimination) -> list[Row]:
+def _casr(found: Discrimination) -> list[CompanionRow]:
     alpha, spread = found.settings.alpha, found.spread
     pairs = spread.pairs
     paper = f"Dunn on mean ranks, Bonferroni: {how_many(pairs.dunn.p, alpha, 'pairs')}"
     return [
         _welch_row(spread.groups, alpha),
         *(
-            Row(paper, f"{name}: {how_many(p, alpha, 'pairs')}", effect, change(pairs.dunn.p, p, alpha))
+            CompanionRow(paper, f"{name}: {how_many(p, alpha, 'pairs')}", effect, change(pairs.dunn.p, p, alpha))
             for name, p, effect in (
                 (
                     "Mann-Whitney, exact with ties, Holm", pairs.p_rank_holm,
