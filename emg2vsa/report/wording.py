@@ -52,6 +52,11 @@ def percent(share: float, digits: int = 3) -> str:
     return UNDEFINED if math.isnan(share) else f"{number(100 * share, digits)}{NO_BREAK}%"
 
 
+def signed(value: float, unit: str = "") -> str:
+    """A difference with its sign and one decimal: ``+3.1 %``, ``−0.4``."""
+    return UNDEFINED if math.isnan(value) else typeset(f"{value:+.1f} {unit}".rstrip())
+
+
 def count(n: int, noun: str) -> str:
     """``1 trial``, ``2 trials``."""
     return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

@@ -11,7 +11,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.session_page import session_verdict
-from emg2vsa.report.table import Column, Row, Table, records, rows_of
+from emg2vsa.report.table import Cell, Column, Row, Table, records, rows_of
 from emg2vsa.report.wording import count
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.study import RecordingEntry
@@ -54,10 +54,8 @@ def _sessions(results: StudyResults) -> Table:
     links = []
     for name, (trials, failures) in results.by_participant().items():
         session = session_verdict(name, entries[name], trials, fits, failures, doubts)
-        rows.append(
-            {"participant": name, "session": session.verdict, "recordings": len(session.specimens)}
-            | {key: sum(getattr(each, key) for each in session.specimens) for key in _COUNTS}
-        )
+        row: dict[str, Cell] = {"participant": name, "session": session.verdict, "recordings": len(session.specimens)}
+        rows.append(row | {key: sum(getattr(each, key) for each in session.specimens) for key in _COUNTS})
         links.append("" if name in without_page else f"participants/{name}.html")
     columns = (
         Column("participant", "Participant"), Column("session", "Session"), Column("recordings", "Recordings"),

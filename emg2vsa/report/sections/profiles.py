@@ -17,7 +17,7 @@ from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
-from emg2vsa.report.table import Column, Table, activity_column, records, rows_of
+from emg2vsa.report.table import Column, Row, Table, activity_column, records, rows_of
 from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
@@ -66,7 +66,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("specimen", "Left out"), Column("bracket", "Interpolated from"),
         activity_column("rmse_v", "RMSE", scale), Column("relative", "RMSE (% of root mean square)", 100.0),
     )  # fmt: skip
-    rows = tuple(
+    rows: tuple[Row, ...] = tuple(
         {
             "specimen": left.specimen,
             "bracket": " and ".join(left.bracket) if left.bracket else None,
@@ -116,7 +116,7 @@ def _cocontraction(results: StudyResults, exported: Profiles) -> Drawing:
         Column("n", "Trials"),
         *(activity_column(key, head, scale) for key, head in activities.items()),
     )
-    rows = []
+    rows: list[Row] = []
     for p, b in zip(profiles, slopes, strict=True):
         drawn = (float(p.v[0]), float(p.v[-1]), *(hazen_box(b) if b.size else [None] * 5))
         rows.append({"specimen": p.specimen, "n": b.size} | dict(zip(activities, drawn, strict=True)))

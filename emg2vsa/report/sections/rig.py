@@ -9,8 +9,9 @@ from markupsafe import Markup
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Quantity
+from emg2vsa.report.rig_claims import area_claims, filter_claims, kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.runs_section import RunsReport, runs_sections
-from emg2vsa.report.section import Quantities, Section, of_runs
+from emg2vsa.report.section import Claim, Quantities, Section, of_runs
 from emg2vsa.report.table import Table
 
 
@@ -41,8 +42,13 @@ def _drawings(results: StudyResults) -> Iterable[Drawing]:
     return _report(results).drawings.values()
 
 
+def _claims(results: StudyResults, q: Quantities) -> Iterable[Claim]:
+    for claims in (filter_claims, area_claims, rate_claims, kappa_claims, reduction_claims):
+        yield from claims(results, q)
+
+
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     return {"body": Markup(_report(results).body)}
 
 
-RIG = Section("rig", "Runs of the rig", "{{ body }}", of_runs, _quantities, _tables, _drawings, words=_words)
+RIG = Section("rig", "Runs of the rig", "{{ body }}", of_runs, _quantities, _tables, _drawings, _claims, _words)
