@@ -79,6 +79,17 @@ def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa")
     return [*rows, evidence_row(paper, anova.p, tests.bayes.bf01, alpha, style)]
 
 
+def welch_row(tests: GroupTests, alpha: float, many: str) -> CompanionRow:
+    """Welch's ANOVA beside Kruskal and Wallis's."""
+    ranks = tests.kruskal.p
+    return CompanionRow(
+        f"Kruskal-Wallis: {how_many(ranks, alpha, many)}",
+        f"Welch's ANOVA: {how_many(tests.welch.p, alpha, many)}",
+        range_said("rank epsilon2", tests.kruskal.epsilon2),
+        change(ranks, tests.welch.p, alpha),
+    )
+
+
 def evidence_row(paper: str, p: Floats, bf01: Floats, alpha: float, style: Style = "apa") -> CompanionRow:
     """Bayes factors beside the p of ``paper``."""
     return CompanionRow(

@@ -24,17 +24,22 @@ and shown by one section: two files. A new section is one file and one line here
 from __future__ import annotations
 
 from emg2vsa.report.section import Section
+from emg2vsa.report.sections.actuators import ACTUATORS
+from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import GLOSSARY
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
+from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.methods import METHODS
 from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.sections.power import POWER
 from emg2vsa.report.sections.profiles import PROFILES
 from emg2vsa.report.sections.provenance import PROVENANCE
-from emg2vsa.report.sections.rig import RIG
+from emg2vsa.report.sections.rates import RATES
+from emg2vsa.report.sections.runs import RUNS
 from emg2vsa.report.sections.schedules import SCHEDULES
+from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
     CLAIMS,
@@ -44,7 +49,12 @@ SECTIONS: tuple[Section, ...] = (
     HYPOTHESES,
     PROFILES,
     SCHEDULES,
-    RIG,
+    RUNS,
+    AREA,
+    RATES,
+    VISION,
+    ACTUATORS,
+    KAPPA,
     METHODS,
     GLOSSARY,
     PROVENANCE,
