@@ -17,7 +17,7 @@ from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
-from emg2vsa.report.table import Column, Row, Table, activity_column, records, rows_of
+from emg2vsa.report.table import Cell, Column, Row, Table, activity_column, records, rows_of
 from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
@@ -119,7 +119,8 @@ def _cocontraction(results: StudyResults, exported: Profiles) -> Drawing:
     rows: list[Row] = []
     for p, b in zip(profiles, slopes, strict=True):
         drawn = (float(p.v[0]), float(p.v[-1]), *(hazen_box(b) if b.size else [None] * 5))
-        rows.append({"specimen": p.specimen, "n": b.size} | dict(zip(activities, drawn, strict=True)))
+        row: dict[str, Cell] = {"specimen": p.specimen, "n": b.size}
+        rows.append(row | dict(zip(activities, drawn, strict=True)))
     table = Table("fig04", "Numbers of figure 4", columns, tuple(rows))
     title = "Co-contraction against force, and slopes b by specimen"
     description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
