@@ -46,7 +46,7 @@ th{border-bottom:1px solid var(--ink);border-top:1px solid var(--ink);vertical-a
 tbody th{border-top:0}
 td,tbody th{border-bottom:1px solid var(--line);font-weight:inherit}
 .n{text-align:right}
-.verdict{white-space:nowrap;font-weight:600}
+.verdict{font-weight:600;min-width:6.5rem}td>a{text-decoration:none}td>a:hover{text-decoration:underline}
 .holds .verdict{color:var(--good)}.fails .verdict{color:var(--bad)}.untested .verdict{color:var(--muted)}
 details{margin:.5rem 0}
 summary{cursor:pointer;color:var(--link)}

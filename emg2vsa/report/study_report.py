@@ -13,7 +13,7 @@ from casr.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa.figures.canvas import style
 from emg2vsa.report.drawing import Drawing, figure_tex
 from emg2vsa.report.failures import ShortPaths
-from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.inputs import StudyResults, origin
 from emg2vsa.report.latex import latex_table
 from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
@@ -99,7 +99,8 @@ def _printed(content: Content) -> Iterator[tuple[str, str]]:
 
 def _page(results: StudyResults, content: Content) -> str:
     study, sections = results.study, _sections(results)
-    header = (
+    said = origin(results)
+    header = html.statement(said.kind, said.strong, said.text) + (
         f"<h1>{escape(study.title)}</h1>"
         f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode.</p>'
     )

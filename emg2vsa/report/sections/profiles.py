@@ -199,12 +199,12 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     alpha, rule = float(q[f"{name}.alpha"]), results.study.profile.interpolation
     yield Claim(
         "interpolation_weight",
-        f"the softer neighbour of {profiles.new.specimen} weighs α in its profile",
+        f"weight α of the softer neighbour in the profile of {profiles.new.specimen}",
         "α = .532",
         number(alpha, 4),
         alpha,
         "holds" if abs(alpha - _PAPER_ALPHA) < _HALF_DIGIT else "does not hold",
-        why=f"Interpolation rule here: {rule}.",
+        why=f"Rule here: {rule}.",
     )
     rmse, share = float(q.get(f"{name}.rmse_v", np.nan)), float(q.get(f"{name}.rmse_relative", np.nan))
     known = bool(np.isfinite(rmse))
@@ -216,9 +216,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         rmse,
         "cannot be tested here" if not known else "holds" if rmse <= _PAPER_RMSE_V else "does not hold",
         companion=f"{percent(share)} of the measured level" if known else "",
-        why="Volts depend on electrodes and gain, so only the share compares between studies."
-        if known
-        else "Nobody palpated a specimen of this stiffness, or the activity is not in volts.",
+        why="Volts depend on electrodes and gain." if known else "No specimen of this stiffness was palpated.",
     )
 
 
