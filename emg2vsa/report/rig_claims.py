@@ -106,10 +106,10 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
     name = "runs.constant-min.0.new"
     dunn, exact = (float(q.get(f"{name}.{key}", np.nan)) for key in ("stiffer_mean_rank_p", "stiffer_p"))
     known = dunn == dunn
+    new = results.study.profile.new_specimen or "the new specimen"
     yield Claim(
         "new_specimen_at_minimum",
-        f"at the lowest constant stiffness, {results.study.profile.new_specimen or 'the new specimen'} is not told from "
-        "its stiffer neighbour (Dunn, Bonferroni)",
+        f"at the lowest constant stiffness, {new} is not told from its stiffer neighbour (Dunn, Bonferroni)",
         f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
         p_text(dunn) if known else "not tested",
         dunn,

@@ -19,7 +19,7 @@ from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
 from emg2vsa.report.sections import SECTIONS
 from emg2vsa.report.sections.claims import claim_quantities, claims_table
-from emg2vsa.report.sections.methods import methods_text
+from emg2vsa.report.sections.methods import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
 
@@ -38,6 +38,8 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
         "numbers.tex": numbers_tex(content.quantities),
         "methods.txt": methods_text(results) + "\n",
     }
+    if bib := references_bib(results):
+        texts["references.bib"] = bib
     if "statements" in content.tables:
         texts["statements.tex"] = statements_tex(content.tables["statements"])
     texts |= {f"tables/{name}.csv": table.csv() for name, table in content.tables.items()}

@@ -415,8 +415,8 @@ def _rank_bound(tested: Hypotheses) -> str:
     if bounds is None:
         return ""
     return (
-        f"Dunn's test pools the ranks of all specimens: with {usual.size} groups of {usual[0]}, its worst p is at least "
-        f"{bounded(bounds[1])} after Bonferroni's correction, whatever the data."
+        f"Dunn's test pools the ranks of all specimens: with {usual.size} groups of {usual[0]}, its worst p is at "
+        f"least {bounded(bounds[1])} after Bonferroni's correction, whatever the data."
     )
 
 
@@ -436,8 +436,8 @@ _TEXT = """
 referee may ask for; none was chosen by the outcome of another.</p>
 
 <h3>Gaussian clusters</h3>
-<p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own mean
-and SD, its p is far too large; Lilliefors' test corrects this. {{ raw_bound }}</p>
+<p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own
+mean and SD, its p is far too large; Lilliefors' test corrects this. {{ raw_bound }}</p>
 {{ folded("verdict_normality", "Tests of normality compared") }}
 {{ folded("normality", "Normality of every cluster") }}
 

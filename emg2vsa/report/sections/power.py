@@ -104,7 +104,4 @@ The assumed correlation and sphericity are choices, not measurements.</p>
 {{ folded("power_sensitivity", "Power under other correlations and sphericities") }}
 """
 
-POWER = Section(
-    "power", "Sample size", _TEXT, of_people, _quantities, _tables, claims=_claims,
-    words=lambda results, q: {"meaning": MEANING},
-)  # fmt: skip
+POWER = Section("power", "Sample size", _TEXT, of_people, _quantities, _tables, claims=_claims)
