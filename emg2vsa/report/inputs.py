@@ -128,41 +128,39 @@ def without_samples(trials: Trials) -> Trials:
 
 @dataclass(frozen=True)
 class Origin:
-    """Whether the data were simulated, as far as a report can know: it sees a table of the truth, or it sees none.
+    """Whether the data were simulated, as far as a report can know.
 
-    ``strong`` and ``text`` open the report, ``source`` is what tables call the data, ``kind`` the colour.
+    Of people it sees a table of the simulated truth, or none; of a run it reads who made it. ``kind`` is the colour of
+    the statement, ``strong`` and ``text`` are its words.
     """
 
     kind: str
     strong: str
     text: str
-    source: str
 
 
-_SIMULATED = Origin(
-    "usable",
-    "These results come from a simulation.",
-    "Every recording was synthesised from chosen curves plus noise. Numbers on this page show that the method finds "
-    "what was put in; they are no evidence about people, and agreement with the paper is not a replication.",
-    "simulated data",
+_NO_EVIDENCE = (
+    "The numbers show whether the method recovers what was put in. They are no evidence about people or sensors, and "
+    "agreement with the paper is not a replication."
 )
-_PERHAPS = Origin(
-    "repeat",
-    "These data may be simulated.",
-    "The study file has a [simulation] table, but no table of simulated truth was found beside the recordings. If "
-    "emg2vsa made them, nothing here is evidence about people; if people did, remove the [simulation] table.",
-    "data that may be simulated",
-)
-_NO_TRUTH = Origin(
-    "",
-    "No table of simulated truth was found beside the recordings,",
-    "so they are taken as recorded from people, and no fit can be compared with a truth.",
-    "data taken as recorded",
+_PERHAPS = (
+    "The study file has a [simulation] table, but no table of simulated truth lies beside the recordings. If people "
+    "made these recordings, remove the [simulation] table."
 )
 
 
 def origin(results: StudyResults) -> Origin:
     """What can be said of the data of this study."""
-    if results.people is not None and results.people.truth is not None:
-        return _SIMULATED
-    return _NO_TRUTH if results.study.simulation is None else _PERHAPS
+    truth = results.people is not None and results.people.truth is not None
+    made = [run.simulated for run in results.runs.scores] if results.runs else []
+    recordings = "The recordings were synthesised from chosen curves plus noise."
+    presses = f"An emulated rig made {'the' if all(made) else f'{sum(made)} of {len(made)}'} runs."
+    parts = [recordings] * truth + [presses] * any(made)
+    if parts:
+        whole = (truth or results.people is None) and all(made)
+        strong = "These data are simulated." if whole else "Part of these data is simulated."
+        return Origin("usable", strong, " ".join([*parts, _NO_EVIDENCE]))
+    if results.people is not None and results.study.simulation is not None:
+        return Origin("repeat", "These data may be simulated.", _PERHAPS)
+    said = "No sign of a simulation was found, so the data are taken as measured."
+    return Origin("", said, "No estimate can be compared with a simulated truth.")

@@ -46,13 +46,13 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     known = bool(np.isfinite(p).all())
     yield Claim(
         "area_same_on_specimens",
-        "the initial area does not depend on the specimen (Kruskal-Wallis)",
+        "the initial area is the same on all specimens (Kruskal-Wallis)",
         f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
         p_text(float(p.min())) if known else "not tested",
         float(p.min()),
         _verdict(known, bool((p >= alpha).all())),
-        companion=f"area on the softest specimen up to {ratio.max():.2f} times that on the stiffest" if known else "",
-        why="The smallest p of the angles is shown." if known else _NOT_PRESSED,
+        companion=f"softest over stiffest: up to {ratio.max():.2f}" if known else "",
+        why="" if known else _NOT_PRESSED,
     )
     worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
     alone = [key for key in q if key.startswith(f"runs.{_RIGID}.area.angles.") and key.endswith(".worst_p")]
@@ -65,7 +65,7 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         worst,
         _verdict(worst == worst, worst < alpha),
         companion=f"each specimen alone: {p_text(_largest(_of(q, alone)))}" if alone else "",
-        why="Pooling mixes specimens whose areas differ." if worst == worst else _NOT_PRESSED,
+        why="Pooling mixes specimens." if worst == worst else _NOT_PRESSED,
     )
 
 
@@ -82,7 +82,7 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     for key, says, conditions in (
         ("casr_rigid", "the rigid motor", (_RIGID,)),
         ("casr_human_like", "the human-like profile", (_HUMAN_LIKE,)),
-        ("casr_constant", "each constant stiffness", _CONSTANT),
+        ("casr_constant", "a constant stiffness", _CONSTANT),
     ):
         designs = [design for design in paper.CASR_WORST_P if design[0] in conditions]
         names = [f"runs.{condition}.{angle:g}.casr.worst_p" for condition, angle in designs]
@@ -91,7 +91,7 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
         yield Claim(
             key,
-            f"CASR tells the specimens apart with {says} (Dunn, Bonferroni)",
+            f"CASR tells specimens apart with {says} (Dunn, Bonferroni)",
             f"worst p = {', '.join(printed)}",
             p_text(_largest(p)) if known else "not tested",
             _largest(p),
@@ -106,18 +106,16 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
     name = "runs.constant-min.0.new"
     dunn, exact = (float(q.get(f"{name}.{key}", np.nan)) for key in ("stiffer_mean_rank_p", "stiffer_p"))
     known = dunn == dunn
+    new = results.study.profile.new_specimen or "the new specimen"
     yield Claim(
         "new_specimen_at_minimum",
-        f"with the lowest constant stiffness, {results.study.profile.new_specimen or 'the new specimen'} is not told "
-        "from its stiffer neighbour (Dunn, Bonferroni)",
+        f"at the lowest constant stiffness, {new} is not told from its stiffer neighbour (Dunn, Bonferroni)",
         f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
         p_text(dunn) if known else "not tested",
         dunn,
         _verdict(known, dunn >= alpha),
         companion=f"exact Mann-Whitney, Holm: {p_text(exact)}" if known else "",
-        why="Dunn's test over four groups cannot reach significance for neighbours, whatever the data."
-        if known
-        else _NOT_PRESSED,
+        why="This test cannot reach significance for neighbours." if known else _NOT_PRESSED,
     )
 
 
@@ -127,7 +125,7 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     for key, what, conditions, printed in (
         ("rigid", "the rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
         ("human_like", "the human-like profile", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),
-        ("constant", "the maximum and mean constant stiffness", tuple(paper.ERROR_CONSTANT), None),
+        ("constant", "a constant stiffness", tuple(paper.ERROR_CONSTANT), None),
     ):
         designs = (
             [(conditions[0], angle) for angle in printed] if printed else [(condition, 0.0) for condition in conditions]
@@ -143,7 +141,7 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         "no number",
         np.nan,
         _UNTESTED,
-        why="The paper does not print the unit of CASR, and its exponents cannot share one.",
+        why="The paper prints no unit of CASR.",
     )
 
 
@@ -158,7 +156,7 @@ def _fit(
     known = bool(np.isfinite(r2).all())
     return Claim(
         f"kappa_fit_{key}",
-        f"an exponential law from CASR to κ fits with {what}",
+        f"an exponential law gives κ from CASR with {what}",
         f"worst adjusted R² {bounded(printed, 4)}",
         bounded(float(r2.min())) if known else "not defined",
         float(r2.min()),
@@ -226,7 +224,7 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
 def _same_world(q: Quantities, key: str) -> str:
     if key != "human_like" or not q.get("runs.simulated"):
         return ""
-    return "In the simulated world the contact area follows from force alone, whatever the actuator's stiffness."
+    return "In the simulated world, area follows from force alone."
 
 
 def _reduction(
@@ -251,12 +249,12 @@ def _levels(q: Quantities) -> Claim:
     undecided = verdicts.count("undecided")
     return Claim(
         "constant_levels",
-        "the whole profile tells specimens apart better than its minimum, mean or maximum",
+        "the whole profile tells specimens apart better than one stiffness",
         "3 of 3 levels",
         f"{better} of 3 better, {undecided} undecided" if known else "not tested",
         better if known else np.nan,
         _UNTESTED if not known or undecided == len(_CONSTANT) else _verdict(True, better == len(_CONSTANT)),
-        why=_NOT_PRESSED if not known else "The intervals of the differences include zero." if undecided else "",
+        why=_NOT_PRESSED if not known else "The intervals include zero." if undecided else "",
     )
 
 
@@ -270,5 +268,4 @@ def filter_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         f"{average.cutoff_hz:.0f}{NO_BREAK}Hz, {1e3 * average.delay_s:.0f}{NO_BREAK}ms",
         average.cutoff_hz,
         "does not hold",
-        why="These numbers follow from the mean of five samples alone.",
     )

@@ -13,13 +13,13 @@ from casr.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa.figures.canvas import style
 from emg2vsa.report.drawing import Drawing, figure_tex
 from emg2vsa.report.failures import ShortPaths
-from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.inputs import StudyResults, origin
 from emg2vsa.report.latex import latex_table
 from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
 from emg2vsa.report.sections import SECTIONS
 from emg2vsa.report.sections.claims import claim_quantities, claims_table
-from emg2vsa.report.sections.methods import methods_text
+from emg2vsa.report.sections.methods import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
 
@@ -38,6 +38,8 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
         "numbers.tex": numbers_tex(content.quantities),
         "methods.txt": methods_text(results) + "\n",
     }
+    if bib := references_bib(results):
+        texts["references.bib"] = bib
     if "statements" in content.tables:
         texts["statements.tex"] = statements_tex(content.tables["statements"])
     texts |= {f"tables/{name}.csv": table.csv() for name, table in content.tables.items()}
@@ -99,7 +101,8 @@ def _printed(content: Content) -> Iterator[tuple[str, str]]:
 
 def _page(results: StudyResults, content: Content) -> str:
     study, sections = results.study, _sections(results)
-    header = (
+    said = origin(results)
+    header = html.statement(said.kind, said.strong, said.text) + (
         f"<h1>{escape(study.title)}</h1>"
         f'<p class="sub">Study {escape(study.name)}, settings: {escape(study.mode)} mode.</p>'
     )

@@ -78,16 +78,19 @@ class Table:
 
     def html(self, number: int | None = None) -> str:
         """Scrolls sideways on a narrow screen. number : of the table on its page."""
-        classes = ["n" if numeric else "" for numeric in self.numeric()]
-        cell = {"": "<td>", "n": '<td class="n">'}
+        classes = [
+            "verdict" if column.key == "verdict" else "n" if numeric else ""
+            for column, numeric in zip(self.columns, self.numeric(), strict=True)
+        ]
+        cell = {"": "<td>", "n": '<td class="n">', "verdict": '<td class="verdict">'}
         heads = "".join(
-            f'<th scope="col"{" class=n" if kind else ""}>{escape(column.head)}</th>'
+            f'<th scope="col"{" class=n" if kind == "n" else ""}>{escape(column.head)}</th>'
             for column, kind in zip(self.columns, classes, strict=True)
         )
         body = []
         for place, cells in enumerate(self.cells()):
             made = [f"{cell[kind]}{escape(text)}</td>" for kind, text in zip(classes, cells, strict=True)]
-            if self.links:
+            if self.links and self.links[place]:
                 made[0] = f'<td><a href="{escape(self.links[place])}">{escape(cells[0])}</a></td>'
             kind = f' class="{self.kinds[place]}"' if self.kinds else ""
             body.append(f"<tr{kind}>{''.join(made)}</tr>")

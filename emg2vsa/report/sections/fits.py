@@ -14,7 +14,7 @@ from emg2vsa.report.table import Column, Table, activity_column, rows_of
 from emg2vsa.report.wording import bounded, number
 from emg2vsa.truth import Recovery, recover
 
-_SMOOTHNESS = "R² depends on how smooth the curves are, and the paper does not say how smooth its curves were."
+_SMOOTHNESS = "R² depends on smoothing, which the paper does not state."
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -159,7 +159,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         bounded(worst),
         worst,
         "holds" if worst >= 0.882 else "does not hold" if straight else "cannot be tested here",
-        why="" if straight else "The stiffness of each specimen is an input, and the study file gives no R² for it.",
+        why="" if straight else "The study file gives no R² of the plate tests.",
     )
     r2 = float(q["fit.adj_r2_samples.min"])
     yield Claim(
@@ -180,7 +180,6 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         number(curves),
         curves,
         "holds" if curves == q["trials.total"] else "does not hold",
-        why=f"{number(int(q['fit.used']))} of {number(int(q['trials.total']))} trials enter the tests.",
     )
 
 

@@ -326,7 +326,7 @@ def _gaussian(q: Quantities) -> Claim:
         deviate,
         "holds" if deviate == 0 else "does not hold",
         companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}; against N(0, 1): {_of_tested(q, f'{name}.raw')}",
-        why="The test is on values standardised by their own mean and SD, which makes it too lenient.",
+        why="This form of the test is too lenient.",
     )
 
 
@@ -343,7 +343,7 @@ def _equal(found: Hypotheses, q: Quantities) -> Claim:
         differ if tested else np.nan,
         "cannot be tested here" if not tested else "holds" if differ == 0 else "does not hold",
         companion=f"Welch: {q[f'{name}.welch.significant']} of {tested}{equality}" if tested else "",
-        why="A difference that was not found is not equality." if tested else "This takes two participants or more.",
+        why="" if tested else "This takes two participants or more.",
     )
 
 
@@ -371,7 +371,7 @@ def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
     same, n = int(np.count_nonzero(p >= found.alpha)), int(np.count_nonzero(np.isfinite(p)))
     yield Claim(
         "others_not_distinct",
-        f"{listed(sorted(others))} are not distinct from their neighbours for every participant, and were dropped",
+        f"{listed(sorted(others))} are not distinct for every participant",
         "no number",
         f"{same} of {n} pairs do not differ",
         same,
@@ -400,11 +400,11 @@ def _raw_bound(tested: Hypotheses) -> str:
     raw = tested.tests.normality.raw
     sizes = raw.n[np.isfinite(raw.p)]
     bounds = [
-        f"at most {bounded(p, 4)} for {n} values"
+        f"at most {bounded(p)} for {n} values"
         for n in sorted({int(np.min(sizes)), int(np.max(sizes))} if sizes.size else ())
         for p in ks_survival([0.5], [n]).tolist()
     ]
-    at = f", and p is {' and '.join(bounds)}, whatever their shape" if bounds else ""
+    at = f", and p is {' and '.join(bounds)}" if bounds else ""
     return f"On raw values, positive ones have D of .5 or more{at}."
 
 
@@ -414,11 +414,9 @@ def _rank_bound(tested: Hypotheses) -> str:
     bounds = dunn_bounds(usual)
     if bounds is None:
         return ""
-    uncorrected, corrected = (bounded(bound, 4) for bound in bounds)
     return (
-        f"Dunn's test pools the ranks of all specimens. Even if {usual.size} groups of {usual[0]} do not overlap, its "
-        f"worst pair has p = {uncorrected} or more, {corrected} with Bonferroni: a large p there says nothing against "
-        "a difference."
+        f"Dunn's test pools the ranks of all specimens: with {usual.size} groups of {usual[0]}, its worst p is at "
+        f"least {bounded(bounds[1])} after Bonferroni's correction, whatever the data."
     )
 
 
@@ -434,22 +432,21 @@ _TEXT = """
 {% if tested is not defined %}
 <p>{{ why_absent("hypotheses") }}</p>
 {% else %}
-<p>All tests are on the slopes b, at α = {{ tested.alpha }}. Each table sets the paper's test beside the tests that a
-referee may ask for, and says whether the conclusion changes. No test was chosen by the outcome of another.</p>
+<p>All tests are on the slopes b, at α = {{ tested.alpha }}. Each table sets the paper's test beside tests that a
+referee may ask for; none was chosen by the outcome of another.</p>
 
 <h3>Gaussian clusters</h3>
-<p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. The form standardised by the
-sample's own mean and SD has a p that is far too large; Lilliefors' test corrects it. {{ raw_bound }}</p>
-{{ table("verdict_normality") }}
+<p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own
+mean and SD, its p is far too large; Lilliefors' test corrects this. {{ raw_bound }}</p>
+{{ folded("verdict_normality", "Tests of normality compared") }}
 {{ folded("normality", "Normality of every cluster") }}
 
 <h3>Equal participants</h3>
 {% if q['hypotheses.between_participants.tested'] %}
-<p>The ANOVA cannot show equality; the table bounds the difference that it may have missed.
+<p>An ANOVA cannot show equality; the table bounds the difference that it may have missed.
 {% if chance.between_participants %}Without any real difference, {{ chance.between_participants }} of studies would
-find at least one significant ANOVA among {{ q['hypotheses.between_participants.tested'] }}.{% endif %}
-Volts depend on electrodes and skin, so participants are expected to differ unless EMG is normalised.</p>
-{{ table("verdict_participants") }}
+find a significant one among {{ q['hypotheses.between_participants.tested'] }} tests.{% endif %}</p>
+{{ folded("verdict_participants", "Tests of equal participants compared") }}
 {{ folded("anova_participants", "ANOVA of every specimen") }}
 {% else %}
 <p>Not tested: this takes usable trials of two participants or more.</p>
@@ -457,25 +454,26 @@ Volts depend on electrodes and skin, so participants are expected to differ unle
 
 <h3>Different specimens</h3>
 {% if q['hypotheses.between_specimens.tested'] %}
-<p>{% if over_people %}The paper runs one ANOVA for each participant, and each speaks of that participant's repetitions
-only. The mixed model, the repeated-measures ANOVA and Friedman's test speak of people. One silicone block stands for
-each stiffness, so no test speaks of other blocks.{% else %}With one participant, every test speaks of that
-participant's repetitions, not of people.{% endif %}</p>
-{{ table("verdict_specimens") }}
+<p>{% if over_people %}The paper runs one ANOVA per participant, each about that participant's repetitions only.
+The mixed model, the repeated-measures ANOVA and Friedman's test are about people. One silicone block stands for each
+stiffness.{% else %}With one participant, every test is about that participant's repetitions, not about people.
+{% endif %}</p>
+{{ folded("verdict_specimens", "Tests between specimens compared") }}
 {{ folded("anova_specimens", "ANOVA of every participant") }}
 
 <h3>Pairs of specimens</h3>
 <p>Fisher's LSD is not corrected for the number of pairs.
-{% if chance.pairs %}Without any real difference, {{ chance.pairs }} of studies would find at least one significant pair
-among {{ n_pairs }}.{% endif %} {{ rank_bound }}</p>
-{{ table("verdict_pairs") }}
+{% if chance.pairs %}Without any real difference, {{ chance.pairs }} of studies would find a significant pair among
+{{ n_pairs }}.{% endif %} {{ rank_bound }}</p>
+{{ folded("verdict_pairs", "Tests of pairs compared") }}
 {{ folded("lsd_pairs", "All " ~ n_pairs ~ " pairs") }}
 {% else %}
 <p>Not tested: this takes usable trials on two specimens or more.</p>
 {% endif %}
 {% if tested.notes %}
-<h3>Notes on the tests</h3>
+<details><summary>Notes on the tests</summary>
 {{ tested.notes | bullets }}
+</details>
 {% endif %}
 {{ folded("statements", "Every result as APA, IEEE, LaTeX and plain text") }}
 {% endif %}

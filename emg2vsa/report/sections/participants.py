@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -94,7 +95,7 @@ def _listing(results: StudyResults, verdict: str, chosen: np.ndarray) -> Table:
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     if results.people is None:
-        return {"judged": []}
+        return {"judged": [], "sessions": ""}
     enter = "enter" if "warned" in results.study.hypotheses.use else "do not enter"
     uses = {
         "rejected": "No test uses them.",
@@ -106,7 +107,9 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         reasons = [reason for text in results.people.fits.reason[chosen].tolist() for reason in text.split("; ")]
         told = f"{count(len(chosen.nonzero()[0]), 'trial')} {verdict}"
         judged.append((verdict, told, uses[verdict], "; ".join(most_frequent(reasons, 5)) if reasons else ""))
-    return {"judged": [each for each in judged if each[3]]}
+    verdicts = Counter(str(row["session"]) for row in _sessions(results).rows)
+    sessions = ", ".join(f"{n} {verdict}" for verdict, n in verdicts.most_common())
+    return {"judged": [each for each in judged if each[3]], "sessions": sessions}
 
 
 _TEXT = """
@@ -114,7 +117,10 @@ _TEXT = """
 <p>{% if study.recordings %}No recording of people could be used.{% else %}The study has no recordings of people.
 {% endif %}</p>
 {% endif %}
-{{ table("sessions") }}
+{% if sessions %}
+<p>Sessions: {{ sessions }}.</p>
+{{ folded("sessions", "Every session, with a page for each participant") }}
+{% endif %}
 {% if q['study.failures'] %}
 {{ table("failures") }}
 {% endif %}

@@ -13,7 +13,7 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import bounded
-from emg2vsa.stats.power import MEANING, power_rm, power_table
+from emg2vsa.stats.power import power_rm, power_table
 
 _PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
 _PLANNED = "Sample size: 14 people by ten measurements"
@@ -93,18 +93,15 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         planned,
         "holds" if planned >= TARGET - _ROUNDED else "does not hold",
         companion=f"{of_specimens}; {people} people needed" if of_specimens and people else of_specimens,
-        why="The computation is for differences between repetitions, which the study does not test.",
+        why="The study does not test repetitions.",
     )
 
 
 _TEXT = """
-<p>The paper's computation is that of a repeated-measures F test between repetitions. Its hypothesis is about specimens,
-so the table adds the power of that test. {{ meaning }}</p>
-{{ table("verdict_power") }}
+<p>The paper's sample size is that of a test between repetitions; its hypothesis is about specimens.
+The assumed correlation and sphericity are choices, not measurements.</p>
+{{ folded("verdict_power", "Power of both tests") }}
 {{ folded("power_sensitivity", "Power under other correlations and sphericities") }}
 """
 
-POWER = Section(
-    "power", "Sample size", _TEXT, of_people, _quantities, _tables, claims=_claims,
-    words=lambda results, q: {"meaning": MEANING},
-)  # fmt: skip
+POWER = Section("power", "Sample size", _TEXT, of_people, _quantities, _tables, claims=_claims)

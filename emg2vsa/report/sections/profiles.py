@@ -17,7 +17,7 @@ from emg2vsa.report.drawing import STARS, Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
-from emg2vsa.report.table import Column, Row, Table, activity_column, records, rows_of
+from emg2vsa.report.table import Cell, Column, Row, Table, activity_column, records, rows_of
 from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
 
 _ALL_PAIRS_UP_TO = 4
@@ -119,7 +119,8 @@ def _cocontraction(results: StudyResults, exported: Profiles) -> Drawing:
     rows: list[Row] = []
     for p, b in zip(profiles, slopes, strict=True):
         drawn = (float(p.v[0]), float(p.v[-1]), *(hazen_box(b) if b.size else [None] * 5))
-        rows.append({"specimen": p.specimen, "n": b.size} | dict(zip(activities, drawn, strict=True)))
+        row: dict[str, Cell] = {"specimen": p.specimen, "n": b.size}
+        rows.append(row | dict(zip(activities, drawn, strict=True)))
     table = Table("fig04", "Numbers of figure 4", columns, tuple(rows))
     title = "Co-contraction against force, and slopes b by specimen"
     description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
@@ -198,12 +199,12 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     alpha, rule = float(q[f"{name}.alpha"]), results.study.profile.interpolation
     yield Claim(
         "interpolation_weight",
-        f"the softer neighbour of {profiles.new.specimen} weighs α in its profile",
+        f"weight α of the softer neighbour in the profile of {profiles.new.specimen}",
         "α = .532",
         number(alpha, 4),
         alpha,
         "holds" if abs(alpha - _PAPER_ALPHA) < _HALF_DIGIT else "does not hold",
-        why=f"Interpolation rule here: {rule}.",
+        why=f"Rule here: {rule}.",
     )
     rmse, share = float(q.get(f"{name}.rmse_v", np.nan)), float(q.get(f"{name}.rmse_relative", np.nan))
     known = bool(np.isfinite(rmse))
@@ -215,9 +216,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         rmse,
         "cannot be tested here" if not known else "holds" if rmse <= _PAPER_RMSE_V else "does not hold",
         companion=f"{percent(share)} of the measured level" if known else "",
-        why="Volts depend on electrodes and gain, so only the share compares between studies."
-        if known
-        else "Nobody palpated a specimen of this stiffness, or the activity is not in volts.",
+        why="Volts depend on electrodes and gain." if known else "No specimen of this stiffness was palpated.",
     )
 
 

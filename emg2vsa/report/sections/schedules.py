@@ -101,7 +101,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         f"{low:g} to {high:g} %, {settings.step_n:g} N",
         f"{low:g} to {high:g} %, {settings.step_n:g} N",
         "holds" if same else "does not hold",
-        why="These are settings of the study, not results.",
+        why="Settings, not results.",
     )
 
 
