@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
 from emg2vsa.runs.score_run import score_settings
@@ -378,7 +379,10 @@ def _calibrated(settings: CalibrationSettings) -> str:
         f"{_left_out(settings)}The stiffness of the new specimen was read off {_LAW[settings.law]}, fitted to {scores} "
         f"of the others at each angle of each condition by least squares of {_LEAST[settings.minimise]}. Its "
         f"{100 * settings.confidence:g} % interval joins the scatter of repeated presses, the standard errors of the "
-        f"known stiffnesses{_mounting(settings)}."
+        f"known stiffnesses{_mounting(settings)}. Presses that are serially correlated count as fewer, and where the "
+        "left-out specimens reject the law its interval is widened until theirs hold. No stiffness is given where CASR "
+        "does not follow κ in one direction, and one whose interval is wider than the calibrated range is called not "
+        "determined."
     )
 
 
@@ -387,13 +391,16 @@ def _left_out(settings: CalibrationSettings) -> str:
         return ""
     return (
         f"A press further than {settings.outlier_mads:g} median absolute deviations, scaled to an SD, from the median "
-        "of its specimen was left out of the calibration, where the specimen had five presses or more. "
+        "of its specimen was left out of the calibration, where the specimen had five presses or more and no more than "
+        f"{MOST_OUTLIERS:.0%} of them lay so far off. "
     )
 
 
 def _mounting(settings: CalibrationSettings) -> str:
     """The terms of the interval that presses of one mounting cannot show."""
     angle = f"an SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting"
+    if settings.mounting_sd_percent:
+        angle += f", an assumed SD of {settings.mounting_sd_percent:g} % of the score from mounting to mounting"
     if settings.law != "compliance":
         return f" and {angle}"
     return f", {angle}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's 1.5"

@@ -136,12 +136,12 @@ def _new(found: Discrimination) -> Table:
         *(Column(f"shift_{side}", f"{new.name} less {name} ({unit}/N)") for side, name in sides.items()),
         Column("between", "Lies between"), Column("discriminated", "Told apart (companion)"),
     )  # fmt: skip
-    known = ~np.isnan(new.shift).any(axis=1)
+    known = [bool(np.isfinite(shift).all()) for shift in new.shift]
     columns_of: dict[str, Sequence[Cell] | Floats] = {
         "design": design_names(table),
         "paper": [_paper_new(c, a) for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)],
-        "between": [v if k else None for v, k in zip(new.between.tolist(), known.tolist(), strict=True)],
-        "discriminated": [v if k else None for v, k in zip(new.discriminated.tolist(), known.tolist(), strict=True)],
+        "between": [v if k else None for v, k in zip(new.between.tolist(), known, strict=True)],
+        "discriminated": [v if k else None for v, k in zip(new.discriminated.tolist(), known, strict=True)],
     }
     for i, side in enumerate(sides):
         columns_of |= {f"p_rank_{side}": new.p_mean_rank[:, i], f"p_{side}": new.p[:, i]}
