@@ -227,7 +227,7 @@ def _differences(
     )
     panels = [
         AreaPanel(
-            f"{table.angles_deg[i]:g}°: mean {number(float(np.nanmean(means[i])))} {unit}", names,
+            f"{table.angles_deg[i]:g}°\nmean {number(float(np.nanmean(means[i])))} {unit}", names,
             [100 * (finite(presses) / np.nanmean(means[i]) - 1) for presses in values[i]], [look[n] for n in names], (),
         )
         for i in designs
@@ -250,7 +250,9 @@ def _differences(
         if pooled
         else ". "
     )
-    told = medians_said([(panel.title, list(zip(panel.names, panel.percent, strict=True))) for panel in panels])
+    told = medians_said(
+        [(panel.title.replace("\n", ", "), list(zip(panel.names, panel.percent, strict=True))) for panel in panels]
+    )
     title = "Initial contact area by specimen and by angle"
     figure = draw_areas(panels, pooled)
     return drawing(results, "fig08_initial_area", title, caption + BOXES, f"Medians in percent. {told}.", figure)

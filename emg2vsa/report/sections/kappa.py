@@ -227,9 +227,9 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     figure = draw_calibrations(panels, looks(results), new, found.known_kappa_new)
     origin = f" {SIMULATED}" if any(each.simulated for each in found.conditions) else ""
     caption = (
-        f"Calibration. Stiffness against CASR by the {algorithm} algorithm: pale marks are presses, others their "
-        f"means, the full line the {own[0][1].chosen.law} law, the dotted one the paper's exponential. {new} is read "
-        f"off the full line, with the interval from repeated presses.{origin}"
+        f"Fig. C1. Calibration: stiffness against CASR by the {algorithm} algorithm; pale marks are presses, others "
+        f"their means, the full line the {own[0][1].chosen.law} law, the dotted one the paper's exponential. {new} is "
+        f"read off the full line, with the interval from repeated presses.{origin}"
     )
     told = "; ".join(f"{title}: {span(of.chosen)} N/mm" for title, _, of in panels)
     yield Drawing(
