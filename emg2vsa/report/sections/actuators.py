@@ -134,7 +134,7 @@ _TEXT = """
 once over all conditions. {% if runs.simulated %}In the simulated world the contact area follows from force alone, so
 that the actuator changes only how far the force steps from frame to frame. {% endif %}The intervals come from presses
 within one mounting, and do not include how far mounting again moves CASR.</p>
-{{ table("conditions_compared") }}
+{{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
 {{ folded("conditions", "Every condition alone") }}
 {{ figure("fig14_conditions") }}
 """
