@@ -50,9 +50,9 @@ def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
 
 def test_the_difference_of_levels_covers_where_every_condition_is_mounted_anew(run_of, stiffness_n_per_mm):
     """Mountings that move every press of a run alike: what presses of one mounting show covers a small part of it."""
-    rng, held = np.random.default_rng(5), {0.0: 0, 0.025: 0}
+    rng, held, pressed = np.random.default_rng(5), {0.0: 0, 0.025: 0}, world(run_of)
     for _ in range(100):
-        runs = [scaled(run, level=1 + 0.025 * rng.standard_normal()) for run in world(run_of)]
+        runs = [scaled(run, level=1 + 0.025 * rng.standard_normal()) for run in pressed]
         for sd in held:
             table = run_table(runs, stiffness_n_per_mm, "S_new")
             ratio = compare_conditions(table, replace(FEW, resamples=50), sd).level_ratio

@@ -135,7 +135,7 @@ once over all conditions. {% if runs.simulated %}In the simulated world the cont
 that the actuator changes only how far the force steps from frame to frame. {% endif %}Every condition is a mounting of
 its own: the interval of the difference assumes an SD of {{ mounting_sd_percent | number(2) }} % of CASR from mounting
 to mounting, and those of the gaps do not include it.</p>
-{{ table("conditions_compared") }}
+{{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
 {{ folded("conditions", "Every condition alone") }}
 {{ figure("fig14_conditions") }}
 """

@@ -275,18 +275,18 @@ _TEXT = """
 <p>{% if runs.discrimination.table.algorithm == "paper" %}The table compares A_c0, the area of the first frame in
 contact, whatever its force.{% else %}The first frame in contact comes at a different force in every press, and areas
 grow with force. The table therefore compares areas at the force where loading begins.{% endif %}</p>
-{{ table("verdict_area") }}
+{{ folded("verdict_area", "Tests between specimens compared") }}
 {{ folded("area_by_specimen", "The area in every design") }}
 <h3>Does the initial area depend on the angle?</h3>
 <p>The paper pools all specimens of an angle. The companions also compare the angles on each specimen alone.</p>
-{{ table("verdict_angle") }}
+{{ folded("verdict_angle", "Tests between angles compared") }}
 {{ folded("area_by_angle", "The area on every specimen") }}
 {{ figure("fig08_initial_area") }}
 {{ figure("fig09_first_contact") }}
 <h3>Is each sample Gaussian?</h3>
 <p>The paper chose rank tests because its samples were not Gaussian. The raw form of the test rejects every sample that
 lies far from zero, whatever its shape.</p>
-{{ table("verdict_runs_normality") }}
+{{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """
 
 AREA = Section("area", "Initial contact area", _TEXT, of_tests, _quantities, _tables, _drawings, area_claims)

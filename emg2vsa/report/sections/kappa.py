@@ -274,8 +274,8 @@ error by that law is therefore no evidence for it.
 {{ determined }} of {{ designs }} designs{% if truth_known %}; the interval holds the known stiffness in {{ held }} of
 {{ of_held }}{% endif %}. Every specimen was mounted once, so the intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR from one mounting to the next.</p>
-{{ table("table_one_laws") }}
-{{ table("kappa_new") }}
+{{ folded("table_one_laws", "Intervals of κ behind Table I") }}
+{{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
 {{ figure("figcal_calibration") }}
 {% if notes %}
