@@ -24,7 +24,9 @@ def fits_of(participant: list[str], specimen: list[str], b: np.ndarray, verdict:
     columns = {f.name: np.zeros(n) for f in dataclasses.fields(Fits)}
     texts = {"activity_unit": "V", "points": "bins", "weights": "none", "confidence": 0.95}
     names = {"participant": np.array(participant, dtype=np.str_), "specimen": np.array(specimen, dtype=np.str_)}
-    return Fits(**columns | texts | names | {"b_v": b, "verdict": np.full(n, verdict, dtype="<U8")})  # type: ignore[arg-type]
+    bins = {"bin_force_n": np.full((n, 4), np.nan), "bin_v": np.full((n, 4), np.nan)}
+    verdicts = {"verdict": np.full(n, verdict, dtype="<U8")}
+    return Fits(**columns | texts | names | bins | verdicts | {"b_v": b})  # type: ignore[arg-type]
 
 
 def study(participants: int = 14, specimens: int = 5, repetitions: int = 10, seed: int = 0) -> tuple[Fits, np.ndarray]:

@@ -18,6 +18,7 @@ from emg2vsa.companions.pairs import PairTests, pair_tests
 from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
+from emg2vsa.discrimination.factors import Factors, factors_of
 from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
 from emg2vsa.errors import DataError
 from emg2vsa.runs import RunScores
@@ -146,6 +147,7 @@ class Discrimination:
     new: NewSpecimen | None
     algorithms: AlgorithmComparison
     conditions: ConditionComparison
+    factors: Factors
     notes: tuple[str, ...]
 
 
@@ -173,6 +175,7 @@ def discriminate(
         new=_beside_neighbours(table, settings),
         algorithms=compare_algorithms(table, settings),
         conditions=compare_conditions(table, settings),
+        factors=factors_of(table, settings),
         notes=_notes(table, new_specimen, settings),
     )
 

@@ -113,6 +113,8 @@ def mixed_variances(values: Floats, confidence: float = 0.95) -> MixedVariances 
     if why:
         return None
     ratios = best_ratios(cells)
+    if ratios.max() >= LARGEST:
+        return None
     error = float(solve(cells, *ratios).residual_squares) / cells.free
     variance = np.array([*ratios, 1.0])
     cost, scaled = by_variances(_in_units(cells, error)), variance.copy()
@@ -144,6 +146,8 @@ def mixed_residuals(values: Floats) -> MixedResiduals | None:
     if why:
         return None
     t1, t2 = best_ratios(cells)
+    if max(t1, t2) >= LARGEST:
+        return None
     at = solve(cells, t1, t2)
     person = t1 * np.sum(at.projected, axis=1, keepdims=True)
     there = np.isfinite(values)

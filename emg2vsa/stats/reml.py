@@ -25,7 +25,7 @@ LARGEST = 1e12
 TINY_STEP = 1e-30
 """Of the complex step: derivatives without a difference of numbers (Squire and Trapp 1998)."""
 _STEPS = 100
-_GRID = (0.0, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
+_GRID = (0.0, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e4, 1e6, 1e8, 1e10, LARGEST)
 """Ratios at which the search may begin: the likelihood can have two tops."""
 _SETTLED = 1e-14
 LEAST_ERROR = 1e-9
@@ -166,8 +166,15 @@ def lowest(cost: Cost, start: Floats, moving: NDArray[np.bool_], *, search: bool
     found = None if search else _newton(cost, start, moving)
     if found is not None:
         return found
-    within = [(0.0, LARGEST) if moves else (value, value) for value, moves in zip(start, moving, strict=True)]
-    near = optimize.minimize(cost, start, jac=True, bounds=within, method="L-BFGS-B").x
+    unit = np.where(start > 0, start, 1.0)  # a large ratio has a small slope, at which the search would stop
+
+    def scaled(x: Floats) -> tuple[float, Floats]:
+        value, slope = cost(x * unit)
+        return float(value), np.asarray(slope) * unit
+
+    most = LARGEST / unit
+    within = [(0.0, high) if moves else (x, x) for x, moves, high in zip(start / unit, moving, most, strict=True)]
+    near = optimize.minimize(scaled, start / unit, jac=True, bounds=within, method="L-BFGS-B").x * unit
     found = _newton(cost, np.asarray(near), moving)
     return np.asarray(near if found is None else found)
 

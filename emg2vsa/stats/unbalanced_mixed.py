@@ -17,7 +17,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.stats.mixed_variances import ratio_interval
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
-from emg2vsa.stats.reml import TINY_STEP, At, Cells, best_ratios, cells_of, solve
+from emg2vsa.stats.reml import LARGEST, TINY_STEP, At, Cells, best_ratios, cells_of, solve
 
 METHOD = "linear mixed model, REML, Satterthwaite df"
 _SAME_DF = 1e-8
@@ -74,12 +74,15 @@ def unbalanced_mixed(values: Floats, confidence: float = 0.95) -> UnbalancedMixe
     """Fit ``values`` (P participants, S specimens, R repetitions), NaN where there is none.
 
     An `Outcome` without numbers, with the reason, where the study cannot bear the model: fewer than two participants
-    or specimens, a specimen without values, no cell with two values, or values that do not differ within cells.
+    or specimens, a specimen without values, no cell with two values, or values that do not differ within cells, or
+    next to nothing beside what people differ.
     """
     cells, origin, unit, why = cells_of(np.asarray(values, dtype=np.float64))
+    ratios = np.zeros(2) if why else best_ratios(cells)
+    if ratios.max() >= LARGEST:
+        why = "undefined: repetitions differ more than a million times less than participants"
     if why:
         return Outcome(method=METHOD, n=cells.n, statistic_name="F", statistic=np.nan, p=np.nan, notes=(why,))
-    ratios = best_ratios(cells)
     return _described(cells, ratios, origin, unit, confidence)
 
 

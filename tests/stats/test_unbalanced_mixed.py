@@ -135,6 +135,7 @@ def test_size_of_the_tests() -> None:
         (np.ones((1, 3, 2)), "fewer than two"),
         (np.random.default_rng(0).standard_normal((4, 3, 1)), "two values"),
         (np.ones((4, 3, 2)), "do not differ"),
+        (study(0, 1.0, 0.3, (4, 3, 1)) + 1e-9 * study(1, 0.0, 0.0, (4, 3, 5)), "million times less"),
         (np.where(np.arange(3)[:, None] == 1, np.nan, np.random.default_rng(0).random((4, 3, 2))), "has no values"),
     ],
 )
