@@ -58,6 +58,23 @@ class Hypotheses:
     alpha: float
     notes: tuple[str, ...]
 
+    @property
+    def claims(self) -> dict[str, float]:
+        """p of what section IV.B claims, each the largest of the tests that the claim needs; NaN: not tested."""
+        blocks, tost = self.tests.blocks, self.tests.equality.tost
+        over = np.nan if blocks is None else blocks.repeated.p_gg[0]
+        claims = {
+            "b differs between specimens in every participant": _largest(self.tests.between_groups.anova.p),
+            "b of every two kept specimens differs in every participant": self.worst_p,
+            "b differs between specimens over participants": over,
+        }
+        equal = {} if tost is None else {"b is equal between every two participants": _largest(tost.p)}
+        return {name: float(p) for name, p in (claims | equal).items()}
+
+
+def _largest(p: Floats) -> float:
+    return float(np.max(p)) if p.size else float("nan")
+
 
 def test_hypotheses(fits: Fits, settings: HypothesisSettings) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study."""

@@ -12,8 +12,9 @@ from emg2vsa.companions.groups import GroupTests
 from emg2vsa.stats.effect_size import hedges_g
 from emg2vsa.stats.kruskal import RankPairs, dunn
 from emg2vsa.stats.mann_whitney import MannWhitney, mann_whitney
+from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import PairDifferences, adjust, lsd, tukey
+from emg2vsa.stats.post_hoc import PairDifferences, lsd, tukey
 from emg2vsa.stats.welch import games_howell
 
 

@@ -26,9 +26,10 @@ from emg2vsa.stats.equivalence import MarginUnit
 from emg2vsa.stats.friedman import Friedman, friedman
 from emg2vsa.stats.mixed import MixedModel, balanced_mixed
 from emg2vsa.stats.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
+from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.paired import PairedTests, paired_tests
-from emg2vsa.stats.post_hoc import PairDifferences, adjust
+from emg2vsa.stats.post_hoc import PairDifferences
 from emg2vsa.stats.repeated import RepeatedAnova, rm_anova
 from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
 

@@ -25,7 +25,7 @@ from emg2vsa.runs import RunScores
 from emg2vsa.settings import DiscriminationSettings
 from emg2vsa.stats.kruskal import RankPairs, dunn, kruskal
 from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.post_hoc import adjust
+from emg2vsa.stats.multiplicity import adjust
 
 
 @dataclass(frozen=True)
@@ -149,6 +149,19 @@ class Discrimination:
     conditions: ConditionComparison
     factors: Factors
     notes: tuple[str, ...]
+
+    @property
+    def claims(self) -> dict[str, float]:
+        """p of what section VI claims, each the largest of the tests that the claim needs; NaN: not tested."""
+        angles = np.array([]) if self.area_by_angle is None else self.area_by_angle.groups.kruskal.p
+        new = np.array([]) if self.new is None else self.new.p_mean_rank
+        p = {
+            "CASR differs between the known specimens in every design": self.spread.groups.kruskal.p,
+            "CASR of every two known specimens differs in every design": self.spread.pairs.dunn.p,
+            "CASR of the new specimen differs from both neighbours in every design": new,
+            "initial area differs between angles for every specimen": angles,
+        }
+        return {name: float(np.max(values)) if values.size else float("nan") for name, values in p.items()}
 
 
 def discriminate(

@@ -146,7 +146,7 @@ def _tested(
         squares=np.ldexp(squares, 2 * unit),
         df=df,
         f=f,
-        p=special.fdtrc(np.maximum(df, 1), max(error_df, 1), f),
+        p=np.asarray(special.fdtrc(np.maximum(df, 1), max(error_df, 1), f), dtype=np.float64),
         eta2=eta2,
         omega2=omega2(f, df, n),
         low=low,

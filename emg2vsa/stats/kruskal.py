@@ -11,8 +11,9 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.stats.moments import shifted_doubles
+from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import adjust, pair_numbers
+from emg2vsa.stats.post_hoc import pair_numbers
 
 
 def midranks(values: ArrayLike) -> Floats:

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.stats import studentized_range
 from emg2vsa.stats.anova import Anova
 from emg2vsa.stats.outcome import Outcome
-
-Adjustment = Literal["none", "bonferroni", "holm", "fdr_bh"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,34 +146,3 @@ def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
         n=anova.count[:, first] + anova.count[:, second],
         confidence=confidence,
     )
-
-
-def adjust(p: ArrayLike, method: Adjustment) -> Floats:
-    """Adjusted p (f, m) of f families of m tests, or (m,) of one; NaN is no test: it stays NaN and does not count.
-
-    bonferroni, holm (1979): family-wise error under any dependence. fdr_bh (1995): false discovery rate, independent or
-    positively dependent tests.
-    """
-    values = np.asarray(p, dtype=np.float64)
-    if method == "none":
-        return values.copy()
-    families = np.atleast_2d(values)
-    m = np.count_nonzero(~np.isnan(families), axis=1)[:, None]
-    if method == "bonferroni":
-        return np.asarray(np.minimum(families * m, 1.0).reshape(values.shape))
-    order = np.argsort(families, axis=1)  # NaN last
-    rank = np.arange(1, families.shape[1] + 1)
-    ordered = np.take_along_axis(families, order, axis=1)
-    adjusted = np.empty_like(families)
-    np.put_along_axis(adjusted, order, _stepwise(ordered, m, rank, method), axis=1)
-    return np.minimum(adjusted, 1.0).reshape(values.shape)
-
-
-def _stepwise(ordered: Floats, m: np.ndarray, rank: np.ndarray, method: Adjustment) -> Floats:
-    """``ordered`` p (f, m), ascending with NaN last: the running maximum (Holm) or minimum from above (FDR)."""
-    if method == "holm":
-        scaled = ordered * (m - rank + 1)
-        return np.where(np.isnan(ordered), np.nan, np.fmax.accumulate(scaled, axis=1))
-    scaled = ordered * (m / rank)
-    lowest = np.fmin.accumulate(scaled[:, ::-1], axis=1)[:, ::-1]
-    return np.where(np.isnan(ordered), np.nan, lowest)

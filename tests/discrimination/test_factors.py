@@ -64,3 +64,13 @@ def test_runs_that_bear_no_model_have_none(
     assert factors.casr is None
     assert factors.area is None
     assert np.all(np.array(factors.not_positive) == 0)
+
+
+def test_claims_have_the_largest_p_of_what_they_need(
+    runs: tuple[RunScores, ...], stiffness_n_per_mm: dict[str, float]
+) -> None:
+    found = discriminate(runs, stiffness_n_per_mm, "S_new")
+    claims = list(found.claims.values())
+    assert claims[1] == np.max(found.spread.worst_p)
+    assert claims[0] == np.max(found.spread.groups.kruskal.p)
+    assert all(0 <= p <= 1 for p in claims)
