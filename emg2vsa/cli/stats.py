@@ -75,7 +75,7 @@ def _check(arguments: argparse.Namespace) -> None:
     from emg2vsa.errors import SettingError
 
     for name, good, wanted in (
-        ("alpha", 0 < arguments.alpha <= 0.5, "a level above 0, up to 0.5"),
+        ("alpha", 0 < arguments.alpha < 0.5, "a level between 0 and 0.5"),
         ("margin", arguments.margin is None or 0 < arguments.margin < float("inf"), "a number above 0"),
     ):
         if not good:

@@ -18,7 +18,7 @@ from emg2vsa.stats.effect_size import omega2, share_interval
 from emg2vsa.stats.equivalence import Equivalence, MarginUnit, tost
 from emg2vsa.stats.kruskal import KruskalWallis, kruskal
 from emg2vsa.stats.lilliefors import Lilliefors, lilliefors
-from emg2vsa.stats.moments import group_moments
+from emg2vsa.stats.moments import group_moments, unmasked
 from emg2vsa.stats.normality import KsTests, ks_normal
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.shapiro import ShapiroWilk, shapiro_wilk
@@ -41,9 +41,10 @@ class NormalityTests:
 
 def normality_of(values: ArrayLike, origin: float = 0.0) -> NormalityTests:
     """Test each row of ``values`` (k, n), relative to ``origin``; NaN marks a value that is not there."""
+    values = np.asarray(unmasked(values), dtype=np.float64)
     return NormalityTests(
         standardised=ks_normal(values, standardise=True),
-        raw=ks_normal(np.asarray(values) + origin, standardise=False),
+        raw=ks_normal(values + origin, standardise=False),
         lilliefors=lilliefors(values),
         shapiro=shapiro_wilk(values),
     )

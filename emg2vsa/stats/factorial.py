@@ -19,7 +19,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
 from emg2vsa.stats.effect_size import omega2, share_interval
-from emg2vsa.stats.moments import group_moments
+from emg2vsa.stats.moments import group_moments, unmasked
 from emg2vsa.stats.outcome import Outcome
 
 _DEPENDENT = 1e-9
@@ -90,7 +90,7 @@ def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confid
     DataError unless there are one to four factors of n levels each, every one with two or more different levels, and
     fewer than 2000 combinations of levels.
     """
-    y = np.asarray(values, dtype=np.float64).ravel()
+    y = np.asarray(unmasked(values), dtype=np.float64).ravel()
     there = np.isfinite(y)
     codes, sizes = _codes(factors, there)
     cell, where = np.unique(np.ravel_multi_index(tuple(codes), tuple(sizes)), return_inverse=True)

@@ -56,8 +56,13 @@ class MannWhitney:
             confidence=self.confidence,
             effect_name="rank-biserial",
             effect_size=float(self.rank_biserial[i, pair]),
-            notes=(f"more than {MOST_EXACT} values: normal instead of exact",) if large else (),
+            notes=self._notes(i, pair, large),
         )
+
+    def _notes(self, i: int, pair: int, large: bool) -> tuple[str, ...]:
+        if np.isnan(self.p[i, pair]):
+            return ("undefined: a group has no values",)
+        return (f"more than {MOST_EXACT} values: normal instead of exact",) if large else ()
 
 
 def mann_whitney(values: ArrayLike, confidence: float = 0.95) -> MannWhitney:

@@ -15,6 +15,7 @@ from scipy import optimize, special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.stats.kruskal import midranks
+from emg2vsa.stats.moments import unmasked
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.reml import LARGEST, Cells, Cost, best_ratios, by_ratios, by_variances, cells_of, lowest, solve
 from emg2vsa.stats.shapiro import shapiro_wilk
@@ -109,7 +110,7 @@ def mixed_variances(values: Floats, confidence: float = 0.95) -> MixedVariances 
 
     None where the study cannot bear the mixed model (`unbalanced_mixed` says why).
     """
-    cells, _, unit, why = cells_of(np.asarray(values, dtype=np.float64))
+    cells, _, unit, why = cells_of(np.asarray(unmasked(values), dtype=np.float64))
     if why:
         return None
     ratios = best_ratios(cells)
@@ -141,7 +142,7 @@ def ratio_interval(cells: Cells, ratios: Floats, confidence: float) -> tuple[flo
 
 def mixed_residuals(values: Floats) -> MixedResiduals | None:
     """Residuals of ``values`` as for `mixed_variances`; None where the study cannot bear the model."""
-    values = np.asarray(values, dtype=np.float64)
+    values = np.asarray(unmasked(values), dtype=np.float64)
     cells, origin, unit, why = cells_of(values)
     if why:
         return None

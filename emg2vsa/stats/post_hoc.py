@@ -9,6 +9,7 @@ import numpy as np
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.errors import DataError
 from emg2vsa.stats import studentized_range
 from emg2vsa.stats.anova import Anova
 from emg2vsa.stats.outcome import Outcome
@@ -50,13 +51,23 @@ class PairDifferences:
             estimate=float(self.difference[i, pair]),
             interval=(float(self.low[i, pair]), float(self.high[i, pair])),
             confidence=self.confidence,
-            notes=(self.caution,),
+            notes=(self.caution, *self.undefined(i, pair)),
         )
+
+    def undefined(self, i: int, pair: int) -> tuple[str, ...]:
+        """Why a pair of design ``i`` has no p; empty where it has one."""
+        if not np.isnan(self.p[i, pair]):
+            return ()
+        return ("undefined: too few values in the two groups, or no scatter to compare their difference with",)
 
 
 def pair_numbers(k: int) -> tuple[Ints, Ints]:
-    """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ..."""
-    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64).reshape(-1, 2)
+    """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ...; DataError below two groups."""
+    if k < 2:
+        raise DataError(
+            "pairs of groups", wanted="two groups or more", found=str(k), do="Add a group, or test no pairs."
+        )
+    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64)
     return pairs[:, 0], pairs[:, 1]
 
 
@@ -100,7 +111,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
         t = difference / se
         df = np.where(np.isnan(t), np.nan, anova.df2[:, None])
         critical = special.stdtrit(np.where(anova.df2 > 0, anova.df2, np.nan), 0.5 + 0.5 * confidence)
-        reach = critical[:, None] * se
+        reach = np.where(np.isnan(t), np.nan, critical[:, None] * se)
         p = 2 * special.stdtr(df, -np.abs(t))
     if protected:
         p = np.where((anova.p[:, None] > 1 - confidence) & ~np.isnan(p), 1.0, p)
@@ -128,6 +139,7 @@ def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
         difference = anova.offset[:, first] - anova.offset[:, second]
         se = anova.sd[:, None] * np.sqrt((1 / anova.count[:, first] + 1 / anova.count[:, second]) / 2)
         q = np.abs(difference) / se
+        se = np.where(np.isnan(q), np.nan, se)
     df = np.where(np.isnan(q) | (anova.df2 < 1)[:, None], np.nan, anova.df2[:, None])
     groups = (anova.df1 + 1)[:, None]
     critical = studentized_range.quantile(confidence, np.where(np.isnan(df), np.nan, groups), df)

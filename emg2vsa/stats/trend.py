@@ -10,6 +10,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.stats.clusters import Names, in_order
+from emg2vsa.stats.moments import unmasked
 from emg2vsa.stats.outcome import Outcome
 
 
@@ -62,7 +63,7 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
     least squares with a level for every group. The test is Student's t of the slopes of two or more blocks, which needs
     no assumption on how repetitions of one block hang together.
     """
-    x, y = np.asarray(order, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    x, y = (np.asarray(unmasked(side), dtype=np.float64) for side in (order, values))
     there = np.isfinite(x) & np.isfinite(y)
     block, group, x, y = block[there], group[there], x[there], y[there]
     blocks = in_order(block)

@@ -15,6 +15,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.stats.mixed_variances import ratio_interval
+from emg2vsa.stats.moments import unmasked
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 from emg2vsa.stats.reml import LARGEST, TINY_STEP, At, Cells, best_ratios, cells_of, solve
@@ -77,7 +78,7 @@ def unbalanced_mixed(values: Floats, confidence: float = 0.95) -> UnbalancedMixe
     or specimens, a specimen without values, no cell with two values, or values that do not differ within cells, or
     next to nothing beside what people differ.
     """
-    cells, origin, unit, why = cells_of(np.asarray(values, dtype=np.float64))
+    cells, origin, unit, why = cells_of(np.asarray(unmasked(values), dtype=np.float64))
     ratios = np.zeros(2) if why else best_ratios(cells)
     if ratios.max() >= LARGEST:
         why = "undefined: repetitions differ more than a million times less than participants"
