@@ -22,7 +22,7 @@ def midranks(values: ArrayLike) -> Floats:
     if rows.shape[-1] == 0:
         return rows.copy()
     order = np.argsort(rows, axis=-1)  # NaN last
-    ordered = np.sort(rows, axis=-1)
+    ordered = np.take_along_axis(rows, order, axis=-1)
     first, last = _runs(ordered)
     ranks = np.empty_like(rows)
     np.put_along_axis(ranks, order, np.where(np.isnan(ordered), np.nan, (first + last) / 2 + 1), axis=-1)
