@@ -1,7 +1,7 @@
 """What tables of many groups and samples of millions cost, beside SciPy in the same run.
 
-``python -m benchmarks.statistics_speed > benchmarks/results/statistics_speed.md``: some minutes. Processor time, best of
-interleaved repeats: ratios hold on a busy machine, seconds less so.
+``python -m benchmarks.statistics_speed > benchmarks/results/statistics_speed.md``: some minutes. Processor time, best
+of interleaved repeats: ratios hold on a busy machine, seconds less so.
 """
 
 from __future__ import annotations
