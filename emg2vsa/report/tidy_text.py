@@ -14,7 +14,7 @@ from emg2vsa.companions.table import BlockTests
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import (
     COLUMNS,
-    Row,
+    CompanionRow,
     equality_rows,
     group_rows,
     normality_rows,
@@ -39,7 +39,7 @@ class Hypothesis:
     """A question, the rows that answer it, and what to mind."""
 
     question: str
-    rows: Sequence[Row]
+    rows: Sequence[CompanionRow]
     mind: str
 
 
@@ -212,7 +212,7 @@ def _p(p: float, style: Style) -> str:
     return shown.removeprefix("p ").removeprefix("= ").replace("not defined", UNDEFINED)
 
 
-def _grid(rows: Sequence[Row]) -> Iterator[str]:
+def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
     """Four columns of wrapped text; what the row above says in the first is not repeated."""
     heads = [column.head for column in COLUMNS]
     above = ""

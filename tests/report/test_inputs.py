@@ -3,15 +3,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-
 from emg2vsa.report.data_sections import participants
+
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import origin, without_samples
 from emg2vsa.settings import SimulationSettings
 
 
 def test_trials_without_samples_keep_what_is_told_of_them(results):
-    full = results.trials[0]
+    full = results.people.trials[0]
     light = without_samples(full)
     assert (light.notes, light.reasons, light.verdict.tolist()) == (full.notes, full.reasons, full.verdict.tolist())
     assert light.force_n.size == light.overview_force_n.size == 0
@@ -33,18 +33,18 @@ def test_each_participant_gets_own_trials_and_failures(results):
 
 def test_a_truth_makes_it_a_simulation(results):
     assert origin(results).strong == "These results come from a simulation."
-    assert origin(replace(results, truth={})).source == "simulated data"
+    assert origin(replace(results, people=replace(results.people, truth={}))).source == "simulated data"
 
 
 def test_without_a_truth_the_report_says_what_it_saw_and_claims_no_more(results):
-    said = origin(replace(results, truth=None))
+    said = origin(replace(results, people=replace(results.people, truth=None)))
     assert said.strong.startswith("No table of simulated truth was found")
     assert "Nothing" not in said.text
 
 
 def test_a_study_that_can_be_simulated_warns(results):
     study = replace(results.study, simulation=SimulationSettings())
-    said = origin(replace(results, truth=None, study=study))
+    said = origin(replace(results, people=replace(results.people, truth=None, study=study)))
     assert said.strong == "These data may be simulated."
 
 
@@ -58,7 +58,7 @@ def test_the_table_of_participants_looks_through_all_recordings_a_fixed_number_o
 
     def looks(people: int) -> int:
         names = tuple(f"P{i:03}" for i in range(people))
-        entries, trials = results.study.recordings[:4], results.trials[:4]
+        entries, trials = results.study.recordings[:4], results.people.trials[:4]
         study = replace(
             results.study, participants=names,
             recordings=Counted(replace(entry, participant=name) for name in names for entry in entries),

@@ -20,7 +20,7 @@ def with_filters(study, filters):
 
 
 def test_states_what_a_reporting_standard_asks_for(results):
-    text = written(results.study, results.trials)
+    text = written(results.study, results.people.trials)
     for said in (
         "3 participants pressed 4 specimens", "EDC and FDS", "Butterworth, order 2, 10 to 450 Hz", "order 50, 20 Hz",
         "run forward and backward", "true -3 dB at 12.4 Hz and 438 Hz", "not normalised", "0.5 to 7 N",
@@ -32,7 +32,7 @@ def test_states_what_a_reporting_standard_asks_for(results):
 
 
 def test_a_note_said_of_every_recording_is_said_once(results):
-    assert written(results.study, results.trials).count("true -3 dB at 12.4 Hz") == 1
+    assert written(results.study, results.people.trials).count("true -3 dB at 12.4 Hz") == 1
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_a_window_of_its_own_is_stated(results):
 
 
 def test_a_simulated_study_does_not_claim_that_people_pressed(results):
-    text = methods_paragraph(results.study, results.trials, {}, simulated=True)
+    text = methods_paragraph(results.study, results.people.trials, {}, simulated=True)
     assert "were simulated" in text
     assert ALL_TO_ADD not in text
 

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from emg2vsa.report.quantities import quantities
 from scipy.stats import kstwo
 
 from emg2vsa.profiles import build_profiles
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.paper_comparison import paper_comparison
-from emg2vsa.report.quantities import quantities
 from emg2vsa.report.study_report import write_figure_pdfs, write_study_report
 
 
@@ -83,8 +83,8 @@ def test_numbers_on_the_page_are_those_of_results_json(written, read_page):
 def test_fits_csv_holds_every_trial_exactly(written, results):
     with (written / "tables/fits.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["verdict"] for row in rows] == results.fits.verdict.tolist()
-    assert np.array_equal([float(row["b_v"]) for row in rows], results.fits.b_v)
+    assert [row["verdict"] for row in rows] == results.people.fits.verdict.tolist()
+    assert np.array_equal([float(row["b_v"]) for row in rows], results.people.fits.b_v)
     assert [row["reason"] for row in rows if row["verdict"] == "rejected"] == ["EDC clipped <3 %>"]
 
 
@@ -130,7 +130,9 @@ def test_a_failed_stage_says_why_in_its_place(broken, tmp_path, read_page):
 
 
 def test_without_an_exemplary_participant_all_enter(results, tmp_path, read_page):
-    everyone = replace(results, profiles=replace(results.profiles, participant=""))
+    everyone = replace(
+        results, people=replace(results.people, profiles=replace(results.people.profiles, participant=""))
+    )
     write_study_report(everyone, tmp_path)
     text = read_page(tmp_path / "index.html").text
     assert "Co-contraction of all participants" in text
@@ -138,15 +140,23 @@ def test_without_an_exemplary_participant_all_enter(results, tmp_path, read_page
 
 
 def test_without_a_new_specimen_there_is_no_figure_11(results, tmp_path, read_page):
-    without = replace(results, profiles=replace(results.profiles, new=None, new_measured=None, new_error=None))
-    without = replace(without, schedules=tuple(s for s in results.schedules if s.specimen != "S_new"))
+    without = replace(
+        results,
+        people=replace(
+            results.people, profiles=replace(results.people.profiles, new=None, new_measured=None, new_error=None)
+        ),
+    )
+    without = replace(without, schedules=tuple(s for s in results.people.schedules if s.specimen != "S_new"))
     files = write_study_report(without, tmp_path)
     assert "names no new specimen" in read_page(tmp_path / "index.html").text
     assert not [path for path in files if "fig11" in path.name]
 
 
 def test_an_unmeasured_new_specimen_is_shown_without_error(results, tmp_path, read_page):
-    unknown = replace(results, profiles=replace(results.profiles, new_measured=None, new_error=None))
+    unknown = replace(
+        results,
+        people=replace(results.people, profiles=replace(results.people.profiles, new_measured=None, new_error=None)),
+    )
     write_study_report(unknown, tmp_path)
     assert "Nobody palpated a specimen of this stiffness" in read_page(tmp_path / "index.html").text
 
@@ -174,12 +184,12 @@ def test_a_participant_without_a_page_is_not_linked(results, tmp_path, read_page
 
 def test_normalised_activity_is_never_called_volts(results, tmp_path, read_page):
     fits = replace(
-        results.fits, activity_unit="1", a_v=1e4 * results.fits.a_v, b_v=-1e4 * results.fits.b_v,
-        v_max_v=1e4 * results.fits.v_max_v,
+        results.people.fits, activity_unit="1", a_v=1e4 * results.people.fits.a_v, b_v=-1e4 * results.people.fits.b_v,
+        v_max_v=1e4 * results.people.fits.v_max_v,
     )  # fmt: skip
     study = results.study
     profiles = build_profiles(fits, study.stiffness_n_per_mm, study.profile, study.window, study.hypotheses.use)
-    write_study_report(replace(results, fits=fits, profiles=profiles), tmp_path)
+    write_study_report(replace(results, people=replace(results.people, fits=fits, profiles=profiles)), tmp_path)
     names = json.loads((tmp_path / "results.json").read_text())
     assert {"fit.S1.b.mean", "profiles.S_new.rmse"} <= set(names)
     assert not [name for name in names if re.search(r"_v(\.|$)", name)]
@@ -191,8 +201,8 @@ def test_normalised_activity_is_never_called_volts(results, tmp_path, read_page)
 
 
 def test_schedules_are_printed_without_repeating_what_is_constant(written, results):
-    steps = results.schedules[0].preset_ticks.size
-    specimens = len({s.specimen for s in results.schedules})
+    steps = results.people.schedules[0].preset_ticks.size
+    specimens = len({s.specimen for s in results.people.schedules})
     printed = (written / "tables/schedules.tex").read_text().count(" & constant-")
     assert printed == 3 * specimens
     assert len((written / "tables/schedules.csv").read_text().splitlines()) == 1 + 4 * specimens * steps

@@ -1,16 +1,62 @@
-"""The quantities as files: results.json for programs, numbers.tex and statements.tex for papers."""
+"""The quantities: a number, or a word, under a flat name that tells its unit and whether it is a p; and their files."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
+import numpy as np
+
+from emg2vsa.arrays import Floats
 from emg2vsa.report.latex import latex_number, latex_text
-from emg2vsa.report.quantity import Quantity, is_p, unit_of
 from emg2vsa.report.table import Table
 from emg2vsa.report.wording import p_parts
+
+Quantity = str | int | float | bool
+Items = Iterator[tuple[str, Quantity]]
+
+
+def least(values: Floats) -> float:
+    """Smallest finite value, or NaN."""
+    return float(np.min(values, initial=np.inf, where=np.isfinite(values))) if np.isfinite(values).any() else np.nan
+
+
+def most(values: Floats) -> float:
+    """Largest finite value, or NaN."""
+    return -least(-values)
+
+
+_UNITS = {
+    "nm_per_rad": "N·m/rad", "n_per_mm": "N/mm", "mm2_per_n": "mm²/N", "px2_per_n": "px²/N", "deg_per_s": "°/s",
+    "mm_per_s": "mm/s", "mm2": "mm²", "px2": "px²", "mm": "mm", "deg": "°", "percent": "%", "hz": "Hz", "ms": "ms",
+    "s": "s", "n": "N", "v": "V",
+}  # fmt: skip
+_STATISTICS = frozenset({"mean", "sd", "median", "min", "max", "low", "high"})
+_P = re.compile(r"(?:.*_)?p(?:_gg|_hf)?")
+
+
+def unit_of(key: str) -> str:
+    """Unit of the quantity ``key``, "" where it has none: ``fit.S1.b_v.mean`` is in V, ``fit.S1.n`` is a count."""
+    words = key.split(".")
+    name = words[-2] if words[-1] in _STATISTICS and len(words) > 1 else words[-1]
+    if name in _STATISTICS:
+        return ""
+    for ending, unit in _UNITS.items():
+        if name.endswith(f"_per_{ending}"):
+            return ""
+        # a letter alone is a name: n is a count, f a statistic
+        if name.endswith(f"_{ending}") or (name == ending and len(ending) > 1):
+            return unit
+    return ""
+
+
+def is_p(key: str) -> bool:
+    """Whether the quantity is a p: its name ends so, or is the test that corrected a ``worst_p``."""
+    words = key.split(".")
+    return bool(_P.fullmatch(words[-1])) or words[-2:-1] == ["worst_p"]
+
 
 _DIGITS = ("Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
 
@@ -61,10 +107,9 @@ def macro_names(keys: list[str], prefix: str = "emg") -> dict[str, str]:
 
 def statements_tex(table: Table) -> str:
     r"""One ``\newcommand`` a statement, e.g. ``\emgTestOverPeopleFriedman``."""
-    names = macro_names([f"{row[0]}.{row[1]}" for row in table.rows], "emgTest")
-    latex = [column.key for column in table.columns].index("latex")
+    names = macro_names([f"{row['key']}.{row['method']}" for row in table.rows], "emgTest")
     lines = [
-        rf"\newcommand{{\{name}}}{{{row[latex]}}} % {row[0]}, {row[1]}"
+        rf"\newcommand{{\{name}}}{{{row['latex']}}} % {row['key']}, {row['method']}"
         for name, row in zip(names.values(), table.rows, strict=True)
     ]
     return "\n".join(["% Written by emg2vsa; include with \\input. Needs amsmath.", *lines, ""])
