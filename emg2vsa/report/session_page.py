@@ -23,7 +23,7 @@ from emg2vsa.report.session_plots import (
     median_frequencies,
     spectra,
 )
-from emg2vsa.report.table import Column, Table, activity_column
+from emg2vsa.report.table import Column, Table, activity_column, rows_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
@@ -152,12 +152,11 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("adj_r2_bins", "adj. R², bins"),
         Column("adj_r2_samples", "adj. R², samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
-    rows = []
-    for i in range(fits.b_v.size):
-        rows.append(tuple(getattr(fits if hasattr(fits, c.key) else trials, c.key)[i].item() for c in columns))
+    keys = [column.key for column in columns]
+    rows = rows_of({key: np.asarray(getattr(fits if hasattr(fits, key) else trials, key)) for key in keys})
     interval = f"{100 * fits.confidence:g}{NO_BREAK}%"
     caption = f"Presses on {trials.specimen}; b low and b high are the ends of its {interval} interval"
-    return Table("presses", caption, columns, tuple(rows))
+    return Table("presses", caption, columns, rows)
 
 
 def _quality(trials: Trials) -> list[str]:

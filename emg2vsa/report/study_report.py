@@ -58,7 +58,8 @@ def contents(results: StudyResults) -> Content:
     content.quantities = dict(sorted(content.quantities.items()))
     claims = {section.name: list(section.claims(results, content.quantities)) for section in sections}
     content.quantities = dict(sorted((content.quantities | dict(claim_quantities(claims))).items()))
-    content.tables["claims"] = claims_table(claims)
+    if any(claims.values()):
+        content.tables["claims"] = claims_table(claims)
     for section in sections:
         _add(content.tables, {table.name: table for table in section.tables(results, content.quantities)}, section)
         _add(content.drawings, _drawn(section, results), section)

@@ -49,12 +49,17 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
     """Five sentences, fewer where a part is missing; on each subject what was found, whatever it is."""
+    if results.people is None:
+        yield (
+            "No recording of people could be used."
+            if results.study.recordings
+            else "The study has no recordings of people."
+        )
+    if results.runs is None:
+        yield "The study has no scored runs of the rig, so claims on the rig are left out."
     verdicts = Counter(value for key, value in q.items() if key.startswith("claims.") and key.endswith(".verdict"))
-    holds, fails, untested = (verdicts[kind] for kind in _KINDS)
-    yield (
-        f"Of {count(verdicts.total(), 'quantitative claim')} of the paper, {holds} hold in this study, {fails} do not, "
-        f"and {untested} cannot be tested here."
-    )
+    if verdicts:
+        yield _counted(verdicts)
     if "hypotheses.worst_p" in q:
         yield _people(q)
     yield from _interpolation(results, q)
@@ -62,6 +67,14 @@ def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
         yield _rates(results, q)
     if "runs.kappa.new_specimen" in q:
         yield _stiffness(results, q)
+
+
+def _counted(verdicts: Counter[object]) -> str:
+    holds, fails, untested = (verdicts[kind] for kind in _KINDS)
+    return (
+        f"Of {count(verdicts.total(), 'quantitative claim')} of the paper, {holds} hold in this study, {fails} do not, "
+        f"and {untested} cannot be tested here."
+    )
 
 
 def _people(q: Quantities) -> str:
@@ -110,9 +123,11 @@ _TEXT = """
 {% for sentence in summary %}
 <p>{{ sentence }}</p>
 {% endfor %}
+{% if table("claims") %}
 {{ table("claims") }}
 <p class="small">“Here” is the paper's own test or definition on the data of this study. A companion is a test that fits
 the question better. Each claim links to its section.</p>
+{% endif %}
 """
 
 CLAIMS = Section("claims", "Summary", _TEXT, words=_words)

@@ -187,14 +187,15 @@ _TEXT = """
 <p>Each trial was fitted as v = a + b ln F. Smoother points give a larger R² from the same trial, so R² on force bins
 and on samples are shown apart. Neighbouring samples are correlated: a trial carries as much information as about
 {{ q['fit.n_effective.median'] | number(2) }} independent samples.</p>
-{{ table("fits_by_specimen") }}
+{{ folded("fits_by_specimen", "Fits by specimen") }}
 <p class="small">Every trial, rejected ones included: <a href="tables/fits.csv">tables/fits.csv</a>.
 {% if q['fit.b_not_positive'] %}Trials used whose slope is not positive: {{ q['fit.b_not_positive'] }}.{% endif %}</p>
 {% if 'recovery.n' in q %}
 <h3>Recovery of the simulated truth</h3>
-<p>The true slopes of the simulation are known. The fit and the simulation share the law v = a + b ln F, so the errors
-below show the effect of noise and filters, not of a wrong law.</p>
-{{ table("recovery") }}
+<p>Fitted slopes are {{ q['recovery.mean_b_error'] | percent(2) }} off on average, and
+{{ q['recovery.coverage'] | percent(3) }} of the {{ q['recovery.confidence'] | percent(2) }} intervals hold the truth.
+Fit and simulation share the law v = a + b ln F: these errors show noise and filters, not a wrong law.</p>
+{{ folded("recovery", "Recovery by specimen") }}
 {% elif has("recovery") %}
 <p>The activity is normalised and the simulated truth is in volts, so they cannot be compared.</p>
 {% endif %}

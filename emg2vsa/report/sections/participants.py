@@ -113,10 +113,6 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _TEXT = """
-{% if not people %}
-<p>{% if study.recordings %}No recording of people could be used.{% else %}The study has no recordings of people.
-{% endif %}</p>
-{% endif %}
 {% if sessions %}
 <p>Sessions: {{ sessions }}.</p>
 {{ folded("sessions", "Every session, with a page for each participant") }}

@@ -227,7 +227,7 @@ _TEXT = """
 <p>{{ why_absent("profiles") }}</p>
 {% else %}
 {{ figure("fig04_cocontraction") }}
-{{ table("profiles") }}
+{{ folded("profiles", "Coefficients of the profiles") }}
 {% if people.profiles.new %}
 {{ figure("fig11_interpolation") }}
 {% else %}
