@@ -65,9 +65,9 @@ def main(studies: int) -> None:
     print("# Familywise error of the pairwise table\n")
     print(
         f"`python -m benchmarks.familywise {studies}`: studies of 14 participants, 5 specimens and 10 repetitions in\n"
-        f"which no specimen differs. Share of studies, in percent (± {half:.1f} at 5 with {studies} studies), in which\n"
-        "any of the ten pairs has p < .05. The first two tests take rows as independent values, as the paper does; the\n"
-        "last three are what `emg2vsa stats --block` and the report print for the pairs.\n"
+        f"which no specimen differs. Share of studies, in percent (± {half:.1f} at 5 with {studies} studies), in\n"
+        "which any of the ten pairs has p < .05. The first two tests take rows as independent values, as the paper\n"
+        "does; the last three are what `emg2vsa stats --block` and the report print for the pairs.\n"
     )
     heads = ("SD of participants", "SD of participants by specimens", "missing", "studies", *TESTS)
     print("| " + " | ".join(heads) + " |\n" + "|---" * len(heads) + "|")
