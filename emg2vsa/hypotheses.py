@@ -60,15 +60,21 @@ class Hypotheses:
 
     @property
     def claims(self) -> dict[str, float]:
-        """p of what section IV.B claims, each the largest of the tests that the claim needs; NaN: not tested."""
+        """p of what section IV.B claims, each the largest of the tests that the claim needs; NaN: not tested.
+
+        specimens_within_participants : b differs between specimens in every participant (ANOVA).
+        kept_pairs_within_participants : every two kept specimens differ in every participant (LSD).
+        specimens_over_participants : specimens differ over participants (repeated measures, Greenhouse-Geisser).
+        participants_equal : every two participants are equal within the margin (TOST); only where there is a margin.
+        """
         blocks, tost = self.tests.blocks, self.tests.equality.tost
         over = np.nan if blocks is None else blocks.repeated.p_gg[0]
         claims = {
-            "b differs between specimens in every participant": _largest(self.tests.between_groups.anova.p),
-            "b of every two kept specimens differs in every participant": self.worst_p,
-            "b differs between specimens over participants": over,
+            "specimens_within_participants": _largest(self.tests.between_groups.anova.p),
+            "kept_pairs_within_participants": self.worst_p,
+            "specimens_over_participants": over,
         }
-        equal = {} if tost is None else {"b is equal between every two participants": _largest(tost.p)}
+        equal = {} if tost is None else {"participants_equal": _largest(tost.p)}
         return {name: float(p) for name, p in (claims | equal).items()}
 
 

@@ -260,9 +260,9 @@ def test_claims_trend_and_laws() -> None:
     fits = dataclasses.replace(fits, repetition=np.arange(b.size) % 10 + 1)
     found = hypotheses.test_hypotheses(fits, dataclasses.replace(PAPER, equivalence_margin_sd=1.0))
     claims = found.claims
-    assert claims["b of every two kept specimens differs in every participant"] == found.worst_p
-    assert claims["b differs between specimens in every participant"] == np.max(found.tests.between_groups.anova.p)
-    assert claims["b is equal between every two participants"] > 0.05
+    assert claims["kept_pairs_within_participants"] == found.worst_p
+    assert claims["specimens_within_participants"] == np.max(found.tests.between_groups.anova.p)
+    assert claims["participants_equal"] > 0.05
     assert found.trend.blocks.size == 14
     assert found.trend.p > 0.001
     assert np.isnan(found.laws.p).all()

@@ -152,14 +152,19 @@ class Discrimination:
 
     @property
     def claims(self) -> dict[str, float]:
-        """p of what section VI claims, each the largest of the tests that the claim needs; NaN: not tested."""
+        """p of what section VI claims, each the largest of the tests that the claim needs; NaN: not tested.
+
+        casr_specimens, casr_pairs, casr_new : CASR differs in every design between the known specimens
+        (Kruskal-Wallis), between every two of them, and between the new one and both neighbours (Dunn, Bonferroni).
+        area_angles : the initial area differs between angles for every specimen (Kruskal-Wallis).
+        """
         angles = np.array([]) if self.area_by_angle is None else self.area_by_angle.groups.kruskal.p
         new = np.array([]) if self.new is None else self.new.p_mean_rank
         p = {
-            "CASR differs between the known specimens in every design": self.spread.groups.kruskal.p,
-            "CASR of every two known specimens differs in every design": self.spread.pairs.dunn.p,
-            "CASR of the new specimen differs from both neighbours in every design": new,
-            "initial area differs between angles for every specimen": angles,
+            "casr_specimens": self.spread.groups.kruskal.p,
+            "casr_pairs": self.spread.pairs.dunn.p,
+            "casr_new": new,
+            "area_angles": angles,
         }
         return {name: float(np.max(values)) if values.size else float("nan") for name, values in p.items()}
 
