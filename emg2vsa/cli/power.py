@@ -30,7 +30,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--measurements", type=int, default=10, metavar="M", help="repeated measurements (default 10)")
     parser.add_argument(
         "--effect", type=float, metavar="F",
-        help="repeated: Cohen's f (default 0.25); paired: mean difference in SDs of the differences (default 0.5); "
+        help="repeated: Cohen's f (default 0.25); paired: mean difference in SD of the differences (default 0.5); "
         "equal-paired, equal-groups: true difference in SDs (default 0)",
     )  # fmt: skip
     parser.add_argument(
@@ -88,8 +88,8 @@ def _pair(arguments: argparse.Namespace) -> int:
         power = float(power_paired(effect, n, alpha))
         needed = fewest_people(lambda people: power_paired(effect, people, alpha), target)
         least_name, least = "smallest_effect", float(effect_for_power(target, n, alpha))
-        of = f"to find a mean difference of {effect:g} SDs of the differences"
-        said = f"smallest difference found with power {target:g}: {least:.3f} SDs of the differences"
+        of = f"to find a mean difference of {effect:g} SD of the differences"
+        said = f"smallest difference found with power {target:g}: {least:.3f} SD of the differences"
         who = f"{n} participants"
     else:
         margin = 0.5 if arguments.margin is None else arguments.margin
@@ -99,8 +99,8 @@ def _pair(arguments: argparse.Namespace) -> int:
         needed = fewest_people(lambda k: power_tost(margin, k, k if two else None, effect, alpha), target)
         least_name = "smallest_margin"
         least = float(margin_for_power(target, n, n if two else None, effect, alpha))
-        of = f"to find equality within {margin:g} SDs where the true difference is {effect:g} SDs"
-        said = f"smallest margin shown with power {target:g}: {least:.3f} SDs"
+        of = f"to find equality within {margin:g} SD where the true difference is {effect:g} SD"
+        said = f"smallest margin shown with power {target:g}: {least:.3f} SD"
         who = f"two groups of {n} participants" if two else f"{n} participants"
     if arguments.json:
         print_json(
