@@ -277,7 +277,7 @@ error by that law is therefore no evidence for it.
 {{ folded("table_one_laws", "Intervals of κ behind Table I") }}
 {{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
-{{ figure("figcal_calibration") }}
+{{ folded("figcal_calibration", "Figure C1: calibration of every design") }}
 {% if notes %}
 <details><summary>Notes on the estimates</summary>{{ notes | bullets }}</details>
 {% endif %}
