@@ -100,9 +100,8 @@ def _rates(results: StudyResults, q: Quantities) -> str:
     rises = [bool(value) for key, value in q.items() if key.endswith(".casr.rises")]
     told = f"{q['runs.new.discriminated']} of {q['runs.new.designs']}"
     return (
-        f"The contact area spread rate rises from the stiffest to the softest specimen in {sum(rises)} of "
-        f"{count(len(rises), 'design')} (condition and angle), and tells {q['runs.new.specimen']} from its neighbours "
-        f"in {told}."
+        f"The contact area spread rate rises with softness in {sum(rises)} of {count(len(rises), 'design')}, and tells "
+        f"{q['runs.new.specimen']} from its neighbours in {told}."
     )
 
 
@@ -116,8 +115,8 @@ def _stiffness(results: StudyResults, q: Quantities) -> str:
         return f"The stiffness of {new} is not known, so its estimates cannot be judged."
     median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
     shared = (
-        f"; estimator and simulated world share one finite-element program (in the advancing-front world, which shares "
-        f"nothing with it, one press is {percent(ADVANCING_FRONT_ERROR, 2)} off)"
+        f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
+        f"which shares nothing: {percent(ADVANCING_FRONT_ERROR, 2)})"
         if q["runs.simulated"]
         else ""
     )
