@@ -32,6 +32,7 @@ from emg2vsa.report.sections.glossary import GLOSSARY
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
 from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.methods import METHODS
+from emg2vsa.report.sections.models import MODELS
 from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.report.sections.power import POWER
 from emg2vsa.report.sections.profiles import PROFILES
@@ -55,6 +56,7 @@ SECTIONS: tuple[Section, ...] = (
     VISION,
     ACTUATORS,
     KAPPA,
+    MODELS,
     METHODS,
     GLOSSARY,
     PROVENANCE,

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, least
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
@@ -46,6 +47,26 @@ def _quantities(results: StudyResults) -> Items:
             yield f"fit.{specimen}.{name}.mean", float(np.mean(values)) if values.size else np.nan
             yield f"fit.{specimen}.{name}.sd", float(np.std(values, ddof=1)) if values.size > 1 else np.nan
     yield from _recovered(results)
+    yield from _laws(results)
+
+
+def _laws(results: StudyResults) -> Items:
+    """Power law and straight line beside the logarithm, by errors of prediction."""
+    found = results.recorded.hypotheses
+    if found is None:
+        return
+    laws = found.laws
+    for kind, left_out in enumerate(LEFT_OUT):
+        name = f"fit.laws.leave_one_{left_out}_out"
+        yield f"{name}.cells", int(laws.compared[kind])
+        for i, law in enumerate(LAWS):
+            yield f"{name}.{law}.relative_error", _median(laws.error[kind, i])
+            if i:
+                yield f"{name}.{law}.error_ratio", float(laws.ratio[kind, i])
+                yield f"{name}.{law}.error_ratio.low", float(laws.ratio_low[kind, i])
+                yield f"{name}.{law}.error_ratio.high", float(laws.ratio_high[kind, i])
+                yield f"{name}.{law}.p", float(laws.p[kind, i])
+                yield f"{name}.{law}.better_cells", int(laws.better[kind, i])
 
 
 def _median(values: Floats) -> float:
@@ -74,6 +95,35 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     yield _by_specimen(results)
     if results.recorded.truth is not None:
         yield _recovery(results)
+    if results.recorded.hypotheses is not None:
+        yield _laws_table(results.recorded.hypotheses.laws)
+
+
+def _laws_table(laws: ForceLaws) -> Table:
+    columns = (
+        Column("left_out", "Left out"), Column("law", "Law of v(F)"),
+        Column("relative_error", "Median error of prediction (%)", 100.0), Column("ratio", "Over the logarithm's"),
+        Column("ratio_low", "Low"), Column("ratio_high", "High"), Column("p", "p"), Column("better", "Better in"),
+        Column("compared", "of cells"),
+    )  # fmt: skip
+    rows = tuple(
+        {
+            "left_out": f"one {left_out}",
+            "law": law,
+            "relative_error": _median(laws.error[kind, i]),
+            "ratio": float(laws.ratio[kind, i]),
+            "ratio_low": float(laws.ratio_low[kind, i]),
+            "ratio_high": float(laws.ratio_high[kind, i]),
+            "p": float(laws.p[kind, i]) if i else None,
+            "better": int(laws.better[kind, i]) if i else None,
+            "compared": int(laws.compared[kind]),
+        }
+        for kind, left_out in enumerate(LEFT_OUT)
+        for i, law in enumerate(LAWS)
+        if laws.compared[kind]
+    )
+    caption = "Logarithm, power law and straight line for v(F): errors in predicting what was left out of the fit"
+    return Table("force_laws", caption, columns, rows)
 
 
 _R2_HEADS = {
@@ -190,6 +240,7 @@ and on samples are shown apart. Neighbouring samples are correlated: a trial car
 {{ folded("fits_by_specimen", "Fits by specimen") }}
 <p class="small">Every trial, rejected ones included: <a href="tables/fits.csv">tables/fits.csv</a>.
 {% if q['fit.b_not_positive'] %}Trials used whose slope is not positive: {{ q['fit.b_not_positive'] }}.{% endif %}</p>
+{{ folded("force_laws", "Other laws: power and straight line") }}
 {% if 'recovery.n' in q %}
 <h3>Recovery of the simulated truth</h3>
 <p>Fitted slopes are {{ q['recovery.mean_b_error'] | percent(2) }} off on average, and

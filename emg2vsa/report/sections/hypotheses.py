@@ -71,7 +71,8 @@ def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: floa
     for kind, p in companions.items():
         yield f"{name}.{kind}.significant", int(np.count_nonzero(p < alpha))
     numbers = {key: getattr(anova, key) for key in ("f", "df1", "df2", "p", "eta2")}
-    numbers |= {"eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high, "bf01": tests.bayes.bf01}
+    numbers |= {"omega2": tests.omega2, "eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high}
+    numbers["bf01"] = tests.bayes.bf01
     for i, design in enumerate(designs[: anova.f.size].tolist()):
         yield from ((f"{name}.{design}.{key}", values[i].item()) for key, values in numbers.items())
 
@@ -138,7 +139,7 @@ def _family(name: str, p: Floats, alpha: float) -> Items:
 
 _ANOVA = (
     Column("f", "F", digits=4), Column("df1", "df 1"), Column("df2", "df 2"), Column("p", "p"), Column("eta2", "η²"),
-    Column("eta2_low", "η² low"), Column("eta2_high", "η² high"), Column("p_welch", "p Welch"),
+    Column("omega2", "ω²"), Column("eta2_low", "ω² low"), Column("eta2_high", "ω² high"), Column("p_welch", "p Welch"),
     Column("p_kruskal", "p Kruskal-Wallis"), Column("p_brown_forsythe", "p Brown-Forsythe"), Column("bf01", "BF₀₁"),
 )  # fmt: skip
 
@@ -203,7 +204,7 @@ def _anova_rows(design: str, names: Names, tests: GroupTests, more: dict[str, np
     anova = tests.anova
     own: dict[str, np.ndarray] = {design: names[: anova.f.size]}
     own |= {key: getattr(anova, key) for key in ("f", "df1", "df2", "p", "eta2")}
-    own |= {"eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high, "p_welch": tests.welch.p}
+    own |= {"omega2": tests.omega2, "eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high, "p_welch": tests.welch.p}
     own |= {"p_kruskal": tests.kruskal.p, "p_brown_forsythe": tests.brown_forsythe.anova.p, "bf01": tests.bayes.bf01}
     return rows_of(own | more)
 
