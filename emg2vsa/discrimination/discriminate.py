@@ -174,11 +174,14 @@ def discriminate(
     stiffness_n_per_mm: Mapping[str, float],
     new_specimen: str,
     settings: DiscriminationSettings | None = None,
+    *,
+    mounting_sd: float = 0.0,
 ) -> Discrimination:
     """Test ``runs``, one a specimen, angle and condition.
 
     stiffness_n_per_mm : of every specimen, the new one included; only its order is used. new_specimen : the one whose
-    stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed.
+    stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed. mounting_sd :
+    standard deviation of a score from one mounting to the next, as a share of it, see ``compare_conditions``.
     DataError as ``run_table``, and where fewer than two known specimens were pressed.
     """
     settings = settings or DiscriminationSettings()
@@ -192,7 +195,7 @@ def discriminate(
         spread=_spread_by_specimen(table, settings),
         new=_beside_neighbours(table, settings),
         algorithms=compare_algorithms(table, settings),
-        conditions=compare_conditions(table, settings),
+        conditions=compare_conditions(table, settings, mounting_sd),
         factors=factors_of(table, settings),
         notes=_notes(table, new_specimen, settings),
     )

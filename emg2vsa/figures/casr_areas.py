@@ -37,7 +37,7 @@ class AreaPanel:
 def draw_areas(by_specimen: Sequence[AreaPanel], by_angle: AreaPanel | None) -> Figure:
     """Differences of areas in percent. All panels share one scale, which the levels, from zero, would not leave."""
     panels = [*by_specimen, *([by_angle] if by_angle else [])]
-    figure, (row,) = panel_grid(1, [1] * len(panels), 50, (15, 2, 11, 6), (11, 0))
+    figure, (row,) = panel_grid(1, [1] * len(panels), 50, (15, 2, 11, 10), (11, 0))
     values = [v[np.isfinite(v)] for panel in panels for v in panel.percent]
     together = np.concatenate([np.zeros(1), *values])
     room = 0.05 * (np.ptp(together) or 1.0)

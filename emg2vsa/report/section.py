@@ -103,9 +103,9 @@ class Content:
         return Markup(self.tables[name].html(number))
 
     def folded(self, name: str, summary: str) -> Markup:
-        """The table, folded away under ``summary``."""
-        table = self.table(name)
-        return Markup(html.details(summary, table)) if table else table
+        """The table or figure, folded away under ``summary``."""
+        shown_one = self.figure(name) or self.table(name)
+        return Markup(html.details(summary, shown_one)) if shown_one else shown_one
 
     def figure(self, name: str) -> Markup:
         """The figure; nothing where this study has none."""

@@ -61,10 +61,6 @@ class Table:
 
     def __post_init__(self) -> None:
         keys = [column.key for column in self.columns]
-        for name in ("rows", "shown_rows"):
-            rows = getattr(self, name)
-            if rows and isinstance(rows[0], tuple):  # rows by place, until every section names its cells
-                object.__setattr__(self, name, tuple(dict(zip(keys, row, strict=True)) for row in rows))
         for row in (*self.rows, *(self.shown_rows or ())):
             if row.keys() != set(keys):
                 raise ValueError(f"table {self.name}: a row has {sorted(row)}, the columns are {sorted(keys)}")

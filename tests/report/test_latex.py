@@ -11,7 +11,9 @@ from emg2vsa.report.table import Column, Table
 
 
 def table(*rows: tuple, heads: tuple[str, ...] = ("Na_me", "v (µV)")) -> Table:
-    return Table("t", "A & B", tuple(Column(f"c{i}", head) for i, head in enumerate(heads)), rows)
+    columns = tuple(Column(f"c{i}", head) for i, head in enumerate(heads))
+    keyed = tuple({column.key: cell for column, cell in zip(columns, row, strict=True)} for row in rows)
+    return Table("t", "A & B", columns, keyed)
 
 
 def test_booktabs_with_every_special_character_escaped():

@@ -10,7 +10,7 @@ A section gives, each as a function of the results:
 ``text``        the Jinja2 template of the section's prose, below at most three sentences before each table.
 
 A text may use: ``q`` (every quantity by its key, as ``q['fit.used']``), ``study``, ``people``, ``runs`` (the parts of
-``StudyResults``), its own ``words``, and the functions ``table(name)``, ``folded(name, summary)``, ``figure(name)``,
+``StudyResults``), its own ``words``, and the functions ``table(name)``, ``folded(name, summary)`` (a table or figure), ``figure(name)``,
 ``has(name)`` (whether there is such a table) and ``why_absent(stage)``. Filters: ``number``, ``bounded``, ``p``,
 ``percent``, ``count``, ``listed``, ``bullets``. Tables are numbered in the order in which the texts show them; a table
 that no text shows is written to its files alone. Text is escaped, minus and percent are set in one way; a name that is

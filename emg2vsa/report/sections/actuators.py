@@ -132,11 +132,19 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 _TEXT = """
 <p>A gap is Hedges' g, the difference of mean CASR of two specimens over the SD of their presses; the pair is chosen
 once over all conditions. {% if runs.simulated %}In the simulated world the contact area follows from force alone, so
-that the actuator changes only how far the force steps from frame to frame. {% endif %}The intervals come from presses
-within one mounting, and do not include how far mounting again moves CASR.</p>
-{{ table("conditions_compared") }}
+that the actuator changes only how far the force steps from frame to frame. {% endif %}Every condition is a mounting of
+its own: the interval of the difference assumes an SD of {{ mounting_sd_percent | number(2) }} % of CASR from mounting
+to mounting, and those of the gaps do not include it.</p>
+{{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
 {{ folded("conditions", "Every condition alone") }}
 {{ figure("fig14_conditions") }}
 """
 
-ACTUATORS = Section("actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings)
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    return {"mounting_sd_percent": results.study.calibration.mounting_sd_percent}
+
+
+ACTUATORS = Section(
+    "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, words=_words
+)

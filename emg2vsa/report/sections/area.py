@@ -227,7 +227,7 @@ def _differences(
     )
     panels = [
         AreaPanel(
-            f"{table.angles_deg[i]:g}°: mean {number(float(np.nanmean(means[i])))} {unit}", names,
+            f"{table.angles_deg[i]:g}°\nmean {number(float(np.nanmean(means[i])))} {unit}", names,
             [100 * (finite(presses) / np.nanmean(means[i]) - 1) for presses in values[i]], [look[n] for n in names], (),
         )
         for i in designs
@@ -250,7 +250,9 @@ def _differences(
         if pooled
         else ". "
     )
-    told = medians_said([(panel.title, list(zip(panel.names, panel.percent, strict=True))) for panel in panels])
+    told = medians_said(
+        [(panel.title.replace("\n", ", "), list(zip(panel.names, panel.percent, strict=True))) for panel in panels]
+    )
     title = "Initial contact area by specimen and by angle"
     figure = draw_areas(panels, pooled)
     return drawing(results, "fig08_initial_area", title, caption + BOXES, f"Medians in percent. {told}.", figure)
@@ -273,18 +275,18 @@ _TEXT = """
 <p>{% if runs.discrimination.table.algorithm == "paper" %}The table compares A_c0, the area of the first frame in
 contact, whatever its force.{% else %}The first frame in contact comes at a different force in every press, and areas
 grow with force. The table therefore compares areas at the force where loading begins.{% endif %}</p>
-{{ table("verdict_area") }}
+{{ folded("verdict_area", "Tests between specimens compared") }}
 {{ folded("area_by_specimen", "The area in every design") }}
 <h3>Does the initial area depend on the angle?</h3>
 <p>The paper pools all specimens of an angle. The companions also compare the angles on each specimen alone.</p>
-{{ table("verdict_angle") }}
+{{ folded("verdict_angle", "Tests between angles compared") }}
 {{ folded("area_by_angle", "The area on every specimen") }}
 {{ figure("fig08_initial_area") }}
 {{ figure("fig09_first_contact") }}
 <h3>Is each sample Gaussian?</h3>
 <p>The paper chose rank tests because its samples were not Gaussian. The raw form of the test rejects every sample that
 lies far from zero, whatever its shape.</p>
-{{ table("verdict_runs_normality") }}
+{{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """
 
 AREA = Section("area", "Initial contact area", _TEXT, of_tests, _quantities, _tables, _drawings, area_claims)

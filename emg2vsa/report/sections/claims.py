@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, Quantity
 from emg2vsa.report.section import Claim, Quantities, Section
 from emg2vsa.report.table import Column, Row, Table
 from emg2vsa.report.wording import count, p_text, percent
@@ -69,7 +69,7 @@ def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
         yield _stiffness(results, q)
 
 
-def _counted(verdicts: Counter[object]) -> str:
+def _counted(verdicts: Counter[Quantity]) -> str:
     holds, fails, untested = (verdicts[kind] for kind in _KINDS)
     return (
         f"Of {count(verdicts.total(), 'quantitative claim')} of the paper, {holds} hold in this study, {fails} do not, "

@@ -227,9 +227,9 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     figure = draw_calibrations(panels, looks(results), new, found.known_kappa_new)
     origin = f" {SIMULATED}" if any(each.simulated for each in found.conditions) else ""
     caption = (
-        f"Calibration. Stiffness against CASR by the {algorithm} algorithm: pale marks are presses, others their "
-        f"means, the full line the {own[0][1].chosen.law} law, the dotted one the paper's exponential. {new} is read "
-        f"off the full line, with the interval from repeated presses.{origin}"
+        f"Fig. C1. Calibration: stiffness against CASR by the {algorithm} algorithm; pale marks are presses, others "
+        f"their means, the full line the {own[0][1].chosen.law} law, the dotted one the paper's exponential. {new} is "
+        f"read off the full line, with the interval from repeated presses.{origin}"
     )
     told = "; ".join(f"{title}: {span(of.chosen)} N/mm" for title, _, of in panels)
     yield Drawing(
@@ -274,8 +274,8 @@ error by that law is therefore no evidence for it.
 {{ determined }} of {{ designs }} designs{% if truth_known %}; the interval holds the known stiffness in {{ held }} of
 {{ of_held }}{% endif %}. Every specimen was mounted once, so the intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR from one mounting to the next.</p>
-{{ table("table_one_laws") }}
-{{ table("kappa_new") }}
+{{ folded("table_one_laws", "Intervals of κ behind Table I") }}
+{{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
 {{ figure("figcal_calibration") }}
 {% if notes %}

@@ -212,19 +212,19 @@ _TEXT = """
 <p>{% if bound %}The paper's test cannot give neighbours a p below {{ bound }}, even if they do not overlap.
 {% endif %}The p that the paper prints can be reached only without the correction, whose bound is {{ papers_bound }}.
 Presses on one block of silicone speak of that block and that rig, not of all specimens of its stiffness.</p>
-{{ table("verdict_casr") }}
-{{ table("casr_by_specimen") }}
+{{ folded("verdict_casr", "Tests of CASR compared") }}
+{{ folded("casr_by_specimen", "CASR in every design") }}
 {% if new %}
 <h3>Is {{ new }} told from its neighbours?</h3>
 <p>The paper's test ranks all specimens together.{% if new_bound %} It cannot tell neighbours apart here, because its
 smallest p is {{ new_bound }}.{% endif %} The companion, an exact Mann-Whitney test, compares two specimens at a
 time.</p>
-{{ table("new_specimen") }}
+{{ folded("new_specimen", new ~ " and its neighbours in every design") }}
 {% endif %}
-{{ figure("fig10_rigid") }}
-{{ figure("fig12_human_like") }}
-{{ figure("fig13_constant") }}
-{% if notes %}<h3>Notes on the tests</h3>{{ notes | bullets }}{% endif %}
+{{ folded("fig10_rigid", "Figure 10: CASR with the rigid motor") }}
+{{ folded("fig12_human_like", "Figure 12: CASR with human-like stiffness") }}
+{{ folded("fig13_constant", "Figure 13: CASR with constant stiffness") }}
+{% if notes %}<details><summary>Notes on the tests</summary>{{ notes | bullets }}</details>{% endif %}
 """
 
 RATES = Section(

@@ -99,12 +99,12 @@ def _note(notes: Sequence[str], names: list[str]) -> str:
 
 _TEXT = """
 {% if emulated %}
-<p><strong>{{ emulated }} come from a simulated rig.</strong> The emulated actuator, force sensor and camera share one
-world. Agreement with the paper is therefore not a replication.</p>
+<p>{{ q['runs.presses'] }} presses in {{ q['runs.count'] }} runs were scored, {{ q['runs.rejected'] }} were rejected.
+<strong>{{ emulated }} come from a simulated rig,</strong> whose actuator, force sensor and camera share one world.</p>
 {% else %}
 <p><strong>These runs were measured,</strong> as far as their folders say.</p>
 {% endif %}
-{{ table("runs") }}
+{{ folded("runs", "Presses of every condition and angle") }}
 {% if notes %}
 <details><summary>{{ kinds }} of notes about the runs</summary>{{ notes | bullets }}</details>
 {% endif %}

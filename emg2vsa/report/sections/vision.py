@@ -64,7 +64,7 @@ _TEXT = """
 <p>The paper calls "circle" the old algorithm and "hexagon" the new one; a larger gap sets specimens further apart.
 {% if "paper" in runs.discrimination.algorithms.names %}The algorithm "paper" follows equations (1) and (2) to the
 letter, with pins paired one to one.{% endif %}</p>
-{{ table("algorithms") }}
+{{ folded("algorithms", "The algorithms on the same presses") }}
 """
 
 VISION = Section("vision", "Old and new vision algorithm", _TEXT, of_tests, _quantities, _tables)
