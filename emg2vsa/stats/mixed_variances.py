@@ -49,13 +49,13 @@ class MixedVariances:
         boundary = "the restricted likelihood is largest at a variance of 0: only the upper limit is informative"
         return tuple(
             Outcome(
-                method=f"linear mixed model, {name}",
+                method="linear mixed model, profile likelihood (REML)",
                 n=self.n,
                 estimate_name=name,
                 estimate=float(estimate),
                 interval=(float(low), float(high)),
                 confidence=self.confidence,
-                notes=("interval by profile likelihood (REML)", *([] if estimate > 0 else [boundary])),
+                notes=() if estimate > 0 else (boundary,),
             )
             for name, estimate, low, high in rows
         )
