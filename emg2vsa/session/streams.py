@@ -1,0 +1,68 @@
+"""Blocks of samples on the session's clock: what every source of EMG and force hands over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class StreamInfo:
+    """A stream, as its source states it once it has been started.
+
+    kind : "emg" or "force". channels : names, muscle roles or "force". unit : "V" or "N", of every sample handed over.
+    fs_hz : stated rate. range_max : largest value that the source can give, in ``unit``; None where it does not say.
+    delay_s : fixed delay from the body to arrival, which the time stamps take off.
+    facts : what the device says of itself (model, serial, mode, gain, filter), for the record.
+    """
+
+    kind: str
+    channels: tuple[str, ...]
+    unit: str
+    fs_hz: float
+    range_max: float | None = None
+    delay_s: float = 0.0
+    facts: dict[str, str] = field(default_factory=dict)
+
+
+class Block(NamedTuple):
+    """Consecutive samples of a stream.
+
+    samples : (n, channels) in the stream's unit; NaN where the source says that a sample is lost but has a place.
+    first : running number of the first sample since the stream's start, lost ones counted where they are known.
+    arrived_s : when the last sample arrived, on the session's clock, ``delay_s`` not taken off.
+    """
+
+    samples: NDArray[np.float64]
+    first: int
+    arrived_s: float
+
+
+class StreamCounts(NamedTuple):
+    """Since the start: samples that came, and samples known to be lost."""
+
+    samples: int = 0
+    lost: int = 0
+
+
+class Source(Protocol):
+    """A device that measures by itself once started. DeviceError when it is lost, with what to do."""
+
+    @property
+    def info(self) -> StreamInfo:
+        """Known once started."""
+
+    def start(self) -> None:
+        """Begin, and return once first samples have come. DeviceError when none come."""
+
+    def read(self) -> list[Block]:
+        """Blocks since the last call, oldest first; never waits."""
+
+    def counts(self) -> StreamCounts:
+        """Since the start."""
+
+    def close(self) -> None:
+        """Stop measuring and give the device back; never raises."""
