@@ -140,8 +140,7 @@ class Origin:
 
 
 _NO_EVIDENCE = (
-    "The numbers show whether the method recovers what was put in. They are no evidence about people or sensors, and "
-    "agreement with the paper is not a replication."
+    "The numbers show whether the method recovers what was put in; they are no evidence about people or sensors."
 )
 _PERHAPS = (
     "The study file has a [simulation] table, but no table of simulated truth lies beside the recordings. If people "

@@ -59,7 +59,7 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     alone = [key for key in alone if key != f"runs.{_RIGID}.area.angles.worst_p"]
     yield Claim(
         "area_changes_with_angle",
-        "the initial area differs between all angles (Dunn, Bonferroni)",
+        "the initial area differs between all angles (Dunn)",
         f"worst p = {_power(paper.AREA_ANGLES_WORST_P)}",
         p_text(worst) if worst == worst else "not tested",
         worst,
@@ -91,12 +91,12 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
         yield Claim(
             key,
-            f"CASR tells specimens apart with {says} (Dunn, Bonferroni)",
+            f"CASR tells specimens apart with {says} (Dunn)",
             f"worst p = {', '.join(printed)}",
             p_text(_largest(p)) if known else "not tested",
             _largest(p),
             _verdict(known, bool((p < alpha).all())),
-            companion=f"exact Mann-Whitney, Holm: {p_text(_largest(holm))}" if known else "",
+            companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
             why="" if known else _NOT_PRESSED,
         )
     yield from _new_specimen(results, q, alpha)
@@ -114,7 +114,7 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
         p_text(dunn) if known else "not tested",
         dunn,
         _verdict(known, dunn >= alpha),
-        companion=f"exact Mann-Whitney, Holm: {p_text(exact)}" if known else "",
+        companion=f"Mann-Whitney: {p_text(exact)}" if known else "",
         why="This test cannot reach significance for neighbours." if known else _NOT_PRESSED,
     )
 
@@ -224,7 +224,7 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
 def _same_world(q: Quantities, key: str) -> str:
     if key != "human_like" or not q.get("runs.simulated"):
         return ""
-    return "In the simulated world, area follows from force alone."
+    return "In this world, area follows from force alone."
 
 
 def _reduction(

@@ -126,7 +126,7 @@ def rendered(section: Section, results: StudyResults, content: Content) -> str:
         why_absent=results.why_absent,
         **section.words(results, content.quantities),
     )
-    return html.section(section.name, section.title, body)
+    return html.section(section.name, section.title, body.replace(" %", f"{wording.NO_BREAK}%"))
 
 
 def _bullets(texts: Sequence[str]) -> Markup:

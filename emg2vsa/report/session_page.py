@@ -119,7 +119,9 @@ def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
     if trials.overviews:
         traces += [emg_trace(trials, m, f"{name}e{m}") for m in range(len(trials.muscles))]
     raw = " Grey: raw EMG; red: its mean rectified value." if trials.overviews else ""
-    body += html.figure("".join(traces), f"Force and EMG over time. Loading phases are shaded and numbered.{raw}")
+    body += html.figure(
+        "".join(traces), f"{trials.specimen}: force and EMG over time. Loading phases are shaded and numbered.{raw}"
+    )
     if trials.overviews:
         drawn = [spectra(trials, m, f"{name}s{m}") for m in range(len(trials.muscles))]
         drawn.append(median_frequencies(trials, f"{name}m"))
@@ -136,7 +138,7 @@ def _recording(trials: Trials, own: Fits | None, scale: ActivityScale, name: str
         dashed = "solid: ok; dashed: warned (!); dotted: rejected (×); thick: odd beside the others"
         body += html.figure(
             activity_plot(own, scale, f"{name}v"),
-            f"Force bins and fits v = a + b ln F of each press, by its number. Curves: {dashed}.",
+            f"{trials.specimen}: force bins and fits v = a + b ln F of each press, by its number. Curves: {dashed}.",
         )
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()

@@ -21,6 +21,7 @@ from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import Claim, rendered
+from emg2vsa.report.sections.claims import ADVANCING_FRONT_ERROR
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import TERMS
 from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
@@ -323,3 +324,11 @@ def test_works_are_listed_where_the_methods_cite_them(written):
 def test_terms_of_the_page_stand_in_the_glossary_in_the_same_words():
     glossary = (Path(__file__).parents[2] / "docs" / "glossary.md").read_text().splitlines()
     assert [row for term, meaning in TERMS if (row := f"| {term} | {meaning} |") not in glossary] == []
+
+
+def test_the_error_in_the_advancing_front_world_is_that_of_the_benchmark():
+    text = (Path(__file__).parents[2] / "benchmarks" / "results" / "press_worlds.md").read_text()
+    (row,) = [
+        line.split() for line in text.partition("Stiffness by world")[2].splitlines() if line.startswith("front ")
+    ]
+    assert float(row[5]) == pytest.approx(100 * ADVANCING_FRONT_ERROR)

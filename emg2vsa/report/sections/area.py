@@ -282,10 +282,7 @@ grow with force. The table therefore compares areas at the force where loading b
 {{ folded("verdict_angle", "Tests between angles compared") }}
 {{ folded("area_by_angle", "The area on every specimen") }}
 {{ figure("fig08_initial_area") }}
-{{ figure("fig09_first_contact") }}
-<h3>Is each sample Gaussian?</h3>
-<p>The paper chose rank tests because its samples were not Gaussian. The raw form of the test rejects every sample that
-lies far from zero, whatever its shape.</p>
+{{ folded("fig09_first_contact", "Figure 9: contact at each angle at one force") }}
 {{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """
 

@@ -234,8 +234,8 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
 
 
 _TEXT = """
-<p>Each trial was fitted as v = a + b ln F. Smoother points give a larger R² from the same trial, so R² on force bins
-and on samples are shown apart. Neighbouring samples are correlated: a trial carries as much information as about
+<p>Smoother points give a larger R² from the same trial, so R² on force bins and on samples are shown apart.
+Neighbouring samples are correlated: a trial carries as much information as about
 {{ q['fit.n_effective.median'] | number(2) }} independent samples.</p>
 {{ folded("fits_by_specimen", "Fits by specimen") }}
 <p class="small">Every trial, rejected ones included: <a href="tables/fits.csv">tables/fits.csv</a>.

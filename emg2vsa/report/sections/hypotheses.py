@@ -433,8 +433,7 @@ _TEXT = """
 {% if tested is not defined %}
 <p>{{ why_absent("hypotheses") }}</p>
 {% else %}
-<p>All tests are on the slopes b, at α = {{ tested.alpha }}. Each table sets the paper's test beside tests that a
-referee may ask for; none was chosen by the outcome of another.</p>
+<p>All tests are on the slopes b, at α = {{ tested.alpha }}. No test was chosen by the outcome of another.</p>
 
 <h3>Gaussian clusters</h3>
 <p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own
@@ -455,10 +454,9 @@ find a significant one among {{ q['hypotheses.between_participants.tested'] }} t
 
 <h3>Different specimens</h3>
 {% if q['hypotheses.between_specimens.tested'] %}
-<p>{% if over_people %}The paper runs one ANOVA per participant, each about that participant's repetitions only.
-The mixed model, the repeated-measures ANOVA and Friedman's test are about people. One silicone block stands for each
-stiffness.{% else %}With one participant, every test is about that participant's repetitions, not about people.
-{% endif %}</p>
+<p>{% if over_people %}The paper's ANOVAs are about one participant's repetitions each; the mixed model, the
+repeated-measures ANOVA and Friedman's test are about people.{% else %}With one participant, every test is about that
+participant's repetitions, not about people.{% endif %}</p>
 {{ folded("verdict_specimens", "Tests between specimens compared") }}
 {{ folded("anova_specimens", "ANOVA of every participant") }}
 

@@ -262,22 +262,22 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _TEXT = """
-<p>Errors of the paper stand beside ours by the paper's own law, and the law of this study is the companion.
-{% if not truth_known %}
+<p>{% if not truth_known %}
 The stiffness of {{ new }} is not known, so that no error can be stated.
 {% elif runs.simulated %}
-The law of this study and the simulated world share the assumption that sensor and specimen yield in series; a small
-error by that law is therefore no evidence for it.
+Both the law of this study and the simulated world let sensor and specimen yield in series, so a small error is no
+evidence for that law.
 {% endif %}</p>
-{{ table("table_one") }}
-<p>An interval wider than the range of the known stiffnesses determines nothing, and does not count. κ is determined in
+{{ folded("table_one", "Table I of the paper beside ours") }}
+<p>An interval wider than the range of the known stiffnesses determines nothing. κ is determined in
 {{ determined }} of {{ designs }} designs{% if truth_known %}; the interval holds the known stiffness in {{ held }} of
-{{ of_held }}{% endif %}. Every specimen was mounted once, so the intervals assume an SD of
-{{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR from one mounting to the next.</p>
+{{ of_held }}{% endif %}. The intervals assume an SD of
+{{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because each specimen was mounted
+once.</p>
 {{ folded("table_one_laws", "Intervals of κ behind Table I") }}
 {{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
-{{ figure("figcal_calibration") }}
+{{ folded("figcal_calibration", "Figure C1: calibration of every design") }}
 {% if notes %}
 <details><summary>Notes on the estimates</summary>{{ notes | bullets }}</details>
 {% endif %}

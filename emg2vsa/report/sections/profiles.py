@@ -229,7 +229,7 @@ _TEXT = """
 {{ figure("fig04_cocontraction") }}
 {{ folded("profiles", "Coefficients of the profiles") }}
 {% if people.profiles.new %}
-{{ figure("fig11_interpolation") }}
+{{ folded("fig11_interpolation", "Figure 11: interpolated profile of " ~ people.profiles.new.specimen) }}
 {% else %}
 <p>The study names no new specimen, so nothing is interpolated.</p>
 {% endif %}
@@ -238,7 +238,7 @@ _TEXT = """
 {% else %}
 <p>Too few specimens of known stiffness to leave one out.</p>
 {% endif %}
-{{ people.profiles.notes | bullets }}
+<details><summary>Notes on the profiles</summary>{{ people.profiles.notes | bullets }}</details>
 {% endif %}
 """
 
