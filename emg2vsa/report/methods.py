@@ -376,8 +376,8 @@ def _tested(settings: DiscriminationSettings) -> str:
         "Kruskal-Wallis test [@kruskal] with pairs on mean ranks and Bonferroni's correction [@dunn]. Companion tests "
         "were Welch's ANOVA [@welch], exact Mann-Whitney tests [@mann] with Holm's correction [@holm], Bayes factors "
         f"[@rouder] and equivalence within {100 * settings.equivalence_margin:g} % [@schuirmann]. One model of "
-        "ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates]) gave partial ω² with intervals from "
-        "the noncentral F distribution [@steiger]."
+        "ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates]) gave partial ω² with "
+        "intervals from the noncentral F distribution [@steiger]."
     )
 
 
