@@ -97,13 +97,13 @@ class BlockTests:
         )
 
     def outcomes(self) -> tuple[Outcome, ...]:
-        """All tests of the table."""
+        """All tests of the table, the mixed model first: it fits the design, and takes every value."""
         repeated = tuple(self.repeated.outcome(correction=name) for name in ("none", "gg", "hf"))
         mixed = (self.mixed,) if self.mixed else ()
         variances = () if self.variances is None else self.variances.outcomes()
         residuals = () if self.residuals is None else self.residuals.outcomes()
         return (
-            *repeated, self.friedman.outcome(), *mixed, *variances, *residuals, self.icc.outcome(kind="ICC(3,1)")
+            *mixed, *variances, *repeated, self.friedman.outcome(), self.icc.outcome(kind="ICC(3,1)"), *residuals
         )  # fmt: skip
 
 

@@ -73,6 +73,9 @@ _WORKS = (
     Work("mann", "Mann, H. B. and Whitney, D. R.", 1947,
          "On a test of whether one of two random variables is stochastically larger than the other",
          "The Annals of Mathematical Statistics", "18", "50–60", "10.1214/aoms/1177730491"),
+    Work("patterson", "Patterson, H. D. and Thompson, R.", 1971,
+         "Recovery of inter-block information when block sizes are unequal", "Biometrika", "58", "545–554",
+         "10.1093/biomet/58.3.545"),
     Work("rouder", "Rouder, J. N. and Morey, R. D. and Speckman, P. L. and Province, J. M.", 2012,
          "Default Bayes factors for ANOVA designs", "Journal of Mathematical Psychology", "56", "356–374",
          "10.1016/j.jmp.2012.08.001"),
@@ -85,8 +88,14 @@ _WORKS = (
          "10.1007/BF01068419"),
     Work("shapiro", "Shapiro, S. S. and Wilk, M. B.", 1965, "An analysis of variance test for normality (complete "
          "samples)", "Biometrika", "52", "591–611", "10.1093/biomet/52.3-4.591"),
+    Work("steiger", "Steiger, J. H.", 2004,
+         "Beyond the F test: effect size confidence intervals and tests of close fit in the analysis of variance and "
+         "contrast analysis", "Psychological Methods", "9", "164–182", "10.1037/1082-989X.9.2.164"),
     Work("welch", "Welch, B. L.", 1951, "On the comparison of several mean values: an alternative approach",
          "Biometrika", "38", "330–336", "10.1093/biomet/38.3-4.330"),
+    Work("yates", "Yates, F.", 1934,
+         "The analysis of multiple classifications with unequal numbers in the different classes",
+         "Journal of the American Statistical Association", "29", "51–66", "10.1080/01621459.1934.10502686"),
 )  # fmt: skip
 _BY_KEY = {work.key: work for work in _WORKS}
 

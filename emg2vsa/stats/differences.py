@@ -33,7 +33,7 @@ def differences_at(left: Floats, right: Floats, places: Ints) -> Floats:
         return np.stack([np.take_along_axis(ordered, at[..., None], axis=2)[..., 0] for at in index])
     found = np.full(places.shape, np.nan)
     for i, j in np.ndindex(d, q):
-        x, y = (np.sort(side[i, j][~np.isnan(side[i, j])]) for side in (left, right))
+        x, y = (np.sort(side[i, j][~np.isnan(side[i, j])], kind="stable") for side in (left, right))
         if x.size and y.size:
             found[:, i, j] = _at(x, y, np.clip(places[:, i, j], 0, x.size * y.size - 1))
     return found

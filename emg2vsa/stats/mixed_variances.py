@@ -42,22 +42,23 @@ class MixedVariances:
 
     def outcomes(self) -> tuple[Outcome, ...]:
         """Three standard deviations, two ratios."""
-        sds = [f"SD of {source}" for source in SOURCES]
-        ratios = [f"{sd} / {sds[2]}" for sd in sds[:2]]
-        rows = [*zip(sds, self.sd, self.low, self.high, strict=True)]
-        rows += zip(ratios, self.ratio, self.ratio_low, self.ratio_high, strict=True)
+        of = [*SOURCES, *(f"{source} / repetitions" for source in SOURCES[:2])]
+        names = ["SD"] * 3 + ["ratio of SD"] * 2
+        ends = [np.concatenate(pair) for pair in ((self.low, self.ratio_low), (self.high, self.ratio_high))]
         boundary = "the restricted likelihood is largest at a variance of 0: only the upper limit is informative"
         return tuple(
             Outcome(
-                method=f"linear mixed model, {name}",
+                method=f"linear mixed model (REML, profile likelihood), {source}",
                 n=self.n,
                 estimate_name=name,
                 estimate=float(estimate),
                 interval=(float(low), float(high)),
                 confidence=self.confidence,
-                notes=("interval by profile likelihood (REML)", *([] if estimate > 0 else [boundary])),
+                notes=() if estimate > 0 else (boundary,),
             )
-            for name, estimate, low, high in rows
+            for source, name, estimate, low, high in zip(
+                of, names, np.concatenate([self.sd, self.ratio]), *ends, strict=True
+            )
         )
 
 

@@ -88,9 +88,9 @@ def test_a_variance_at_the_boundary_is_said() -> None:
     found = variances(clusters("no_participants.csv").values)
     assert found.sd[0] == found.low[0] == 0 < found.high[0]
     notes = [outcome.notes for outcome in found.outcomes()]
-    assert "variance of 0" in notes[0][1]
-    assert "variance of 0" in notes[3][1]
-    assert len(notes[1]) == len(notes[2]) == 1
+    assert "variance of 0" in notes[0][0]
+    assert "variance of 0" in notes[3][0]
+    assert notes[1] == notes[2] == ()
 
 
 @pytest.mark.parametrize(("shift", "scale"), [(1e6, 1.0), (0.0, 1e-150), (0.0, 1e150), (-3.0, 1e-6)])

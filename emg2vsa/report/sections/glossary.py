@@ -68,6 +68,16 @@ TERMS: tuple[tuple[str, str], ...] = (
     ("JZS", "prior of the Bayes factor after Jeffreys, Zellner and Siow"),
     ("κ (kappa)", "stiffness of a specimen by plate indentation, in N/mm"),
     ("LSD", "Fisher's least significant difference: t tests after an ANOVA without correction for their number"),
+    (
+        "ω², partial ω²",
+        "share of the population's variance that a factor explains, without the upward bias of η²; partial: beside the "
+        "scatter within cells alone",
+    ),
+    (
+        "profile likelihood",
+        "interval of all values of a standard deviation at which the best choice of the other parameters fits almost "
+        "as well",
+    ),
     ("r_rb", "rank-biserial correlation: effect size of the Mann-Whitney test, −1 to 1"),
     ("RMSE", "root mean square error"),
     ("SD, SE", "standard deviation of values; standard error of an estimate"),
