@@ -6,8 +6,10 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 CSS = """
-:root{--ink:#1a1a1a;--muted:#555;--line:#ccc;--soft:#f4f4f2;--link:#00518a;--page:#fff;--good:#00694d;--bad:#a84300;color-scheme:light dark}
-@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--muted:#a8a8a8;--line:#4a4a4a;--soft:#262626;--link:#8ec7f0;--page:#161616;--good:#4fd1a5;--bad:#ff9d5c}
+:root{--ink:#1a1a1a;--muted:#555;--line:#ccc;--soft:#f4f4f2;--link:#00518a;--page:#fff;
+--good:#00694d;--bad:#a84300;color-scheme:light dark}
+@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--muted:#a8a8a8;--line:#4a4a4a;--soft:#262626;--link:#8ec7f0;--page:#161616;
+--good:#4fd1a5;--bad:#ff9d5c}
 figure img,figure svg{filter:brightness(.86)}}
 *{box-sizing:border-box}
 body{margin:0;font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",Arial,sans-serif;color:var(--ink);background:var(--page)}
@@ -63,7 +65,8 @@ margin:0;padding:1.2rem 0;font-size:.9rem}
 .skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:var(--page)}
 @media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible;background:none;break-inside:avoid}
 figure,tr,.say{break-inside:avoid}thead{display:table-header-group}caption,h2,h3,summary{break-after:avoid}
-.wide table{min-width:0;font-size:7.5pt}th,td{padding-right:.4rem}a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
+.wide table{min-width:0;font-size:7.5pt}th,td{padding-right:.4rem}
+a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
 details::details-content{content-visibility:visible;display:block;height:auto}}
 """
 """Readable on a phone, by night and on paper; no fonts or scripts from elsewhere.
@@ -82,7 +85,8 @@ def page(title: str, header: str, nav: Iterable[tuple[str, str]], body: str, foo
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width,initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body{_attribute('class', 'side' if links else '')}>\n"
+        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n"
+        f"<body{_attribute('class', 'side' if links else '')}>\n"
         f'{skip}<header>{header}</header>\n{contents}<main id="main">\n{body}</main>\n'
         f"<footer>{footer}</footer>\n</body>\n</html>\n"
     )
