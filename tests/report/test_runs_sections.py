@@ -214,6 +214,12 @@ def test_runs_that_could_not_be_tested_are_shown_with_the_reason_and_their_claim
     assert found["claims.casr_rigid.verdict"] == found["claims.reduction_both.verdict"] == "cannot be tested here"
 
 
+def test_without_an_estimate_the_reason_is_told(whole, calibration, content):
+    nothing = replace(calibration, conditions=(), notes=("No stiffness was estimated: no new specimen.",))
+    results = replace(whole, runs=replace(whole.runs, calibration=nothing))
+    assert "No stiffness was estimated: no new specimen." in rendered(RUNS, results, content)
+
+
 def test_measured_runs_are_not_called_simulated(run_of, report_of, results):
     runs = [replace(run_of(name, 0.0, "high-stiffness"), simulated=False) for name in KNOWN]
     content = report_of(runs)

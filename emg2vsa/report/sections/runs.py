@@ -78,8 +78,16 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         "emulated": "" if n == 0 else "These runs" if n == len(runs) else f"{n} of {len(runs)} runs",
         "notes": _notes(runs),
         "kinds": count(len(_notes(runs)), "kind"),
-        "untested": "" if results.pressed.discrimination else results.why_absent("discrimination"),
+        "absent": _absent(results),
     }
+
+
+def _absent(results: StudyResults) -> Sequence[str]:
+    """Why sections that tests and calibration fill are not there."""
+    runs = results.pressed
+    if runs.discrimination is None:
+        return [results.why_absent("discrimination")]
+    return runs.calibration.notes if runs.calibration and not runs.calibration.conditions else ()
 
 
 def _notes(runs: Sequence[RunScores]) -> list[str]:
@@ -108,7 +116,9 @@ _TEXT = """
 {% if notes %}
 <details><summary>{{ kinds }} of notes about the runs</summary>{{ notes | bullets }}</details>
 {% endif %}
-{% if untested %}<p>{{ untested }}</p>{% endif %}
+{% for why in absent %}
+<p>{{ why }}</p>
+{% endfor %}
 """
 
 RUNS = Section("runs", "Presses of the rig", _TEXT, of_runs, _quantities, _tables, claims=_claims, words=_words)
