@@ -63,7 +63,7 @@ margin:0;padding:1.2rem 0;font-size:.9rem}
 .skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:var(--page)}
 @media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible;background:none;break-inside:avoid}
 figure,tr,.say{break-inside:avoid}thead{display:table-header-group}caption,h2,h3,summary{break-after:avoid}
-.wide table{min-width:0;font-size:8pt}a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
+.wide table{min-width:0;font-size:7.5pt}th,td{padding-right:.4rem}a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
 details::details-content{content-visibility:visible;display:block;height:auto}}
 """
 """Readable on a phone, by night and on paper; no fonts or scripts from elsewhere.

@@ -17,7 +17,7 @@ from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.table import Column
-from emg2vsa.report.wording import SIMULATED, exact_p, number
+from emg2vsa.report.wording import SIMULATED, number
 from emg2vsa.stats.bootstrap import Bootstrap
 
 DESIGN = Column("design", "Condition, angle")
@@ -80,11 +80,6 @@ def interval_of(found: Bootstrap, i: int) -> tuple[float, float, float]:
 def gap_of(found: Gaps, i: int) -> tuple[float, float, float]:
     """Gap, low and high."""
     return float(found.gap[i]), float(found.low[i]), float(found.high[i])
-
-
-def p_said(p: float) -> str:
-    """``p = .0333``; as the paper prints it."""
-    return f"p = {exact_p(p)}"
 
 
 def looks(results: StudyResults) -> dict[str, Look]:

@@ -109,7 +109,7 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
     new = results.study.profile.new_specimen or "the new specimen"
     yield Claim(
         "new_specimen_at_minimum",
-        f"at the lowest constant stiffness, {new} is not told from its stiffer neighbour (Dunn, Bonferroni)",
+        f"at the lowest constant stiffness, {new} is not told from its stiffer neighbour (Dunn)",
         f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
         p_text(dunn) if known else "not tested",
         dunn,

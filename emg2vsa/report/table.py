@@ -12,7 +12,7 @@ from html import escape
 import numpy as np
 
 from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.report.wording import UNDEFINED, number, p_parts, typeset
+from emg2vsa.report.wording import UNDEFINED, number, p_value, typeset
 
 Cell = str | int | float | bool | None
 Row = Mapping[str, Cell]
@@ -39,7 +39,7 @@ class Column:
         if isinstance(value, str):
             return typeset(value)
         if self.key == "p" or self.key.startswith("p_"):
-            return " ".join(p_parts(value)).removeprefix("= ")
+            return p_value(value)
         return number(value * self.factor if self.factor != 1 else value, self.digits)
 
 

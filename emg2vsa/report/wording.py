@@ -87,6 +87,11 @@ def interval(estimate: float, low: float, high: float) -> str:
     return UNDEFINED if estimate != estimate else f"{number(estimate)} [{number(low)}, {number(high)}]"
 
 
+def p_value(p: float) -> str:
+    """``.039``, ``< .001``: a p where the letter stands beside it."""
+    return " ".join(p_parts(p)).removeprefix("= ")
+
+
 def exact_p(p: float) -> str:
-    """As the paper prints a p: four decimals, two digits below .0001."""
+    """A p of the paper, as it prints them: four decimals, two digits below .0001."""
     return bounded(p, 4) if p >= 1e-4 or p != p else number(p, 2)

@@ -34,7 +34,6 @@ from emg2vsa.report.designs import (
     medians_said,
     moments,
     of_tests,
-    p_said,
     tested,
 )
 from emg2vsa.report.drawing import STARS, Drawing
@@ -45,7 +44,7 @@ from emg2vsa.report.rig_claims import area_claims
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table, rows_of
 from emg2vsa.report.verdicts import change, how_many
-from emg2vsa.report.wording import area_unit, exact_p, number
+from emg2vsa.report.wording import area_unit, number, p_text, p_value
 from emg2vsa.runs import PICTURED_N
 
 _MANY = "designs"
@@ -133,8 +132,8 @@ def _by_angle(found: Discrimination) -> Table:
             "specimens": [name or "all" for name in of.specimens],
             **dict(zip(angles, of.mean.T, strict=True)),
             "p": of.groups.kruskal.p,
-            "worst_p": [exact_p(of.worst_p(i)) for i in range(len(of.conditions))],
-            "worst_p_holm": [exact_p(float(np.fmax.reduce(p, initial=np.nan))) for p in of.pairs.p_rank_holm],
+            "worst_p": [p_value(of.worst_p(i)) for i in range(len(of.conditions))],
+            "worst_p_holm": [p_value(float(np.fmax.reduce(p, initial=np.nan))) for p in of.pairs.p_rank_holm],
             "falls": [of.falls(i) for i in range(len(of.conditions))],
         }
     ) if of else ()  # fmt: skip
@@ -182,7 +181,7 @@ def _worst(of: AreaByAngle, rows: list[int], p: Floats) -> str:
         return "not defined"
     row, pair = np.unravel_index(int(np.nanargmax(own)), own.shape)
     ends = " and ".join(f"{of.angles_deg[end[pair]]:g}°" for end in (of.pairs.first, of.pairs.second))
-    return f"worst {p_said(float(own[row, pair]))} ({', '.join(filter(None, (of.specimens[rows[int(row)]], ends)))})"
+    return f"worst {p_text(float(own[row, pair]))} ({', '.join(filter(None, (of.specimens[rows[int(row)]], ends)))})"
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -239,7 +238,7 @@ def _differences(
         pooled = AreaPanel(
             f"beside {angles[0]}", angles, shares, [POOLED] * len(designs), _bars(found, condition, designs)
         )
-    each = "; ".join(f"{table.angles_deg[i]:g}°: {p_said(float(p[i]))}" for i in designs)
+    each = "; ".join(f"{table.angles_deg[i]:g}°: {p_text(float(p[i]))}" for i in designs)
     caption = (
         f"Fig. 8. Initial area where loading begins, {condition}, by the {table.algorithm} algorithm. By specimen: "
         f"difference from the mean of all specimens at the same angle (Kruskal-Wallis, {each})"

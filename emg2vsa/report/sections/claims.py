@@ -120,9 +120,11 @@ def _stiffness(results: StudyResults, q: Quantities) -> str:
         if q["runs.simulated"]
         else ""
     )
+    determined = [bool(value) for key, value in q.items() if key.endswith(f".{own}.kappa.determined")]
+    known = f"; its interval determines it in {sum(determined)} of {len(determined)}" if determined else ""
     return (
         f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}, "
-        f"{by_paper} by the paper's law{shared}."
+        f"{by_paper} by the paper's law{known}{shared}."
     )
 
 

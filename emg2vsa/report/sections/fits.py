@@ -214,7 +214,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     r2 = float(q["fit.adj_r2_samples.min"])
     yield Claim(
         "log_fit_r2",
-        "a + b ln F describes every press",
+        "the law a + b ln F describes every press",
         "worst adjusted R² .832",
         bounded(r2),
         r2,

@@ -270,7 +270,7 @@ evidence for that law.
 {% endif %}</p>
 {{ folded("table_one", "Table I of the paper beside ours") }}
 <p>An interval wider than the range of the known stiffnesses determines nothing. κ is determined in
-{{ determined }} of {{ designs }} designs{% if truth_known %}; the interval holds the known stiffness in {{ held }} of
+{{ determined }} of {{ designs }} designs{% if of_held %}; the interval holds the known stiffness in {{ held }} of
 {{ of_held }}{% endif %}. The intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because each specimen was mounted
 once.</p>

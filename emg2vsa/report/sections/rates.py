@@ -35,7 +35,7 @@ from emg2vsa.report.rig_claims import rate_claims
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Table, rows_of
 from emg2vsa.report.verdicts import change, dunn_bounds, how_many
-from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed
+from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value
 
 _RAW = (
     "Left: contact area against force, a part of the frames of all presses, and a power law through them. Right: CASR."
@@ -116,8 +116,8 @@ def _by_specimen(found: Discrimination) -> Table:
             ],
             "p": spread.groups.kruskal.p,
             "worst_paper": [exact_p(paper.CASR_WORST_P.get(design, np.nan)) for design in designs],
-            "worst_dunn": [exact_p(p) for p in spread.worst_p.tolist()],
-            "worst_holm": [exact_p(p) for p in spread.worst_p_holm.tolist()],
+            "worst_dunn": [p_value(p) for p in spread.worst_p.tolist()],
+            "worst_holm": [p_value(p) for p in spread.worst_p_holm.tolist()],
             "smallest_g": np.fmin.reduce(np.abs(spread.pairs.g), axis=1, initial=np.nan),
         }
     )
@@ -202,9 +202,9 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     return {
         "notes": found.notes,
         "new": found.new.name if found.new else "",
-        "bound": exact_p(known[1]) if known else "",
+        "bound": p_value(known[1]) if known else "",
         "papers_bound": bounded(papers[0], 4),
-        "new_bound": exact_p(every[1]) if every and every[1] >= found.settings.alpha else "",
+        "new_bound": p_value(every[1]) if every and every[1] >= found.settings.alpha else "",
     }
 
 
