@@ -30,7 +30,7 @@ from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.profiles import build_profiles
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.report.failures import Failure
-from emg2vsa.report.inputs import StudyResults, without_samples
+from emg2vsa.report.inputs import People, StudyResults, without_samples
 from emg2vsa.report.session_page import write_session_page
 from emg2vsa.report.study_report import write_study_report
 from emg2vsa.schedules.build import build_schedules
@@ -111,7 +111,8 @@ def measure(made: Path, size: int) -> dict[str, float]:
         schedules = build_schedules(profiles, study.schedule, {})
         failures = tuple(Failure(entry.key, "trials", f"{entry.emg_file}: cut") for entry in study.recordings[::100])
         with timed(found, "report"):
-            results = StudyResults(study, tuple(trials), whole, hypotheses, profiles, schedules, failures)
+            people = People(whole, tuple(trials), hypotheses, profiles, schedules)
+            results = StudyResults(study, people, failures=failures)
             write_study_report(results, out)
         found["index MB"] = (out / "index.html").stat().st_size / 1e6
     found["peak MB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -6,13 +6,16 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 CSS = """
-:root{--ink:#1a1a1a;--muted:#555;--line:#ccc;--soft:#f4f4f2;--link:#00518a;--page:#fff;color-scheme:light dark}
-@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--muted:#a8a8a8;--line:#4a4a4a;--soft:#262626;--link:#8ec7f0;--page:#161616}}
+:root{--ink:#1a1a1a;--muted:#555;--line:#ccc;--soft:#f4f4f2;--link:#00518a;--page:#fff;
+--good:#00694d;--bad:#a84300;color-scheme:light dark}
+@media(prefers-color-scheme:dark){:root{--ink:#e8e8e8;--muted:#a8a8a8;--line:#4a4a4a;--soft:#262626;--link:#8ec7f0;--page:#161616;
+--good:#4fd1a5;--bad:#ff9d5c}
+figure img,figure svg{filter:brightness(.86)}}
 *{box-sizing:border-box}
 body{margin:0;font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",Arial,sans-serif;color:var(--ink);background:var(--page)}
 header,nav,main,footer{max-width:68rem;margin:0 auto;padding:0 1rem}
 h1{font-size:1.6rem;line-height:1.2;margin:1.2rem 0 .3rem;overflow-wrap:anywhere}
-h2{font-size:1.25rem;margin:2.2rem 0 .5rem;padding-top:.5rem;border-top:1px solid var(--line)}
+h2{font-size:1.3rem;margin:2rem 0 .4rem;padding-top:.5rem;border-top:1px solid var(--line)}
 h3{font-size:1.05rem;margin:1.4rem 0 .3rem}
 p,ul{max-width:46rem;margin:.5rem 0}
 a{color:var(--link)}
@@ -29,7 +32,7 @@ nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;list-style:none;padding:0;max-
 figure{margin:1rem 0}
 .pictures figure{margin:0}
 figure h3{margin:0 0 .3rem}
-figure img,figure svg{display:block;width:100%;height:auto;background:#fff}
+figure img,figure svg{display:block;width:100%;height:auto;background:#fff;border-radius:.2rem}
 .pictures img,.pictures svg{border:1px solid var(--line)}
 .wide{overflow-x:auto;background:
 linear-gradient(90deg,var(--page) 2rem,transparent) 0/4rem 100% no-repeat local,
@@ -37,25 +40,39 @@ linear-gradient(-90deg,var(--page) 2rem,transparent) 100%/4rem 100% no-repeat lo
 linear-gradient(90deg,#8888,transparent) 0/.8rem 100% no-repeat scroll,
 linear-gradient(-90deg,#8888,transparent) 100%/.8rem 100% no-repeat scroll}
 @media(max-width:40rem){.wide table{min-width:34rem}}
-table{border-collapse:collapse;font-size:.86rem;margin:.5rem 0;font-variant-numeric:tabular-nums}
+table{border-collapse:collapse;font-size:.86rem;margin:.8rem 0;font-variant-numeric:tabular-nums}
 caption{text-align:left;padding:.2rem 0}
-th,td{padding:.15rem .7rem .15rem 0;text-align:left;vertical-align:top}
-th{border-bottom:1px solid var(--ink);vertical-align:bottom}
+caption b{color:var(--ink)}
+th,td{padding:.22rem .8rem .22rem 0;text-align:left;vertical-align:top}
+th{border-bottom:1px solid var(--ink);border-top:1px solid var(--ink);vertical-align:bottom;font-weight:600}
+tbody th{border-top:0}
 td,tbody th{border-bottom:1px solid var(--line);font-weight:inherit}
 .n{text-align:right}
+.verdict{font-weight:600;min-width:6.5rem}td>a{text-decoration:none}td>a:hover{text-decoration:underline}
+.holds .verdict{color:var(--good)}.fails .verdict{color:var(--bad)}.untested .verdict{color:var(--muted)}
 details{margin:.5rem 0}
 summary{cursor:pointer;color:var(--link)}
 dl{display:grid;grid-template-columns:minmax(5rem,auto) minmax(0,1fr);gap:.2rem 1rem;max-width:52rem;margin:.5rem 0}
 dt{font-weight:600}dd{margin:0;overflow-wrap:anywhere}
 code{font-size:.85rem;overflow-wrap:anywhere}
 footer{margin:2rem auto}
+@media(min-width:72rem){
+.side{display:grid;grid-template-columns:14rem minmax(0,62rem);column-gap:1.5rem;justify-content:center;padding:0 1rem}
+.side>header,.side>main,.side>footer{grid-column:2;margin-left:0;margin-right:0;padding:0;max-width:none;width:100%}
+.side>nav{grid-column:1;grid-row:1/span 3;position:sticky;top:0;align-self:start;max-height:100vh;overflow:auto;
+margin:0;padding:1.2rem 0;font-size:.9rem}
+.side>nav ul{display:block}.side>nav li{margin:.25rem 0}.side>nav a{text-decoration:none}}
 .skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:var(--page)}
-@media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible}figure,tr{break-inside:avoid}
-h2{break-after:avoid}a{color:inherit;text-decoration:none}details:not([open])>*{display:none}}
+@media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible;background:none;break-inside:avoid}
+figure,tr,.say{break-inside:avoid}thead{display:table-header-group}caption,h2,h3,summary{break-after:avoid}
+.wide table{min-width:0;font-size:7.5pt}th,td{padding-right:.4rem}
+a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
+details::details-content{content-visibility:visible;display:block;height:auto}}
 """
-"""One column, readable on a phone, by night and on paper; no fonts or scripts from elsewhere.
+"""Readable on a phone, by night and on paper; no fonts or scripts from elsewhere.
 
-What is wider than the page scrolls sideways, with a shadow at the edge behind which there is more.
+A wide screen keeps the contents at its left side. What is wider than the page scrolls sideways, with a shadow at the
+edge behind which there is more. On paper nothing is folded, and a table is not parted from its head.
 """
 
 
@@ -68,7 +85,8 @@ def page(title: str, header: str, nav: Iterable[tuple[str, str]], body: str, foo
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width,initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n<body>\n"
+        f"<title>{escape(title)}</title>\n<style>{style}</style>\n</head>\n"
+        f"<body{_attribute('class', 'side' if links else '')}>\n"
         f'{skip}<header>{header}</header>\n{contents}<main id="main">\n{body}</main>\n'
         f"<footer>{footer}</footer>\n</body>\n</html>\n"
     )
@@ -119,9 +137,9 @@ def pairs(facts: Iterable[tuple[str, str]]) -> str:
 
 def figure(svg: str, caption: str, data: str = "") -> str:
     """A drawing with caption; ``svg`` and ``data`` (its numbers as a table) are HTML."""
-    label = escape(caption.split(".")[0])
+    label = escape(caption.removeprefix("Fig. ").split(".")[0])
     return (
-        f'<figure><div class="wide" role="region" tabindex="0" aria-label="{label}">{svg}</div>'
+        f'<figure><div class="wide" role="region" tabindex="0" aria-label="Figure: {label}">{svg}</div>'
         f"<figcaption>{escape(caption)}</figcaption>\n{data}</figure>\n"
     )
 

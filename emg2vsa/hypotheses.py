@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.companions.force_laws import ForceLaws, force_laws
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import HypothesisSettings
 from emg2vsa.stats.clusters import Clusters, Names, clusters_of
 from emg2vsa.stats.power import n_for_power, power_rm
+from emg2vsa.stats.trend import Trend, trend
 
 EFFECT_F, RHO, EPSILON, TARGET = 0.25, 0.5, 1.0, 0.8
 """Assumptions of the power: effect size of the paper, its target; correlation and sphericity as G*Power's."""
@@ -49,13 +51,41 @@ class Hypotheses:
     "Participant and pair of it, as numbers; (-1, -1) where there is none."
     kept: tuple[str, ...]
     power: Powers
+    trend: Trend
+    "Of b over the number of the repetition."
+    laws: ForceLaws
+    "Power law and straight line beside the logarithm."
     alpha: float
     notes: tuple[str, ...]
+
+    @property
+    def claims(self) -> dict[str, float]:
+        """p of what section IV.B claims, each the largest of the tests that the claim needs; NaN: not tested.
+
+        specimens_within_participants : b differs between specimens in every participant (ANOVA).
+        kept_pairs_within_participants : every two kept specimens differ in every participant (LSD).
+        specimens_over_participants : specimens differ over participants (repeated measures, Greenhouse-Geisser).
+        participants_equal : every two participants are equal within the margin (TOST); only where there is a margin.
+        """
+        blocks, tost = self.tests.blocks, self.tests.equality.tost
+        over = np.nan if blocks is None else blocks.repeated.p_gg[0]
+        claims = {
+            "specimens_within_participants": _largest(self.tests.between_groups.anova.p),
+            "kept_pairs_within_participants": self.worst_p,
+            "specimens_over_participants": over,
+        }
+        equal = {} if tost is None else {"participants_equal": _largest(tost.p)}
+        return {name: float(p) for name, p in (claims | equal).items()}
+
+
+def _largest(p: Floats) -> float:
+    return float(np.max(p)) if p.size else float("nan")
 
 
 def test_hypotheses(fits: Fits, settings: HypothesisSettings) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study."""
-    clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, usable(fits, settings.use))
+    admitted = usable(fits, settings.use)
+    clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
     kept = settings.kept_specimens or tuple(clusters.specimens.tolist())
     tests = table_tests(clusters, settings.alpha, settings.equivalence_margin_sd, "sd")
     worst = _worst(tests.pairs.lsd.p, clusters, kept)
@@ -70,6 +100,14 @@ def test_hypotheses(fits: Fits, settings: HypothesisSettings) -> Hypotheses:
         worst=worst,
         kept=kept,
         power=power,
+        trend=trend(
+            fits.participant[admitted],
+            fits.specimen[admitted],
+            fits.repetition[admitted],
+            fits.b_v[admitted],
+            1 - settings.alpha,
+        ),
+        laws=force_laws(fits, settings.use, 1 - settings.alpha),
         alpha=settings.alpha,
         notes=(*_left_out(clusters), *_incomplete(clusters, kept, tests.pairs.lsd.p), power_note),
     )

@@ -100,11 +100,12 @@ def _picture(area: float) -> ContactPicture:
     grid = np.stack(np.meshgrid(np.arange(-7, 8), np.arange(-7, 8)), axis=-1).reshape(-1, 2)
     pins = 150 + pitch * grid @ np.array([[1.0, 0.0], [0.5, np.sqrt(0.75)]])
     from_centre = np.linalg.norm(pins - 150, axis=1)
-    pins, from_centre = pins[from_centre < 125], from_centre[from_centre < 125]
+    pins = pins[from_centre < 125]
     across, down = (np.exp(-((np.arange(300) - at[:, None]) ** 2) / 18) for at in pins.T)
     image = 12 + 200 * down.T @ across
-    within = from_centre < 16 * np.sqrt(area / np.pi)
-    return ContactPicture(np.clip(image, 0, 255).astype(np.uint8), pins, pins[within], area)
+    turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    outline = 150 + 16 * np.sqrt(area / np.pi) * np.column_stack([np.cos(turn), np.sin(turn)])
+    return ContactPicture(np.clip(image, 0, 255).astype(np.uint8), 1.02, outline, area)
 
 
 @pytest.fixture(scope="session")

@@ -24,7 +24,9 @@ def fits_of(participant: list[str], specimen: list[str], b: np.ndarray, verdict:
     columns = {f.name: np.zeros(n) for f in dataclasses.fields(Fits)}
     texts = {"activity_unit": "V", "points": "bins", "weights": "none", "confidence": 0.95}
     names = {"participant": np.array(participant, dtype=np.str_), "specimen": np.array(specimen, dtype=np.str_)}
-    return Fits(**columns | texts | names | {"b_v": b, "verdict": np.full(n, verdict, dtype="<U8")})  # type: ignore[arg-type]
+    bins = {"bin_force_n": np.full((n, 4), np.nan), "bin_v": np.full((n, 4), np.nan)}
+    verdicts = {"verdict": np.full(n, verdict, dtype="<U8")}
+    return Fits(**columns | texts | names | bins | verdicts | {"b_v": b})  # type: ignore[arg-type]
 
 
 def study(participants: int = 14, specimens: int = 5, repetitions: int = 10, seed: int = 0) -> tuple[Fits, np.ndarray]:
@@ -250,3 +252,17 @@ def test_identical_values_are_undefined_not_significant() -> None:
     assert np.isnan(result.tests.pairs.p_holm).all()
     assert np.isnan(result.worst_p)
     assert any("6 of 6 pairs" in note for note in result.notes)
+
+
+def test_claims_trend_and_laws() -> None:
+    """b has no trend here and no force bins: the one is tested, the other says why it is not."""
+    fits, b = study()
+    fits = dataclasses.replace(fits, repetition=np.arange(b.size) % 10 + 1)
+    found = hypotheses.test_hypotheses(fits, dataclasses.replace(PAPER, equivalence_margin_sd=1.0))
+    claims = found.claims
+    assert claims["kept_pairs_within_participants"] == found.worst_p
+    assert claims["specimens_within_participants"] == np.max(found.tests.between_groups.anova.p)
+    assert claims["participants_equal"] > 0.05
+    assert found.trend.blocks.size == 14
+    assert found.trend.p > 0.001
+    assert np.isnan(found.laws.p).all()

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.contact_area.rules import lattice_cell
-from casr.overlays.canvas import GREEN, ORANGE, RED, SKY, Picture, photo, view_of
+from casr.overlays.canvas import Picture, photo, view_of
+from casr.palette import GREEN, RED, SKY, YELLOW
 from casr.pins import pin_pitch_px
 from casr.pins.lattice import nearest_pins
 from casr.pins.sites import lattice_kind
@@ -33,7 +34,7 @@ def pins_picture(
     chosen = np.zeros(len(rest_px), dtype=bool)
     chosen[initial.selected] = True
     known = np.isfinite(moved_px).all(axis=1)
-    for which, colour, words in ((chosen, ORANGE, "counted in A_c0 (skin)"), (~chosen & known, SKY, "not counted")):
+    for which, colour, words in ((chosen, YELLOW, "counted in A_c0 (skin)"), (~chosen & known, SKY, "not counted")):
         axes.rings(rest_px[which], colour, label=f"{words} ({which.sum()})")
         axes.arrows(rest_px[which], times * moved_px[which], colour)
     if not known.all():
@@ -61,7 +62,7 @@ def area_picture(
     axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pin_pitch_px(rest_px)))
     if initial.rule in _HEXAGON_RULES:
         cells = hexagons(rest_px[initial.selected], rest_px)
-        axes.areas(cells, ORANGE, opacity=0.45, label=f"hexagon of each counted pin ({len(cells)})")
+        axes.areas(cells, YELLOW, opacity=0.45, label=f"hexagon of each counted pin ({len(cells)})")
     axes.dots(contact_px, SKY, size=3, label="pin at first contact")
     axes.outline(initial.polygon_px, RED, width=2.4, label="outline of the area")
     if region_px is not None:

@@ -12,9 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-INK, MUTED, FAINT, GRID = "#1a1a1a", "#555555", "#a0a0a0", "#d9d9d9"
-BLUE, GREEN, SKY, ORANGE, RED = "#0072B2", "#009E73", "#56B4E9", "#E69F00", "#D55E00"
-"Okabe and Ito (2008)."
+from casr.palette import GRID, INK, MUTED
 
 Array = NDArray[np.float64]
 View = tuple[float, float, float, float]

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.overlays.canvas import BLUE, FAINT, GREEN, MUTED, ORANGE, Picture, plot
+from casr.overlays.canvas import Picture, plot
+from casr.palette import BLUE, FAINT, GREEN, MUTED, YELLOW
 from casr.spread import readable
 from casr.spread.correlated_errors import normal_quantile
 from casr.spread.rate import CONFIDENCE
@@ -41,7 +42,7 @@ def area_curve(score: Score) -> Picture:
     if rate is not None:
         if law.size:
             axes.line(law, MUTED, width=1.2, label="power law")
-        axes.line(rate.chord, ORANGE, width=2.2, label=rate.label)
+        axes.line(rate.chord, YELLOW, width=2.2, label=rate.label)
         caption += rate.caption
     if not counts.all():
         axes.crosses(np.column_stack([x, front.area])[~counts], FAINT, label="front, not determined")

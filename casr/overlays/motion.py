@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.flow.divergence import divergence, mean_divergence, region_mask
-from casr.overlays.canvas import GREEN, RED, Picture, colours_of, photo, view_of
+from casr.overlays.canvas import Picture, colours_of, photo, view_of
+from casr.palette import GREEN, RED
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:

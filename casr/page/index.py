@@ -11,6 +11,7 @@ import numpy as np
 from casr import html
 from casr.page.press import whole_page
 from casr.page.wording import UNDEFINED, number, verdict
+from casr.palette import BLUE
 from casr.spread import readable
 
 if TYPE_CHECKING:
@@ -99,5 +100,5 @@ def _curve(score: Score, high_n: float, high: float) -> str:
     return (
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{label}" '
         f'fill="#1a1a1a" font-size="12"><path d="M{_LEFT} {_TOP}V{floor}H{right}" fill="none" stroke="#555"/>'
-        f'<path d="{dots}" stroke="#0072B2" stroke-width="4" stroke-linecap="round"/>{words}</svg>'
+        f'<path d="{dots}" stroke="{BLUE}" stroke-width="4" stroke-linecap="round"/>{words}</svg>'
     )

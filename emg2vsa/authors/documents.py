@@ -51,6 +51,7 @@ def readme(name: str, title: str, about: str, files: Mapping[str, bytes]) -> str
         "numbers.tex names, after each macro, the key of its number; results.csv lists keys, values, units, macros and",
         "the steps behind each number; provenance.json says what those steps took. A number with a unit is set by",
         r"\emgquantity and a p by \emgp: define them before numbers.tex to set them your way.",
+        r"Figures keep the numbers of the study; \newcommand{\emgfigure}[1]{} lets LaTeX count them.",
         "To see everything at once, compile proof.tex (twice, for long tables) in this folder.",
         "supplement.zip holds all of this folder as an RO-Crate 1.1, ready to deposit. Its date and licence are yours",
         "to say: --published 2026-01-31 --licence https://creativecommons.org/licenses/by/4.0/",
@@ -80,8 +81,19 @@ def _first(files: Iterable[str], folder: str) -> str:
     return found[0].removesuffix(".tex") if found else ""
 
 
+def _paragraphs(text: str) -> list[str]:
+    """Plain text as LaTeX: a line alone above its paragraph is a heading."""
+    made = []
+    for block in filter(None, text.strip().split("\n\n")):
+        heading, _, body = block.partition("\n")
+        made += [rf"\subsection*{{{latex_text(heading)}}}", latex_text(body)] if body else [latex_text(heading)]
+        made.append("")
+    return made
+
+
 def proof(title: str, files: Mapping[str, bytes]) -> str:
-    """A document with every table and figure, then every macro beside its key; tables over pages after the others."""
+    """A document that begins with the methods, so that its first page has text; then every table and figure, tables
+    over pages after the others, and every macro beside its key."""
     floats = [name for name in sorted(files) if name.endswith(".tex") and "/" in name]
     long = [name for name in floats if b"longtable" in files[name].partition(b"\n")[0]]
     macros = [name for name in ("numbers.tex", "statements.tex") if name in files]
@@ -96,6 +108,7 @@ def proof(title: str, files: Mapping[str, bytes]) -> str:
             r"\documentclass[10pt,twocolumn]{article}", r"\usepackage[margin=18mm]{geometry}",
             rf"\usepackage{{{','.join(packages(files))}}}", *(rf"\input{{{name}}}" for name in macros),
             r"\begin{document}", rf"\title{{{latex_text(title)}}}\author{{}}\date{{}}\maketitle",
+            *_paragraphs(files.get("methods.txt", b"").decode()),
             # floats beyond a page's worth would be too many to hold back
             *(rf"\input{{{name}}}\clearpage" if i % 4 == 3 else rf"\input{{{name}}}"
               for i, name in enumerate(name for name in floats if name not in long)),

@@ -19,8 +19,7 @@ from emg2vsa.authors.lineage import Lineage, lineage
 from emg2vsa.errors import DataError
 from emg2vsa.pipeline.plan import Board
 from emg2vsa.pipeline.stages.report import results_of
-from emg2vsa.report.numbers_files import macro_names
-from emg2vsa.report.quantity import unit_of
+from emg2vsa.report.numbers import macro_names, unit_of
 from emg2vsa.report.study_report import write_figure_pdfs
 from emg2vsa.study import Study
 

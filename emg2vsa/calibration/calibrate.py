@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.laws import LawFit, fit_law
-from emg2vsa.calibration.presses import mean_of
+from emg2vsa.calibration.presses import mean_of, within
 from emg2vsa.curves.weighted_rows import weighted_rows
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings
@@ -32,8 +32,8 @@ class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
     kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. mount_share,
-    other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``; mean_casr :
-    (d, S). fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
+    mounting_sd, other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``;
+    mean_casr : (d, S). fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
     left_out : (d, S) kappa of each specimen as the others predict it.
     """
 
@@ -43,6 +43,7 @@ class Calibration:
     kappa: Floats
     kappa_se: Floats
     mount_share: float
+    mounting_sd: float
     other_exponent: float
     casr: Floats
     mean_casr: Floats
@@ -56,6 +57,20 @@ class Calibration:
         """(d, S) relative error of each specimen's kappa as the others predict it; .05 is 5 % too stiff."""
         return self.left_out / self.kappa - 1
 
+    @property
+    def monotone(self) -> NDArray[np.bool_]:
+        """(d,) whether mean CASR changes with kappa in one direction, that of the fit.
+
+        Two specimens contradict it if their means lie the wrong way round by more than the standard error of their
+        difference, from presses and mountings. Specimens whose kappa differ by less than their standard error do not.
+        """
+        variance, n = within(self.casr)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            square = np.nan_to_num(variance / n) + (self.mounting_sd * self.mean_casr) ** 2
+            wrong = _differences(self.mean_casr) * np.where(self.fit.rises, -1, 1)[:, None, None]
+            ordered = _differences(self.kappa) > np.sqrt(_sums(self.kappa_se**2))
+            return np.asarray(~np.any(ordered & (wrong > np.sqrt(_sums(square))), axis=(1, 2)))
+
     def equation(self, i: int = 0) -> str:
         """The fitted law in numbers, with units: those of the parameters hang on them."""
         law = _EQUATIONS[self.settings.law].format(*self.fit.parameters[i])
@@ -67,6 +82,11 @@ class Calibration:
         notes = _about_specimens(n, self.settings)
         if np.isnan(self.fit.slope[i]):
             notes = ("undefined: the law cannot be fitted to these scores", *notes)
+        elif not self.monotone[i]:
+            notes += (
+                "no stiffness: CASR does not change with kappa in one direction, so that one score belongs to several "
+                "stiffnesses",
+            )
         elif self.fit.rises[i]:
             notes += ("kappa rises with CASR: softer specimens should have the larger score",)
         return notes
@@ -81,13 +101,15 @@ def calibrate(
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
     mount_share: float = 0.0,
+    mounting_sd: float = 0.0,
     other_exponent: float = HERTZ,
 ) -> Calibration:
     """Fit a law through specimens of known stiffness.
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
-    kappa_se : standard errors of kappa. mount_share : see ``forms``. other_exponent : that the presses show in place
-    of Hertz's, see ``forms``. All three widen the interval from repeats and do not change the fit.
+    kappa_se : standard errors of kappa. mount_share : of the angle, see ``forms``. mounting_sd : standard deviation of
+    a score from one mounting to the next, as a share of it. other_exponent : that the presses show in place of Hertz's,
+    see ``forms``. All four widen the interval from repeats and do not change the fit.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -108,6 +130,7 @@ def calibrate(
         kappa=stiffness,
         kappa_se=_checked_kappa_se(kappa_se, stiffness),
         mount_share=mount_share,
+        mounting_sd=mounting_sd,
         other_exponent=other_exponent,
         casr=scores,
         mean_casr=means,
@@ -155,6 +178,15 @@ def _about_specimens(n: int, settings: CalibrationSettings) -> tuple[str, ...]:
     if settings.points == "repetitions":
         notes += ("presses of one specimen are repeats: more of them do not test the law",)
     return notes
+
+
+def _differences(values: Floats) -> Floats:
+    """(d, S, S): value of one specimen less that of another, of values (d, S)."""
+    return values[:, :, None] - values[:, None, :]
+
+
+def _sums(values: Floats) -> Floats:
+    return values[:, :, None] + values[:, None, :]
 
 
 def _three_dimensional(casr: ArrayLike) -> Floats:

@@ -23,23 +23,31 @@ class Situation:
 
     kappa : N/mm, of the specimen to be estimated. kappa_range : of the calibration specimens, N/mm, which are spread
     evenly in ln kappa. noise : standard deviation of a press's CASR, as a share of it. kappa_error : standard error of
-    each known kappa, as a share of it. sensor_n_per_mm : stiffness of the sensor under the punch that measured kappa,
-    the -1/a of a compliance calibration.
+    each known kappa, as a share of it. mounting_sd : standard deviation of CASR from one mounting to the next, as a
+    share of it; every specimen is mounted once. sensor_n_per_mm : stiffness of the sensor under the punch that measured
+    kappa, the -1/a of a compliance calibration.
     """
 
     kappa: float
     kappa_range: tuple[float, float]
     noise: float
     kappa_error: float = 0.0
+    mounting_sd: float = 0.0
     sensor_n_per_mm: float
 
     def __post_init__(self) -> None:
         low, high = self.kappa_range
         amounts = (self.kappa, low, high, self.noise, self.sensor_n_per_mm)
-        if not (all(0 < amount < np.inf for amount in amounts) and low < high and 0 <= self.kappa_error < 1):
+        if not (
+            all(0 < amount < np.inf for amount in amounts)
+            and low < high
+            and 0 <= self.kappa_error < 1
+            and 0 <= self.mounting_sd < 0.5
+        ):
             raise SettingError(
                 "design",
-                wanted="stiffnesses and noise above 0, a rising range, and an error of kappa from 0 to below 1",
+                wanted="stiffnesses and noise above 0, a rising range, an error of kappa from 0 to below 1, "
+                "and a spread of mountings from 0 to below 0.5",
                 found=repr(self),
                 do="Correct them.",
             )
@@ -113,9 +121,12 @@ def _experiments(
     known = np.append(np.geomspace(*situation.kappa_range, s), situation.kappa)
     casr = (1 / known + 1 / situation.sensor_n_per_mm) ** (1 / HERTZ)
     scores = casr[:, None] * (1 + situation.noise * rng.standard_normal((d, s + 1, r)))
+    if situation.mounting_sd:
+        scores *= 1 + situation.mounting_sd * rng.standard_normal((d, s + 1, 1))
     measured = known[:s] * (1 + situation.kappa_error * rng.standard_normal((d, s)))
     calibration = calibrate(
-        measured, scores[:, :s], settings, casr_unit="any unit", kappa_se=situation.kappa_error * known[:s]
-    )
+        measured, scores[:, :s], settings, casr_unit="any unit", kappa_se=situation.kappa_error * known[:s],
+        mounting_sd=situation.mounting_sd,
+    )  # fmt: skip
     found = repeat_interval(calibration, scores[:, s])
     return found.kappa, found.low, found.high

@@ -4,8 +4,10 @@ probe goes in.
 The kinesthetic score of a press is the slope of force over indentation, N/mm. Its inverse, mm/N, goes as E*^(-2/3) in a
 Hertz contact, exactly as CASR does, so the compliance law calibrates both (``forms``).
 
-Both scores come from the same presses, the same force sensor, the same mounting and the same known stiffnesses, and are
-correlated. Estimates are combined as logarithms of kappa by the best linear unbiased weights for correlated errors,
+Both scores come from the same presses, the same force sensor, the same angle and the same known stiffnesses, and are
+correlated. What else differs between mountings is taken as independent: the camera's depth and the delay of its frames
+move one score, the place on the specimen both. Estimates are combined as logarithms of kappa by the best linear
+unbiased weights for correlated errors,
 
     w = (v_k - c) / (v_c + v_k - 2 c),
 
@@ -28,8 +30,9 @@ from scipy import special
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import HERTZ, kappa_slope
+from emg2vsa.calibration.left_out import widened_interval
 from emg2vsa.calibration.presses import mean_of
-from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval, side_by_side
+from emg2vsa.calibration.repeats import RepeatInterval, side_by_side
 from emg2vsa.settings import CalibrationSettings
 
 DISAGREE_P = 0.05
@@ -78,6 +81,7 @@ def calibrate_indentation(
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
     mount_share: float = 0.0,
+    mounting_sd: float = 0.0,
     other_exponent: float = HERTZ,
 ) -> Calibration:
     """The kinesthetic cue's calibration, 1/kappa over (mm/N)^(3/2); arguments as in ``calibrate``, scores in N/mm."""
@@ -93,6 +97,7 @@ def calibrate_indentation(
         specimens=specimens,
         kappa_se=kappa_se,
         mount_share=mount_share,
+        mounting_sd=mounting_sd,
         other_exponent=other_exponent,
     )
 
@@ -107,12 +112,13 @@ def mm_per_n(indent_n_per_mm: ArrayLike) -> Floats:
 def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_n_per_mm: Floats) -> Fusion:
     """kappa of a specimen by both cues; scores (R,) or (d, R), of the same presses in the same order."""
     area, depth = np.atleast_2d(casr), np.atleast_2d(mm_per_n(indent_n_per_mm))
-    c, k = repeat_interval(cutaneous, area), repeat_interval(kinesthetic, depth)
+    c, k = widened_interval(cutaneous, area), widened_interval(kinesthetic, depth)
     correlation = _correlation(side_by_side(cutaneous.casr, area), side_by_side(kinesthetic.casr, depth))
     g_c, g_k = _per_press(cutaneous, c), _per_press(kinesthetic, k)
     with np.errstate(invalid="ignore", divide="ignore"):
         shared = np.minimum(c.n, k.n)
-        of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n), axis=1)
+        counted = np.sqrt((c.n / c.serial.effective_n) * (k.n / k.serial.effective_n))
+        of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n) * counted, axis=1)
         logs = _log_slope(cutaneous, c) * _log_slope(kinesthetic, k)
         unseen = np.sum(c.kappa_step * k.kappa_step, axis=1) + np.sum(c.mount_step * k.mount_step, axis=1)
         covariance = of_presses + logs * (unseen + c.law_step * k.law_step)

@@ -1,5 +1,8 @@
 """Does the law hold? Every known specimen estimated from the others, and its kappa held against the interval.
 
+Where the law is rejected, its intervals are widened until those of the left-out specimens would hold their kappa. The
+misfit of a wrong law is largest where it extrapolates, as it does for the outer specimens.
+
 The same with every law says which of them predicts a specimen it has not seen.
 """
 
@@ -10,12 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import eta_of
 from emg2vsa.calibration.laws import LAWS, WAYS
-from emg2vsa.calibration.repeats import repeat_interval
+from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
 from emg2vsa.settings import CalibrationSettings, Law
 
 
@@ -23,11 +27,14 @@ from emg2vsa.settings import CalibrationSettings, Law
 class LeftOut:
     """d calibrations of S specimens; kappa : (d, S) N/mm as the others say; p : (d, S) of the known kappa.
 
+    misfit : (d, S) distance of the two on the axis of the law, over half the interval.
+
     Two specimens determine two parameters, so with three specimens the three p judge one and the same misfit.
     """
 
     kappa: Floats
     p: Floats
+    misfit: Floats
 
     @property
     def law_p(self) -> Floats:
@@ -36,18 +43,29 @@ class LeftOut:
         smallest = np.min(np.where(np.isfinite(self.p), self.p, 1.0), axis=1)
         return np.where(tested > 0, np.minimum(tested * smallest, 1.0), np.nan)
 
+    def widening(self, confidence: float) -> Floats:
+        """(d,) factor on the standard errors of a law that is rejected; 1 where it is not, or cannot be tested."""
+        largest = np.max(np.where(np.isfinite(self.misfit), self.misfit, 1.0), axis=1, initial=1.0)
+        return np.where(self.law_p < 1 - confidence, largest, 1.0)
+
+
+def widened_interval(calibration: Calibration, scores: Floats) -> RepeatInterval:
+    """``repeat_interval``, widened where the calibration's own test rejects its law."""
+    widened = left_out(calibration).widening(calibration.settings.confidence)
+    return repeat_interval(calibration, scores, widened=widened)
+
 
 def left_out(calibration: Calibration) -> LeftOut:
     """Leave out one specimen after the other; needs three specimens, else all is NaN."""
     d, s, _ = calibration.casr.shape
     if s < 3:
         nothing = np.full((d, s), np.nan)
-        return LeftOut(nothing, nothing)
+        return LeftOut(nothing, nothing, nothing)
     columns = [_one(calibration, j) for j in range(s)]
     return LeftOut(*(np.stack(column, axis=1) for column in zip(*columns, strict=True)))
 
 
-def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats]:
+def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats]:
     others = np.arange(len(calibration.specimens)) != j
     without = calibrate(
         calibration.kappa[:, others],
@@ -56,10 +74,14 @@ def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats]:
         casr_unit=calibration.casr_unit,
         kappa_se=calibration.kappa_se[:, others],
         mount_share=calibration.mount_share,
+        mounting_sd=calibration.mounting_sd,
         other_exponent=calibration.other_exponent,
     )
     found = repeat_interval(without, calibration.casr[:, j])
-    return found.kappa, found.p_of(eta_of(calibration.settings.law, calibration.kappa[:, j]))
+    known = eta_of(calibration.settings.law, calibration.kappa[:, j])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        reach = special.stdtrit(found.df, 0.5 + 0.5 * calibration.settings.confidence) * found.eta_se
+        return found.kappa, found.p_of(known), np.abs(found.eta - known) / reach
 
 
 @dataclass(frozen=True)

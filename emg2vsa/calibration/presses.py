@@ -1,12 +1,15 @@
-"""Scores of repeated presses: their mean, and presses drawn again; NaN where there is no press."""
+"""Scores of repeated presses: mean, scatter, outliers, and presses drawn again; NaN where there is no press."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 
 _LEAST_TO_JUDGE = 5
+MOST_OUTLIERS = 0.2
+"""Share of a specimen's presses that may be outliers. Where more lie far off, the presses simply scatter."""
 _SD_PER_MAD = 1.4826
 
 
@@ -15,6 +18,15 @@ def mean_of(scores: Floats) -> Floats:
     there = np.isfinite(scores)
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sum(scores, axis=-1, where=there) / np.count_nonzero(there, axis=-1))
+
+
+def within(scores: Floats) -> tuple[Floats, Ints]:
+    """Variance of a single press (d, S) from presses (d, S, R), NaN where it was not repeated, and presses (d, S)."""
+    there = np.isfinite(scores)
+    n = np.count_nonzero(there, axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        squares = np.sum(np.where(there, scores - mean_of(scores)[..., None], 0.0) ** 2, axis=-1)
+        return np.where(n > 1, squares / (n - 1), np.nan), n
 
 
 def redrawn(scores: Floats, resamples: int, rng: np.random.Generator) -> Floats:
@@ -33,14 +45,25 @@ def redrawn(scores: Floats, resamples: int, rng: np.random.Generator) -> Floats:
 
 
 def without_outliers(scores: Floats, mads: float) -> Floats:
-    """Presses (S, R) with those set to NaN that lie more than ``mads`` scaled median absolute deviations (Hampel 1974)
-    from the median of their specimen; 0 sets none. Fewer than five presses cannot tell which of them is wrong."""
-    if mads == 0:
-        return scores
+    """Presses (S, R) with the outliers of each specimen (``far_off``) set to NaN.
+
+    A specimen with more outliers than ``MOST_OUTLIERS`` of its presses keeps all of them.
+    """
+    far = far_off(scores, mads)
+    few = np.count_nonzero(far, axis=-1) <= MOST_OUTLIERS * np.count_nonzero(np.isfinite(scores), axis=-1)
+    return np.where(far & few[:, None], np.nan, scores)
+
+
+def far_off(scores: Floats, mads: float) -> NDArray[np.bool_]:
+    """Presses (S, R) more than ``mads`` scaled median absolute deviations (Hampel 1974) from their specimen's median.
+
+    None where ``mads`` is 0. Fewer than five presses cannot tell which of them is wrong.
+    """
     judged = np.count_nonzero(np.isfinite(scores), axis=-1, keepdims=True) >= _LEAST_TO_JUDGE
     away = np.abs(scores - _median(scores))
     limit = mads * _SD_PER_MAD * _median(away)
-    return np.where(judged & (limit > 0) & (away > limit), np.nan, scores)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(judged & (limit > 0) & (away > limit))
 
 
 def _median(scores: Floats) -> Floats:

@@ -11,10 +11,12 @@ with the slopes g, h of ``by_mean_score`` and ``by_kappa``, found by refitting b
 
 s_s is the standard deviation of the presses of specimen s: soft specimens scatter less than stiff ones, and one pooled
 value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
-(1946). m is the share of a score by which one mounting differs from the next, which its presses do not show
-(``mount_share``); l is how far eta would move with the exponent that the growth of the contacts shows in place of
-Hertz's (``growth_power``), taken as one standard deviation of the law. Whether the law holds at all is for ``left_out``
-to test.
+(1946). n_s is the number of presses, or fewer where successive ones are correlated (``serial``). m is the share of a
+score by which one mounting differs from the next, which its presses do not show: by the angle (``mount_share``) and by
+all else (``mounting_sd``), which is assumed where a specimen is mounted once. l is how far eta would move with the
+exponent that the growth of the contacts shows in place of Hertz's (``growth_power``), taken as one standard deviation
+of the law. Whether the law holds at all is for ``left_out`` to test; where it does not, ``left_out`` widens the
+interval.
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, fitted_points
 from emg2vsa.calibration.forms import HERTZ, kappa_of, kappa_slope
 from emg2vsa.calibration.laws import fit_law
-from emg2vsa.calibration.presses import mean_of
+from emg2vsa.calibration.presses import mean_of, within
+from emg2vsa.calibration.serial import SerialCorrelation, serial_correlation
 from emg2vsa.settings import Law
 
 _SHARE = 1e-5  # of a score or a stiffness; central differences are then good to ten digits
@@ -41,9 +44,10 @@ class RepeatInterval:
     kappa : N/mm. eta, eta_se : on the axis of the law. df : of eta_se. low, high : N/mm; high is infinite where the
     interval on 1/kappa reaches 0: the specimen may be rigid for all that the score says.
     gradient : (d, S + 1) d eta / d mean score, of the known specimens and the new one. press_variance : (d, S + 1) of
-    a single press. n : (d, S + 1) presses. kappa_step : (d, S) change of eta for a standard error of each known kappa,
-    mount_step : (d, S + 1) for a standard deviation of each mounting. law_step : (d,) for the exponent that the presses
-    show in place of Hertz's.
+    a single press. n : (d, S + 1) presses. serial : correlation of successive presses, and how many n count as.
+    kappa_step : (d, S) change of eta for a standard error of each known kappa, mount_step : (d, S + 1) for a standard
+    deviation of each mounting's angle, mounting_step : (d, S + 1) for one of all else in each mounting. law_step : (d,)
+    for the exponent that the presses show in place of Hertz's. widened : (d,) factor on eta_se, 1 where the law holds.
     """
 
     kappa: Floats
@@ -55,9 +59,12 @@ class RepeatInterval:
     gradient: Floats
     press_variance: Floats
     n: Ints
+    serial: SerialCorrelation
     kappa_step: Floats
     mount_step: Floats
+    mounting_step: Floats
     law_step: Floats
+    widened: Floats
 
     def p_of(self, law_eta: Floats) -> Floats:
         """Two-sided p (d,) of the true eta being ``law_eta``."""
@@ -65,39 +72,54 @@ class RepeatInterval:
             return np.asarray(2 * special.stdtr(self.df, -np.abs(self.eta - law_eta) / self.eta_se))
 
 
-def within(scores: Floats) -> tuple[Floats, Ints]:
-    """Variance of a single press (d, S) from presses (d, S, R), NaN where it was not repeated, and presses (d, S)."""
-    there = np.isfinite(scores)
-    n = np.count_nonzero(there, axis=-1)
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        squares = np.sum(np.where(there, scores - mean_of(scores)[..., None], 0.0) ** 2, axis=-1)
-        return np.where(n > 1, squares / (n - 1), np.nan), n
-
-
-def repeat_interval(calibration: Calibration, scores: Floats, *, own_noise: bool = True) -> RepeatInterval:
+def repeat_interval(
+    calibration: Calibration, scores: Floats, *, own_noise: bool = True, widened: float | Floats = 1.0
+) -> RepeatInterval:
     """The estimate from scores (d, R) of the new specimen, NaN where there is none, and its interval.
 
     own_noise : False takes the variance of the new specimen's presses from those of the known ones, pooled. That is
-    done anyway for a specimen that was pressed once.
+    done anyway for a specimen that was pressed once. widened : (d,) factor on the standard error of eta. All is NaN
+    where the calibration is not monotone.
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
-    variance, freedom, n = _noise(side_by_side(calibration.casr, scores), own_noise)
+    presses = side_by_side(calibration.casr, scores)
+    variance, freedom, n = _noise(presses, own_noise)
+    serial = serial_correlation(presses)
+    freedom = freedom * serial.share_of_freedom[:, None]
     mean = mean_of(scores)
-    eta = calibration.fit.eta(mean[:, None])[:, 0]
+    eta = np.where(calibration.monotone, calibration.fit.eta(mean[:, None])[:, 0], np.nan)
     kappa = kappa_of(law, eta)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         own = calibration.fit.steepness(mean[:, None]) / kappa_slope(law, kappa[:, None])
         gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
-        of_presses = gradient**2 * variance / n
+        of_presses = gradient**2 * variance / serial.effective_n
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
-        mount_step = gradient * np.append(calibration.mean_casr, mean[:, None], axis=1) * calibration.mount_share
+        of_scores = gradient * np.append(calibration.mean_casr, mean[:, None], axis=1)
+        mount_step, mounting_step = of_scores * calibration.mount_share, of_scores * calibration.mounting_sd
         law_step = by_exponent(calibration, mean)
-        unseen = np.sum(kappa_step**2, axis=1) + np.sum(mount_step**2, axis=1) + law_step**2
+        unseen = np.sum(kappa_step**2, axis=1) + np.sum(mount_step**2 + mounting_step**2, axis=1) + law_step**2
         eta_se = np.sqrt(np.sum(of_presses, axis=1) + unseen)
         df = eta_se**4 / np.sum(of_presses**2 / freedom, axis=1)
+        eta_se = eta_se * widened
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
     low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
-    return RepeatInterval(kappa, eta, eta_se, df, low, high, gradient, variance, n, kappa_step, mount_step, law_step)
+    return RepeatInterval(
+        kappa=kappa,
+        eta=eta,
+        eta_se=eta_se,
+        df=df,
+        low=low,
+        high=high,
+        gradient=gradient,
+        press_variance=variance,
+        n=n,
+        serial=serial,
+        kappa_step=kappa_step,
+        mount_step=mount_step,
+        mounting_step=mounting_step,
+        law_step=law_step,
+        widened=np.broadcast_to(np.asarray(widened, dtype=np.float64), kappa.shape),
+    )
 
 
 def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:

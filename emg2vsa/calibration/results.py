@@ -15,7 +15,9 @@ class LawResult:
     r2, adj_r2 : of kappa, which on three specimens say next to nothing. kappa, low, high : N/mm, with the interval from
     repeated presses. bootstrap_low, bootstrap_high : by drawing presses again. error : kappa over the known kappa of
     the new specimen, minus 1; NaN where that is not known. left_out : (S,) N/mm, each specimen as the others say.
-    law_p : of the law, from the left-out specimens. notes : for the reader.
+    law_p : of the law, from the left-out specimens. notes : for the reader. determined : whether the interval is
+    narrower than the calibrated range. widened : factor on the interval of a law that is rejected. serial_correlation,
+    serial_p : of successive presses; effective_presses : independent ones that those of the new specimen count as.
     """
 
     law: str
@@ -33,6 +35,11 @@ class LawResult:
     left_out: Floats
     law_p: float
     notes: tuple[str, ...]
+    determined: bool = True
+    widened: float = 1.0
+    serial_correlation: float = 0.0
+    serial_p: float = float("nan")
+    effective_presses: float = float("nan")
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ from emg2vsa.calibration.forms import (
     mount_share,
 )
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
-from emg2vsa.calibration.left_out import compare_laws, left_out
-from emg2vsa.calibration.presses import without_outliers
+from emg2vsa.calibration.left_out import compare_laws
+from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
 from emg2vsa.calibration.results import (
     AlgorithmResult,
     CalibrationResults,
@@ -127,7 +127,18 @@ class _OneCondition:
         lost = [np.count_nonzero(np.isfinite(row) & np.isnan(self._kept(row[None])[0])) for row in (*casr, new_casr)]
         said = ", ".join(f"{count} of {name}" for count, name in zip(lost, names, strict=True) if count)
         limit = f"{self.settings.outlier_mads:g} median absolute deviations"
-        return (f"presses left out, more than {limit} from their specimen's median: {said}",) if said else ()
+        kept = ", ".join(
+            f"{far} of {name}"
+            for row, name in zip((*casr, new_casr), names, strict=True)
+            if (far := int(np.count_nonzero(far_off(row[None], self.settings.outlier_mads)))) > self._most_outliers(row)
+        )
+        notes = (f"presses left out, more than {limit} from their specimen's median: {said}",) if said else ()
+        many = f"presses kept although more than {limit} off, as more than {MOST_OUTLIERS:.0%} of a specimen: {kept}"
+        return (*notes, many) if kept else notes
+
+    @staticmethod
+    def _most_outliers(presses: Floats) -> float:
+        return MOST_OUTLIERS * np.count_nonzero(np.isfinite(presses))
 
     def _calibrated(self, algorithm: str, scores: Floats, settings: CalibrationSettings) -> Calibration:
         return calibrate(
@@ -138,6 +149,7 @@ class _OneCondition:
             specimens=self._names,
             kappa_se=self.kappa_se,
             mount_share=casr_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
+            mounting_sd=settings.mounting_sd_percent / 100,
             other_exponent=casr_exponent(self._growth),
         )
 
@@ -152,11 +164,13 @@ class _OneCondition:
             specimens=self._names,
             kappa_se=self.kappa_se,
             mount_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
+            mounting_sd=self.settings.mounting_sd_percent / 100,
             other_exponent=indentation_exponent(self._growth),
         )
 
     def _law(self, calibration: Calibration, scores: Floats, notes: tuple[str, ...] = ()) -> LawResult:
-        found, without = estimate(calibration, scores), left_out(calibration)
+        found = estimate(calibration, scores)
+        serial, without = found.repeats.serial, found.left_out
         first, second = calibration.fit.parameters[0].tolist()
         return LawResult(
             law=calibration.settings.law,
@@ -174,6 +188,11 @@ class _OneCondition:
             left_out=without.kappa[0],
             law_p=float(without.law_p[0]),
             notes=(*notes, *found.notes()),
+            determined=bool(found.determined[0]),
+            widened=float(found.repeats.widened[0]),
+            serial_correlation=float(serial.rho[0]),
+            serial_p=float(serial.p[0]),
+            effective_presses=float(serial.effective_n[0, -1]),
         )
 
     def _fused(self, fusion: Fusion) -> FusedResult:

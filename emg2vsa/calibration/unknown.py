@@ -10,18 +10,21 @@ from numpy.typing import ArrayLike, NDArray
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration
 from emg2vsa.calibration.laws import fit_law
+from emg2vsa.calibration.left_out import LeftOut, left_out
 from emg2vsa.calibration.presses import mean_of, redrawn
 from emg2vsa.calibration.repeats import RepeatInterval, repeat_interval
 from emg2vsa.errors import DataError
 
 _SCORES_AT_ONCE = 2_000_000
+_SERIAL_P = 0.05
 
 
 @dataclass(frozen=True)
 class Estimate:
     """One unknown specimen by each of d calibrations; (d,), NaN where undefined.
 
-    kappa : N/mm. repeats : the interval from repeated presses (``repeats``), the one to report.
+    kappa : N/mm, NaN where the calibration is not monotone. repeats : the interval from repeated presses (``repeats``),
+    the one to report, widened where ``left_out`` rejects the law.
     bootstrap_low, bootstrap_high : percentiles over presses drawn again (``redrawn``), of calibration and unknown.
     mean_casr, n : of its presses. extrapolated : whether the mean lies outside the calibration's.
     With an exact law and ten presses, 95 % intervals cover 94 to 96 % (repeats) and 91 to 93 % (bootstrap). Only
@@ -31,11 +34,22 @@ class Estimate:
     calibration: Calibration
     kappa: Floats
     repeats: RepeatInterval
+    left_out: LeftOut
     bootstrap_low: Floats
     bootstrap_high: Floats
     mean_casr: Floats
     n: Ints
     extrapolated: NDArray[np.bool_]
+
+    @property
+    def determined(self) -> NDArray[np.bool_]:
+        """(d,) whether the interval is narrower than the calibrated range, in N/mm and as a ratio."""
+        known = np.where(np.isfinite(self.calibration.mean_casr), self.calibration.kappa, np.nan)
+        softest, stiffest = np.fmin.reduce(known, axis=1), np.fmax.reduce(known, axis=1)
+        low, high = self.repeats.low, self.repeats.high
+        with np.errstate(invalid="ignore", over="ignore"):
+            narrow = (high - low < stiffest - softest) & (high * softest < low * stiffest)
+        return np.asarray(narrow & (low > 0))
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         notes: tuple[str, ...] = ()
@@ -47,7 +61,31 @@ class Estimate:
             notes += ("one press: its noise is taken from the calibration's presses, and only that interval is there",)
         elif np.isnan(self.bootstrap_low[i]) and np.isfinite(self.kappa[i]):
             notes += ("no bootstrap interval: the law cannot be fitted to some of the resamples",)
-        return notes + self.calibration.notes(i)
+        return notes + self.calibration.notes(i) + self._about_interval(i)
+
+    def _about_interval(self, i: int) -> tuple[str, ...]:
+        """What widened the interval, and whether it still says something."""
+        notes: tuple[str, ...] = ()
+        serial, widened = self.repeats.serial, float(self.repeats.widened[i])
+        if np.isfinite(self.repeats.low[i]) and not self.determined[i]:
+            notes += ("not determined: the interval is wider than the range of the known stiffnesses",)
+        if widened > 1:
+            notes += (
+                f"the known specimens reject the law (p = {self.left_out.law_p[i]:.2g}): the interval is widened "
+                f"{widened:.3g} times, so that each left-out specimen lies within its own",
+            )
+        if serial.p[i] < _SERIAL_P:
+            counted = float(serial.effective_n[i, -1])
+            notes += (
+                f"successive presses are correlated ({serial.rho[i]:.2f}, p = {serial.p[i]:.2g}): the {self.n[i]} "
+                f"presses of the new specimen count as {counted:.1f}",
+            )
+        if self.calibration.mounting_sd:
+            notes += (
+                f"assumed: CASR differs by {100 * self.calibration.mounting_sd:g} % (SD) from mounting to mounting; "
+                "every specimen was mounted once, so that its presses cannot show it",
+            )
+        return notes
 
 
 def estimate(calibration: Calibration, casr: ArrayLike) -> Estimate:
@@ -56,17 +94,19 @@ def estimate(calibration: Calibration, casr: ArrayLike) -> Estimate:
     n = np.count_nonzero(np.isfinite(scores), axis=1)
     with np.errstate(invalid="ignore", over="ignore"):
         mean = np.nansum(scores, axis=1) / n
-        kappa = calibration.fit.at(mean[:, None])[:, 0]
     low, high = _bootstrap(calibration, np.where((n > 1)[:, None], scores, np.nan))
+    without = left_out(calibration)
+    repeats = repeat_interval(calibration, scores, widened=without.widening(calibration.settings.confidence))
     known = calibration.mean_casr
     below = mean < np.min(known, axis=1, initial=np.inf, where=np.isfinite(known))
     above = mean > np.max(known, axis=1, initial=-np.inf, where=np.isfinite(known))
     return Estimate(
         calibration=calibration,
-        kappa=kappa,
-        repeats=repeat_interval(calibration, scores),
-        bootstrap_low=low,
-        bootstrap_high=high,
+        kappa=repeats.kappa,
+        repeats=repeats,
+        left_out=without,
+        bootstrap_low=np.where(calibration.monotone, low, np.nan),
+        bootstrap_high=np.where(calibration.monotone, high, np.nan),
         mean_casr=mean,
         n=n,
         extrapolated=below | above,

@@ -38,6 +38,10 @@ def add_to(commands: Commands) -> None:
         "--kappa-error", type=float, default=0.0, metavar="E", help="error of each known stiffness, share (default 0)"
     )
     parser.add_argument(
+        "--mounting", type=float, default=0.0, metavar="M",
+        help="SD of a score from one mounting to the next, share of it (default 0: all specimens are mounted alike)",
+    )  # fmt: skip
+    parser.add_argument(
         "--sensor", type=float, default=4.0, metavar="K", help="stiffness of the sensor itself, N/mm (default 4)"
     )
     parser.add_argument("--experiments", type=int, default=1000, metavar="N", help="of each design (default 1000)")
@@ -54,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
         kappa_range=(arguments.range[0], arguments.range[1]),
         noise=arguments.noise,
         kappa_error=arguments.kappa_error,
+        mounting_sd=arguments.mounting,
         sensor_n_per_mm=arguments.sensor,
     )
     designs = try_designs(situation, experiments=arguments.experiments)
@@ -81,5 +86,6 @@ def run(arguments: argparse.Namespace) -> int:
             f"smallest design for {arguments.precision:.0%}: {chosen.specimens} specimens, {chosen.repetitions} "
             f"presses of each and of the new one, {chosen.presses} in all"
         )
-    print("These are simulated experiments in which the compliance law holds.")
+    mounted = "every specimen is mounted once" if arguments.mounting else "all specimens are mounted alike"
+    print(f"These are simulated experiments in which the compliance law holds and {mounted}.")
     return 0

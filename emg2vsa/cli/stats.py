@@ -12,6 +12,7 @@ from casr.command_line import Commands, add_command, add_json, print_json
 if TYPE_CHECKING:
     from emg2vsa.companions.tidy import TidyTests
     from emg2vsa.readers.tidy_table import TidyTable
+    from emg2vsa.stats.mixed_variances import MixedResiduals
 
 
 def add_to(commands: Commands) -> None:
@@ -74,7 +75,7 @@ def _check(arguments: argparse.Namespace) -> None:
     from emg2vsa.errors import SettingError
 
     for name, good, wanted in (
-        ("alpha", 0 < arguments.alpha <= 0.5, "a level above 0, up to 0.5"),
+        ("alpha", 0 < arguments.alpha < 0.5, "a level between 0 and 0.5"),
         ("margin", arguments.margin is None or 0 < arguments.margin < float("inf"), "a number above 0"),
     ):
         if not good:
@@ -124,6 +125,7 @@ def _as_json(found: TidyTests, arguments: argparse.Namespace) -> dict[str, objec
     from emg2vsa.report.outcome_text import STYLES, said
     from emg2vsa.report.tidy_text import hypotheses, outcomes
 
+    over = found.by_block.blocks if found.by_block else None
     return {
         "table": str(arguments.table),
         "value": arguments.value,
@@ -141,4 +143,10 @@ def _as_json(found: TidyTests, arguments: argparse.Namespace) -> dict[str, objec
             {"of": of, **dataclasses.asdict(outcome), "text": {style: said(outcome, style) for style in STYLES}}
             for of, outcome in outcomes(found)
         ],
+        "residuals": _residuals(over.residuals) if over else None,
     }
+
+
+def _residuals(found: MixedResiduals | None) -> dict[str, list[float]] | None:
+    """Of the mixed model, for a QQ plot and for residuals against fitted values."""
+    return None if found is None else {name: values.tolist() for name, values in dataclasses.asdict(found).items()}

@@ -14,18 +14,15 @@ from numpy.typing import ArrayLike
 from emg2vsa.arrays import Floats
 from emg2vsa.stats.anova import Anova, VarianceTests, brown_forsythe, one_way
 from emg2vsa.stats.bayes import BayesFactors, jzs_anova
-from emg2vsa.stats.effect_size import eta2_interval
+from emg2vsa.stats.effect_size import omega2, share_interval
 from emg2vsa.stats.equivalence import Equivalence, MarginUnit, tost
 from emg2vsa.stats.kruskal import KruskalWallis, kruskal
 from emg2vsa.stats.lilliefors import Lilliefors, lilliefors
-from emg2vsa.stats.moments import group_moments
+from emg2vsa.stats.moments import group_moments, unmasked
 from emg2vsa.stats.normality import KsTests, ks_normal
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.shapiro import ShapiroWilk, shapiro_wilk
 from emg2vsa.stats.welch import WelchAnova, welch
-
-_NOTHING = 1e-12
-"""An end of an interval below this is 0: the search for it stops above."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +41,10 @@ class NormalityTests:
 
 def normality_of(values: ArrayLike, origin: float = 0.0) -> NormalityTests:
     """Test each row of ``values`` (k, n), relative to ``origin``; NaN marks a value that is not there."""
+    values = np.asarray(unmasked(values), dtype=np.float64)
     return NormalityTests(
         standardised=ks_normal(values, standardise=True),
-        raw=ks_normal(np.asarray(values) + origin, standardise=False),
+        raw=ks_normal(values + origin, standardise=False),
         lilliefors=lilliefors(values),
         shapiro=shapiro_wilk(values),
     )
@@ -54,12 +52,14 @@ def normality_of(values: ArrayLike, origin: float = 0.0) -> NormalityTests:
 
 @dataclass(frozen=True)
 class GroupTests:
-    """Tests of d one-way designs of k groups. eta2_low, eta2_high : (d,) interval of the analysis' eta squared.
+    """Tests of d one-way designs of k groups.
 
-    sd : (d, k) of each group, NaN below two values.
+    omega2 : (d,) share of the population's variance that lies between groups; eta2_low, eta2_high : (d,) its interval,
+    the same share's that the sample's eta squared overstates. sd : (d, k) of each group, NaN below two values.
     """
 
     anova: Anova
+    omega2: Floats
     eta2_low: Floats
     eta2_high: Floats
     welch: WelchAnova
@@ -73,12 +73,10 @@ class GroupTests:
         """The analysis of variance of design ``i`` with the interval of its effect."""
         return replace(
             self.anova.outcome(i),
-            estimate_name="eta2",
-            estimate=float(self.anova.eta2[i]),
+            estimate_name="omega2",
+            estimate=float(self.omega2[i]),
             interval=(float(self.eta2_low[i]), float(self.eta2_high[i])),
             confidence=self.confidence,
-            effect_name=None,
-            effect_size=None,
         )
 
     def outcomes(self, i: int = 0) -> tuple[Outcome, ...]:
@@ -90,12 +88,14 @@ class GroupTests:
 def group_tests(values: ArrayLike, confidence: float = 0.95) -> GroupTests:
     """Test ``values`` (d, k groups, n a group), or one design (k, n); NaN: no value there. DataError as ``one_way``."""
     anova = one_way(values)
-    low, high = (np.where(end < _NOTHING, 0.0, end) for end in eta2_interval(anova.f, anova.df1, anova.df2, confidence))
+    n = np.sum(anova.count, axis=1)
+    low, high = share_interval(anova.f, anova.df1, anova.df2, n, confidence)
     groups = group_moments(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         sd = np.sqrt(np.where(groups.count > 1, groups.squares / (groups.count - 1), np.nan))
     return GroupTests(
         anova=anova,
+        omega2=omega2(anova.f, anova.df1, n),
         eta2_low=low,
         eta2_high=high,
         welch=welch(values),

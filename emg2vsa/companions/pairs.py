@@ -12,8 +12,9 @@ from emg2vsa.companions.groups import GroupTests
 from emg2vsa.stats.effect_size import hedges_g
 from emg2vsa.stats.kruskal import RankPairs, dunn
 from emg2vsa.stats.mann_whitney import MannWhitney, mann_whitney
+from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import PairDifferences, adjust, lsd, tukey
+from emg2vsa.stats.post_hoc import PairDifferences, lsd, tukey
 from emg2vsa.stats.welch import games_howell
 
 
@@ -48,24 +49,25 @@ class PairTests:
     def outcomes(self, i: int, pair: int) -> tuple[Outcome, ...]:
         """All tests of one pair of design ``i``."""
         uncorrected, ranks = self.lsd.outcome(i, pair), self.mann_whitney.outcome(i, pair)
-        family = f"over the {self.first.size} pairs"
+        note = f"p corrected over the {self.first.size} pairs, the interval is not"
+        corrected = (note, *self.lsd.undefined(i, pair))
         return (
             uncorrected,
             replace(
                 uncorrected, method="pairwise t, pooled SD, Holm", p=float(self.p_holm[i, pair]),
-                notes=(f"p corrected {family}, the interval is not",), effect_name="Hedges g",
+                notes=corrected, effect_name="Hedges g",
                 effect_size=float(self.g[i, pair]),
             ),
             replace(
                 uncorrected, method="pairwise t, pooled SD, false discovery rate (Benjamini-Hochberg)",
-                p=float(self.p_fdr[i, pair]), notes=(f"p corrected {family}, the interval is not",),
+                p=float(self.p_fdr[i, pair]), notes=corrected,
             ),
             self.tukey.outcome(i, pair),
             self.games_howell.outcome(i, pair),
             self.dunn.outcome(i, pair),
             replace(
                 ranks, method=f"{ranks.method}, Holm", p=float(self.p_rank_holm[i, pair]),
-                notes=(*ranks.notes, f"p corrected {family}, the interval is not"),
+                notes=(*ranks.notes, note),
             ),
         )  # fmt: skip
 

@@ -25,9 +25,11 @@ from emg2vsa.stats.clusters import Clusters
 from emg2vsa.stats.equivalence import MarginUnit
 from emg2vsa.stats.friedman import Friedman, friedman
 from emg2vsa.stats.mixed import MixedModel, balanced_mixed
+from emg2vsa.stats.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
+from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.paired import PairedTests, paired_tests
-from emg2vsa.stats.post_hoc import PairDifferences, adjust
+from emg2vsa.stats.post_hoc import PairDifferences
 from emg2vsa.stats.repeated import RepeatedAnova, rm_anova
 from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
 
@@ -39,13 +41,16 @@ class BlockTests:
     """One table of blocks (participants) by groups (specimens); all but the mixed model are on the means of its cells.
 
     mixed : the mixed model, in closed form where every cell has equally many values, an outcome that says why there is
-    none where the table cannot bear it, None where no cell has two values. paired : pairs of groups over the blocks.
+    none where the table cannot bear it, None where no cell has two values. variances, residuals : of the mixed model,
+    None without one. paired : pairs of groups over the blocks.
     """
 
     repeated: RepeatedAnova
     friedman: Friedman
     icc: IntraclassCorrelations
     model: MixedModel | UnbalancedMixed | Outcome | None
+    variances: MixedVariances | None
+    residuals: MixedResiduals | None
     paired: PairedTests
 
     @property
@@ -92,10 +97,14 @@ class BlockTests:
         )
 
     def outcomes(self) -> tuple[Outcome, ...]:
-        """All tests of the table."""
+        """All tests of the table, the mixed model first: it fits the design, and takes every value."""
         repeated = tuple(self.repeated.outcome(correction=name) for name in ("none", "gg", "hf"))
         mixed = (self.mixed,) if self.mixed else ()
-        return (*repeated, self.friedman.outcome(), *mixed, self.icc.outcome(kind="ICC(3,1)"))
+        variances = () if self.variances is None else self.variances.outcomes()
+        residuals = () if self.residuals is None else self.residuals.outcomes()
+        return (
+            *mixed, *variances, *repeated, self.friedman.outcome(), self.icc.outcome(kind="ICC(3,1)"), *residuals
+        )  # fmt: skip
 
 
 def _block_tests(clusters: Clusters, confidence: float = 0.95) -> BlockTests | None:
@@ -106,7 +115,7 @@ def _block_tests(clusters: Clusters, confidence: float = 0.95) -> BlockTests | N
     means = np.where(clusters.count > 0, total / np.maximum(clusters.count, 1), np.nan)
     return BlockTests(
         rm_anova(means), friedman(means), icc(means, confidence), _mixed(clusters, confidence),
-        paired_tests(means, confidence),
+        mixed_variances(clusters.values, confidence), mixed_residuals(clusters.values), paired_tests(means, confidence),
     )  # fmt: skip
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 
 import numpy as np
 
@@ -50,7 +51,7 @@ def tidy_tests(
     """Test n ``values`` (None: no number), each of a ``group`` and perhaps a ``block`` ("": row is left out).
 
     Differences of values are taken exactly before anything is rounded. DataError where fewer than two groups, or no
-    more values than groups, are left.
+    more values than groups, are left, or where the name of a group or block is one number written in several ways.
     """
     groups, blocks = np.array(group, dtype=np.str_), np.array(block or [""] * len(group), dtype=np.str_)
     number = np.array([value is not None for value in values], dtype=np.bool_)
@@ -58,6 +59,8 @@ def tidy_tests(
     admitted = number & named
     groups, blocks = groups[admitted], blocks[admitted]
     _check(groups)
+    _check_spelling(groups, "group")
+    _check_spelling(blocks, "block")
     exact = np.array([value for value, enters in zip(values, admitted, strict=True) if enters], dtype=object)
     shifted, origins = shifted_doubles(exact[None, None, :])
     doubles, origin, every = shifted.ravel(), float(origins[0]), np.ones(groups.size, dtype=np.bool_)
@@ -97,3 +100,19 @@ def _check(groups: Names) -> None:
             found=f"{groups.size} values in {len(distinct)} groups",
             do="Choose a column whose entries repeat.",
         )  # fmt: skip
+
+
+def _check_spelling(names: Names, column: str) -> None:
+    """1, 1.0 and 01 are hardly three groups."""
+    written: dict[Decimal, list[str]] = {}
+    for name in np.unique(names).tolist():
+        with suppress(InvalidOperation):
+            if (number := Decimal(name)).is_finite():
+                written.setdefault(number, []).append(name)
+    for same in written.values():
+        if len(same) > 1:
+            raise DataError(
+                f"comparison of groups, names of {column}s", wanted="each number written in one way",
+                found=", ".join(map(repr, same)),
+                do=f"Write the number alike in all rows, or begin the names of different {column}s with a letter.",
+            )  # fmt: skip

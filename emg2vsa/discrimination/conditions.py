@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RunTable
@@ -29,7 +30,8 @@ class ConditionComparison:
     ranks, cv : (D,) Kruskal-Wallis, and ``repetition_cv``. gaps : (D,) of the ``pair`` of specimens that lies closest.
     human, other : (q,) numbers of the designs compared, the human-like condition with another at the same angle.
     gap_differences : (q,) human-like less other. level_ratio, cv_ratio : (q,) of mean CASR and of CVs, human-like over
-    other. Intervals of gaps by the noncentral t, of ratios by bootstrap over presses.
+    other. Intervals of gaps by the noncentral t, of ratios by bootstrap over presses; ``level_ratio`` counts the
+    mountings too, one for each specimen and condition.
     """
 
     specimens: tuple[str, ...]
@@ -50,8 +52,10 @@ class ConditionComparison:
         return True if low > 0 else False if high < 0 else None
 
 
-def compare_conditions(table: RunTable, settings: DiscriminationSettings) -> ConditionComparison:
-    """Scores of the algorithm of ``table``."""
+def compare_conditions(
+    table: RunTable, settings: DiscriminationSettings, mounting_sd: float = 0.0
+) -> ConditionComparison:
+    """Scores of the algorithm of ``table``; mounting_sd : of a score between mountings, as a share, assumed."""
     values = table.casr[table.algorithm]
     used = pressed_everywhere(values)
     values = values[:, used]
@@ -73,10 +77,19 @@ def compare_conditions(table: RunTable, settings: DiscriminationSettings) -> Con
         human=human,
         other=other,
         gap_differences=gaps.at(human).less(gaps.at(other)),
-        level_ratio=interval(both, level_ratio, "ratio of CASR"),
+        level_ratio=_over_mountings(interval(both, level_ratio, "ratio of CASR"), mounting_sd * np.sqrt(2 / used.size)),
         cv_ratio=interval(both, cv_ratio, "ratio of coefficients of variation"),
         confidence=1 - settings.alpha,
     )
+
+
+def _over_mountings(ratio: Bootstrap, sd_of_log: float) -> Bootstrap:
+    """The interval with an independent normal error of the logarithm joined to each end (as Zou and Donner 2008)."""
+    reach = float(special.ndtri(0.5 + 0.5 * ratio.confidence)) * sd_of_log
+    with np.errstate(invalid="ignore", divide="ignore"):
+        low = ratio.estimate * np.exp(-np.hypot(np.log(ratio.estimate / ratio.low), reach))
+        high = ratio.estimate * np.exp(np.hypot(np.log(ratio.high / ratio.estimate), reach))
+    return replace(ratio, low=low, high=high) if sd_of_log else ratio
 
 
 def _compared(table: RunTable) -> tuple[Ints, Ints]:

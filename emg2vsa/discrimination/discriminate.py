@@ -18,13 +18,14 @@ from emg2vsa.companions.pairs import PairTests, pair_tests
 from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
+from emg2vsa.discrimination.factors import Factors, factors_of
 from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
 from emg2vsa.errors import DataError
 from emg2vsa.runs import RunScores
 from emg2vsa.settings import DiscriminationSettings
 from emg2vsa.stats.kruskal import RankPairs, dunn, kruskal
 from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.post_hoc import adjust
+from emg2vsa.stats.multiplicity import adjust
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,26 @@ class Discrimination:
     new: NewSpecimen | None
     algorithms: AlgorithmComparison
     conditions: ConditionComparison
+    factors: Factors
     notes: tuple[str, ...]
+
+    @property
+    def claims(self) -> dict[str, float]:
+        """p of what section VI claims, each the largest of the tests that the claim needs; NaN: not tested.
+
+        casr_specimens, casr_pairs, casr_new : CASR differs in every design between the known specimens
+        (Kruskal-Wallis), between every two of them, and between the new one and both neighbours (Dunn, Bonferroni).
+        area_angles : the initial area differs between angles for every specimen (Kruskal-Wallis).
+        """
+        angles = np.array([]) if self.area_by_angle is None else self.area_by_angle.groups.kruskal.p
+        new = np.array([]) if self.new is None else self.new.p_mean_rank
+        p = {
+            "casr_specimens": self.spread.groups.kruskal.p,
+            "casr_pairs": self.spread.pairs.dunn.p,
+            "casr_new": new,
+            "area_angles": angles,
+        }
+        return {name: float(np.max(values)) if values.size else float("nan") for name, values in p.items()}
 
 
 def discriminate(
@@ -154,11 +174,14 @@ def discriminate(
     stiffness_n_per_mm: Mapping[str, float],
     new_specimen: str,
     settings: DiscriminationSettings | None = None,
+    *,
+    mounting_sd: float = 0.0,
 ) -> Discrimination:
     """Test ``runs``, one a specimen, angle and condition.
 
     stiffness_n_per_mm : of every specimen, the new one included; only its order is used. new_specimen : the one whose
-    stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed.
+    stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed. mounting_sd :
+    standard deviation of a score from one mounting to the next, as a share of it, see ``compare_conditions``.
     DataError as ``run_table``, and where fewer than two known specimens were pressed.
     """
     settings = settings or DiscriminationSettings()
@@ -172,7 +195,8 @@ def discriminate(
         spread=_spread_by_specimen(table, settings),
         new=_beside_neighbours(table, settings),
         algorithms=compare_algorithms(table, settings),
-        conditions=compare_conditions(table, settings),
+        conditions=compare_conditions(table, settings, mounting_sd),
+        factors=factors_of(table, settings),
         notes=_notes(table, new_specimen, settings),
     )
 

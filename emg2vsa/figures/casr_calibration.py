@@ -74,6 +74,9 @@ def _panel(
         _presses(axes, own, kappa, looks[name], name)
     mean, kappa = float(np.mean(scores[-1])) if scores[-1].size else np.nan, found.chosen.kappa
     axes.vlines(mean, found.chosen.low, min(found.chosen.high, top), colors=looks[new].colour, linewidth=1.4)
+    if found.chosen.high > top:
+        # the interval goes on beyond the panel
+        axes.plot(mean, top, marker="^", markersize=5, color=looks[new].colour, clip_on=False)
     axes.plot(
         mean, kappa, linestyle="none", marker=looks[new].marker, markersize=6, color=looks[new].colour,
         markeredgecolor=INK, markeredgewidth=0.4, label=new,

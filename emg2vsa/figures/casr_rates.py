@@ -95,20 +95,37 @@ class ConditionBoxes:
     rigid: Floats
     human_like: Floats
 
+    @property
+    def percent(self) -> Floats:
+        """(n,) by which the human-like presses exceed the mean of the rigid ones."""
+        rigid = self.rigid[np.isfinite(self.rigid)]
+        return 100 * (self.human_like / rigid.mean() - 1) if rigid.size else np.empty(0)
+
 
 def draw_conditions(panels: Sequence[tuple[str, Sequence[ConditionBoxes]]], unit: str) -> Figure:
-    """panels : title and specimens, stiffest first; ``unit`` of the area. Left and hollow is rigid, right and
-    filled human-like."""
-    figure, (row,) = panel_grid(1, [1] * len(panels), 52, (13, 2, 8, 13), (13, 0))
-    for axes, (title, specimens) in zip(row, panels, strict=True):
+    """panels : title and specimens, stiffest first; ``unit`` of the area.
+
+    Above the levels, left and hollow rigid, right and filled human-like; below how far the human-like presses lie from
+    the mean of the rigid ones. Each row has one scale.
+    """
+    figure, (levels, differences) = panel_grid(2, [1] * len(panels), 42, (15, 2, 8, 13), (6, 9))
+    for above, below, (title, specimens) in zip(levels, differences, panels, strict=True):
+        below.axhline(0, color=INK, linewidth=0.6)
         for place, each in enumerate(specimens):
-            draw_box(axes, place - _ASIDE, each.rigid, each.look, width=0.36, hollow_marks=True)
-            draw_box(axes, place + _ASIDE, each.human_like, each.look, width=0.36, filled=True)
-        axes.set_xticks(range(len(specimens)), [each.name for each in specimens])
-        axes.set_xlim(-0.6, len(specimens) - 0.4)
-        axes.grid(axis="x", visible=False)
-        axes.set_title(title, loc="center")
-    row[0].set_ylabel(f"CASR ({unit}/N)")
+            draw_box(above, place - _ASIDE, each.rigid, each.look, width=0.36, hollow_marks=True)
+            draw_box(above, place + _ASIDE, each.human_like, each.look, width=0.36, filled=True)
+            draw_box(below, place, each.percent, each.look, filled=True)
+        for axes in (above, below):
+            axes.set_xticks(range(len(specimens)), [each.name for each in specimens])
+            axes.set_xlim(-0.6, len(specimens) - 0.4)
+            axes.grid(axis="x", visible=False)
+        above.set_title(title, loc="center")
+    for row, name in ((levels, f"CASR ({unit}/N)"), (differences, "Human-like less rigid (%)")):
+        low, high = np.transpose([axes.get_ylim() for axes in row])
+        for axes in row:
+            axes.set_ylim(low.min(), high.max())
+            axes.tick_params(labelleft=axes is row[0])
+        row[0].set_ylabel(name)
     figure.legend(
         handles=[
             Line2D([], [], marker="o", linestyle="none", markerfacecolor="white", markeredgecolor=INK, label=_RIGID),

@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-INK = "#1a1a1a"
-MUTED = "#555555"
-GRID = "#d9d9d9"
+from casr.palette import BLUE, GREEN, GREY, GRID, INK, MUTED, PURPLE, RED, SKY, YELLOW
 
-BLUE, PURPLE, GREEN, SKY, YELLOW, RED, GREY = (
-    "#0072B2", "#A6518A", "#009E73", "#56B4E9", "#E69F00", "#D55E00", "#7A7A7A",
-)  # fmt: skip
-"""Okabe and Ito (2008), purple darkened and "yellow" taken as their orange, so that a line holds on white paper."""
+__all__ = ["BLUE", "GREEN", "GREY", "GRID", "INK", "MUTED", "NEW", "PURPLE", "RED", "SKY", "VERDICT_COLOURS", "YELLOW"]
+__all__ += ["Look", "looks"]
 
 VERDICT_COLOURS = {"ok": GREEN, "warned": YELLOW, "rejected": RED}
 

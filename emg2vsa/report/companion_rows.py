@@ -12,7 +12,7 @@ from emg2vsa.companions.groups import EqualityTests, GroupTests, NormalityTests
 from emg2vsa.companions.pairs import PairTests
 from emg2vsa.companions.table import BlockTests
 from emg2vsa.report.outcome_text import Style, effect_said, range_said, span_said, statistic_said
-from emg2vsa.report.table import Column, Table
+from emg2vsa.report.table import Column, Table, records
 from emg2vsa.report.verdicts import UNDECIDED, change, change_of_claim, change_of_evidence, decided, how_many
 from emg2vsa.report.wording import bounded, number
 from emg2vsa.stats.outcome import Outcome
@@ -26,7 +26,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Row:
+class CompanionRow:
     """One companion of one test of the paper, in words."""
 
     paper: str
@@ -35,22 +35,24 @@ class Row:
     changes: str
 
 
-def companion_table(name: str, caption: str, rows: Sequence[Row]) -> Table:
+def companion_table(name: str, caption: str, rows: Sequence[CompanionRow]) -> Table:
     """People see a test of the paper once, above all its companions."""
-    papers = [""] + [row.paper for row in rows]
-    full = tuple((row.paper, row.companion, row.effect, row.changes) for row in rows)
-    shown = tuple(("" if row[0] == above else row[0], *row[1:]) for row, above in zip(full, papers, strict=False))
+    full = records(rows, COLUMNS)
+    papers = ["", *(row.paper for row in rows)]
+    shown = tuple(
+        {**row, "paper": ""} if row["paper"] == above else row for row, above in zip(full, papers, strict=False)
+    )
     return Table(name, caption, COLUMNS, full, shown)
 
 
-def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style = "apa") -> list[Row]:
+def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style = "apa") -> list[CompanionRow]:
     """Both forms of Kolmogorov-Smirnov, each beside Lilliefors and Shapiro-Wilk. many : what each sample is."""
     companions = (
         ("Lilliefors", tests.lilliefors.p, range_said("D", tests.lilliefors.d, style)),
         ("Shapiro-Wilk", tests.shapiro.p, range_said("W", tests.shapiro.w, style)),
     )
     return [
-        Row(
+        CompanionRow(
             f"Kolmogorov-Smirnov, {form}: {how_many(paper, alpha, many, style, 'deviate')}",
             f"{name}: {how_many(p, alpha, many, style, 'deviate')}",
             effect,
@@ -61,14 +63,14 @@ def normality_rows(tests: NormalityTests, alpha: float, many: str, style: Style 
     ]
 
 
-def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> list[Row]:
+def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> list[CompanionRow]:
     """One-way analysis of variance beside tests that rest on less. many : what each design is, "participants"."""
     anova, all_of = tests.anova, range(tests.anova.f.size)
     paper = f"One-way ANOVA: {decided([tests.anova_outcome(i) for i in all_of], alpha, many, style)}"
     eta2 = effect_said(tests.anova_outcome(), style) if len(all_of) == 1 else range_said("eta2", anova.eta2, style)
     ranks = range_said("rank epsilon2", tests.kruskal.epsilon2, style)
     rows = [
-        Row(paper, f"{name}: {decided(found, alpha, many, style)}", effect, change(anova.p, p, alpha))
+        CompanionRow(paper, f"{name}: {decided(found, alpha, many, style)}", effect, change(anova.p, p, alpha))
         for name, found, p, effect in (
             ("Welch's ANOVA", [tests.welch.outcome(i) for i in all_of], tests.welch.p, eta2),
             ("Kruskal-Wallis", [tests.kruskal.outcome(i) for i in all_of], tests.kruskal.p, ranks),
@@ -77,9 +79,20 @@ def group_rows(tests: GroupTests, alpha: float, many: str, style: Style = "apa")
     return [*rows, evidence_row(paper, anova.p, tests.bayes.bf01, alpha, style)]
 
 
-def evidence_row(paper: str, p: Floats, bf01: Floats, alpha: float, style: Style = "apa") -> Row:
+def welch_row(tests: GroupTests, alpha: float, many: str) -> CompanionRow:
+    """Welch's ANOVA beside Kruskal and Wallis's."""
+    ranks = tests.kruskal.p
+    return CompanionRow(
+        f"Kruskal-Wallis: {how_many(ranks, alpha, many)}",
+        f"Welch's ANOVA: {how_many(tests.welch.p, alpha, many)}",
+        range_said("rank epsilon2", tests.kruskal.epsilon2),
+        change(ranks, tests.welch.p, alpha),
+    )
+
+
+def evidence_row(paper: str, p: Floats, bf01: Floats, alpha: float, style: Style = "apa") -> CompanionRow:
     """Bayes factors beside the p of ``paper``."""
-    return Row(
+    return CompanionRow(
         paper,
         f"Bayes factor (JZS): {range_said('BF01', bf01, style)}",
         "above 3 supports equal means, below 1/3 different ones",
@@ -87,7 +100,7 @@ def evidence_row(paper: str, p: Floats, bf01: Floats, alpha: float, style: Style
     )
 
 
-def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> Row:
+def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa") -> CompanionRow:
     """Not a test of the same hypothesis but of what the analysis of variance takes for granted."""
     found = [tests.brown_forsythe.outcome(i) for i in range(tests.anova.f.size)]
     p = tests.brown_forsythe.anova.p
@@ -95,7 +108,7 @@ def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa
         ratio = np.fmax.reduce(tests.sd, axis=1, initial=-np.inf) / np.fmin.reduce(tests.sd, axis=1, initial=np.inf)
     unequal = int(np.count_nonzero(p < alpha))
     says = "prefer Welch" if unequal else "no sign against it"
-    return Row(
+    return CompanionRow(
         "One-way ANOVA assumes equal variances",
         f"Brown-Forsythe: {decided(found, alpha, many, style)}",
         range_said("largest SD / smallest SD", ratio[np.isfinite(ratio)], style),
@@ -103,7 +116,7 @@ def variance_row(tests: GroupTests, alpha: float, many: str, style: Style = "apa
     )
 
 
-def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[Row]:
+def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[CompanionRow]:
     """Fisher's LSD beside tests that hold the error of the family; pooled mean ranks beside those of each pair."""
     size = range_said("|g|", np.abs(tests.g), style)
     shift = range_said("|r_rb|", np.abs(tests.mann_whitney.rank_biserial), style)
@@ -118,7 +131,7 @@ def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[Row]
         ),
     )  # fmt: skip
     return [
-        Row(
+        CompanionRow(
             f"{method}: {how_many(paper, alpha, 'pairs', style)}",
             f"{name}: {how_many(p, alpha, 'pairs', style)}",
             effect,
@@ -128,12 +141,14 @@ def pair_rows(tests: PairTests, alpha: float, style: Style = "apa") -> list[Row]
     ]
 
 
-def over_people_pair_rows(tests: PairTests, blocks: BlockTests, alpha: float, style: Style = "apa") -> list[Row]:
+def over_people_pair_rows(
+    tests: PairTests, blocks: BlockTests, alpha: float, style: Style = "apa"
+) -> list[CompanionRow]:
     """Fisher's LSD beside the pairs over blocks, whose sample is the people; pair by pair where both have the same."""
     paper = f"{tests.lsd.method}: {how_many(tests.lsd.p, alpha, 'pairs', style)}"
     size = range_said("|g_z|", np.abs(blocks.paired.g), style)
     return [
-        Row(
+        CompanionRow(
             paper,
             f"{name} over {blocks.repeated.n[0]} blocks, Holm: {how_many(p, alpha, 'pairs', style)}",
             size,
@@ -150,7 +165,9 @@ def p_of(outcome: Outcome) -> float:
     return float("nan") if outcome.p is None else outcome.p
 
 
-def over_people_rows(paper: str, paper_p: Floats, blocks: BlockTests, alpha: float, style: Style = "apa") -> list[Row]:
+def over_people_rows(
+    paper: str, paper_p: Floats, blocks: BlockTests, alpha: float, style: Style = "apa"
+) -> list[CompanionRow]:
     """``paper`` (its p in ``paper_p``) beside tests whose sample is the people."""
     repeated = blocks.repeated
     epsilon = (
@@ -164,9 +181,9 @@ def over_people_rows(paper: str, paper_p: Floats, blocks: BlockTests, alpha: flo
     ]
 
 
-def _over_people(paper: str, paper_p: Floats, found: Outcome, more: str, alpha: float, style: Style) -> Row:
+def _over_people(paper: str, paper_p: Floats, found: Outcome, more: str, alpha: float, style: Style) -> CompanionRow:
     failed = "; ".join(found.notes) if np.isnan(p_of(found)) else ""
-    return Row(
+    return CompanionRow(
         paper,
         f"{found.method[0].upper()}{found.method[1:]}: {failed or statistic_said(found, style)}",
         "; ".join(filter(None, (effect_said(found, style), more))),
@@ -176,23 +193,23 @@ def _over_people(paper: str, paper_p: Floats, found: Outcome, more: str, alpha: 
 
 def equality_rows(
     paper: str, equality: EqualityTests, blocks: BlockTests | None, factor: float, unit: str, style: Style = "apa"
-) -> list[Row]:
+) -> list[CompanionRow]:
     """ "No difference found" beside what would show equality. factor, unit : for people, of the bound in the data."""
     return [_margin_row(paper, equality, factor, unit, style), *([_share_row(paper, blocks, style)] if blocks else [])]
 
 
-def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, style: Style) -> Row:
+def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, style: Style) -> CompanionRow:
     level = f"{100 * (1 - 2 * equality.alpha):g}% intervals"
     bound, in_sd = (span_said(found, style) for found in (equality.bound * factor, equality.bound_sd))
     effect = f"{level} of all differences lie within ± {f'{bound} {unit}'.rstrip()} (± {in_sd} SD)"
     if equality.tost is None or equality.margin is None:
-        return Row(paper, "Equivalence (TOST): no margin stated", effect, UNDECIDED + " without a margin")
+        return CompanionRow(paper, "Equivalence (TOST): no margin stated", effect, UNDECIDED + " without a margin")
     p = equality.tost.p[np.isfinite(equality.tost.p)]
     shown = int(np.count_nonzero(p < equality.alpha))
     margin = (
         f"± {equality.margin:g} SD" if equality.tost.unit == "sd" else f"± {number(equality.margin * factor)} {unit}"
     )
-    return Row(
+    return CompanionRow(
         paper,
         f"Equivalence (TOST) within {margin.rstrip()}: {shown} of {p.size} pairs shown equal",
         effect,
@@ -200,7 +217,7 @@ def _margin_row(paper: str, equality: EqualityTests, factor: float, unit: str, s
     )
 
 
-def _share_row(paper: str, blocks: BlockTests, style: Style) -> Row:
+def _share_row(paper: str, blocks: BlockTests, style: Style) -> CompanionRow:
     """How much people differ, as a share of what is left unexplained."""
     mixed = blocks.mixed
     low = blocks.ratio_low
@@ -211,4 +228,4 @@ def _share_row(paper: str, blocks: BlockTests, style: Style) -> Row:
     else:
         found, name = mixed, "Variance components of the mixed model"
     verdict = UNDECIDED if np.isnan(low) else "yes: people differ" if low > 0 else "no: the interval reaches 0"
-    return Row(paper, name, effect_said(found, style), verdict)
+    return CompanionRow(paper, name, effect_said(found, style), verdict)

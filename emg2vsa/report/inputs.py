@@ -6,10 +6,12 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.discrimination import Discrimination
-from emg2vsa.fits import Fits
+from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
+from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
 from emg2vsa.profiles import Profiles
 from emg2vsa.report.failures import Failure
@@ -21,50 +23,93 @@ from emg2vsa.truth import Truth
 
 
 @dataclass(frozen=True)
-class StudyResults:
-    """All products of a run. A stage that failed is None (or empty), and ``failures`` say why.
+class People:
+    """What a study found of people. A stage that failed is None or empty; without fits there is no such part."""
 
-    A study of measured runs alone has no trials, and neither fits nor what follows from them.
-    """
-
-    study: Study
+    fits: Fits
     trials: tuple[Trials, ...] = ()
     "Their samples are not needed: see ``without_samples``."
-    fits: Fits | None = None
     hypotheses: Hypotheses | None = None
     profiles: Profiles | None = None
     schedules: tuple[Schedule, ...] = ()
-    failures: tuple[Failure, ...] = ()
-    provenance: dict[str, str] = field(default_factory=dict)
-    "Versions and digests by name."
     truth: Truth | None = None
     "Of a simulated study: (participant, specimen, repetition) to the true (a, b) in volts."
-    runs: tuple[RunScores, ...] = ()
-    "Scored runs of the rig; empty where the study has none."
+
+    def verdict_counts(self) -> dict[str, int]:
+        """Trials by verdict."""
+        return {name: int(np.count_nonzero(self.fits.verdict == name)) for name in ("ok", "warned", "rejected")}
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What a study found of the rig's runs. A stage that failed is None."""
+
+    scores: tuple[RunScores, ...]
+    "Scored runs, one or more."
     discrimination: Discrimination | None = None
     "What is tested of them."
     calibration: CalibrationResults | None = None
     "Stiffness of the new specimen by them."
 
     @property
-    def fitted(self) -> Fits:
-        """``fits``, for what is only asked of a study that has them."""
-        assert self.fits is not None
-        return self.fits
+    def simulated(self) -> bool:
+        """Whether any run was made by the emulated rig."""
+        return any(run.simulated for run in self.scores)
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """Everything that a report is written from. ``failures`` say why a stage, or a whole part, is missing."""
+
+    study: Study
+    people: People | None = None
+    runs: Runs | None = None
+    failures: tuple[Failure, ...] = ()
+    provenance: dict[str, str] = field(default_factory=dict)
+    "Versions and digests by name."
+
+    @property
+    def recorded(self) -> People:
+        """``people``, for a section that only a study with people has."""
+        assert self.people is not None
+        return self.people
+
+    @property
+    def pressed(self) -> Runs:
+        """``runs``, for a section that only a study with runs has."""
+        assert self.runs is not None
+        return self.runs
+
+    @property
+    def specimens(self) -> list[str]:
+        """Names, in the order of the study."""
+        return [specimen.name for specimen in self.study.specimens]
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which fits enter the tests."""
+        return usable(self.recorded.fits, self.study.hypotheses.use)
+
+    @property
+    def scale(self) -> ActivityScale:
+        """The unit of all activities of the report."""
+        fits = self.recorded.fits
+        return activity_scale(fits.activity_unit, fits.v_max_v[self.used])
+
+    @property
+    def activity_suffix(self) -> str:
+        """End of the names of activities: their unit, unless they are normalised."""
+        return "_v" if self.recorded.fits.activity_unit == "V" else ""
 
     def by_participant(self) -> dict[str, tuple[list[Trials], list[Failure]]]:
         """Each participant of the recordings, in their order, with the own trials and failures."""
         own: dict[str, tuple[list[Trials], list[Failure]]] = {r.participant: ([], []) for r in self.study.recordings}
-        for trials in self.trials:
+        for trials in self.people.trials if self.people else ():
             own[trials.participant][0].append(trials)
         for failure in self.failures:
             if failure.participant in own:
                 own[failure.participant][1].append(failure)
         return own
-
-    def verdict_counts(self) -> dict[str, int]:
-        """Trials by verdict."""
-        return {name: int(np.count_nonzero(self.fitted.verdict == name)) for name in ("ok", "warned", "rejected")}
 
     def why_absent(self, stage: str) -> str:
         """One sentence on why a section has nothing to show."""
@@ -83,41 +128,38 @@ def without_samples(trials: Trials) -> Trials:
 
 @dataclass(frozen=True)
 class Origin:
-    """Whether the data were simulated, as far as a report can know: it sees a table of the truth, or it sees none.
+    """Whether the data were simulated, as far as a report can know.
 
-    ``strong`` and ``text`` open the report, ``source`` is what tables call the data, ``kind`` the colour.
+    Of people it sees a table of the simulated truth, or none; of a run it reads who made it. ``kind`` is the colour of
+    the statement, ``strong`` and ``text`` are its words.
     """
 
     kind: str
     strong: str
     text: str
-    source: str
 
 
-_SIMULATED = Origin(
-    "usable",
-    "These results come from a simulation.",
-    "Every recording was synthesised from chosen curves plus noise. Numbers on this page show that the method finds "
-    "what was put in; they are no evidence about people, and agreement with the paper is not a replication.",
-    "simulated data",
+_NO_EVIDENCE = (
+    "The numbers show whether the method recovers what was put in; they are no evidence about people or sensors."
 )
-_PERHAPS = Origin(
-    "repeat",
-    "These data may be simulated.",
-    "The study file has a [simulation] table, but no table of simulated truth was found beside the recordings. If "
-    "emg2vsa made them, nothing here is evidence about people; if people did, remove the [simulation] table.",
-    "data that may be simulated",
-)
-_NO_TRUTH = Origin(
-    "",
-    "No table of simulated truth was found beside the recordings,",
-    "so they are taken as recorded from people, and no fit can be compared with a truth.",
-    "data taken as recorded",
+_PERHAPS = (
+    "The study file has a [simulation] table, but no table of simulated truth lies beside the recordings. If people "
+    "made these recordings, remove the [simulation] table."
 )
 
 
 def origin(results: StudyResults) -> Origin:
     """What can be said of the data of this study."""
-    if results.truth is not None:
-        return _SIMULATED
-    return _NO_TRUTH if results.study.simulation is None else _PERHAPS
+    truth = results.people is not None and results.people.truth is not None
+    made = [run.simulated for run in results.runs.scores] if results.runs else []
+    recordings = "The recordings were synthesised from chosen curves plus noise."
+    presses = f"An emulated rig made {'the' if all(made) else f'{sum(made)} of {len(made)}'} runs."
+    parts = [recordings] * truth + [presses] * any(made)
+    if parts:
+        whole = (truth or results.people is None) and all(made)
+        strong = "These data are simulated." if whole else "Part of these data is simulated."
+        return Origin("usable", strong, " ".join([*parts, _NO_EVIDENCE]))
+    if results.people is not None and results.study.simulation is not None:
+        return Origin("repeat", "These data may be simulated.", _PERHAPS)
+    said = "No sign of a simulation was found, so the data are taken as measured."
+    return Origin("", said, "No estimate can be compared with a simulated truth.")

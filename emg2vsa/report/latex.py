@@ -24,8 +24,9 @@ _LATEX = {
     "ε": r"\ensuremath{\varepsilon}", "ρ": r"\ensuremath{\rho}", "χ": r"\ensuremath{\chi}", "₀": r"\ensuremath{_0}",
     "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "−": r"\ensuremath{-}",
     "≤": r"\ensuremath{\le}", "≥": r"\ensuremath{\ge}", "×": r"\ensuremath{\times}", "°": r"\ensuremath{^\circ}",
-    "→": r"\ensuremath{\to}", "σ": r"\ensuremath{\sigma}", "\N{NO-BREAK SPACE}": "~",
-}  # fmt: skip
+    "→": r"\ensuremath{\to}", "σ": r"\ensuremath{\sigma}", "\N{NO-BREAK SPACE}": "~", "ᵐ": r"\ensuremath{^m}",
+    "“": "``", "”": "''", "’": "'",
+} | {mark: rf"\ensuremath{{^{{{plain}}}}}" for mark, plain in zip("⁻⁰¹³⁴⁵⁶⁷⁸⁹", "-013456789", strict=True)}  # fmt: skip
 
 
 _INDEX = re.compile(r"(?:(?<=\^2\})|(?<=\bA)(?=\\_c0\b)|(?<=\br)(?=\\_rb\b))\\_(\w+)")

@@ -1,4 +1,4 @@
-"""The methods paragraph of a paper, written from the settings that ran and nothing else.
+"""The methods of a paper under their headings, from the settings that ran; ``[@key]`` cites a work of ``references``.
 
 The items follow the reporting standards of ISEK (Merletti and Di Torino 1999) and SENIAM; what a study file does not
 know (electrodes, amplifier, ethics) is listed for the authors to add, not made up.
@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
+from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
 from emg2vsa.runs.score_run import score_settings
@@ -26,7 +28,7 @@ from emg2vsa.study import Person, RecordingEntry, Study
 from emg2vsa.trials import Trials
 
 AUTHORS_ADD = (
-    "To be added by the authors: electrode type, size, distance and placement; amplifier, its gain, input impedance "
+    "Electrode type, size, distance and placement; amplifier, its gain, input impedance "
     "and common-mode rejection; resolution of the converter; {}ethics approval."
 )
 _FILTER_NOTES = (
@@ -46,8 +48,8 @@ _PHASE = {
 }
 _INDEX = {
     "sum": "the sum of the envelopes",
-    "rudolph": "the index of Rudolph et al. (2000), (lower / higher envelope) × their sum",
-    "falconer-winter": "the index of Falconer and Winter (1985), twice the lower envelope over the sum of both",
+    "rudolph": "the index (lower / higher envelope) × their sum [@rudolph]",
+    "falconer-winter": "twice the lower envelope over the sum of both [@falconer]",
     "minimum": "the lowest envelope at each instant",
 }
 _NORMALISED = {
@@ -61,41 +63,60 @@ _INTERPOLATION = {
     "bracket": "linearly in stiffness between its two neighbours",
     "paper": "between its two neighbours in stiffness, with the new stiffness over 10 N/mm as the weight of the softer",
     "log-stiffness": "linearly in the logarithm of stiffness between its two neighbours",
-    "coefficients": "by monotone cubics (PCHIP) in stiffness through a and b of all exported specimens",
+    "coefficients": "by monotone cubics in stiffness through a and b of all exported specimens [@fritsch]",
 }
 _FEW = 3
 RMS_READS_MORE = " (which reads 25 % more than a rectified mean of the same Gaussian signal, in a and b alike)"
 
 
-def methods_paragraph(
+@dataclass(frozen=True)
+class Paragraph:
+    """One heading of the methods, and its text with citations as ``[@key]``."""
+
+    heading: str
+    text: str
+
+
+def methods(
     study: Study,
     trials: Sequence[Trials],
     versions: Mapping[str, str],
     simulated: bool = False,
     runs: Sequence[RunScores] = (),
-) -> str:
-    """Plain text. ``trials`` supply what was measured of the filters (true edges, delays) as they ran.
+) -> list[Paragraph]:
+    """``trials`` supply what was measured of the filters (true edges, delays) as they ran.
 
-    Of a study without recordings, nothing is said of people.
+    Of a study without recordings, nothing is said of people, and of one without runs nothing of the rig.
     """
-    people = [
-        _recording(study, trials, simulated),
-        *_by_recording(study, lambda entry: _filters(entry.filters)),
-        *_as_run(trials),
-        *_by_recording(study, lambda entry: _tare(entry.channels.force.tare)),
-        _cocontraction(study.cocontraction),
-        *_by_recording(study, lambda entry: _segmentation(entry.window)),
-        _fit(study.fit, study.window),
-        *_tests(study),
-        *_export(study),
-    ]
-    sentences = [
-        *(people if study.recordings else []),
-        *runs_methods(study, runs),
-        f"Software: {listed([f'{name} {version}' for name, version in versions.items()])}." if versions else "",
-        _authors_add(study) if study.recordings and not simulated else "",
-    ]
-    return " ".join(filter(None, sentences))
+    people: dict[str, list[str]] = {
+        "Participants and recordings": [_recording(study, trials, simulated)],
+        "Signal processing": [
+            *_by_recording(study, lambda entry: _filters(entry.filters)),
+            *_by_recording(study, lambda entry: _tare(entry.channels.force.tare)),
+            _cocontraction(study.cocontraction),
+        ],
+        "Presses and fits": [
+            *_by_recording(study, lambda entry: _segmentation(entry.window)),
+            _fit(study.fit, study.window),
+        ],
+        "Statistical analysis": list(_tests(study)),
+        "Stiffness schedules": list(_export(study)),
+    }
+    rig: dict[str, list[str]] = {
+        "Tactile presses": [_pressed(runs)],
+        "Contact area spread rate": [_scored(study)],
+        "Tests of areas and rates": [_tested(study.discrimination)],
+        "Stiffness calibration": [_calibrated(study.calibration)] if study.profile.new_specimen else [],
+    } if runs else {}  # fmt: skip
+    software = [f"{listed([f'{name} {version}' for name, version in versions.items()])}."] if versions else []
+    add = [_authors_add(study)] if study.recordings and not simulated else []
+    every = (people if study.recordings else {}) | rig | {"Software": software, "To be added by the authors": add}
+    return [Paragraph(heading, " ".join(texts)) for heading, texts in every.items() if texts]
+
+
+def filters_as_run(trials: Sequence[Trials]) -> list[str]:
+    """What the filters did to these recordings, as their notes say: true edges and delays."""
+    return list(dict.fromkeys(note for t in trials for note in t.notes if note.startswith(_FILTER_NOTES)))
 
 
 def _authors_add(study: Study) -> str:
@@ -183,12 +204,6 @@ def _noise(f: FilterSettings) -> str:
     return hum
 
 
-def _as_run(trials: Sequence[Trials]) -> Iterable[str]:
-    ran = dict.fromkeys(note for t in trials for note in t.notes if note.startswith(_FILTER_NOTES))
-    if ran:
-        yield f"As run: {' / '.join(ran)}."
-
-
 def _tare(tare: str) -> str:
     return "The force at rest was subtracted." if tare == "rest" else "Force was not tared."
 
@@ -224,7 +239,7 @@ def _fit(f: FitSettings, w: WindowSettings) -> str:
         how = f"least squares weighted by inverse variance ({over})"
     else:
         how = "unweighted least squares" if f.robust else "ordinary least squares"
-    robust = ", with Huber's weights against outliers," if f.robust else ""
+    robust = ", with Huber's weights against outliers [@huber]," if f.robust else ""
     errors = (
         "their standard errors allow for the correlation of neighbouring samples"
         if bins
@@ -256,26 +271,36 @@ def _tests(study: Study) -> Iterable[str]:
 def _companions(study: Study) -> Iterable[str]:
     """What was run beside the tests of the paper."""
     h, several = study.hypotheses, min(len(study.participants), len(study.specimens)) > 1
-    beside = ["Lilliefors' and Shapiro and Wilk's tests of each cluster"]
+    beside = ["Lilliefors' test [@lilliefors] and the Shapiro-Wilk test [@shapiro] of each cluster"]
     if max(len(study.participants), len(study.specimens)) > 1:
-        beside.append("Welch's ANOVA, Kruskal and Wallis' test, Brown and Forsythe's test and JZS Bayes factors")
+        beside.append(
+            "Welch's ANOVA [@welch], the Kruskal-Wallis test [@kruskal], the Brown-Forsythe test [@brown] and JZS "
+            "Bayes factors [@rouder]"
+        )
     if len(study.specimens) > 1:
         beside.append(
-            "for the pairs of a participant Holm's and Benjamini and Hochberg's corrections, Tukey's HSD, Games and "
-            "Howell's test, Dunn's test on mean ranks with Bonferroni's correction and exact Mann-Whitney tests with "
-            "Holm's"
+            "for the pairs of a participant Holm's correction [@holm], the false discovery rate [@benjamini], Tukey's "
+            "HSD, the Games-Howell test [@games], Dunn's test on mean ranks with Bonferroni's correction [@dunn] and "
+            "exact Mann-Whitney tests [@mann] with Holm's correction"
         )
     if several:
         beside.append(
-            "over participants a linear mixed model (specimen fixed, participant and participant by specimen random), "
-            "a repeated-measures ANOVA of the means with Greenhouse and Geisser's correction and Friedman's test"
+            "over participants a linear mixed model (specimen fixed, participant and participant by specimen random; "
+            "REML [@patterson] with profile-likelihood intervals of its standard deviations), a repeated-measures "
+            "ANOVA of the means with the Greenhouse-Geisser correction [@greenhouse] and Friedman's test [@friedman]"
         )
     if h.equivalence_margin_sd is not None and len(study.participants) > 1:
         beside.append(
-            f"two one-sided tests of equality of every pair of participants within {h.equivalence_margin_sd:g} SD of "
-            "their repetitions"
+            f"two one-sided tests [@schuirmann] of equality of every pair of participants within "
+            f"{h.equivalence_margin_sd:g} SD of their repetitions"
         )
-    yield f"Beside them ran {'; '.join(beside)}. No test was chosen by the outcome of another."
+    yield f"Companion tests were {'; '.join(beside)}. No test was chosen by the outcome of another."
+    yield (
+        "Intervals of ω² come from the noncentral F distribution [@steiger]. A trend of b over the repetitions was "
+        "tested by Student's t of the participants' slopes. The logarithmic law was compared with a power law and a "
+        "straight line by errors of prediction, leaving out one press or one force bin at a time. Claims that rest on "
+        "a p were corrected together [@holm]."
+    )
 
 
 def _pairs(h: HypothesisSettings) -> str:
@@ -298,7 +323,8 @@ def _export(study: Study) -> Iterable[str]:
 
 
 _AREA = {
-    "front": "the front of the contact in every frame: the finite-element contact whose pins move as those seen",
+    "front": "the area within the contact front in every frame, found by comparing the motion of the pins with that "
+    "of finite-element contacts",
     "edge": "the ellipse at the fold of the pins' displacement field",
     "hexagon": "one hexagon for each pin that moved more than {threshold:g} px (Algorithm 1, pins matched one to one)",
     "circle": "the circle through the outermost pin (previous work)",
@@ -310,24 +336,13 @@ _RATE = {
     "paper": "the sum of the quotients of area and force differences, equation (2) as printed",
 }
 _LAW = {
-    "compliance": "1/κ = a + b CASR^1.5 (sensor and specimen in series, Hertz)",
+    "compliance": "1/κ = a + b CASR^1.5 (sensor and specimen in series, contact after Hertz [@hertz])",
     "exponential": "κ = p exp(q CASR)",
     "power": "κ = p CASR^q",
     "linear-log": "κ = a + b ln CASR",
 }
 
 _LEAST = {"casr": "CASR", "kappa": "κ", "ln kappa": "ln κ"}
-
-
-def runs_methods(study: Study, runs: Sequence[RunScores]) -> Iterable[str]:
-    """Sentences on runs, scores, tests and calibration; none for a study without runs."""
-    if not runs:
-        return
-    yield _pressed(runs)
-    yield _scored(study)
-    yield _tested(study.discrimination)
-    if study.profile.new_specimen:
-        yield _calibrated(study.calibration)
 
 
 def _pressed(runs: Sequence[RunScores]) -> str:
@@ -357,9 +372,12 @@ def _scored(study: Study) -> str:
 
 def _tested(settings: DiscriminationSettings) -> str:
     return (
-        f"Areas and rates were compared between specimens and angles at alpha = {settings.alpha:g} by Kruskal and "
-        "Wallis' test with pairs on mean ranks and Bonferroni's correction, beside Welch's ANOVA, exact Mann-Whitney "
-        f"tests with Holm's correction, Bayes factors and equivalence within {100 * settings.equivalence_margin:g} %."
+        f"Areas and rates were compared between specimens and angles at alpha = {settings.alpha:g} by the "
+        "Kruskal-Wallis test [@kruskal] with pairs on mean ranks and Bonferroni's correction [@dunn]. Companion tests "
+        "were Welch's ANOVA [@welch], exact Mann-Whitney tests [@mann] with Holm's correction [@holm], Bayes factors "
+        f"[@rouder] and equivalence within {100 * settings.equivalence_margin:g} % [@schuirmann]. One model of "
+        "ln(area) and one of ln(CASR) with condition, angle and specimen (type II [@yates]) gave partial ω² with "
+        "intervals from the noncentral F distribution [@steiger]."
     )
 
 
@@ -369,7 +387,10 @@ def _calibrated(settings: CalibrationSettings) -> str:
         f"{_left_out(settings)}The stiffness of the new specimen was read off {_LAW[settings.law]}, fitted to {scores} "
         f"of the others at each angle of each condition by least squares of {_LEAST[settings.minimise]}. Its "
         f"{100 * settings.confidence:g} % interval joins the scatter of repeated presses, the standard errors of the "
-        f"known stiffnesses{_mounting(settings)}."
+        f"known stiffnesses{_mounting(settings)}. Presses that are serially correlated count as fewer, and where the "
+        "left-out specimens reject the law its interval is widened until theirs hold. No stiffness is given where CASR "
+        "does not follow κ in one direction, and one whose interval is wider than the calibrated range is called not "
+        "determined."
     )
 
 
@@ -378,13 +399,16 @@ def _left_out(settings: CalibrationSettings) -> str:
         return ""
     return (
         f"A press further than {settings.outlier_mads:g} median absolute deviations, scaled to an SD, from the median "
-        "of its specimen was left out of the calibration, where the specimen had five presses or more. "
+        "of its specimen was left out of the calibration, where the specimen had five presses or more and no more than "
+        f"{MOST_OUTLIERS:.0%} of them lay so far off. "
     )
 
 
 def _mounting(settings: CalibrationSettings) -> str:
     """The terms of the interval that presses of one mounting cannot show."""
     angle = f"an SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting"
+    if settings.mounting_sd_percent:
+        angle += f", an assumed SD of {settings.mounting_sd_percent:g} % of the score from mounting to mounting"
     if settings.law != "compliance":
         return f" and {angle}"
     return f", {angle}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's 1.5"

@@ -20,6 +20,9 @@ _SYMBOLS = {
     "chi2": ("χ²", r"\chi^2"),
     "BF01": ("BF₀₁", r"\mathrm{BF}_{01}"),
     "eta2": ("η²", r"\eta^2"),
+    "omega2": ("ω²", r"\omega^2"),
+    "partial eta2": ("η²_p", r"\eta^2_p"),
+    "partial omega2": ("ω²_p", r"\omega^2_p"),
     "generalised eta2": ("η²_G", r"\eta^2_G"),
     "rank epsilon2": ("ε²_R", r"\varepsilon^2_R"),
     "rank-biserial": ("r_rb", r"r_\mathrm{rb}"),
@@ -27,7 +30,12 @@ _SYMBOLS = {
     "Hedges g": ("g", "g"),
 }
 """Names of statistics and effects as Unicode and as mathematics; a name that is not here stays as it is."""
-_AT_MOST_ONE = frozenset({"eta2", "generalised eta2", "rank epsilon2", "rank-biserial", "Kendall's W"})
+_AT_MOST_ONE = frozenset(
+    {
+        "eta2", "omega2", "partial eta2", "partial omega2", "generalised eta2", "rank epsilon2", "rank-biserial",
+        "Kendall's W", "rank correlation",
+    }
+)  # fmt: skip
 _COUNTS = frozenset({"D", "W"})
 """Statistics without degrees of freedom whose n stands in their place."""
 

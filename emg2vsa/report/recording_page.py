@@ -11,7 +11,7 @@ import numpy as np
 from casr.html import bullets, details, figure, page, paragraph, section, table
 from emg2vsa import __version__
 from emg2vsa.arrays import Floats
-from emg2vsa.figures.palette import INK
+from emg2vsa.figures.palette import BLUE, INK, YELLOW
 from emg2vsa.readers.opened import StoredChannel
 from emg2vsa.readers.survey import ChannelFacts, FileFacts
 from emg2vsa.report.session_plots import PlotArea, thinned
@@ -19,7 +19,7 @@ from emg2vsa.report.session_plots import PlotArea, thinned
 HEADS = ("channel", "unit", "rate, Hz", "lowest", "highest", "clipped", "noise floor", "mains", "probably")
 _TRACE_POINTS = 1600
 _MOST_DRAWN = 24
-_COLOURS = {"EMG": "#0072B2", "force": "#D55E00", "other": INK}
+_COLOURS = {"EMG": BLUE, "force": YELLOW, "other": INK}
 
 
 def cells(channel: ChannelFacts) -> tuple[str, ...]:

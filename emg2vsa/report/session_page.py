@@ -23,7 +23,7 @@ from emg2vsa.report.session_plots import (
     median_frequencies,
     spectra,
 )
-from emg2vsa.report.table import Column, Table, activity_column
+from emg2vsa.report.table import Column, Table, activity_column, rows_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
@@ -119,7 +119,9 @@ def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
     if trials.overviews:
         traces += [emg_trace(trials, m, f"{name}e{m}") for m in range(len(trials.muscles))]
     raw = " Grey: raw EMG; red: its mean rectified value." if trials.overviews else ""
-    body += html.figure("".join(traces), f"Force and EMG over time. Loading phases are shaded and numbered.{raw}")
+    body += html.figure(
+        "".join(traces), f"{trials.specimen}: force and EMG over time. Loading phases are shaded and numbered.{raw}"
+    )
     if trials.overviews:
         drawn = [spectra(trials, m, f"{name}s{m}") for m in range(len(trials.muscles))]
         drawn.append(median_frequencies(trials, f"{name}m"))
@@ -136,7 +138,7 @@ def _recording(trials: Trials, own: Fits | None, scale: ActivityScale, name: str
         dashed = "solid: ok; dashed: warned (!); dotted: rejected (×); thick: odd beside the others"
         body += html.figure(
             activity_plot(own, scale, f"{name}v"),
-            f"Force bins and fits v = a + b ln F of each press, by its number. Curves: {dashed}.",
+            f"{trials.specimen}: force bins and fits v = a + b ln F of each press, by its number. Curves: {dashed}.",
         )
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
@@ -152,12 +154,11 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
         Column("adj_r2_bins", "adj. R², bins"),
         Column("adj_r2_samples", "adj. R², samples"), Column("verdict", "Verdict"), Column("reason", "Reason"),
     )  # fmt: skip
-    rows = []
-    for i in range(fits.b_v.size):
-        rows.append(tuple(getattr(fits if hasattr(fits, c.key) else trials, c.key)[i].item() for c in columns))
+    keys = [column.key for column in columns]
+    rows = rows_of({key: np.asarray(getattr(fits if hasattr(fits, key) else trials, key)) for key in keys})
     interval = f"{100 * fits.confidence:g}{NO_BREAK}%"
     caption = f"Presses on {trials.specimen}; b low and b high are the ends of its {interval} interval"
-    return Table("presses", caption, columns, tuple(rows))
+    return Table("presses", caption, columns, rows)
 
 
 def _quality(trials: Trials) -> list[str]:

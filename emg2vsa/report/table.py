@@ -5,16 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
 import numpy as np
 
 from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.report.wording import UNDEFINED, number, p_parts
+from emg2vsa.report.wording import UNDEFINED, number, p_value, typeset
 
 Cell = str | int | float | bool | None
+Row = Mapping[str, Cell]
 
 
 @dataclass(frozen=True)
@@ -36,66 +37,92 @@ class Column:
         if isinstance(value, bool):
             return "yes" if value else "no"
         if isinstance(value, str):
-            return value
+            return typeset(value)
         if self.key == "p" or self.key.startswith("p_"):
-            return " ".join(p_parts(value)).removeprefix("= ")
+            return p_value(value)
         return number(value * self.factor if self.factor != 1 else value, self.digits)
 
 
 @dataclass(frozen=True)
 class Table:
-    """``rows`` hold plain values, one per column; people see ``shown_rows`` where all would be too many."""
+    """``rows`` map the key of every column to a plain value; people see ``shown_rows`` where all would be too many.
+
+    ValueError : a row lacks a column, or has a key that is none. kinds : CSS classes of the rows that people see, as
+    many as these. links : addresses of their first cells.
+    """
 
     name: str
     caption: str
     columns: tuple[Column, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    shown_rows: tuple[tuple[Cell, ...], ...] | None = None
+    rows: tuple[Row, ...]
+    shown_rows: tuple[Row, ...] | None = None
+    kinds: tuple[str, ...] = ()
+    links: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        keys = [column.key for column in self.columns]
+        for row in (*self.rows, *(self.shown_rows or ())):
+            if row.keys() != set(keys):
+                raise ValueError(f"table {self.name}: a row has {sorted(row)}, the columns are {sorted(keys)}")
 
     def csv(self) -> str:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow([column.name or column.key for column in self.columns])
-        writer.writerows([_exact(value) for value in row] for row in self.rows)
+        writer.writerows([_exact(row[column.key]) for column in self.columns] for row in self.rows)
         return text.getvalue()
 
-    def html(self) -> str:
-        """Scrolls sideways on a narrow screen."""
-        classes = ["n" if numeric else "" for numeric in self.numeric()]
-        cell = {"": "<td>", "n": '<td class="n">'}
+    def html(self, number: int | None = None) -> str:
+        """Scrolls sideways on a narrow screen. number : of the table on its page."""
+        classes = [
+            "verdict" if column.key == "verdict" else "n" if numeric else ""
+            for column, numeric in zip(self.columns, self.numeric(), strict=True)
+        ]
+        cell = {"": "<td>", "n": '<td class="n">', "verdict": '<td class="verdict">'}
         heads = "".join(
-            f'<th scope="col"{" class=n" if kind else ""}>{escape(column.head)}</th>'
+            f'<th scope="col"{" class=n" if kind == "n" else ""}>{escape(column.head)}</th>'
             for column, kind in zip(self.columns, classes, strict=True)
         )
-        body = "\n".join(
-            "<tr>"
-            + "".join(f"{cell[kind]}{escape(text)}</td>" for kind, text in zip(classes, cells, strict=True))
-            + "</tr>"
-            for cells in self.cells()
-        )
-        label = escape(self.caption)
+        body = []
+        for place, cells in enumerate(self.cells()):
+            made = [f"{cell[kind]}{escape(text)}</td>" for kind, text in zip(classes, cells, strict=True)]
+            if self.links and self.links[place]:
+                made[0] = f'<td><a href="{escape(self.links[place])}">{escape(cells[0])}</a></td>'
+            kind = f' class="{self.kinds[place]}"' if self.kinds else ""
+            body.append(f"<tr{kind}>{''.join(made)}</tr>")
+        rows = "\n".join(body)
+        named = f"Table {number}. {typeset(self.caption)}" if number else typeset(self.caption)
+        caption = escape(named)
+        if number:
+            caption = f"<b>Table {number}.</b> {escape(typeset(self.caption))}"
         return (
-            f'<div class="wide" role="region" tabindex="0" aria-label="{label}"><table><caption>{label}</caption>\n'
-            f"<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>\n"
+            f'<div class="wide" role="region" tabindex="0" aria-label="{escape(named)}"><table>'
+            f"<caption>{caption}</caption>\n"
+            f"<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>\n"
         )
 
     def numeric(self) -> list[bool]:
         """Which columns hold numbers."""
         return [
-            any(isinstance(row[i], (int, float)) and not isinstance(row[i], bool) for row in self.rows)
-            for i in range(len(self.columns))
+            any(isinstance(row[c.key], (int, float)) and not isinstance(row[c.key], bool) for row in self.rows)
+            for c in self.columns
         ]
 
     def cells(self) -> list[list[str]]:
         """What people see."""
         rows = self.rows if self.shown_rows is None else self.shown_rows
-        return [[column.shown(value) for column, value in zip(self.columns, row, strict=True)] for row in rows]
+        return [[column.shown(row[column.key]) for column in self.columns] for row in rows]
 
 
-def rows_of(*arrays: Sequence[Cell] | np.ndarray) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of plain values from columns of equal length."""
-    columns = [array.tolist() if isinstance(array, np.ndarray) else list(array) for array in arrays]
-    return tuple(zip(*columns, strict=True))
+def rows_of(columns: Mapping[str, Sequence[Cell] | np.ndarray]) -> tuple[Row, ...]:
+    """Rows of plain values from columns of equal length, by key."""
+    lists = [array.tolist() if isinstance(array, np.ndarray) else list(array) for array in columns.values()]
+    return tuple(dict(zip(columns, values, strict=True)) for values in zip(*lists, strict=True))
+
+
+def records(objects: Iterable[object], columns: Sequence[Column]) -> tuple[Row, ...]:
+    """Rows from objects that have an attribute for each key."""
+    return tuple({column.key: getattr(each, column.key) for column in columns} for each in objects)
 
 
 def _exact(value: Cell) -> Cell:

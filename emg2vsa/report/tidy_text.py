@@ -14,7 +14,7 @@ from emg2vsa.companions.table import BlockTests
 from emg2vsa.companions.tidy import TidyTests
 from emg2vsa.report.companion_rows import (
     COLUMNS,
-    Row,
+    CompanionRow,
     equality_rows,
     group_rows,
     normality_rows,
@@ -39,7 +39,7 @@ class Hypothesis:
     """A question, the rows that answer it, and what to mind."""
 
     question: str
-    rows: Sequence[Row]
+    rows: Sequence[CompanionRow]
     mind: str
 
 
@@ -62,7 +62,7 @@ def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
     over = over_people_rows(paper, groups.anova.p, blocks.blocks, alpha, style) if blocks and blocks.blocks else []
     yield Hypothesis(
         "Do groups differ?",
-        [*group_rows(groups, alpha, "", style), *over, variance_row(groups, alpha, "", style)],
+        [*over, *group_rows(groups, alpha, "", style), variance_row(groups, alpha, "", style)],
         "The first column takes all rows as independent; rows of one block are not. Believe the tests over blocks."
         if blocks
         else "All rows are taken as independent. If several come from one person or object, name it with --block.",
@@ -119,6 +119,8 @@ def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
 def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
     """Every test, and what it is of."""
     tests, blocks = found.together, _over_blocks(found)
+    if blocks is not None:
+        yield from (("groups over blocks", outcome) for outcome in blocks.outcomes())
     for i, group in enumerate(found.groups.tolist()):
         yield from ((group, outcome) for outcome in tests.normality.outcomes(i))
     yield from (("groups", outcome) for outcome in tests.between_groups.outcomes())
@@ -131,8 +133,6 @@ def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
             yield name, found.equality.tost.outcome(0, pair)
     if found.by_block is None:
         return
-    if found.by_block.blocks is not None:
-        yield from (("groups over blocks", outcome) for outcome in found.by_block.blocks.outcomes())
     for i, block in enumerate(found.blocks.tolist()):
         yield from ((f"groups in {block}", outcome) for outcome in found.by_block.between_groups.outcomes(i))
         for pair, (first, second) in enumerate(zip(tests.pairs.first, tests.pairs.second, strict=True)):
@@ -199,7 +199,7 @@ def _families(found: TidyTests) -> tuple[dict[str, Floats], Floats]:
     if blocks is not None:
         short = {"Mixed-model contrasts": "Mixed", "Paired t": "Paired t", "Signed ranks": "Signed r."}
         over = {short[name]: p for name, p in blocks.pair_families.items()}
-        return {"LSD (rows)": tests.lsd.p} | over, blocks.paired.g
+        return over | {"LSD (rows)": tests.lsd.p}, blocks.paired.g
     return {
         "LSD": tests.lsd.p, "Holm": tests.p_holm, "Tukey": tests.tukey.p, "Games-H.": tests.games_howell.p,
         "FDR": tests.p_fdr, "Dunn": tests.dunn.p, "Mann-Wh.": tests.p_rank_holm,
@@ -212,7 +212,7 @@ def _p(p: float, style: Style) -> str:
     return shown.removeprefix("p ").removeprefix("= ").replace("not defined", UNDEFINED)
 
 
-def _grid(rows: Sequence[Row]) -> Iterator[str]:
+def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
     """Four columns of wrapped text; what the row above says in the first is not repeated."""
     heads = [column.head for column in COLUMNS]
     above = ""

@@ -10,6 +10,14 @@ from emg2vsa.figures.activity_scale import ActivityScale
 
 UNDEFINED = "–"
 NO_BREAK = "\N{NO-BREAK SPACE}"
+MINUS = "\N{MINUS SIGN}"
+_HYPHEN_MINUS = re.compile(r"(?<![\w.)-])-(?=\.?\d)")
+_PERCENT = re.compile(r"(?<=\d) ?%")
+
+
+def typeset(text: str) -> str:
+    """A true minus before a number, and a space that does not break before a percent sign: one way on every page."""
+    return _PERCENT.sub(f"{NO_BREAK}%", _HYPHEN_MINUS.sub(MINUS, text))
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -17,13 +25,13 @@ def number(value: float | None, digits: int = 3) -> str:
     if value is None or math.isnan(value):
         return UNDEFINED
     if isinstance(value, int) or value == 0 or 10**digits <= abs(value) < 1e6:
-        return f"{value:.0f}"
-    return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")
+        return typeset(f"{value:.0f}")
+    return typeset(f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e"))
 
 
 def bounded(value: float, decimals: int = 3) -> str:
     """A number that cannot exceed 1 in size (p, R², η²): fixed decimals and no leading zero."""
-    return UNDEFINED if math.isnan(value) else re.sub(r"^(-?)0\.", r"\1.", f"{value:.{decimals}f}")
+    return UNDEFINED if math.isnan(value) else typeset(re.sub(r"^(-?)0\.", r"\1.", f"{value:.{decimals}f}"))
 
 
 def p_text(p: float) -> str:
@@ -42,6 +50,11 @@ def p_parts(p: float) -> tuple[str, str]:
 def percent(share: float, digits: int = 3) -> str:
     """A share as percent."""
     return UNDEFINED if math.isnan(share) else f"{number(100 * share, digits)}{NO_BREAK}%"
+
+
+def signed(value: float, unit: str = "") -> str:
+    """A difference with its sign and one decimal: ``+3.1 %``, ``−0.4``."""
+    return UNDEFINED if math.isnan(value) else typeset(f"{value:+.1f} {unit}".rstrip())
 
 
 def count(n: int, noun: str) -> str:
@@ -74,6 +87,11 @@ def interval(estimate: float, low: float, high: float) -> str:
     return UNDEFINED if estimate != estimate else f"{number(estimate)} [{number(low)}, {number(high)}]"
 
 
+def p_value(p: float) -> str:
+    """``.039``, ``< .001``: a p where the letter stands beside it."""
+    return " ".join(p_parts(p)).removeprefix("= ")
+
+
 def exact_p(p: float) -> str:
-    """As the paper prints a p: four decimals, two digits below .0001."""
+    """A p of the paper, as it prints them: four decimals, two digits below .0001."""
     return bounded(p, 4) if p >= 1e-4 or p != p else number(p, 2)

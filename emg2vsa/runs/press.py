@@ -15,7 +15,7 @@ from casr.score import score
 from casr.scored import Score, ScoreSettings
 from casr.spread import contact_areas, spread_rate
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
 
 OF_SKIN = tuple(name for name in ALGORITHMS if name != "front")
 _REACH = 0.8
@@ -123,16 +123,22 @@ def _within_reach(settings: ScoreSettings, frames: FrameSequence) -> ScoreSettin
     return settings if peak_n >= stop_n else replace(settings, force_stop_n=None)
 
 
-def picture_of(press: Press, scored: ScoredPress, algorithm: str) -> ContactPicture:
-    """First contact of a scored press."""
-    area_mm2 = scored.a_c0[algorithm]
+def picture_of(press: Press, scored: ScoredPress, algorithm: str) -> ContactPicture | None:
+    """The frame nearest to ``PICTURED_N`` with the outline that ``algorithm`` finds; None where it finds none."""
     assert press.frames is not None
     found = scored.scored
+    area, outlines = found.area, tuple(found.front.edge_px)
+    if algorithm != "front":
+        area, outlines = found.skin.area * (scored.a_c0[algorithm] / found.skin.area[0]), found.regions
+    known = np.flatnonzero(np.isfinite(area))
+    if not known.size or found.force_n is None:
+        return None
+    i = int(known[np.argmin(np.abs(found.force_n[known] - PICTURED_N))])
     return ContactPicture(
-        image=np.asarray(press.frames[int(found.frames[0])]).astype(np.uint8),
-        pins_px=found.rest.centroids_px,
-        contact_px=found.contact_px[found.initial.selected],
-        area_mm2=area_mm2,
+        image=np.asarray(press.frames[int(found.frames[i])]).astype(np.uint8),
+        force_n=float(found.force_n[i]),
+        outline_px=np.asarray(outlines[i], dtype=np.float64),
+        area_mm2=float(area[i]),
     )
 
 

@@ -15,6 +15,8 @@ ALGORITHMS = ("front", "edge", "hexagon", "circle", "paper")
 first, with its initial area by the edge of contact, by hexagons (paper, new) or by a circle (previous work), each with
 the consistent area law and the rate of a power law; and the paper's equations to the letter on hexagons."""
 
+PICTURED_N = 1.0
+"""Force at which the contacts of different runs are shown side by side, N."""
 
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 
@@ -34,14 +36,15 @@ class PressCurve:
 
 @dataclass(frozen=True, eq=False)
 class ContactPicture:
-    """The frame of first contact of one press, for people to look at.
+    """The frame of a run that was taken nearest to ``PICTURED_N``, for people to look at.
 
-    image : (H, W) uint8. pins_px : (N, 2) at rest. contact_px : (M, 2) pins counted as in contact. area_mm2 : A_c0.
+    image : (H, W) uint8. force_n : of this frame. outline_px : (K, 2) of the area that the algorithm finds in it.
+    area_mm2 : within the outline, in px2 without a camera file.
     """
 
     image: NDArray[np.uint8]
-    pins_px: Floats
-    contact_px: Floats
+    force_n: float
+    outline_px: Floats
     area_mm2: float
 
 

@@ -10,7 +10,7 @@ from casr.errors import CasrError
 from casr.scored import ScoreSettings
 from emg2vsa.arrays import Floats
 from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
-from emg2vsa.runs.product import ALGORITHMS, ContactPicture, PressCurve, RunScores
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
 _AREA_RULES = {"paper": "hexagon", "front": "edge"}
@@ -46,11 +46,10 @@ def score_run(
     reasons: list[str] = []
     scored: list[ScoredPress | None] = []
     unit_of_rejected = "mm2"
-    picture: ContactPicture | None = None
+    pictures: list[ContactPicture | None] = []
     for press in presses:
         found, reason = _tried(press, how)
-        if found and picture is None:
-            picture = picture_of(press, found, settings.algorithm)
+        pictures.append(picture_of(press, found, settings.algorithm) if found else None)
         if not found:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
@@ -72,7 +71,7 @@ def score_run(
         true_a_c0=np.full(len(scored), np.nan),
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
         curves=tuple(found.curve if found else _NOTHING for found in scored),
-        picture=picture,
+        picture=min(filter(None, pictures), key=lambda picture: abs(picture.force_n - PICTURED_N), default=None),
         notes=tuple(dict.fromkeys((*notes, *(note for found in scored if found for note in found.notes)))),
     )
 

@@ -101,7 +101,7 @@ class VarianceTests:
         found = self.anova.outcome(i)
         most = int(np.max(self.anova.count[i], initial=0))
         notes = found.notes
-        if np.isnan(self.anova.f[i]) and most > 1:
+        if np.isnan(self.anova.f[i]) and most > 1 and self.anova.df1[i] > 0:
             alike = "every value is equally far from the median of its group"
             notes = ("undefined: no group has three values" if most == 2 else f"undefined: {alike}",)
         elif most == 3:

@@ -20,7 +20,8 @@ _FAR_T = 1e3
 _FAR_F = 1e7
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(24)
 _WEIGHTS /= _WEIGHTS.sum()
-_BISECTIONS = 100
+_STEPS = 100
+_EPS = np.finfo(np.float64).eps
 
 
 def noncentral_t(df: Floats, nc: Floats, t: Floats) -> Floats:
@@ -55,21 +56,29 @@ def _denominator_above(df: Floats, limit: Floats, numerator: Floats, power: int)
     return above
 
 
-def omega2(f: ArrayLike, df1: ArrayLike, df2: ArrayLike) -> Floats:
-    """Hays' (1963) estimate of the population's share, one-way: df1 (F - 1) / (df1 (F - 1) + N). May be negative."""
-    gain = _floats(df1) * (_floats(f) - 1)
-    return _share(gain, gain + _floats(df1) + _floats(df2) + 1)
+def omega2(f: ArrayLike, df1: ArrayLike, n: ArrayLike) -> Floats:
+    """Share of the population's variance after an F test on n values: df1 (F - 1) / (df1 (F - 1) + n), not below 0.
+
+    Hays (1963) for one factor, partial with several (Olejnik and Algina 2003).
+    """
+    gain = np.where(np.isnan(_floats(f)), np.nan, _floats(df1) * np.fmax(_floats(f) - 1, 0.0))
+    return _share(gain, gain + _floats(n))
 
 
-def eta2_interval(f: ArrayLike, df1: ArrayLike, df2: ArrayLike, confidence: float = 0.95) -> tuple[Floats, Floats]:
-    """Two-sided interval of eta squared by the noncentral F (Steiger 2004); lambda / (lambda + N), N = df1 + df2+1."""
-    f, df1, df2 = np.broadcast_arrays(_floats(f), _floats(df1), _floats(df2))
+def share_interval(
+    f: ArrayLike, df1: ArrayLike, df2: ArrayLike, n: ArrayLike, confidence: float = 0.95
+) -> tuple[Floats, Floats]:
+    """Two-sided interval of the population's share by the noncentral F (Steiger 2004): lambda / (lambda + n).
+
+    It holds what `omega2` estimates. The sample's eta squared is biased upwards, and may lie outside. (R's effectsize
+    divides by lambda + df2 instead.)
+    """
+    f, df1, df2, n = np.broadcast_arrays(_floats(f), _floats(df1), _floats(df2), _floats(n))
     tail = (1 - confidence) / 2
-    total = df1 + df2 + 1
 
     def share(probability: float) -> Floats:
         at = _noncentrality(lambda nc: noncentral_f(df1, df2, nc, f), probability, f)
-        return np.where(np.isinf(f), 1.0, at / (at + total))
+        return np.where(np.isinf(f), 1.0, at / (at + n))
 
     return share(1 - tail), share(tail)
 
@@ -115,18 +124,40 @@ def _noncentrality(distribution: Callable[[Floats], Any], probability: float, li
     """nc >= 0 with ``distribution(nc)``, which falls in nc, = ``probability``; 0 where it starts below it."""
     undefined = ~np.isfinite(like)
 
-    def too_small(nc: Floats) -> np.ndarray:
-        return np.asarray(distribution(nc) > probability) & ~undefined
+    def excess(nc: Floats) -> Floats:
+        return np.where(undefined, 0.0, distribution(nc) - probability)
 
+    low, at_low = np.zeros(like.shape), excess(np.zeros(like.shape))
     high = np.fmax(1.0, np.where(undefined, 1.0, like))
-    while np.any(short := too_small(high)):
+    while np.any(short := (at_high := excess(high)) > 0):
         high = np.where(short, 2 * high, high)
-    low = np.zeros_like(high)
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        small = too_small(middle)
-        low, high = np.where(small, middle, low), np.where(small, high, middle)
-    return np.asarray(np.where(undefined, np.nan, (low + high) / 2))
+    found = _root(excess, low, high, at_low, at_high)
+    return np.asarray(np.where(undefined, np.nan, np.where(at_low > 0, found, 0.0)))
+
+
+def _root(function: Callable[[Floats], Floats], a: Floats, b: Floats, at_a: Floats, at_b: Floats) -> Floats:
+    """Roots between ``a`` and ``b``, where the function has opposite signs, to the last digit (Chandrupatla 1997)."""
+    t = np.full(a.shape, 0.5)
+    best = b
+    for _ in range(_STEPS):
+        x = a + t * (b - a)
+        at_x = function(x)
+        same = (at_x > 0) == (at_a > 0)
+        c, at_c = np.where(same, a, b), np.where(same, at_a, at_b)
+        b, at_b = np.where(same, b, a), np.where(same, at_b, at_a)
+        a, at_a = x, at_x
+        best = np.where(np.abs(at_a) < np.abs(at_b), a, b)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            least = 2 * _EPS * np.abs(best) / np.abs(b - a)
+            if np.all((least > 0.5) | (np.minimum(np.abs(at_a), np.abs(at_b)) == 0)):
+                break
+            place, height = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
+            smooth = (height**2 < place) & ((1 - height) ** 2 < 1 - place)
+            first = at_a / (at_b - at_a) * at_c / (at_b - at_c)
+            second = (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (at_c - at_b)
+            t = np.where(smooth & np.isfinite(first + second), first + second, 0.5)
+            t = np.clip(t, np.fmin(least, 0.5), np.fmax(1 - least, 0.5))
+    return best
 
 
 def _share(part: Floats, whole: Floats) -> Floats:

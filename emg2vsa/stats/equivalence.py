@@ -128,19 +128,18 @@ def _two_sample(values: Floats, *, welch: bool) -> Contrasts:
 def _paired(values: Floats) -> Contrasts:
     first, second = pair_numbers(values.shape[1])
     finite = np.where(np.isfinite(values), values, np.nan)
-    differences = finite[:, first] - finite[:, second] if first.size else np.full((len(values), 1, 1), np.nan)
+    differences = finite[:, first] - finite[:, second]
     groups = group_moments(differences)
-    q = first.size
-    df = np.where(groups.count > 1, groups.count - 1.0, np.nan)[:, :q]
-    sd = np.sqrt(groups.squares[:, :q] / df)
+    df = np.where(groups.count > 1, groups.count - 1.0, np.nan)
+    sd = np.sqrt(groups.squares / df)
     with np.errstate(divide="ignore", invalid="ignore"):
-        se = sd / np.sqrt(groups.count[:, :q])
+        se = sd / np.sqrt(groups.count)
     return Contrasts(
-        difference=groups.mean[:, :q],
+        difference=groups.mean,
         se=groups.to_data(se),
         sd=groups.to_data(sd),
         df=df,
-        n=groups.count[:, :q],
+        n=groups.count,
     )
 
 

@@ -10,18 +10,19 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.stats.moments import shifted_doubles
+from emg2vsa.stats.moments import shifted_doubles, unmasked
+from emg2vsa.stats.multiplicity import adjust
 from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import adjust, pair_numbers
+from emg2vsa.stats.post_hoc import pair_numbers
 
 
 def midranks(values: ArrayLike) -> Floats:
     """Ranks 1, 2, ... along the last axis of ``values`` (..., n); ties share a mean rank, NaN stays NaN, uncounted."""
-    rows = np.asarray(values, dtype=np.float64)
+    rows = np.asarray(unmasked(values), dtype=np.float64)
     if rows.shape[-1] == 0:
         return rows.copy()
-    order = np.argsort(rows, axis=-1)  # NaN last
-    ordered = np.sort(rows, axis=-1)
+    order = np.argsort(rows, axis=-1, kind="stable")  # NaN last; fast where parts are sorted already
+    ordered = np.take_along_axis(rows, order, axis=-1)
     first, last = _runs(ordered)
     ranks = np.empty_like(rows)
     np.put_along_axis(ranks, order, np.where(np.isnan(ordered), np.nan, (first + last) / 2 + 1), axis=-1)
@@ -123,7 +124,10 @@ class RankPairs:
             p=float(self.p[i, pair]),
             estimate_name="difference of mean ranks",
             estimate=float(self.difference[i, pair]),
-            notes=(f"one of {self.first.size} pairs, Bonferroni; ranks pooled over all groups",),
+            notes=(
+                f"one of {self.first.size} pairs, Bonferroni; ranks pooled over all groups",
+                *(("undefined: a group has no values, or all values are equal",) if np.isnan(self.p[i, pair]) else ()),
+            ),
         )
 
 

@@ -1,7 +1,6 @@
 """Two groups by their ranks: Wilcoxon-Mann-Whitney, exact with ties, for all pairs of groups of many designs.
 
-The exact law of the rank sum of one of two groups, ties included, counts every way to deal the ranks out. The order
-statistics of all differences between two samples are found without writing all of them down where they are many.
+The exact law of the rank sum of one of two groups, ties included, counts every way to deal the ranks out.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.stats.differences import differences_at
 from emg2vsa.stats.kruskal import midranks
 from emg2vsa.stats.moments import shifted_doubles
 from emg2vsa.stats.outcome import Outcome
@@ -20,8 +20,6 @@ from emg2vsa.stats.post_hoc import pair_numbers
 
 MOST_EXACT = 100
 """Values of both groups together up to which counting is done."""
-_FEW = 1 << 14
-_BISECTIONS = 200
 
 
 @dataclass(frozen=True)
@@ -56,8 +54,13 @@ class MannWhitney:
             confidence=self.confidence,
             effect_name="rank-biserial",
             effect_size=float(self.rank_biserial[i, pair]),
-            notes=(f"more than {MOST_EXACT} values: normal instead of exact",) if large else (),
+            notes=self._notes(i, pair, large),
         )
+
+    def _notes(self, i: int, pair: int, large: bool) -> tuple[str, ...]:
+        if np.isnan(self.p[i, pair]):
+            return ("undefined: a group has no values",)
+        return (f"more than {MOST_EXACT} values: normal instead of exact",) if large else ()
 
 
 def mann_whitney(values: ArrayLike, confidence: float = 0.95) -> MannWhitney:
@@ -67,7 +70,7 @@ def mann_whitney(values: ArrayLike, confidence: float = 0.95) -> MannWhitney:
     100 values normal, with the variance corrected for ties, which for two groups is Kruskal-Wallis.
     """
     doubles, _ = shifted_doubles(values)
-    doubles = np.where(np.isfinite(doubles), doubles, np.nan)
+    doubles = np.sort(np.where(np.isfinite(doubles), doubles, np.nan), axis=2)  # once, not for every pair
     first, second = pair_numbers(doubles.shape[1])
     left, right = doubles[:, first], doubles[:, second]
     n1, n2 = (np.count_nonzero(~np.isnan(side), axis=2) for side in (left, right))
@@ -162,43 +165,3 @@ def _law(doubled_ranks: Ints, n1: int) -> Floats:
         most = min(taken, n1)
         ways[1 : most + 1, rank:] += ways[:most, : total + 1 - rank]
     return np.asarray(ways[n1] / special.binom(doubled_ranks.size, n1))
-
-
-def differences_at(left: Floats, right: Floats, places: Ints) -> Floats:
-    """Differences left minus right at ``places`` (p, d, q) of their ascending order, for pairs (d, q, n); NaN absent.
-
-    A place outside the differences of a pair takes the nearest.
-    """
-    d, q, n = left.shape
-    if n * right.shape[2] <= _FEW:
-        ordered = np.sort(
-            (left[..., :, None] - right[..., None, :]).reshape(d, q, n * right.shape[2]), axis=2
-        )  # NaN last
-        index = np.clip(places, 0, max(ordered.shape[2] - 1, 0))
-        return np.stack([np.take_along_axis(ordered, at[..., None], axis=2)[..., 0] for at in index])
-    found = np.full(places.shape, np.nan)
-    for i, j in np.ndindex(d, q):
-        x, y = (np.sort(side[i, j][~np.isnan(side[i, j])]) for side in (left, right))
-        if x.size and y.size:
-            found[:, i, j] = [_at(x, y, int(np.clip(at, 0, x.size * y.size - 1))) for at in places[:, i, j]]
-    return found
-
-
-def _at(x: Floats, y: Floats, place: int) -> float:
-    """The difference with ``place`` smaller ones, by bisection: how many are up to v takes one search a value."""
-    low, high = x[0] - y[-1], x[-1] - y[0]
-    for _ in range(_BISECTIONS):
-        middle = low / 2 + high / 2
-        if not low < middle < high:
-            break
-        low, high = (low, middle) if _up_to(x, y, middle) > place else (middle, high)
-    value = low if _up_to(x, y, low) > place else high
-    # the search rounds x - v: back to the nearest of the differences themselves
-    above = np.searchsorted(y, x - value, side="left")
-    near = np.concatenate([x - y[np.maximum(above - 1, 0)], x - y[np.minimum(above, y.size - 1)]])
-    return float(near[np.argmin(np.abs(near - value))])
-
-
-def _up_to(x: Floats, y: Floats, v: float) -> int:
-    """How many differences x - y are at most v."""
-    return int(np.sum(y.size - np.searchsorted(y, x - v, side="left")))

@@ -20,6 +20,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import DataError
+from emg2vsa.stats.moments import unmasked
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
@@ -150,7 +151,7 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
 
 def _checked(values: ArrayLike) -> tuple[Floats, np.ndarray, Floats]:
     """Values (d, P, S, R) relative to their first, scaled to below 1; binary exponents and first values (d,)."""
-    y = np.asarray(values, dtype=np.float64)
+    y = np.asarray(unmasked(values), dtype=np.float64)
     y = y[None] if y.ndim == 3 else y
     if y.ndim != 4 or min(y.shape[1:], default=0) < 2 or not np.all(np.isfinite(y)):
         found = "values missing" if y.ndim == 4 and not np.all(np.isfinite(y)) else f"shape {np.shape(values)}"

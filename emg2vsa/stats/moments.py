@@ -36,7 +36,7 @@ class GroupMoments:
 
 
 def group_moments(values: ArrayLike) -> GroupMoments:
-    """Moments of ``values`` (d, k groups, n a group), or of one design (k, n); NaN: no value there.
+    """Moments of ``values`` (d, k groups, n a group), or of one design (k, n); no value where it is not finite.
 
     Every group is shifted by one of its own values and then centred: on float64 input that reaches what exact
     arithmetic on the same doubles gives for all of NIST's ANOVA sets (statistics notes 3a). Decimal, Fraction and int
@@ -68,7 +68,7 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     is not a number.
     """
     try:
-        array = np.asarray(_unmasked(values))
+        array = np.asarray(unmasked(values))
         if array.dtype.kind == "c":
             raise TypeError("complex numbers")
         doubles = array if array.dtype == object else array.astype(np.float64)
@@ -84,8 +84,8 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     return np.array([row for row, _ in pairs]).reshape(doubles.shape), np.array([origin for _, origin in pairs])
 
 
-def _unmasked(values: ArrayLike) -> ArrayLike:
-    """Masked values are NaN: a plain array would bring them back."""
+def unmasked(values: ArrayLike) -> ArrayLike:
+    """``values`` with the masked ones as NaN (None among objects): a plain array would bring them back."""
     if not isinstance(values, np.ma.MaskedArray):
         return values
     missing = None if values.dtype == object else np.nan
@@ -117,7 +117,7 @@ def row_moments(values: ArrayLike) -> GroupMoments:
 
     DataError for other shapes.
     """
-    rows = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    rows = np.atleast_2d(np.asarray(unmasked(values), dtype=np.float64))
     if rows.ndim != 2:
         do = "Give one sample a row, shorter ones padded with NaN."
         raise DataError("samples", wanted="numbers of shape (samples, values)", found=f"shape {rows.shape}", do=do)

@@ -15,6 +15,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.stats.ks_exact import ks_survival
+from emg2vsa.stats.moments import unmasked
 from emg2vsa.stats.outcome import Outcome
 
 _NOTE = {
@@ -57,7 +58,7 @@ def ks_normal(values: ArrayLike, *, standardise: bool) -> KsTests:
 
 def largest_gap(values: ArrayLike, *, standardise: bool) -> tuple[Floats, Ints]:
     """D (k,) of ``ks_normal`` alone, and the values (k,) that entered."""
-    rows = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    rows = np.atleast_2d(np.asarray(unmasked(values), dtype=np.float64))
     valid = np.isfinite(rows)
     n = valid.sum(axis=1)
     z = _standardised(rows, valid, n) if standardise else rows

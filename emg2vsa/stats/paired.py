@@ -11,7 +11,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.stats.effect_size import paired_g
 from emg2vsa.stats.kruskal import midranks
-from emg2vsa.stats.moments import shifted_doubles
+from emg2vsa.stats.moments import shifted_doubles, unmasked
 from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
 MOST_EXACT = 100
@@ -36,7 +36,7 @@ class PairedTests:
 
 def paired_tests(values: ArrayLike, confidence: float = 0.95) -> PairedTests:
     """Test every pair of treatments of ``values`` (n people, k treatments); NaN: no value there, for that pair only."""
-    doubles, _ = shifted_doubles(np.asarray(values).T)
+    doubles, _ = shifted_doubles(np.asarray(unmasked(values)).T)
     first, second = pair_numbers(doubles.shape[1])
     with np.errstate(over="ignore", invalid="ignore"):
         differences = doubles[0, first] - doubles[0, second]

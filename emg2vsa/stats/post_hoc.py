@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.errors import DataError
 from emg2vsa.stats import studentized_range
 from emg2vsa.stats.anova import Anova
 from emg2vsa.stats.outcome import Outcome
-
-Adjustment = Literal["none", "bonferroni", "holm", "fdr_bh"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,13 +51,23 @@ class PairDifferences:
             estimate=float(self.difference[i, pair]),
             interval=(float(self.low[i, pair]), float(self.high[i, pair])),
             confidence=self.confidence,
-            notes=(self.caution,),
+            notes=(self.caution, *self.undefined(i, pair)),
         )
+
+    def undefined(self, i: int, pair: int) -> tuple[str, ...]:
+        """Why a pair of design ``i`` has no p; empty where it has one."""
+        if not np.isnan(self.p[i, pair]):
+            return ()
+        return ("undefined: too few values in the two groups, or no scatter to compare their difference with",)
 
 
 def pair_numbers(k: int) -> tuple[Ints, Ints]:
-    """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ..."""
-    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64).reshape(-1, 2)
+    """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ...; DataError below two groups."""
+    if k < 2:
+        raise DataError(
+            "pairs of groups", wanted="two groups or more", found=str(k), do="Add a group, or test no pairs."
+        )
+    pairs = np.array(list(combinations(range(k), 2)), dtype=np.int64)
     return pairs[:, 0], pairs[:, 1]
 
 
@@ -104,7 +111,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
         t = difference / se
         df = np.where(np.isnan(t), np.nan, anova.df2[:, None])
         critical = special.stdtrit(np.where(anova.df2 > 0, anova.df2, np.nan), 0.5 + 0.5 * confidence)
-        reach = critical[:, None] * se
+        reach = np.where(np.isnan(t), np.nan, critical[:, None] * se)
         p = 2 * special.stdtr(df, -np.abs(t))
     if protected:
         p = np.where((anova.p[:, None] > 1 - confidence) & ~np.isnan(p), 1.0, p)
@@ -132,6 +139,7 @@ def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
         difference = anova.offset[:, first] - anova.offset[:, second]
         se = anova.sd[:, None] * np.sqrt((1 / anova.count[:, first] + 1 / anova.count[:, second]) / 2)
         q = np.abs(difference) / se
+        se = np.where(np.isnan(q), np.nan, se)
     df = np.where(np.isnan(q) | (anova.df2 < 1)[:, None], np.nan, anova.df2[:, None])
     groups = (anova.df1 + 1)[:, None]
     critical = studentized_range.quantile(confidence, np.where(np.isnan(df), np.nan, groups), df)
@@ -150,34 +158,3 @@ def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
         n=anova.count[:, first] + anova.count[:, second],
         confidence=confidence,
     )
-
-
-def adjust(p: ArrayLike, method: Adjustment) -> Floats:
-    """Adjusted p (f, m) of f families of m tests, or (m,) of one; NaN is no test: it stays NaN and does not count.
-
-    bonferroni, holm (1979): family-wise error under any dependence. fdr_bh (1995): false discovery rate, independent or
-    positively dependent tests.
-    """
-    values = np.asarray(p, dtype=np.float64)
-    if method == "none":
-        return values.copy()
-    families = np.atleast_2d(values)
-    m = np.count_nonzero(~np.isnan(families), axis=1)[:, None]
-    if method == "bonferroni":
-        return np.asarray(np.minimum(families * m, 1.0).reshape(values.shape))
-    order = np.argsort(families, axis=1)  # NaN last
-    rank = np.arange(1, families.shape[1] + 1)
-    ordered = np.take_along_axis(families, order, axis=1)
-    adjusted = np.empty_like(families)
-    np.put_along_axis(adjusted, order, _stepwise(ordered, m, rank, method), axis=1)
-    return np.minimum(adjusted, 1.0).reshape(values.shape)
-
-
-def _stepwise(ordered: Floats, m: np.ndarray, rank: np.ndarray, method: Adjustment) -> Floats:
-    """``ordered`` p (f, m), ascending with NaN last: the running maximum (Holm) or minimum from above (FDR)."""
-    if method == "holm":
-        scaled = ordered * (m - rank + 1)
-        return np.where(np.isnan(ordered), np.nan, np.fmax.accumulate(scaled, axis=1))
-    scaled = ordered * (m / rank)
-    lowest = np.fmin.accumulate(scaled[:, ::-1], axis=1)[:, ::-1]
-    return np.where(np.isnan(ordered), np.nan, lowest)

@@ -40,6 +40,8 @@ class RepeatedAnova:
         names = {"gg": ", Greenhouse-Geisser", "hf": ", Huynh-Feldt", "none": ", sphericity assumed"}
         epsilon = {"gg": self.epsilon_gg, "hf": self.epsilon_hf, "none": np.ones(self.f.shape)}[correction][i]
         p = {"gg": self.p_gg, "hf": self.p_hf, "none": self.p}[correction][i]
+        if np.isinf(self.f[i]):
+            epsilon = 1.0  # no scatter to estimate it from
         return Outcome(
             method="repeated-measures ANOVA" + names[correction],
             n=int(self.n[i]),
@@ -56,6 +58,8 @@ class RepeatedAnova:
         notes: tuple[str, ...] = (f"{self.left_out[i]} people with a gap left out",) if self.left_out[i] else ()
         if np.isnan(self.f[i]):
             return (*notes, "undefined: needs two people, two treatments and values that differ")
+        if np.isinf(self.f[i]):
+            return (*notes, "treatments differ by the same amounts in every person: F is infinite")
         return notes
 
 
@@ -81,7 +85,7 @@ def rm_anova(values: ArrayLike) -> RepeatedAnova:
         generalised = ss_treatment / (ss_treatment + ss_person + ss_error)
 
     def p_at(epsilon: Floats | float) -> Floats:
-        return np.asarray(special.fdtrc(df1 * epsilon, df2 * epsilon, f))
+        return np.where(np.isinf(f), 0.0, special.fdtrc(df1 * epsilon, df2 * epsilon, f))
 
     return RepeatedAnova(f, df1, df2, p_at(1.0), gg, hf, p_at(gg), p_at(hf), w_p, generalised, n, complete.shape[1] - n)
 

@@ -55,9 +55,10 @@ def welch(values: ArrayLike) -> WelchAnova:
         lack = np.sum(spare, axis=1)
         f = between / (1 + 2 * (k - 2) * lack / (k**2 - 1))
         df2 = (k**2 - 1) / (3 * lack)
-        f = np.where(k > 1, f, np.nan)
-    df1 = k - 1
-    return WelchAnova(f, df1, df2, special.fdtrc(df1, df2, f), np.sum(np.where(used, groups.count, 0), axis=1))
+        f, df2 = np.where(k > 1, f, np.nan), np.where(k > 1, df2, np.nan)
+    df1 = np.maximum(k - 1, 0)
+    p = np.asarray(special.fdtrc(df1, df2, f), dtype=np.float64)
+    return WelchAnova(f, df1, df2, p, np.sum(np.where(used, groups.count, 0), axis=1))
 
 
 def games_howell(values: ArrayLike, confidence: float = 0.95) -> PairDifferences:
@@ -71,7 +72,8 @@ def games_howell(values: ArrayLike, confidence: float = 0.95) -> PairDifferences
         df = squared**2 / (share[:, first] + share[:, second])
         se = groups.to_data(np.sqrt(squared / 2))
         difference = groups.to_data(groups.offset[:, first] - groups.offset[:, second])
-        q = np.abs(difference) / se
+        difference = np.where((groups.count[:, first] > 0) & (groups.count[:, second] > 0), difference, np.nan)
+        q = np.where(np.isnan(df), np.nan, np.abs(difference) / se)
     k = np.count_nonzero(used, axis=1)[:, None]
     reach = studentized_range.quantile(confidence, np.where(np.isnan(df), np.nan, k), df) * se
     return PairDifferences(

@@ -42,3 +42,14 @@ def test_the_proof_holds_each_float_once_and_each_macro_beside_its_key():
     assert text.index(r"\input{tables/t.tex}") < text.index(r"\onecolumn") < text.index(r"\input{tables/long.tex}")
     assert r"\texttt{fit.used}\hfill \emgFitUsed\par" in text
     assert r"\title{A \& B}" in text
+
+
+def test_the_first_page_of_the_proof_has_text_and_no_character_that_latex_lacks():
+    methods = "Presses and fits\nAreas grew as F², p = 3 × 10⁻⁵, κ ≥ 1 “so”.\n\nTests\nNone.\n"
+    text = proof("A study", FILES | {"methods.txt": methods.encode()})
+    title, heading, figure = (
+        text.index(part) for part in (r"\maketitle", r"\subsection*{Presses and fits}", r"\input{figures")
+    )
+    assert title < heading < figure
+    assert text.isascii()
+    assert text.count(r"\subsection*") == 2

@@ -14,6 +14,7 @@ from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import HERTZ, casr_share, eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.calibration.laws import LAWS, fit_law
 from emg2vsa.calibration.left_out import compare_laws
+from emg2vsa.calibration.repeats import repeat_interval
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import CalibrationSettings
@@ -120,7 +121,11 @@ def test_kappas_interval_holds_it_in_the_world_of_finite_elements():
     kappa = [SPECIMENS[name] for name in ("S1", "S3", "S5")]
     share = casr_share("front", 0.0, 0.5)
     fit = calibrate(kappa, known, QUICK, casr_unit="mm2/N", mount_share=share)
-    found = estimate(fit, scored(SPECIMENS["S2"]))
+    new = scored(SPECIMENS["S2"])
+    found = estimate(fit, new)
+    assert found.left_out.law_p[0] < 0.05
+    assert found.repeats.widened[0] > 1
     assert found.repeats.low[0] < SPECIMENS["S2"] < found.repeats.high[0]
     assert abs(found.kappa[0] / SPECIMENS["S2"] - 1) < 0.15
-    assert found.repeats.high[0] / found.repeats.low[0] < 2
+    unwidened = repeat_interval(fit, np.array([new]))
+    assert unwidened.high[0] / unwidened.low[0] < 2

@@ -40,6 +40,14 @@ def test_errors_of_the_known_stiffnesses_set_a_floor():
     assert 0.93 < design.coverage < 0.97
 
 
+def test_mountings_set_a_floor_that_presses_do_not_lower():
+    mounted = dataclasses.replace(PAPER, mounting_sd=0.025)
+    few, many = try_designs(mounted, (3,), (10, 40), experiments=2000)
+    assert few.half_width / many.half_width == pytest.approx(1, rel=0.1)
+    assert many.half_width > 2 * try_designs(PAPER, (3,), (40,))[0].half_width
+    assert 0.93 < many.coverage < 0.98
+
+
 def test_the_smallest_design_that_is_good_enough():
     designs = try_designs(PAPER, (3, 4), (3, 10, 20), experiments=300)
     chosen = smallest(designs, 0.07)
@@ -48,7 +56,10 @@ def test_the_smallest_design_that_is_good_enough():
     assert smallest(designs, 0.001) is None
 
 
-@pytest.mark.parametrize("change", [{"noise": 0.0}, {"kappa_range": (2.0, 1.0)}, {"kappa": np.nan}])
+@pytest.mark.parametrize(
+    "change",
+    [{"noise": 0.0}, {"mounting_sd": -0.1}, {"mounting_sd": 0.6}, {"kappa_range": (2.0, 1.0)}, {"kappa": np.nan}],
+)
 def test_situations_that_cannot_be_are_named(change):
     with pytest.raises(SettingError, match="design"):
         dataclasses.replace(PAPER, **change)
@@ -65,3 +76,7 @@ def test_the_command_prints_a_table_and_the_smallest(capsys):
     assert json.loads(capsys.readouterr().out)["smallest"] is None
     assert main(["design", "--noise", "-1"]) == 2
     assert "noise above 0" in capsys.readouterr().err
+    assert main(["design", "--mounting", "0.7"]) == 2
+    assert "a spread of mountings from 0 to below 0.5" in capsys.readouterr().err
+    assert main(["design", "--experiments", "50", "--mounting", "0.025"]) == 0
+    assert "every specimen is mounted once" in capsys.readouterr().out

@@ -16,7 +16,8 @@ from emg2vsa.calibration.forms import (
     mount_share,
 )
 from emg2vsa.calibration.left_out import left_out
-from emg2vsa.calibration.repeats import by_kappa, by_mean_score, repeat_interval, within
+from emg2vsa.calibration.presses import within
+from emg2vsa.calibration.repeats import by_kappa, by_mean_score, repeat_interval
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings
 
@@ -52,7 +53,9 @@ def test_standard_error_is_the_spread_of_estimates(hertz, law, points):
     settings = CalibrationSettings(law=law, points=points)
     known, new = hertz.presses(2, d=EXPERIMENTS, noise=0.005)
     found = repeat_interval(calibrate(hertz.kappa, known, settings, casr_unit="mm2/N"), new)
-    assert np.sqrt(np.mean(found.eta_se**2)) == pytest.approx(found.eta.std(), rel=0.04)
+    plain = found.serial.rho == 0  # correlated by chance: independent of the means, and a wider interval
+    assert np.mean(plain) > 0.7
+    assert np.sqrt(np.mean(found.eta_se[plain] ** 2)) == pytest.approx(found.eta[plain].std(), rel=0.04)
 
 
 def test_sensitivities_carry_the_units_through(hertz):
@@ -118,7 +121,7 @@ def test_a_single_press_borrows_the_noise_of_the_others(hertz):
     calibration = calibrate(hertz.kappa, known, casr_unit="mm2/N")
     one = repeat_interval(calibration, new[:, :1])
     assert 0.93 < coverage(hertz, one) < 0.99
-    assert np.all(one.df > 20)
+    assert np.all(one.df[one.serial.rho == 0] > 20)
     borrowed = repeat_interval(calibration, new, own_noise=False)
     np.testing.assert_allclose(borrowed.press_variance[:, 3], np.mean(within(known)[0], axis=1))
 

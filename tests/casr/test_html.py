@@ -7,7 +7,7 @@ import pytest
 from casr.html import CSS, page
 from emg2vsa.figures.palette import INK, MUTED
 
-BY_DAY, BY_NIGHT = (dict(re.findall(r"--(\w+):(#[0-9a-f]+)", line)) for line in re.findall(r":root{(.*?)}", CSS))
+BY_DAY, BY_NIGHT = (dict(re.findall(r"--(\w+):(#[0-9a-f]+)", line)) for line in re.findall(r":root{(.*?)}", CSS, re.S))
 
 
 def luminance(colour: str) -> float:
@@ -28,7 +28,7 @@ def test_contrast_is_computed_as_wcag_does():
 
 
 @pytest.mark.parametrize("colours", [BY_DAY, BY_NIGHT], ids=["day", "night"])
-@pytest.mark.parametrize("text", ["ink", "muted", "link"])
+@pytest.mark.parametrize("text", ["ink", "muted", "link", "good", "bad"])
 @pytest.mark.parametrize("paper", ["page", "soft"])
 def test_all_text_can_be_read(colours, text, paper):
     assert contrast(colours[text], colours[paper]) >= 4.5

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from casr.frames import FrameSequence, force_per_frame
 from casr.overlays import Picture, press_pictures
 from casr.overlays.area import hexagons
-from casr.overlays.canvas import RED, colours_of, photo, ticks, view_of
+from casr.overlays.canvas import colours_of, photo, ticks, view_of
 from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.motion import flow_picture, growth_between
+from casr.palette import RED
 from casr.score import Score, ScoreSettings, score
 from casr.synthetic import TACTIP_127, PressSettings, TimelineSettings, simulate_press
 

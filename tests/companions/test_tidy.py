@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from emg2vsa.cli import main
 from emg2vsa.companions.tidy import TidyTests, tidy_tests
 from emg2vsa.errors import DataError
 from emg2vsa.report.tidy_text import hypotheses, outcomes, text
@@ -120,3 +122,37 @@ def test_hostile_values_are_said_to_be_undefined_not_raised() -> None:
         said = text(found, "apa", details=True)
         assert "nan" not in said.lower().split()
         assert "Do groups differ?" in said
+
+
+def blocked_table(folder: Path, gap: bool = False) -> Path:
+    """Four blocks of two groups, five values each."""
+    rng = np.random.default_rng(1)
+    rows = [f"P{i},S{j},{5 + i + 0.5 * j + rng.normal():.4f}" for i in range(4) for j in range(2) for _ in range(5)]
+    path = folder / "table.csv"
+    path.write_text("block,group,value\n" + "\n".join(rows[gap:]) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("gap", [False, True])
+def test_with_blocks_the_model_comes_first_and_its_residuals_are_in_json(
+    gap: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["stats", str(blocked_table(tmp_path, gap)), "--value", "value", "--group", "group", "--block", "block"]
+    assert main([*command, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["outcomes"][0]["of"] == "groups over blocks"
+    assert "mixed model" in found["outcomes"][0]["method"]
+    assert {len(values) for values in found["residuals"].values()} == {40 - gap}
+    between = [each for each in found["outcomes"] if each["of"] == "blocks in S1" and "one-way" in each["method"]]
+    assert between[0]["estimate_name"] == "omega2"
+    assert main(command) == 0
+    said = capsys.readouterr().out
+    assert said.index("Linear mixed model") < said.index("Welch's ANOVA")
+    assert "participants / repetitions: ratio of SD" in said
+
+
+@pytest.mark.parametrize("alpha", ["0", "0.5", "nan"])
+def test_a_level_that_no_test_takes_is_refused(alpha: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = blocked_table(tmp_path)
+    assert main(["stats", str(path), "--value", "value", "--group", "group", "--alpha", alpha]) != 0
+    assert "between 0 and 0.5" in capsys.readouterr().err

@@ -8,6 +8,8 @@ import pytest
 
 from emg2vsa.artifacts import load, save
 from emg2vsa.discrimination import discriminate
+from emg2vsa.discrimination.conditions import compare_conditions
+from emg2vsa.discrimination.run_table import run_table
 from emg2vsa.errors import DataError
 from emg2vsa.settings import DiscriminationSettings
 
@@ -44,6 +46,19 @@ def test_another_level_alone_separates_no_better(run_of, stiffness_n_per_mm):
     assert compared.level_ratio.low[0] > 2.9
     assert compared.gap_differences.gap[0] == pytest.approx(0, abs=1e-9)
     assert compared.wins(0) is None
+
+
+def test_the_difference_of_levels_covers_where_every_condition_is_mounted_anew(run_of, stiffness_n_per_mm):
+    """Mountings that move every press of a run alike: what presses of one mounting show covers a small part of it."""
+    rng, held, pressed = np.random.default_rng(5), {0.0: 0, 0.025: 0}, world(run_of)
+    for _ in range(40):
+        runs = [scaled(run, level=1 + 0.025 * rng.standard_normal()) for run in pressed]
+        for sd in held:
+            table = run_table(runs, stiffness_n_per_mm, "S_new")
+            ratio = compare_conditions(table, replace(FEW, resamples=50), sd).level_ratio
+            held[sd] += bool(ratio.low[0] < 1 < ratio.high[0])
+    assert held[0.0] < 24
+    assert held[0.025] > 34
 
 
 def test_human_like_is_compared_with_every_condition_at_its_angle(runs, stiffness_n_per_mm):

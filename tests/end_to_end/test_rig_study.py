@@ -107,7 +107,7 @@ def test_nothing_changed_nothing_runs_and_nothing_heavy_is_loaded(copy, capsys):
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert "0 steps run" in done.stdout
-    assert set(done.stderr.split()) & {"scipy", "pandas", "cv2", "numba", "matplotlib", "tifffile"} == set()
+    assert set(done.stderr.split()) & {"scipy", "pandas", "cv2", "numba", "matplotlib", "tifffile", "jinja2"} == set()
 
 
 def test_a_setting_of_the_scores_presses_nothing_again(copy, capsys):

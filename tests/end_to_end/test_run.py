@@ -55,7 +55,7 @@ def test_nothing_changed_loads_nothing_heavy(ran: Path) -> None:
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     loaded = set(done.stderr.split())
     assert "0 steps run" in done.stdout
-    assert loaded & {"numpy", "scipy", "pandas", "cv2", "numba", "matplotlib", "edfio"} == set()
+    assert loaded & {"numpy", "scipy", "pandas", "cv2", "numba", "matplotlib", "edfio", "jinja2"} == set()
 
 
 @pytest.mark.parametrize(

@@ -31,24 +31,27 @@ def test_panels_lie_row_by_row_inside_the_page_and_apart():
     assert figure.get_figwidth() * 25.4 == pytest.approx(181)
 
 
-def test_areas_share_one_scale_and_show_every_value():
+def test_differences_of_areas_share_one_scale_and_show_every_value():
     look = [LOOKS["S1"], LOOKS["S3"]]
-    panels = [AreaPanel(f"{angle}°", ["S1", "S3"], [VALUES, 4 * VALUES], look, ()) for angle in (0, 30)]
-    pooled = AreaPanel("by angle", ["0°", "30°"], [VALUES, VALUES], look, [PairBar(0, 1, 0.2)])
+    panels = [AreaPanel(f"{angle}°", ["S1", "S3"], [VALUES - 10, 4 * VALUES - 40], look, ()) for angle in (0, 30)]
+    pooled = AreaPanel("beside 0°", ["0°", "30°"], [VALUES - 10, VALUES - 30], look, [PairBar(0, 1, 0.2)])
     with style():
-        figure = draw_areas(panels, pooled, "mm²")
+        figure = draw_areas(panels, pooled)
     limits = {axes.get_ylim() for axes in figure.axes}
     assert len(limits) == 1
-    assert limits.pop()[0] == 0
+    low, high = limits.pop()
+    assert low < -21 < 4 < high
     assert [text.get_text() for text in figure.axes[-1].texts] == ["ns"]
-    assert np.allclose(np.sort(figure.axes[0].lines[1].get_ydata()), 4 * VALUES)
+    marks = [line for line in figure.axes[0].lines if line.get_marker() not in (None, "None", "")]
+    assert np.allclose(np.sort(marks[1].get_ydata()), 4 * VALUES - 40)
+    assert figure.axes[0].get_ylabel() == "Difference of area (%)"
 
 
 def test_a_box_without_values_leaves_its_place_empty():
     panel = AreaPanel("0°", ["S1", "S3"], [VALUES, np.array([np.nan])], [LOOKS["S1"], LOOKS["S3"]], ())
     with style():
-        axes = draw_areas([panel], None, "mm²").axes[0]
-    assert len(axes.lines) == 1
+        axes = draw_areas([panel], None).axes[0]
+    assert len([line for line in axes.lines if line.get_marker() not in (None, "None", "")]) == 1
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["S1", "S3"]
 
 
@@ -67,13 +70,15 @@ def test_hexagons_tile_the_lattice_of_the_pins(turn):
     assert shared.sum() == 2
 
 
-def test_the_picture_is_in_the_drawing_with_its_area(run_of):
+def test_the_picture_is_in_the_drawing_with_its_force_area_and_outline(run_of):
     picture = run_of("S5", 0.0, "modular").picture
     with style():
         figure = draw_contacts([("0°", picture)], "mm²")
         svg = svg_text(figure)
-    assert figure.axes[0].get_title(loc="center") == f"0°: {picture.area_mm2:.3g} mm²"
-    assert len(figure.axes[0].collections[0].get_paths()) == len(picture.contact_px) > 1
+    title = figure.axes[0].get_title(loc="center")
+    assert title == f"0°, {picture.force_n:.2f} N\n{picture.area_mm2:.3g} mm²"
+    outline = figure.axes[0].patches[-1].get_xy()[:-1]
+    np.testing.assert_allclose(outline, picture.outline_px)
     assert "data:image/png;base64" in svg
 
 
@@ -126,20 +131,25 @@ def test_presses_without_frames_still_have_their_boxes():
     assert len(figure.axes[1].patches) == 1
 
 
-def test_both_conditions_stand_side_by_side():
+def test_both_conditions_stand_side_by_side_and_their_difference_below():
     boxes = [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES + 5), ConditionBoxes("S3", LOOKS["S3"], VALUES, VALUES)]
     with style():
-        axes = draw_conditions([("0°", boxes)], "mm²").axes[0]
-    hollow, filled = axes.patches[:2]
+        figure = draw_conditions([("0°", boxes), ("30°", boxes[:1])], "mm²")
+    above, _, below, _ = figure.axes
+    hollow, filled = above.patches[:2]
     assert hollow.get_x() + hollow.get_width() < filled.get_x()
     assert hollow.get_facecolor()[3] == 0 < filled.get_facecolor()[3]
-    assert len(axes.patches) == 4
+    assert len(above.patches) == 4
+    difference = below.patches[0]
+    middle = difference.get_y() + difference.get_height() / 2
+    assert middle == pytest.approx(50)  # 15 beside a mean of 10
+    assert len({axes.get_ylim() for axes in figure.axes[:2]}) == len({axes.get_ylim() for axes in figure.axes[2:]}) == 1
 
 
 def test_marks_tell_both_conditions_apart_where_boxes_are_thin():
     with style():
         figure = draw_conditions([("0°", [ConditionBoxes("S1", LOOKS["S1"], VALUES, VALUES)])], "mm²")
-    rigid, human_like = figure.axes[0].lines
+    rigid, human_like = figure.axes[0].lines[:2]
     assert (rigid.get_markerfacecolor(), rigid.get_markeredgecolor()) == ("white", LOOKS["S1"].colour)
     assert human_like.get_markerfacecolor() == LOOKS["S1"].colour
     labels = [text.get_text() for text in figure.legends[0].get_texts()]

@@ -40,6 +40,7 @@ MODULES = {
     "deep": """
         from importlib import import_module
         K = 2
+        TEXT = "<p>{{ q[0] }} trials.</p>"
         import_module("emg2vsa.engine")
         import_module("library_by_name.inner")
     """,
@@ -95,6 +96,7 @@ def test_libraries_are_derived_with_their_versions(package: Path) -> None:
         ("signals/__init__.py", "import", "Z = 1; import", {"emg2vsa.signals"}),
         ("stage.py", "f(1)", "f(2)", {"emg2vsa.stage"}),
         ("late.py", "", "Z = 1", {"emg2vsa.late"}),
+        ("deep.py", "trials.", "presses.", {"emg2vsa.deep"}),
         ("signals/helper.py", "# why", "# because", set()),
         ("signals/helper.py", '"Doc."', '"Another text."', set()),
         ("stage.py", '"""Doc."""', '"""Changed."""', set()),
@@ -119,3 +121,10 @@ def test_an_edit_while_a_study_runs_is_noticed_by_stages_looked_up_later(package
     (package / "deep.py").write_text("K = 3")
     assert not first.holds()
     assert not found.reached("emg2vsa.engine").holds()
+
+
+def test_the_texts_of_the_report_count_in_its_key(tmp_path: Path) -> None:
+    """They stand in the sections, as strings; the library that fills them counts too."""
+    found = Code(Fingerprints(tmp_path / "memory.json")).reached("emg2vsa.pipeline.stages.report")
+    assert {f"emg2vsa.report.sections.{name}" for name in ("claims", "fits", "methods")} <= set(found.modules.value)
+    assert "jinja2" in {name.lower() for name in found.libraries.value}

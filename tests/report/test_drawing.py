@@ -13,5 +13,11 @@ def test_a_figure_stands_in_the_columns_it_was_drawn_for(width_pt, environment):
     assert rf"\begin{{{environment}}}" in made
     assert rf"\end{{{environment}}}" in made
     assert r"\includegraphics[width=\linewidth]{\emgfolder/figures/fig04_x.pdf}" in made
-    assert r"\caption{Slopes of S\_1, p \ensuremath{<} .05.}" in made  # LaTeX counts by itself
+    assert r"\caption{Slopes of S\_1, p \ensuremath{<} .05.}" in made
+    assert r"\emgfigure{4}" in made
+    assert r"\providecommand{\emgfigure}[1]{\renewcommand{\thefigure}{#1}}" in made
+    assert made.index(r"\begin{") < made.index(r"\emgfigure{4}") < made.index(r"\caption")
+    without = figure_tex(Drawing("x", "T", "Slopes.", "D", figure, None))
+    assert r"\emgfigure{" not in without
+    assert r"\caption{Slopes.}" in without
     assert r"\label{fig:fig04_x}" in made

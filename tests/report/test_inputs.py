@@ -1,17 +1,18 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+import pytest
 
-from emg2vsa.report.data_sections import participants
 from emg2vsa.report.failures import Failure
-from emg2vsa.report.inputs import origin, without_samples
+from emg2vsa.report.inputs import Runs, origin, without_samples
+from emg2vsa.report.sections.participants import PARTICIPANTS
 from emg2vsa.settings import SimulationSettings
 
 
 def test_trials_without_samples_keep_what_is_told_of_them(results):
-    full = results.trials[0]
+    full = results.people.trials[0]
     light = without_samples(full)
     assert (light.notes, light.reasons, light.verdict.tolist()) == (full.notes, full.reasons, full.verdict.tolist())
     assert light.force_n.size == light.overview_force_n.size == 0
@@ -31,21 +32,37 @@ def test_each_participant_gets_own_trials_and_failures(results):
     assert [list(failed) for _, failed in own.values()] == [[failures[0]], [failures[2]], []]
 
 
-def test_a_truth_makes_it_a_simulation(results):
-    assert origin(results).strong == "These results come from a simulation."
-    assert origin(replace(results, truth={})).source == "simulated data"
+def test_the_first_line_says_that_the_data_are_simulated(results):
+    assert origin(results).strong == "These data are simulated."
+    assert origin(replace(results, people=replace(results.people, truth={}))).strong == "These data are simulated."
 
 
 def test_without_a_truth_the_report_says_what_it_saw_and_claims_no_more(results):
-    said = origin(replace(results, truth=None))
-    assert said.strong.startswith("No table of simulated truth was found")
-    assert "Nothing" not in said.text
+    said = origin(replace(results, people=replace(results.people, truth=None)))
+    assert said.strong.startswith("No sign of a simulation was found")
+    assert said.kind == ""
 
 
 def test_a_study_that_can_be_simulated_warns(results):
     study = replace(results.study, simulation=SimulationSettings())
-    said = origin(replace(results, truth=None, study=study))
+    said = origin(replace(results, study=study, people=replace(results.people, truth=None)))
     assert said.strong == "These data may be simulated."
+
+
+@pytest.mark.parametrize(
+    ("made", "strong"),
+    [((True, True), "These data are simulated."), ((False, True), "Part of these data is simulated.")],
+)
+def test_an_emulated_run_makes_it_a_simulation(results, made, strong):
+    @dataclass
+    class Run:
+        simulated: bool
+
+    runs = Runs(tuple(map(Run, made)))
+    alone = origin(replace(results, people=None, runs=runs))
+    assert alone.strong == strong
+    assert ("the runs" if all(made) else "1 of 2 runs") in alone.text
+    assert origin(replace(results, people=replace(results.people, truth=None), runs=runs)).strong.startswith("Part")
 
 
 def test_the_table_of_participants_looks_through_all_recordings_a_fixed_number_of_times(results):
@@ -56,19 +73,19 @@ def test_the_table_of_participants_looks_through_all_recordings_a_fixed_number_o
             Counted.looks += 1
             return super().__iter__()
 
-    def looks(people: int) -> int:
-        names = tuple(f"P{i:03}" for i in range(people))
-        entries, trials = results.study.recordings[:4], results.trials[:4]
+    def looks(count: int) -> int:
+        names = tuple(f"P{i:03}" for i in range(count))
+        entries, trials = results.study.recordings[:4], results.people.trials[:4]
         study = replace(
             results.study, participants=names,
             recordings=Counted(replace(entry, participant=name) for name in names for entry in entries),
         )  # fmt: skip
-        many = replace(
-            results, study=study, trials=Counted(replace(t, participant=name) for name in names for t in trials),
-            failures=Counted(Failure(f"{name}/S1", "fits", "cut") for name in names),
-        )  # fmt: skip
+        people = replace(results.people, trials=Counted(replace(t, participant=name) for name in names for t in trials))
+        failures = Counted(Failure(f"{name}/S1", "fits", "cut") for name in names)
+        many = replace(results, study=study, people=people, failures=failures)
         Counted.looks = 0
-        assert participants(many).count('scope="row"') == people
+        sessions = next(table for table in PARTICIPANTS.tables(many, {}) if table.name == "sessions")
+        assert len(sessions.rows) == count
         return Counted.looks
 
     assert looks(20) == looks(5) > 0

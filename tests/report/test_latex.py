@@ -11,12 +11,14 @@ from emg2vsa.report.table import Column, Table
 
 
 def table(*rows: tuple, heads: tuple[str, ...] = ("Na_me", "v (µV)")) -> Table:
-    return Table("t", "A & B", tuple(Column(f"c{i}", head) for i, head in enumerate(heads)), rows)
+    columns = tuple(Column(f"c{i}", head) for i, head in enumerate(heads))
+    keyed = tuple({column.key: cell for column, cell in zip(columns, row, strict=True)} for row in rows)
+    return Table("t", "A & B", columns, keyed)
 
 
 def test_booktabs_with_every_special_character_escaped():
     made = latex_table(table(("50 % of A_1 & ~", 1.0)))
-    assert r"50 \% of A\_1 \& \textasciitilde{} & 1.00 \\" in made
+    assert r"50~\% of A\_1 \& \textasciitilde{} & 1.00 \\" in made
     assert made.index(r"\toprule") < made.index(r"\midrule") < made.index(r"\bottomrule")
     assert r"\caption{A \& B}" in made
     assert r"\begin{tabular}{lr}" in made

@@ -5,14 +5,17 @@ from dataclasses import replace
 
 import pytest
 
-from emg2vsa.report.methods import AUTHORS_ADD, methods_paragraph
+from emg2vsa.report.methods import AUTHORS_ADD, filters_as_run, methods
+from emg2vsa.report.references import cited
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ProfileSettings, WindowSettings
 
 ALL_TO_ADD = AUTHORS_ADD.format("participants' age, sex and handedness; ")
 
 
-def written(study, trials=()):
-    return methods_paragraph(study, trials, {"emg2vsa": "0.1.0", "numpy": "2.3"})
+def written(study, trials=(), **more):
+    told = methods(study, trials, {"emg2vsa": "0.1.0", "numpy": "2.3"}, **more)
+    assert all(each.text.endswith(".") for each in told)
+    return "\n".join(f"{each.heading}: {cited(each.text)}" for each in told)
 
 
 def with_filters(study, filters):
@@ -20,7 +23,7 @@ def with_filters(study, filters):
 
 
 def test_states_what_a_reporting_standard_asks_for(results):
-    text = written(results.study, results.trials)
+    text = written(results.study, results.people.trials) + "; ".join(filters_as_run(results.people.trials))
     for said in (
         "3 participants pressed 4 specimens", "EDC and FDS", "Butterworth, order 2, 10 to 450 Hz", "order 50, 20 Hz",
         "run forward and backward", "true -3 dB at 12.4 Hz and 438 Hz", "not normalised", "0.5 to 7 N",
@@ -32,7 +35,7 @@ def test_states_what_a_reporting_standard_asks_for(results):
 
 
 def test_a_note_said_of_every_recording_is_said_once(results):
-    assert written(results.study, results.trials).count("true -3 dB at 12.4 Hz") == 1
+    assert "; ".join(filters_as_run(results.people.trials)).count("true -3 dB at 12.4 Hz") == 1
 
 
 @pytest.mark.parametrize(
@@ -42,7 +45,10 @@ def test_a_note_said_of_every_recording_is_said_once(results):
             lambda s: replace(s, fit=FitSettings(points="samples", weights="none")),
             "ordinary least squares on the samples",
         ),
-        (lambda s: replace(s, fit=FitSettings(robust=True)), ", with Huber's weights against outliers, on the means"),
+        (
+            lambda s: replace(s, fit=FitSettings(robust=True)),
+            ", with Huber's weights against outliers (Huber, 1964), on the means",
+        ),
         (lambda s: with_filters(s, FilterSettings(envelope="rms", rms_window_s=0.05)), "root mean square over 50 ms"),
         (lambda s: with_filters(s, FilterSettings(envelope="rms")), "25 % more than a rectified mean"),
         (lambda s: with_filters(s, FilterSettings(align="lag")), "Force was moved by the lag"),
@@ -86,7 +92,7 @@ def test_a_window_of_its_own_is_stated(results):
 
 
 def test_a_simulated_study_does_not_claim_that_people_pressed(results):
-    text = methods_paragraph(results.study, results.trials, {}, simulated=True)
+    text = written(results.study, results.people.trials, simulated=True)
     assert "were simulated" in text
     assert ALL_TO_ADD not in text
 

@@ -7,7 +7,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.report.numbers_files import macro_names, numbers_tex, results_json
+from emg2vsa.report.numbers import macro_names, numbers_tex, results_json
 
 KEYS = st.text(alphabet="abcXYZ019._-", min_size=1, max_size=12).filter(lambda key: any(c.isalnum() for c in key))
 

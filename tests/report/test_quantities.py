@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from emg2vsa.fits import usable
-from emg2vsa.report.quantities import quantities
+from emg2vsa.report.study_report import contents
 
 
 @pytest.fixture(scope="module")
 def found(results):
-    return quantities(results)
+    return contents(results).quantities
 
 
 def test_names_are_sorted_and_values_plain(found):
@@ -25,7 +25,7 @@ def test_the_papers_sample_size_is_reproduced(found):
 
 
 def test_numbers_are_those_of_the_stages(found, results):
-    hypotheses, error = results.hypotheses, results.profiles.new_error
+    hypotheses, error = results.people.hypotheses, results.people.profiles.new_error
     assert found["hypotheses.worst_p"] == hypotheses.worst_p
     first = hypotheses.participants.tolist().index("P01")
     assert found["hypotheses.between_specimens.P01.f"] == hypotheses.tests.between_groups.anova.f[first]
@@ -33,7 +33,7 @@ def test_numbers_are_those_of_the_stages(found, results):
     assert found["hypotheses.over_people.friedman.p"] == hypotheses.tests.blocks.friedman.p[0]
     assert found["profiles.S_new.rmse_v"] == error.rmse_v
     assert found["profiles.S_new.measured_as"] == "S2"
-    modular = next(s for s in results.schedules if (s.specimen, s.condition) == ("S1", "modular"))
+    modular = next(s for s in results.people.schedules if (s.specimen, s.condition) == ("S1", "modular"))
     assert found["schedules.S1.modular.max_percent"] == modular.stiffness_percent.max() == pytest.approx(80)
 
 
@@ -41,11 +41,13 @@ def test_rejected_trials_are_counted_but_do_not_enter(found, results):
     assert found["trials.total"] == 3 * 4 * 6
     assert (found["trials.ok"], found["trials.warned"], found["trials.rejected"]) == (70, 1, 1)
     assert found["fit.used"] == 71
-    worst = np.argmin(results.fits.adj_r2_bins)
-    verdict = results.fits.verdict.copy()
+    worst = np.argmin(results.people.fits.adj_r2_bins)
+    verdict = results.people.fits.verdict.copy()
     verdict[worst] = "rejected"
-    without = quantities(replace(results, fits=replace(results.fits, verdict=verdict)))
-    assert without["fit.adj_r2_bins.min"] > found["fit.adj_r2_bins.min"] == results.fits.adj_r2_bins[worst]
+    without = contents(
+        replace(results, people=replace(results.people, fits=replace(results.people.fits, verdict=verdict)))
+    ).quantities
+    assert without["fit.adj_r2_bins.min"] > found["fit.adj_r2_bins.min"] == results.people.fits.adj_r2_bins[worst]
 
 
 def test_the_worst_pair_is_the_largest_p_among_the_kept(found):
@@ -59,7 +61,7 @@ def test_the_worst_pair_is_the_largest_p_among_the_kept(found):
 
 
 def test_failed_stages_leave_their_numbers_out(broken):
-    found = quantities(broken)
+    found = contents(broken).quantities
     assert not [key for key in found if key.startswith(("hypotheses.", "profiles.", "schedules.", "recovery."))]
     assert found["study.failures"] == 3
     assert found["fit.used"] == 71
@@ -67,9 +69,9 @@ def test_failed_stages_leave_their_numbers_out(broken):
 
 
 def test_nothing_usable_is_not_an_exception(results):
-    fits = replace(results.fits, verdict=np.full(results.fits.verdict.shape, "rejected"))
+    fits = replace(results.people.fits, verdict=np.full(results.people.fits.verdict.shape, "rejected"))
     assert not usable(fits, "ok+warned").any()
-    found = quantities(replace(results, fits=fits))
+    found = contents(replace(results, people=replace(results.people, fits=fits))).quantities
     assert found["fit.used"] == 0
     assert math.isnan(found["fit.adj_r2_bins.min"])
     assert found["recovery.n"] == 0

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from emg2vsa.report.quantity import is_p, unit_of
+from emg2vsa.report.numbers import is_p, unit_of
 
 
 @pytest.mark.parametrize(

@@ -10,16 +10,19 @@ import pytest
 
 from emg2vsa.calibration.runs_calibration import calibrate_runs
 from emg2vsa.discrimination import discriminate
-from emg2vsa.report import runs_conclusions as conclusions
+from emg2vsa.report import paper
 from emg2vsa.report.failures import Failure
-from emg2vsa.report.kappa_conclusion import kappa_conclusion
-from emg2vsa.report.kappa_tables import kappa_tables
-from emg2vsa.report.runs_section import runs_sections
-from emg2vsa.report.study_report import write_figure_pdfs, write_study_report
+from emg2vsa.report.inputs import Runs
+from emg2vsa.report.section import Content, rendered
+from emg2vsa.report.sections.actuators import level_change
+from emg2vsa.report.sections.kappa import holds, span
+from emg2vsa.report.sections.runs import RUNS
+from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
 from emg2vsa.settings import CalibrationSettings, DiscriminationSettings
 
 FEW = DiscriminationSettings(resamples=200)
 KNOWN = ("S1", "S3", "S5")
+TRUTH = 5.32
 
 
 @pytest.fixture(scope="module")
@@ -34,9 +37,18 @@ def tested(some_runs, stiffness_n_per_mm):
 
 
 @pytest.fixture(scope="module")
-def whole(results, some_runs, tested, stiffness_n_per_mm):
-    calibration = calibrate_runs(some_runs, stiffness_n_per_mm, "S_new", CalibrationSettings(resamples=100))
-    return replace(results, runs=some_runs, discrimination=tested, calibration=calibration)
+def calibration(some_runs, stiffness_n_per_mm):
+    return calibrate_runs(some_runs, stiffness_n_per_mm, "S_new", CalibrationSettings(resamples=100))
+
+
+@pytest.fixture(scope="module")
+def whole(results, some_runs, tested, calibration):
+    return replace(results, runs=Runs(some_runs, tested, calibration))
+
+
+@pytest.fixture(scope="module")
+def content(whole) -> Content:
+    return contents(whole)
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +64,22 @@ def numbers(written):
     return json.loads((written / "results.json").read_text())
 
 
+@pytest.fixture
+def report_of(results, stiffness_n_per_mm):
+    """The report of some runs that were tested."""
+
+    def made(runs, **settings):
+        found = discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, **settings))
+        return contents(replace(results, runs=Runs(tuple(runs), found)))
+
+    return made
+
+
+def rows_of(content, table):
+    first = content.tables[table].columns[0].key
+    return {row[first]: row for row in content.tables[table].rows}
+
+
 def test_every_figure_of_section_six_is_there(written):
     names = {path.name for path in (written / "figures").iterdir()}
     for figure in (
@@ -64,9 +92,9 @@ def test_every_figure_of_section_six_is_there(written):
 def test_the_page_is_whole_and_says_that_the_rig_is_simulated(written, read_page):
     page = read_page(written / "index.html")
     assert page.tags.count("svg") == 10
-    assert "These runs come from a simulated rig." in page.text
+    assert "These runs come from a simulated rig" in page.text
     assert page.text.count("Simulated rig.") >= 7
-    for title in ("Runs", "Initial contact area", "Stiffness of the new specimen"):
+    for title in ("Presses of the rig", "Initial contact area", "Stiffness of the new specimen"):
         assert title in page.text
 
 
@@ -78,6 +106,7 @@ def test_the_papers_numbers_lie_beside_ours(numbers, tested):
     assert numbers["runs.modular.0.casr.worst_p"] == tested.spread.worst_p[2]
     assert numbers["runs.constant-min.0.new.stiffer_p"] == tested.new.p[4, 0]
     assert numbers["runs.human_like_against.high-stiffness.45.verdict"] in ("better", "worse", "undecided")
+    assert numbers["runs.kappa.mounting_sd_percent"] == 2.5
     for condition, angle in (("high-stiffness", 45), ("modular", 0)):
         for algorithm in ("front", "circle"):
             assert abs(numbers[f"runs.{condition}.{angle}.{algorithm}.kappa.error"]) < 1
@@ -90,35 +119,71 @@ def test_means_and_spreads_are_those_of_the_presses(numbers, some_runs):
     assert numbers[f"{key}.sd"] == pytest.approx(run.casr["front"].std(ddof=1), rel=1e-12)
 
 
-def test_table_one_has_the_errors_of_the_right_algorithm_and_actuator(written, whole):
+def test_table_one_sets_like_beside_like_and_the_companion_apart(written, calibration):
     with (written / "tables/table_one.csv").open() as file:
         rows = {row["angle_deg"]: row for row in csv.DictReader(file)}
-    of = {c: whole.calibration.find(45.0, c).algorithms for c in ("high-stiffness", "modular")}
-    assert float(rows["45.0"]["old_vision"]) == of["high-stiffness"]["circle"].chosen.error
-    assert float(rows["45.0"]["new_vision"]) == of["high-stiffness"]["front"].chosen.error
-    assert float(rows["45.0"]["human_like"]) == of["modular"]["front"].chosen.error
+    of = {c: calibration.find(45.0, c).algorithms for c in ("high-stiffness", "modular")}
+    for column, laws in (
+        ("old_vision", of["high-stiffness"]["circle"]),
+        ("new_vision", of["high-stiffness"]["front"]),
+        ("human_like", of["modular"]["front"]),
+    ):
+        assert float(rows["45.0"][column]) == laws.chosen.error
+        assert float(rows["45.0"][f"{column}_same"]) == laws.paper.error
     assert rows["30.0"]["human_like_paper"] == "0.03"
     assert rows["30.0"]["human_like"] == rows["0.0"]["new_vision_paper"] == ""
 
 
-def test_steps_of_table_one_are_counted_and_intervals_held_against_the_truth(whole):
-    found = whole.calibration
-    said = kappa_conclusion(found, "front", "circle")
-    errors = {a: [abs(found.find(x, "high-stiffness").algorithms[a].chosen.error) for x in (0.0, 45.0)]
-              for a in ("front", "circle")}  # fmt: skip
-    better = sum(new < old for new, old in zip(errors["front"], errors["circle"], strict=True))
-    assert f"The new vision algorithm has the smaller error at {better} of 2 angles" in said
-    truth = 5.32
-    inside = [each.algorithms["front"].chosen for each in found.conditions]
-    held = sum(law.low <= truth <= law.high for law in inside)
-    assert f"holds the known stiffness in {held} of 5 designs" in said
+def test_the_new_specimen_is_compared_by_the_papers_test_and_by_the_companion(content, tested):
+    row = rows_of(content, "new_specimen")["constant-min, 0°"]
+    place = [*zip(tested.table.conditions, tested.table.angles_deg, strict=True)].index(("constant-min", 0.0))
+    assert row["paper"] == "not told apart, p = .3799"
+    assert row["p_rank_stiffer"] == tested.new.p_mean_rank[place, 0]
+    assert row["p_stiffer"] == tested.new.p[place, 0]
+    heads = {column.key: column.head for column in content.tables["new_specimen"].columns}
+    assert "Dunn" in heads["paper"]
+    assert "Dunn" in heads["p_rank_stiffer"]
+    assert heads["p_stiffer"].startswith("Companion")
 
 
-def test_without_a_known_stiffness_no_error_is_stated(whole):
-    unknown = replace(whole.calibration, known_kappa_new=float("nan"))
-    assert "no error can be stated" in kappa_conclusion(unknown, "front", "circle")
-    rows = kappa_tables(unknown, "front", "circle")["kappa_new"].rows
-    assert {row[5] for row in rows} == {None}
+def test_the_papers_p_stands_beside_the_same_test(content, tested):
+    row = rows_of(content, "casr_by_specimen")["modular, 0°"]
+    assert row["worst_paper"] == ".0034"
+    assert row["worst_dunn"] == ".033"
+    assert rows_of(content, "casr_by_specimen")["constant-min, 0°"]["worst_paper"] == ".0037"
+    assert rows_of(content, "area_by_specimen")["high-stiffness, 0°"]["p_paper"] == 0.51
+    assert rows_of(content, "area_by_specimen")["modular, 0°"]["p_paper"] is None
+
+
+def test_the_papers_r2_stands_only_where_the_paper_has_one(content):
+    shown = {design: row["paper_adj_r2"] for design, row in rows_of(content, "kappa_new").items()}
+    assert shown["high-stiffness, 0°"] is None
+    assert shown["high-stiffness, 45°"] == 0.8963
+    assert shown["modular, 0°"] == 0.9753
+    assert set(paper.WORST_ADJ_R2) < {condition for condition, _ in paper.DESIGNS}
+
+
+def test_without_a_known_stiffness_no_error_is_stated(whole, calibration):
+    unknown = replace(calibration, known_kappa_new=float("nan"))
+    content = contents(replace(whole, runs=replace(whole.runs, calibration=unknown)))
+    assert {row["holds"] for row in content.tables["kappa_new"].rows} == {None}
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "determined", "held"),
+    [(5.0, 6.0, True, True), (6.0, 7.0, True, False), (5.0, np.inf, False, None), (1e-14, 3e16, False, None),
+     (np.nan, np.nan, False, None)],
+)  # fmt: skip
+def test_an_interval_that_determines_nothing_does_not_count_as_holding(calibration, low, high, determined, held):
+    of = calibration.conditions[0].algorithms["front"]
+    changed = replace(of, chosen=replace(of.chosen, low=low, high=high, determined=determined))
+    assert holds(changed, TRUTH) is held
+    assert ("not determined" in span(changed.chosen)) is not determined
+
+
+def test_no_kappa_is_shown_of_a_calibration_that_is_not_monotone(calibration):
+    of = calibration.conditions[0].algorithms["front"].chosen
+    assert span(replace(of, kappa=np.nan, low=np.nan, high=np.nan)).startswith("none: CASR does not follow")
 
 
 @pytest.mark.slow
@@ -137,88 +202,102 @@ def test_a_study_without_runs_is_as_before(results, tmp_path, read_page):
     assert not list(tmp_path.glob("figures/fig08*"))
 
 
-def test_runs_that_could_not_be_tested_are_shown_with_the_reason(results, some_runs, tmp_path, read_page):
+def test_runs_that_could_not_be_tested_are_shown_with_the_reason_and_their_claims(
+    results, some_runs, tmp_path, read_page
+):
     failures = (*results.failures, Failure("study", "discrimination", "S9 has no stiffness"))
-    write_study_report(replace(results, runs=some_runs, failures=failures), tmp_path)
+    write_study_report(replace(results, runs=Runs(some_runs), failures=failures), tmp_path)
     text = read_page(tmp_path / "index.html").text
     assert "S9 has no stiffness" in text
     assert "Presses of every condition and angle" in text
+    found = json.loads((tmp_path / "results.json").read_text())
+    assert found["claims.casr_rigid.verdict"] == found["claims.reduction_both.verdict"] == "cannot be tested here"
 
 
-def test_measured_runs_are_not_called_simulated(run_of, stiffness_n_per_mm):
+def test_without_an_estimate_the_reason_is_told(whole, calibration, content):
+    nothing = replace(calibration, conditions=(), notes=("No stiffness was estimated: no new specimen.",))
+    results = replace(whole, runs=replace(whole.runs, calibration=nothing))
+    assert "No stiffness was estimated: no new specimen." in rendered(RUNS, results, content)
+
+
+def test_measured_runs_are_not_called_simulated(run_of, report_of, results):
     runs = [replace(run_of(name, 0.0, "high-stiffness"), simulated=False) for name in KNOWN]
-    report = runs_sections(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW), None, KNOWN)
-    assert "simulated" not in report.body.lower()
-    assert "were measured" in report.body
-    assert report.quantities["runs.simulated"] is False
-    assert set(report.drawings) == {"fig08_initial_area", "fig09_first_contact", "fig10_rigid"}
+    content = report_of(runs)
+    assert content.quantities["runs.simulated"] is False
+    assert set(content.drawings) >= {"fig08_initial_area", "fig09_first_contact", "fig10_rigid"}
+    assert not any("Simulated rig" in drawing.caption for drawing in content.drawings.values())
+    body = rendered(RUNS, replace(results, runs=Runs(tuple(runs))), content)
+    assert "were measured" in body
+    assert "simulated" not in body
 
 
-def test_a_rejected_press_is_counted_with_its_reason(run_of, stiffness_n_per_mm):
+def test_a_rejected_press_is_counted_with_its_reason(run_of, report_of):
     runs = [run_of(name, 0.0, "modular") for name in KNOWN]
     runs[0] = replace(runs[0], verdicts=("rejected", *("ok",) * 9), reasons=("lost <contact>", *("",) * 9))
-    report = runs_sections(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW), None, KNOWN)
-    assert report.quantities["runs.rejected"] == 1
-    assert "lost &lt;contact&gt; (1)" in report.body
+    content = report_of(runs)
+    assert content.quantities["runs.rejected"] == 1
+    assert "lost &lt;contact&gt; (1)" in content.tables["runs"].html()
 
 
-def equal_areas(run):
-    rng = np.random.default_rng([*run.name.encode()])
-    return replace(run, start_area={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.start_area})
+def test_areas_are_called_the_same_only_where_no_difference_is_found(run_of, report_of):
+    def equal(run):
+        rng = np.random.default_rng([*run.name.encode()])
+        return replace(run, start_area={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.start_area})
+
+    different = [run_of(name, angle, "high-stiffness") for name in KNOWN for angle in (0.0, 30.0, 45.0)]
+    verdict = "claims.area_same_on_specimens.verdict"
+    assert report_of(different).quantities[verdict] == "does not hold"
+    assert report_of([equal(run) for run in different]).quantities[verdict] == "holds"
 
 
-def told(runs, stiffness_n_per_mm, **settings):
-    return discriminate(runs, stiffness_n_per_mm, "S_new", replace(FEW, **settings))
-
-
-def test_areas_are_called_the_same_only_where_that_is_shown(run_of, stiffness_n_per_mm):
-    different = [run_of(name, 0.0, "modular") for name in KNOWN]
-    assert "does not hold here" in conclusions.area_and_specimens(told(different, stiffness_n_per_mm))
-    same = [equal_areas(run) for run in different]
-    assert "is the same on all specimens" in conclusions.area_and_specimens(told(same, stiffness_n_per_mm))
-    narrow = told(same, stiffness_n_per_mm, equivalence_margin=0.001)
-    assert "equality within ± 0.100\N{NO-BREAK SPACE}% is shown in 0 only" in conclusions.area_and_specimens(narrow)
-
-
-def louder(run, noise):
-    rates = {name: casr.mean() + noise * (casr - casr.mean()) for name, casr in run.casr.items()}
-    return replace(run, condition="modular", casr=rates)
-
-
-@pytest.mark.parametrize(
-    ("noise", "says"), [(0.2, "further apart than the rigid motor at 1 of 1 angle"), (1.0, "does not win here"),
-                        (3.0, "at 0 of 1 angle and less far at 1")],
-)  # fmt: skip
-def test_who_wins_is_computed(noise, says, run_of, stiffness_n_per_mm):
+@pytest.mark.parametrize(("noise", "verdict"), [(0.2, "better"), (1.0, "undecided"), (3.0, "worse")])
+def test_who_wins_is_computed(noise, verdict, run_of, report_of):
     rigid = [run_of(name, 0.0, "high-stiffness") for name in KNOWN]
-    found = told([*rigid, *(louder(run, noise) for run in rigid)], stiffness_n_per_mm)
-    assert says in conclusions.actuators(found)
-    why = conclusions.why(found, simulated=True)
-    assert "within ± 5.00\N{NO-BREAK SPACE}% of the rigid motor's" in why
-    assert "does not change CASR" not in why
-    assert "presses within one mounting" in why
-    assert "In the simulated world" in why
-    assert "In the simulated world" not in conclusions.why(found, simulated=False)
-    assert ("scatter alike" in why) is (noise == 1.0)
+    human = [
+        replace(run, condition="modular", casr={n: c.mean() + noise * (c - c.mean()) for n, c in run.casr.items()})
+        for run in rigid
+    ]
+    content = report_of([*rigid, *human])
+    assert [row["verdict"] for row in content.tables["conditions_compared"].rows] == [verdict]
 
 
-def test_an_actuator_that_changes_the_rate_is_said_to(run_of, stiffness_n_per_mm):
-    rigid = [run_of(name, 0.0, "high-stiffness") for name in KNOWN]
-    human = [replace(r, condition="modular", casr={n: 2 * c for n, c in r.casr.items()}) for r in rigid]
-    why = conclusions.why(told([*rigid, *human], stiffness_n_per_mm), simulated=True)
-    assert "a larger difference at 1" in why
-    assert "follows from force alone" not in why
+def test_deviations_of_the_rate_have_two_decimals(tested):
+    said = [level_change(tested.conditions, i) for i in range(tested.conditions.other.size)]
+    for i, each in enumerate(said):
+        assert each.startswith(f"{100 * (tested.conditions.level_ratio.estimate[i] - 1):+.2f} [")
 
 
-def test_the_new_specimen_that_is_not_told_apart_is_named(tested):
-    said = conclusions.new_specimen(tested)
-    assert "4 of 5 designs" in said
-    assert "constant-min, 0° (not told from S1" in said
-    # 4 groups of 10 in a row: z = 10 / sqrt(40 * 41 / 12 / 5), six pairs
-    assert "p = .335 or more" in conclusions.mean_rank_bound(tested)
+def test_single_presses_are_not_compared(run_of, report_of):
+    def once(run):
+        return replace(run, casr={name: np.append(c[:1], np.full(9, np.nan)) for name, c in run.casr.items()})
+
+    runs = [once(run_of(name, 0.0, c)) for name in KNOWN for c in ("high-stiffness", "modular")]
+    assert {row["verdict"] for row in report_of(runs).tables["conditions_compared"].rows} == {"–"}
 
 
-def test_the_old_algorithm_is_held_against_the_truth(tested):
-    said = conclusions.vision(tested)
-    assert said.startswith("Front (new) sets the specimens further apart than circle (old) at 2 of 2 angles")
-    assert "of the true area" in said
+def test_a_specimen_without_scores_has_no_verdict(run_of, report_of):
+    runs = [run_of(name, 0.0, "modular") for name in ("S1", "S3", "S5", "S_new")]
+    runs[0] = replace(runs[0], casr={name: np.full(10, np.nan) for name in runs[0].casr})
+    content = report_of(runs)
+    assert [row["rises"] for row in content.tables["casr_by_specimen"].rows] == [None]
+    assert [row["between"] for row in content.tables["new_specimen"].rows] == [None]
+    assert "runs.modular.0.casr.rises" not in content.quantities
+
+
+def test_areas_in_pixels_are_not_called_mm2(run_of, report_of):
+    content = report_of([replace(run_of(name, 0.0, "modular"), area_unit="px2") for name in KNOWN])
+    heads = [c.head for name in ("area_by_specimen", "casr_by_specimen") for c in content.tables[name].columns]
+    assert any("px²" in head for head in heads)
+    assert not any("mm²" in head for head in heads)
+
+
+def test_notes_that_differ_by_numbers_are_one_kind(run_of, results):
+    runs = [run_of(name, 0.0, "modular") for name in ("S1", "S3", "S5", "S_new")]
+    shift = "press {}: the camera is {:.1f} ms late"
+    runs = [replace(run, notes=tuple(shift.format(r, i - r) for r in range(2))) for i, run in enumerate(runs)]
+    runs[3] = replace(runs[3], notes=(*runs[3].notes, "no edge <seen>"))
+    of_runs = replace(results, runs=Runs(tuple(runs)))
+    body = rendered(RUNS, of_runs, contents(of_runs))
+    assert "2 kinds of notes about the runs" in body
+    assert "(8 such notes with other numbers, 4 runs: " in body
+    assert f"no edge &lt;seen&gt; (1 run: {runs[3].name})" in body

@@ -17,7 +17,7 @@ LIGHT_PAGE_BYTES = 100_000
 @pytest.fixture
 def write(results, fits_of, tmp_path):
     def page_of(participant="P01", trials=None, failures=(), study=results.study) -> Path:
-        own = [t for t in results.trials if t.participant == participant] if trials is None else trials
+        own = [t for t in results.people.trials if t.participant == participant] if trials is None else trials
         fits = fits_of(own, study) if own else None
         (path,) = write_session_page(study, participant, own, fits, failures, tmp_path)
         assert path == tmp_path / "participants" / f"{participant}.html"
@@ -49,7 +49,7 @@ def test_warned_and_rejected_presses_are_told_apart_without_colour(write, read_p
 
 
 def test_a_recording_that_failed_is_named_with_its_reason(write, results, read_page):
-    trials = [t for t in results.trials if t.participant == "P02" and t.specimen != "S5"]
+    trials = [t for t in results.people.trials if t.participant == "P02" and t.specimen != "S5"]
     failure = Failure("P02/S5", "trials", "P02_S5.csv: no channel 'Fz' & no <force>")
     page = read_page(write("P02", trials, [failure]))
     assert "Unreadable." in page.text
@@ -64,21 +64,21 @@ def test_a_participant_without_any_usable_recording_has_a_page_too(write, read_p
 
 
 def test_a_recording_without_presses_is_not_an_exception(write, results, read_page):
-    full = next(t for t in results.trials if t.participant == "P02" and t.specimen == "S1")
+    full = next(t for t in results.people.trials if t.participant == "P02" and t.specimen == "S1")
     none = np.empty(0)
     empty = replace(
         full, repetition=none.astype(int), start_s=none, stop_s=none, duration_s=none, peak_force_n=none,
         falling_share=none, snr_db=none, verdict=none.astype("<U8"), reasons=(), offsets=np.zeros(1, dtype=int),
         force_n=none, activity=none, envelopes_v=np.empty((2, 0)),
     )  # fmt: skip
-    trials = [empty, *(t for t in results.trials if t.participant == "P02" and t.specimen != "S1")]
+    trials = [empty, *(t for t in results.people.trials if t.participant == "P02" and t.specimen != "S1")]
     page = read_page(write("P02", trials))
     assert "no curve to show" in page.text
     assert "0 presses: 0 ok" in page.text
 
 
 def test_a_long_recording_stays_light(write, results):
-    trials = [t for t in results.trials if t.participant == "P02"]
+    trials = [t for t in results.people.trials if t.participant == "P02"]
     hour = np.arange(0, 3600, 0.1)
     noise = np.random.default_rng(1).standard_normal(hour.size)
     long = [replace(t, overview_time_s=hour, overview_force_n=noise) for t in trials]

@@ -13,14 +13,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from jinja2 import UndefinedError
 from scipy.stats import kstwo
 
 from emg2vsa.profiles import build_profiles
+from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.paper_comparison import paper_comparison
-from emg2vsa.report.quantities import quantities
-from emg2vsa.report.study_report import write_figure_pdfs, write_study_report
+from emg2vsa.report.section import Claim, rendered
+from emg2vsa.report.sections.claims import ADVANCING_FRONT_ERROR
+from emg2vsa.report.sections.fits import FITS
+from emg2vsa.report.sections.glossary import TERMS
+from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +66,7 @@ def test_everything_the_issue_names_is_there(written):
 def test_the_page_is_whole_self_contained_and_speaks(written, read_page):
     page = read_page(written / "index.html")
     assert page.tags.count("svg") == 3
-    assert "These results come from a simulation." in page.text
+    assert "These data are simulated." in page.text
     assert "EDC clipped <3 %>" in page.text
     assert [f"participants/P0{i}.html" for i in (1, 2, 3)] == [
         a for a in page.addresses if a.startswith("participants")
@@ -74,8 +78,9 @@ def test_numbers_on_the_page_are_those_of_results_json(written, read_page):
     found = json.loads((written / "results.json").read_text())
     text = read_page(written / "index.html").text
     between = (found[f"hypotheses.between_participants.{kind}"] for kind in ("significant", "tested"))
-    assert "Participants differ significantly for {} of {} specimens".format(*between) in text
-    assert f"{100 * found['recovery.mean_b_error']:.2f} ± {100 * found['recovery.mean_b_error_mcse']:.2f} %" in text
+    assert "participants differ on {} of {} specimens".format(*between) in text
+    off = re.search(r"Fitted slopes are (\S+) % off", text.replace("\N{NO-BREAK SPACE}", " "))
+    assert float(off[1].replace("−", "-")) == float(f"{100 * found['recovery.mean_b_error']:.2g}")
     assert f"RMSE to the measured S2: {found['profiles.S_new.rmse_v'] * 1e6:#.3g} µV" in text
     assert found["hypotheses.worst_pair"] in text
 
@@ -83,8 +88,8 @@ def test_numbers_on_the_page_are_those_of_results_json(written, read_page):
 def test_fits_csv_holds_every_trial_exactly(written, results):
     with (written / "tables/fits.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["verdict"] for row in rows] == results.fits.verdict.tolist()
-    assert np.array_equal([float(row["b_v"]) for row in rows], results.fits.b_v)
+    assert [row["verdict"] for row in rows] == results.people.fits.verdict.tolist()
+    assert np.array_equal([float(row["b_v"]) for row in rows], results.people.fits.b_v)
     assert [row["reason"] for row in rows if row["verdict"] == "rejected"] == ["EDC clipped <3 %>"]
 
 
@@ -123,14 +128,16 @@ def test_a_failed_stage_says_why_in_its_place(broken, tmp_path, read_page):
     assert "Failed: no profile of P01" in page.text
     assert "The study has no schedules." in page.text
     assert "channel 'Fz' is missing" in page.text
-    assert "No table of simulated truth was found beside the recordings" in page.text
+    assert "No sign of a simulation was found" in page.text
     assert "svg" not in page.tags
     assert not [path for path in files if path.parent.name == "figures"]
     assert write_figure_pdfs(broken, tmp_path) == []
 
 
 def test_without_an_exemplary_participant_all_enter(results, tmp_path, read_page):
-    everyone = replace(results, profiles=replace(results.profiles, participant=""))
+    everyone = replace(
+        results, people=replace(results.people, profiles=replace(results.people.profiles, participant=""))
+    )
     write_study_report(everyone, tmp_path)
     text = read_page(tmp_path / "index.html").text
     assert "Co-contraction of all participants" in text
@@ -138,30 +145,36 @@ def test_without_an_exemplary_participant_all_enter(results, tmp_path, read_page
 
 
 def test_without_a_new_specimen_there_is_no_figure_11(results, tmp_path, read_page):
-    without = replace(results, profiles=replace(results.profiles, new=None, new_measured=None, new_error=None))
-    without = replace(without, schedules=tuple(s for s in results.schedules if s.specimen != "S_new"))
+    without = replace(
+        results,
+        people=replace(
+            results.people, profiles=replace(results.people.profiles, new=None, new_measured=None, new_error=None)
+        ),
+    )
+    schedules = tuple(s for s in results.people.schedules if s.specimen != "S_new")
+    without = replace(without, people=replace(without.people, schedules=schedules))
     files = write_study_report(without, tmp_path)
     assert "names no new specimen" in read_page(tmp_path / "index.html").text
     assert not [path for path in files if "fig11" in path.name]
 
 
 def test_an_unmeasured_new_specimen_is_shown_without_error(results, tmp_path, read_page):
-    unknown = replace(results, profiles=replace(results.profiles, new_measured=None, new_error=None))
+    unknown = replace(
+        results,
+        people=replace(results.people, profiles=replace(results.people.profiles, new_measured=None, new_error=None)),
+    )
     write_study_report(unknown, tmp_path)
     assert "Nobody palpated a specimen of this stiffness" in read_page(tmp_path / "index.html").text
 
 
 def test_chances_of_a_family_of_tests_stand_beside_their_result(written, results, read_page):
     text = read_page(written / "index.html").text.replace("\N{NO-BREAK SPACE}", " ")
-    assert f"at least one of 4 tests would come out significant with a chance of {100 * (1 - 0.95**4):.1f} %" in text
-    assert (
-        f"at least one of 18 uncorrected pairs would come out significant with a chance of "
-        f"{100 * (1 - 0.95**18):.1f} %" in text
-    )
+    assert f"{100 * (1 - 0.95**4):.1f} % of studies would find a significant one among 4 tests" in text
+    assert f"{100 * (1 - 0.95**18):.1f} % of studies would find a significant pair among 18" in text
 
 
 def test_the_bound_of_the_raw_test_is_that_of_the_clusters_at_hand(written, read_page):
-    p = [f"{kstwo.sf(0.5, n):.4f}".lstrip("0") for n in (5, 6)]
+    p = [f"{kstwo.sf(0.5, n):.3f}".lstrip("0") for n in (5, 6)]
     assert f"at most {p[0]} for 5 values and at most {p[1]} for 6 values" in read_page(written / "index.html").text
 
 
@@ -174,12 +187,12 @@ def test_a_participant_without_a_page_is_not_linked(results, tmp_path, read_page
 
 def test_normalised_activity_is_never_called_volts(results, tmp_path, read_page):
     fits = replace(
-        results.fits, activity_unit="1", a_v=1e4 * results.fits.a_v, b_v=-1e4 * results.fits.b_v,
-        v_max_v=1e4 * results.fits.v_max_v,
+        results.people.fits, activity_unit="1", a_v=1e4 * results.people.fits.a_v, b_v=-1e4 * results.people.fits.b_v,
+        v_max_v=1e4 * results.people.fits.v_max_v,
     )  # fmt: skip
     study = results.study
     profiles = build_profiles(fits, study.stiffness_n_per_mm, study.profile, study.window, study.hypotheses.use)
-    write_study_report(replace(results, fits=fits, profiles=profiles), tmp_path)
+    write_study_report(replace(results, people=replace(results.people, fits=fits, profiles=profiles)), tmp_path)
     names = json.loads((tmp_path / "results.json").read_text())
     assert {"fit.S1.b.mean", "profiles.S_new.rmse"} <= set(names)
     assert not [name for name in names if re.search(r"_v(\.|$)", name)]
@@ -191,8 +204,8 @@ def test_normalised_activity_is_never_called_volts(results, tmp_path, read_page)
 
 
 def test_schedules_are_printed_without_repeating_what_is_constant(written, results):
-    steps = results.schedules[0].preset_ticks.size
-    specimens = len({s.specimen for s in results.schedules})
+    steps = results.people.schedules[0].preset_ticks.size
+    specimens = len({s.specimen for s in results.people.schedules})
     printed = (written / "tables/schedules.tex").read_text().count(" & constant-")
     assert printed == 3 * specimens
     assert len((written / "tables/schedules.csv").read_text().splitlines()) == 1 + 4 * specimens * steps
@@ -204,8 +217,8 @@ def test_a_study_whose_recordings_all_failed_has_a_report_that_says_so(results, 
     page = read_page(tmp_path / "index.html")
     assert "No recording of people could be used." in page.text
     assert "no channel <Fz>" in page.text
-    assert "#failures" in page.addresses
-    assert not (tmp_path / "tables").exists()
+    assert "#participants" in page.addresses
+    assert [path.name for path in sorted((tmp_path / "tables").glob("*.csv"))] == ["failures.csv"]
 
 
 def test_a_study_of_runs_alone_says_nothing_on_people(results, tmp_path, read_page):
@@ -214,16 +227,108 @@ def test_a_study_of_runs_alone_says_nothing_on_people(results, tmp_path, read_pa
     page = read_page(tmp_path / "index.html")
     assert "The study has no recordings of people." in page.text
     assert "What failed" not in page.text
-    assert (tmp_path / "methods.txt").read_text() == "Software: numpy 2.3.\n"
+    assert (tmp_path / "methods.txt").read_text() == "Software\nnumpy 2.3.\n"
     assert "study.participants" not in (tmp_path / "results.json").read_text()
 
 
-def test_plate_indentations_stand_beside_the_paper_s_where_the_study_says_how_straight_they_are(results):
-    found = quantities(results)
-    assert "plate" not in " ".join(str(row[0]) for row in paper_comparison(results, found).rows)
+def test_plate_indentations_are_judged_where_the_study_says_how_straight_they_are(results):
+    assert contents(results).quantities["claims.plate_r2.verdict"] == "cannot be tested here"
     straight = {"S1": 0.9914, "S3": 0.9731}
     specimens = tuple(replace(s, plate_adjusted_r2=straight.get(s.name)) for s in results.study.specimens)
-    told = replace(results, study=replace(results.study, specimens=specimens))
-    assert paper_comparison(told, found).rows[0][:3] == (
-        "worst adjusted R² of the plate indentations", ".882", "0.973",
-    )  # fmt: skip
+    told = contents(replace(results, study=replace(results.study, specimens=specimens))).quantities
+    assert told["claims.plate_r2.ours"] == 0.9731
+    assert told["claims.plate_r2.verdict"] == "holds"
+
+
+def test_every_claim_has_a_verdict_a_reason_where_it_cannot_be_tested_and_a_link(written, read_page):
+    page = read_page(written / "index.html")
+    with (written / "tables/claims.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = json.loads((written / "results.json").read_text())
+    verdicts = [value for key, value in found.items() if re.fullmatch(r"claims\..*\.verdict", key)]
+    assert len(rows) == len(verdicts) == len([key for key in found if re.fullmatch(r"claims\..*\.ours", key)]) >= 11
+    assert {row["verdict"] for row in rows} <= {"holds", "does not hold", "cannot be tested here"}
+    assert all(row["why"] for row in rows if row["verdict"] == "cannot be tested here")
+    assert {"#power", "#fits", "#hypotheses", "#profiles", "#schedules"} <= set(page.addresses)
+    n = verdicts.count("holds"), verdicts.count("does not hold"), verdicts.count("cannot be tested here")
+    assert f"{n[0]} hold in this study, {n[1]} do not, and {n[2]} cannot be tested here" in page.text
+
+
+def test_a_claim_follows_the_numbers(results):
+    """A second opinion on three verdicts, from the products of the stages."""
+    found = contents(results).quantities
+    tests, alpha = results.people.hypotheses.tests, results.people.hypotheses.alpha
+    differ = int(np.count_nonzero(tests.between_blocks.anova.p < alpha))
+    assert found["claims.equal_participants.ours"] == differ
+    assert found["claims.equal_participants.verdict"] == ("does not hold" if differ else "holds")
+    assert found["claims.specimens_differ.verdict"] == "holds"
+    unlike = replace(results.people.hypotheses, worst_p=0.2)
+    changed = contents(replace(results, people=replace(results.people, hypotheses=unlike))).quantities
+    assert changed["claims.specimens_differ.verdict"] == "does not hold"
+
+
+def test_a_claim_that_cannot_be_tested_must_say_why():
+    with pytest.raises(ValueError, match="does not say why"):
+        Claim("x", "says", "p", "–", np.nan, "cannot be tested here")
+
+
+def test_two_sections_may_not_give_the_same_name(results, monkeypatch):
+    monkeypatch.setattr(study_report, "SECTIONS", (*study_report.SECTIONS, FITS))
+    with pytest.raises(ValueError, match=r"section fits gives what another one gives: .*fit\.used"):
+        contents(results)
+
+
+def test_a_text_that_asks_for_a_number_there_is_not_is_an_error(results):
+    broken = replace(FITS, text="{{ q['fit.usedd'] | number }}")
+    with pytest.raises(UndefinedError, match=r"fit\.usedd"):
+        rendered(broken, results, contents(results))
+
+
+def test_a_text_escapes_what_a_study_may_call_its_specimens(results):
+    made = rendered(replace(FITS, words=lambda r, q: {"name": "<S1>"}, text="{{ name }}"), results, contents(results))
+    assert "&lt;S1&gt;" in made
+    assert "<S1>" not in made
+
+
+def test_a_new_statistic_is_one_quantity_and_one_line_of_its_section(results, tmp_path, read_page, monkeypatch):
+    """What a section's file must say, beside the stage's: the value, and where the text shows it."""
+
+    def quantities(shown):
+        yield from FITS.quantities(shown)
+        yield "fit.a_not_positive", int(np.count_nonzero(shown.people.fits.a_v[shown.used] <= 0))
+
+    text = FITS.text + "<p>Trials whose a is not positive: {{ q['fit.a_not_positive'] }}.</p>"
+    more = replace(FITS, quantities=quantities, text=text)
+    sections = tuple(more if section is FITS else section for section in study_report.SECTIONS)
+    monkeypatch.setattr(study_report, "SECTIONS", sections)
+    write_study_report(results, tmp_path)
+    assert json.loads((tmp_path / "results.json").read_text())["fit.a_not_positive"] == 0
+    assert r"\emgFitANotPositive}{0}" in (tmp_path / "numbers.tex").read_text()
+    assert "Trials whose a is not positive: 0." in read_page(tmp_path / "index.html").text
+
+
+def test_tables_are_numbered_in_the_order_of_the_page(written):
+    numbers = [int(n) for n in re.findall(r"<b>Table (\d+)\.</b>", (written / "index.html").read_text())]
+    assert numbers == list(range(1, len(numbers) + 1))
+
+
+def test_works_are_listed_where_the_methods_cite_them(written):
+    text, bib = (written / "methods.txt").read_text(), (written / "references.bib").read_text()
+    assert "(Kruskal and Wallis, 1952)" in text
+    assert "@article{kruskal," in bib
+    assert "doi = {10.1080/01621459.1952.10483441}" in bib
+    assert "hertz" not in bib  # a study without runs cites no contact mechanics
+    assert text.count("doi") + text.count("10.") >= bib.count("doi = ")
+
+
+def test_terms_of_the_page_stand_in_the_glossary_in_the_same_words():
+    glossary = (Path(__file__).parents[2] / "docs" / "glossary.md").read_text().splitlines()
+    assert [row for term, meaning in TERMS if (row := f"| {term} | {meaning} |") not in glossary] == []
+
+
+def test_the_error_in_the_advancing_front_world_is_that_of_the_benchmark():
+    text = (Path(__file__).parents[2] / "benchmarks" / "results" / "press_worlds.md").read_text()
+    (row,) = [
+        line.split() for line in text.partition("Stiffness by world")[2].splitlines() if line.startswith("front ")
+    ]
+    assert float(row[5]) == pytest.approx(100 * ADVANCING_FRONT_ERROR)

@@ -4,16 +4,18 @@ import csv
 import io
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.report.table import Column, Table
+from emg2vsa.report.table import Column, Table, rows_of
 
 NAMES = st.text(st.characters(exclude_categories=("C",)), max_size=8)
 
 
 def table(*rows: tuple, factor: float = 1.0) -> Table:
-    return Table("t", "A & B", (Column("name", "Na_me"), Column("v_v", "v (µV)", factor)), rows)
+    keyed = tuple({"name": name, "v_v": value} for name, value in rows)
+    return Table("t", "A & B", (Column("name", "Na_me"), Column("v_v", "v (µV)", factor)), keyed)
 
 
 @given(st.lists(st.tuples(NAMES, st.floats(allow_nan=False)), max_size=5))
@@ -43,7 +45,7 @@ def test_html_escapes_what_a_study_may_call_its_specimens():
 
 
 def test_people_may_see_fewer_rows_than_programs():
-    made = Table("t", "", (Column("name", "Name"),), (("all",), ("some",)), (("some",),))
+    made = Table("t", "", (Column("name", "Name"),), ({"name": "all"}, {"name": "some"}), ({"name": "some"},))
     assert made.csv().splitlines() == ["name", "all", "some"]
     assert "some" in made.html()
     assert "all" not in made.html()
@@ -54,6 +56,31 @@ def test_a_column_may_have_another_name_in_csv():
 
 
 def test_people_see_a_p_with_its_bound_and_programs_every_digit():
-    made = Table("t", "", (Column("p_holm", "p Holm"),), ((1.2345e-9,), (0.0391,), (0.99999,), (math.nan,)))
+    made = Table("t", "", (Column("p_holm", "p Holm"),), rows_of({"p_holm": [1.2345e-9, 0.0391, 0.99999, math.nan]}))
     assert made.cells() == [["< .001"], [".039"], ["> .999"], ["–"]]
     assert made.csv().splitlines()[1:3] == ["1.2345e-09", "0.0391"]
+
+
+@pytest.mark.parametrize("row", [{"name": "S1"}, {"name": "S1", "v_v": 1.0, "w": 2.0}, {"v_v": 1.0, "title": "S1"}])
+def test_a_row_has_the_columns_of_its_table_and_no_others(row):
+    columns = (Column("name", "Name"), Column("v_v", "v"))
+    with pytest.raises(ValueError, match="table t: a row has"):
+        Table("t", "", columns, (row,))
+
+
+def test_the_order_of_keys_in_a_row_does_not_matter():
+    columns = (Column("first", "First"), Column("second", "Second"))
+    rows = ({"second": 2.0, "first": "a"}, {"first": "b", "second": 4.0})
+    made = Table("t", "", columns, rows)
+    assert made.csv().splitlines() == ["first,second", "a,2.0", "b,4.0"]
+    assert made.cells() == [["a", "2.00"], ["b", "4.00"]]
+    assert made.numeric() == [False, True]
+
+
+def test_a_table_on_a_page_has_its_number_links_and_kinds():
+    columns = (Column("name", "Name"), Column("verdict", "Verdict"))
+    rows = ({"name": "a", "verdict": "holds"}, {"name": "b", "verdict": "does not hold"})
+    made = Table("t", "All of -1 at 5%", columns, rows, kinds=("holds", "fails"), links=("#a", "")).html(7)
+    assert "<caption><b>Table 7.</b> All of −1 at 5\N{NO-BREAK SPACE}%</caption>" in made
+    assert '<tr class="fails"><td>b</td><td class="verdict">does not hold</td></tr>' in made
+    assert '<td><a href="#a">a</a></td>' in made

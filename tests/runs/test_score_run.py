@@ -12,7 +12,7 @@ from casr.frames import FrameSequence
 from casr.score import score
 from casr.scored import ScoreSettings
 from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
-from emg2vsa.runs import ALGORITHMS, RunScores
+from emg2vsa.runs import ALGORITHMS, PICTURED_N, RunScores
 from emg2vsa.runs.press import Press
 from emg2vsa.runs.score_run import score_run
 from emg2vsa.settings import RunSettings
@@ -100,10 +100,16 @@ def test_force_over_indentation_comes_from_the_log(run):
     assert run.indent_n_per_mm[0] == pytest.approx(2.0, rel=1e-6)
 
 
-def test_the_picture_is_the_first_contact(run):
-    assert run.picture.image.shape == (300, 300)
-    assert 3 <= len(run.picture.contact_px) < len(run.picture.pins_px)
-    assert run.picture.area_mm2 == pytest.approx(run.a_c0["front"][0])
+def test_the_picture_is_the_frame_nearest_to_one_newton_with_the_outline_of_its_area(run, sequence):
+    picture = run.picture
+    assert picture.image.shape == (300, 300)
+    every = np.concatenate([curve.force_n for curve in run.curves])
+    assert abs(picture.force_n - PICTURED_N) == pytest.approx(np.abs(every - PICTURED_N).min())
+    at = [np.flatnonzero(curve.force_n == picture.force_n) for curve in run.curves]
+    assert picture.area_mm2 in [run.curves[i].area_mm2[j] for i, places in enumerate(at) for j in places]
+    x, y = picture.outline_px.T
+    enclosed_px2 = abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+    assert enclosed_px2 * sequence.camera.mm2_per_px2 == pytest.approx(picture.area_mm2, rel=0.15)
 
 
 def test_the_area_where_loading_begins_lies_on_the_power_law(run, sequence):

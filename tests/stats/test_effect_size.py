@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.effect_size import eta2_interval, hedges_g, omega2
+from emg2vsa.stats.effect_size import hedges_g, omega2, share_interval
 
 
 def test_omega2_from_the_sums_of_squares() -> None:
@@ -18,13 +18,13 @@ def test_omega2_from_the_sums_of_squares() -> None:
     within = anova.sd[0] ** 2 * df2
     between = f * df1 * anova.sd[0] ** 2
     total, ms = between + within, anova.sd[0] ** 2
-    assert omega2(f, df1, df2) == pytest.approx((between - df1 * ms) / (total + ms), rel=1e-12)
+    assert omega2(f, df1, df1 + df2 + 1) == pytest.approx((between - df1 * ms) / (total + ms), rel=1e-12)
 
 
 @given(st.floats(0.01, 200), st.integers(1, 20), st.integers(2, 200), st.floats(0.5, 0.99))
 @settings(max_examples=60, deadline=None)
-def test_ends_of_the_eta2_interval_leave_the_tails(f: float, df1: int, df2: int, confidence: float) -> None:
-    low, high = eta2_interval(f, df1, df2, confidence)
+def test_ends_of_the_share_interval_leave_the_tails(f: float, df1: int, df2: int, confidence: float) -> None:
+    low, high = share_interval(f, df1, df2, df1 + df2 + 1, confidence)
     tail, total = (1 - confidence) / 2, df1 + df2 + 1
     for share, probability in ((low, 1 - tail), (high, tail)):
         if share > 1e-9:
@@ -35,7 +35,7 @@ def test_ends_of_the_eta2_interval_leave_the_tails(f: float, df1: int, df2: int,
 
 
 def test_the_notes_example() -> None:
-    low, high = eta2_interval(5.23, 4, 45)
+    low, high = share_interval(5.23, 4, 45, 50)
     assert (round(float(low), 2), round(float(high), 2)) == (0.06, 0.46)
 
 
@@ -56,6 +56,20 @@ def test_g_corrects_d() -> None:
 
 
 def test_undefined_and_infinite() -> None:
-    np.testing.assert_array_equal(eta2_interval([np.nan, np.inf], 3, 20)[1], [np.nan, 1.0])
-    np.testing.assert_array_equal(omega2([np.nan, np.inf], 3, 20), [np.nan, 1.0])
+    np.testing.assert_array_equal(share_interval([np.nan, np.inf], 3, 20, 24)[1], [np.nan, 1.0])
+    np.testing.assert_array_equal(omega2([np.nan, np.inf], 3, 24), [np.nan, 1.0])
     assert np.isnan(hedges_g(np.nan, 5, 5)[1])
+
+
+@given(st.floats(0, 12), st.integers(1, 60), st.integers(1, 600))
+@settings(max_examples=60, deadline=None)
+def test_omega2_lies_in_its_interval(f: float, df1: int, df2: int) -> None:
+    """The sample's eta squared need not: at F = 0.92 with 199 and 3800 df it is .046, the interval [0, .01]."""
+    low, high = share_interval(f, df1, df2, df1 + df2 + 1)
+    assert low <= omega2(f, df1, df1 + df2 + 1) <= high + 1e-15
+
+
+def test_an_end_at_zero_is_zero() -> None:
+    low, high = share_interval([0.2, 0.92], [4, 199], [45, 3800], [50, 4000])
+    np.testing.assert_array_equal(low, 0.0)
+    assert high[1] < 0.05 < 0.92 * 199 / (0.92 * 199 + 3800) + 0.01

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import special
 
-from emg2vsa.stats.effect_size import eta2_interval, hedges_g, noncentral_f, noncentral_t
+from emg2vsa.stats.effect_size import hedges_g, noncentral_f, noncentral_t, share_interval
 
 
 def columns(*values: float) -> list[np.ndarray]:
@@ -57,6 +57,6 @@ def test_an_interval_of_g_holds_g_when_nothing_but_rounding_scatters(t: float) -
 
 @pytest.mark.parametrize("f", [1e7, 1e10, 1e13])
 def test_an_interval_of_eta2_is_in_proportion_to_f_when_nothing_but_rounding_scatters(f: float) -> None:
-    low, high = (float(share) for share in eta2_interval(f, 2, 27))
+    low, high = (float(share) for share in share_interval(f, 2, 27, 30))
     noncentrality = [2 * f * special.chdtri(27, p) / 27 for p in (0.975, 0.025)]
     assert [1 / (1 - low), 1 / (1 - high)] == pytest.approx([1 + nc / 30 for nc in noncentrality], rel=3e-3)

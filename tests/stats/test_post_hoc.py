@@ -15,7 +15,8 @@ from emg2vsa.companions.pairs import pair_tests
 from emg2vsa.errors import DataError
 from emg2vsa.stats import studentized_range
 from emg2vsa.stats.anova import brown_forsythe, one_way
-from emg2vsa.stats.post_hoc import Adjustment, adjust, lsd, tukey
+from emg2vsa.stats.multiplicity import Adjustment, adjust
+from emg2vsa.stats.post_hoc import lsd, tukey
 from emg2vsa.stats.welch import games_howell, welch
 
 UPPER = np.triu_indices(4, 1)

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
+from emg2vsa.stats.differences import differences_at
 from emg2vsa.stats.friedman import friedman
 from emg2vsa.stats.kruskal import dunn, kruskal, midranks, smallest_worst_p
 from emg2vsa.stats.mann_whitney import mann_whitney
@@ -101,10 +102,33 @@ def test_differences_of_long_samples_are_those_of_all_of_them(monkeypatch: pytes
     values = np.round(rng.standard_normal((3, 4, 14)) * 3, 1)  # rounded: with ties
     values[0, 1, 5:] = np.nan
     direct = mann_whitney(values)
-    monkeypatch.setattr("emg2vsa.stats.mann_whitney._FEW", 0)
+    monkeypatch.setattr("emg2vsa.stats.differences._FEW", 0)
+    monkeypatch.setattr("emg2vsa.stats.differences._MANY", 20)
     searched = mann_whitney(values)
     for name in ("shift", "low", "high"):
         np.testing.assert_allclose(getattr(searched, name), getattr(direct, name), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["smooth", "tied", "skewed", "rounded"])
+def test_order_statistics_of_differences_are_those_of_the_sorted_ones(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("emg2vsa.stats.differences._MANY", 2000)
+    rng = np.random.default_rng(len(kind))
+    for _ in range(10):
+        n, m = rng.integers(200, 600, 2)
+        x, y = {
+            "smooth": (rng.standard_normal(n), rng.standard_normal(m)),
+            "tied": (rng.integers(0, 30, n), rng.integers(0, 25, m)),
+            "skewed": (rng.standard_exponential(n) ** 3, rng.standard_normal(m)),
+            "rounded": (np.round(rng.standard_normal(n), 2), np.round(rng.standard_cauchy(m), 1)),
+        }[kind]
+        width = max(n, m)
+        left, right = (np.pad(side.astype(float), (0, width - side.size), constant_values=np.nan) for side in (x, y))
+        places = np.concatenate([rng.integers(0, n * m, 6), [0, n * m - 1]])
+        found = differences_at(left[None, None], right[None, None], places[:, None, None])[:, 0, 0]
+        ordered = np.sort(np.subtract.outer(x, y).ravel())[places]
+        np.testing.assert_allclose(found, ordered, rtol=4e-16, atol=1e-15)
 
 
 def test_friedman_is_scipys_and_leaves_gaps_out() -> None:

@@ -2,40 +2,22 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from pathlib import Path
 
 import mpmath
 import numpy as np
 import pytest
 
-from emg2vsa.stats.clusters import Clusters, clusters_of
 from emg2vsa.stats.mixed import balanced_mixed
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
-
-LMER = Path(__file__).parent / "lmer"
-STUDIES = ("interior.csv", "no_participants.csv", "no_interaction.csv")
-
-
-def clusters(name: str) -> Clusters:
-    with (LMER / name).open() as file:
-        rows = list(csv.DictReader(file))
-    participant, specimen, b = (np.array([row[key] for row in rows]) for key in ("participant", "specimen", "b"))
-    return clusters_of(participant, specimen, b.astype(float), np.ones(b.size, dtype=bool))
+from tests.stats.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
 
 
 def fitted(values: np.ndarray) -> UnbalancedMixed:
     found = unbalanced_mixed(values)
     assert isinstance(found, UnbalancedMixed)
     return found
-
-
-def study(seed: int, person: float, interaction: float, shape: tuple[int, int, int] = (14, 5, 10)) -> np.ndarray:
-    rng, (p, s, _) = np.random.default_rng(seed), shape
-    y = rng.standard_normal(shape) + np.arange(s)[:, None] * 0.1
-    return np.asarray(y + person * rng.standard_normal((p, 1, 1)) + interaction * rng.standard_normal((p, s, 1)))
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -51,26 +33,6 @@ def test_lmer_says_the_same(name: str) -> None:
     np.testing.assert_allclose(found.pairs.difference[0] / found.pairs.statistic[0], pairs[:, 1], rtol=1e-6)
     np.testing.assert_allclose(found.pairs.df[0], pairs[:, 2], rtol=2e-5)
     np.testing.assert_allclose(found.pairs.p[0], pairs[:, 4], rtol=1e-6)
-
-
-def dense_minus_2_reml(of: Clusters, variance: list[mpmath.mpf]) -> mpmath.mpf:
-    """From the covariance matrix of all values, in 30 digits."""
-    places = np.argwhere(np.isfinite(of.values))
-    y = mpmath.matrix([mpmath.mpf(float(of.values[tuple(at)])) for at in places])
-    n, s = len(places), of.specimens.size
-    v = mpmath.matrix(n, n)
-    for i, a in enumerate(places):
-        for j, b in enumerate(places):
-            if a[0] == b[0]:
-                v[i, j] = variance[0] + (a[1] == b[1]) * variance[1] + (i == j) * variance[2]
-    x = mpmath.matrix(n, s)
-    for i, a in enumerate(places):
-        x[i, int(a[1])] = 1
-    inverse = mpmath.inverse(v)
-    information = x.T * inverse * x
-    residual = y - x * mpmath.lu_solve(information, x.T * inverse * y)
-    logs = mpmath.log(mpmath.det(v)) + mpmath.log(mpmath.det(information))
-    return logs + (residual.T * inverse * residual)[0] + (n - s) * mpmath.log(2 * mpmath.pi)
 
 
 @pytest.mark.slow
@@ -173,6 +135,7 @@ def test_size_of_the_tests() -> None:
         (np.ones((1, 3, 2)), "fewer than two"),
         (np.random.default_rng(0).standard_normal((4, 3, 1)), "two values"),
         (np.ones((4, 3, 2)), "do not differ"),
+        (study(0, 1.0, 0.3, (4, 3, 1)) + 1e-9 * study(1, 0.0, 0.0, (4, 3, 5)), "million times less"),
         (np.where(np.arange(3)[:, None] == 1, np.nan, np.random.default_rng(0).random((4, 3, 2))), "has no values"),
     ],
 )

@@ -165,3 +165,17 @@ def test_listed_layout_without_files(small: str, problems: Problems) -> None:
 def test_bad_limits_of_reading(small: str, problems: Problems, line: str, said: str) -> None:
     (problem,) = problems(f"{small}[reading]\n{line}\n")
     assert problem.endswith(said)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("mounting_sd_percent = -1", "wanted a number >= 0; found -1."),
+        ("mounting_sd_percent = 80", "wanted a number < 50; found 80."),
+        ('mounting_sd_percent = "2"', '; found "2". Write it without quotes.'),
+        ("mounting_sd = 2", "wanted a known key; found 'mounting_sd'. Did you mean 'mounting_sd_percent'?"),
+    ],
+)
+def test_a_bad_spread_of_mountings(small: str, problems: Problems, line: str, said: str) -> None:
+    (problem,) = problems(f"{small}[calibration]\n{line}\n")
+    assert problem.endswith(said)

@@ -17,6 +17,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "discrimination": study.discrimination,
         "specimens": study.pressed_n_per_mm,
         "new_specimen": study.profile.new_specimen or "",
+        "mounting_sd_percent": study.calibration.mounting_sd_percent,
     }
 
 
@@ -24,7 +25,10 @@ def run(given: Given) -> Discrimination:
     from emg2vsa.discrimination import discriminate
 
     used = given.settings
-    return discriminate(given.all("runs"), used["specimens"], used["new_specimen"], used["discrimination"])
+    return discriminate(
+        given.all("runs"), used["specimens"], used["new_specimen"], used["discrimination"],
+        mounting_sd=used["mounting_sd_percent"] / 100,
+    )  # fmt: skip
 
 
 STAGE = Stage(

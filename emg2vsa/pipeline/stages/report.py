@@ -53,7 +53,7 @@ def run(given: Given) -> list[Path]:
     assert given.folder is not None
     results = results_of(given)
     written = write_study_report(results, given.folder)
-    for schedule in results.schedules:
+    for schedule in results.people.schedules if results.people else ():
         written += write_schedule(given.folder / "schedules", schedule)
     return written
 
@@ -63,26 +63,25 @@ def results_of(given: Given) -> StudyResults:
     from emg2vsa import artifacts
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
-    from emg2vsa.report.inputs import StudyResults, without_samples
+    from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
     from emg2vsa.truth import read_truth
 
-    fits = given.all("fits")
-    all_fits = concatenate(fits) if fits else None
-    truth = given.files.get("truth", ())
-    return StudyResults(
-        study=given.settings["study"],
-        trials=tuple(without_samples(artifacts.load(path)) for path in given.inputs["trials"]),
-        fits=all_fits,
-        hypotheses=given.one("hypotheses"),
-        profiles=given.one("profiles"),
-        schedules=given.one("schedules") or (),
-        failures=tuple(Failure(*failure) for failure in given.failures),
-        provenance=_provenance(given),
-        truth=read_truth(truth[0], all_fits) if truth and all_fits else None,
-        runs=tuple(given.all("runs")),
-        discrimination=given.one("discrimination"),
-        calibration=given.one("calibration"),
-    )
+    fits, scores, truth = given.all("fits"), tuple(given.all("runs")), given.files.get("truth", ())
+    people, runs = None, None
+    if fits:
+        all_fits = concatenate(fits)
+        people = People(
+            fits=all_fits,
+            trials=tuple(without_samples(artifacts.load(path)) for path in given.inputs["trials"]),
+            hypotheses=given.one("hypotheses"),
+            profiles=given.one("profiles"),
+            schedules=given.one("schedules") or (),
+            truth=read_truth(truth[0], all_fits) if truth else None,
+        )
+    if scores:
+        runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
+    failures = tuple(Failure(*failure) for failure in given.failures)
+    return StudyResults(given.settings["study"], people, runs, failures, _provenance(given))
 
 
 def _provenance(given: Given) -> dict[str, str]:

@@ -1,0 +1,189 @@
+"""Is the logarithm the right law of co-contraction over force? Power and straight line, by what they did not see.
+
+v = a + b ln F (equation 6), v = a F^c and v = a + b F have two parameters each, and are compared by their errors of
+prediction: of a press from the other presses of its cell (participant and specimen), and of a force bin from the other
+bins of its press. The first error holds how presses differ, the second is about the shape of the law alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.curves.exponential import fit_exponential
+from emg2vsa.curves.line import fit_line
+from emg2vsa.curves.logarithmic import fit_log
+from emg2vsa.fits import Fits, usable
+from emg2vsa.stats.clusters import Names, in_order
+from emg2vsa.stats.outcome import Outcome
+
+LAWS = ("logarithm", "power", "linear")
+LEFT_OUT = ("press", "bin")
+_MIN_POINTS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class ForceLaws:
+    """C cells of P participants; the first axis of errors is that of ``LEFT_OUT``.
+
+    participant, specimen : (C,). error : (2, L, C) root mean square error of prediction over the cell's mean activity,
+    laws in the order of ``LAWS``; NaN where it cannot be had. unpredicted : (2,) points left aside because a law could
+    not be fitted without them. ratio : (2, L) geometric mean over participants of a law's error over that of the
+    logarithm; ratio_low, ratio_high : its interval, t, df, p : of no difference, over participants. better : (2, L)
+    cells in which the law's error is the smaller one, compared : (2,) cells.
+    """
+
+    participant: Names
+    specimen: Names
+    error: Floats
+    unpredicted: Ints
+    ratio: Floats
+    ratio_low: Floats
+    ratio_high: Floats
+    t: Floats
+    df: Floats
+    p: Floats
+    better: Ints
+    compared: Ints
+    participants: int
+    confidence: float
+
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """Power and straight line beside the logarithm, each kind of prediction."""
+        undefined = "undefined: fewer than two participants"
+        return tuple(
+            Outcome(
+                method=f"{LAWS[law]} law beside the logarithm, leave one {left_out} out",
+                n=self.participants,
+                statistic_name="t",
+                statistic=float(self.t[kind, law]),
+                df=(float(self.df[kind, law]),),
+                p=float(self.p[kind, law]),
+                estimate_name="ratio of errors of prediction",
+                estimate=float(self.ratio[kind, law]),
+                interval=(float(self.ratio_low[kind, law]), float(self.ratio_high[kind, law])),
+                confidence=self.confidence,
+                notes=(
+                    f"smaller error in {self.better[kind, law]} of {self.compared[kind]} cells",
+                    *([undefined] if np.isnan(self.p[kind, law]) else []),
+                ),
+            )
+            for kind, left_out in enumerate(LEFT_OUT)
+            for law in (1, 2)
+        )
+
+
+def force_laws(fits: Fits, use: str, confidence: float = 0.95) -> ForceLaws:
+    """Compare the laws on the force bins of the trials that ``use`` admits; all bins count alike."""
+    admitted = usable(fits, use)
+    cells = [
+        (participant, specimen, own)
+        for participant in in_order(fits.participant).tolist()
+        for specimen in in_order(fits.specimen).tolist()
+        if np.any(own := admitted & (fits.participant == participant) & (fits.specimen == specimen))
+    ]
+    error, unpredicted = np.full((2, len(LAWS), len(cells)), np.nan), np.zeros(2, dtype=np.int64)
+    for i, (_, _, own) in enumerate(cells):
+        force_n, v = fits.bin_force_n[own], fits.bin_v[own]
+        for kind, split in enumerate((_without_a_press, _without_a_bin)):
+            error[kind, :, i], aside = _errors(force_n, v, split)
+            unpredicted[kind] += aside
+    participant = np.array([name for name, _, _ in cells], dtype=np.str_)
+    specimen = np.array([name for _, name, _ in cells], dtype=np.str_)
+    return _compared(participant, specimen, error, unpredicted, confidence)
+
+
+_Split = Callable[[Floats, Floats], tuple[Floats, Floats, Floats, Floats]]
+
+
+def _without_a_press(force_n: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Forces and activities that are seen, and those to predict, of R presses (R, B): each press in turn."""
+    r = len(v)
+    others = np.array([np.delete(np.arange(r), i) for i in range(r)], dtype=np.int64).reshape(r, -1)
+    return force_n[others].reshape(r, -1), v[others].reshape(r, -1), force_n, v
+
+
+def _without_a_bin(force_n: Floats, v: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Each bin of each press in turn."""
+    r, b = v.shape
+    out = np.eye(b, dtype=np.bool_)
+    seen_f, seen_v = (np.where(out, np.nan, values[:, None, :]).reshape(r * b, b) for values in (force_n, v))
+    return seen_f, seen_v, force_n.reshape(r * b, 1), v.reshape(r * b, 1)
+
+
+def _errors(force_n: Floats, v: Floats, split: _Split) -> tuple[Floats, int]:
+    """Relative error (L,) of every law, and how many points a law could not predict."""
+    seen_f, seen_v, force_n, v = split(force_n, v)
+    enough = (np.count_nonzero(np.isfinite(seen_v) & (seen_f > 0), axis=1) >= _MIN_POINTS) if seen_v.size else []
+    if not np.any(enough):
+        return np.full(len(LAWS), np.nan), int(np.count_nonzero(np.isfinite(v)))
+    seen_f, seen_v, force_n, v = (values[enough] for values in (seen_f, seen_v, force_n, v))
+    predicted = np.stack([law(seen_f, seen_v, force_n) for law in (_logarithm, _power, _linear)])
+    known = np.isfinite(v) & np.isfinite(force_n)
+    all_of = known & np.all(np.isfinite(predicted), axis=0)
+    if not np.any(all_of):
+        return np.full(len(LAWS), np.nan), int(np.count_nonzero(known))
+    residual = np.where(all_of, predicted - np.where(known, v, 0.0), 0.0)
+    level = abs(float(np.mean(v[all_of])))
+    found = np.sqrt(np.sum(residual**2, axis=(1, 2)) / np.count_nonzero(all_of))
+    return found / (level if level > 0 else np.nan), int(np.count_nonzero(known & ~all_of))
+
+
+def _logarithm(seen_f: Floats, seen_v: Floats, force_n: Floats) -> Floats:
+    return fit_log(seen_f, seen_v).at(force_n)
+
+
+def _power(seen_f: Floats, seen_v: Floats, force_n: Floats) -> Floats:
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        fit = fit_exponential(np.log(seen_f), seen_v)
+        return np.asarray(fit.y0[:, None] * np.exp(fit.q[:, None] * (np.log(force_n) - fit.x0[:, None])))
+
+
+def _linear(seen_f: Floats, seen_v: Floats, force_n: Floats) -> Floats:
+    there = np.isfinite(seen_f) & np.isfinite(seen_v)
+    f, v = (np.where(there, values, 0.0) for values in (seen_f, seen_v))
+    return fit_line(f, v, there.astype(np.float64)).at(force_n)
+
+
+def _compared(participant: Names, specimen: Names, error: Floats, unpredicted: Ints, confidence: float) -> ForceLaws:
+    people = in_order(participant)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log_ratio = np.log(error / error[:, :1])
+    log_ratio = np.where(np.isfinite(log_ratio), log_ratio, np.nan)
+    there = np.isfinite(log_ratio)
+    of_person = np.full((*error.shape[:2], people.size), np.nan)
+    for i, name in enumerate(people.tolist()):
+        own = there & (participant == name)
+        count = np.count_nonzero(own, axis=2)
+        of_person[..., i] = np.where(
+            count > 0, np.sum(np.where(own, log_ratio, 0.0), axis=2) / np.maximum(count, 1), np.nan
+        )
+    known = np.isfinite(of_person)
+    n = np.count_nonzero(known, axis=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.sum(of_person, axis=2, where=known) / n
+        squares = np.sum((of_person - mean[..., None]) ** 2, axis=2, where=known)
+        se = np.sqrt(squares / (n * (n - 1.0)))
+        se = np.where(se > 0, se, np.nan)
+        t, df = mean / se, np.where(np.isnan(se), np.nan, n - 1.0)
+        reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * se
+    return ForceLaws(
+        participant=participant,
+        specimen=specimen,
+        error=error,
+        unpredicted=unpredicted,
+        ratio=np.exp(mean),
+        ratio_low=np.exp(mean - reach),
+        ratio_high=np.exp(mean + reach),
+        t=t,
+        df=df,
+        p=2 * special.stdtr(df, -np.abs(t)),
+        better=np.count_nonzero(log_ratio < 0, axis=2),
+        compared=np.count_nonzero(there[:, 0], axis=1),
+        participants=people.size,
+        confidence=confidence,
+    )

@@ -1,0 +1,271 @@
+"""What the paper claims in numbers of the rig's runs (section VI and Discussion), beside what this study finds.
+
+Every claim is judged by the quantities alone. "Here" is the paper's own test, and for κ its algorithms (circle: old,
+hexagon: new) with its exponential law; the companion is the study's own choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from emg2vsa.report import paper
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.section import Claim, Quantities, Verdict
+from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, listed, p_text, percent, signed
+from emg2vsa.rig.force.moving_average import MovingAverage
+
+_RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
+_OLD, _NEW = "circle", "hexagon"
+_CONSTANT = ("constant-min", "constant-mean", "constant-max")
+_NOT_PRESSED = "No run of this condition and angle was scored."
+_UNTESTED: Verdict = "cannot be tested here"
+
+
+def _verdict(known: bool, holds: bool) -> Verdict:
+    return _UNTESTED if not known else "holds" if holds else "does not hold"
+
+
+def _of(q: Quantities, keys: Sequence[str]) -> np.ndarray:
+    """The numbers under ``keys``, NaN for those that are absent."""
+    return np.array([float(q.get(key, np.nan)) for key in keys])
+
+
+def _largest(values: np.ndarray) -> float:
+    """NaN as soon as one is."""
+    return float(np.max(values))
+
+
+def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """Does the initial area depend on the specimen and on the angle?"""
+    alpha = results.study.discrimination.alpha
+    angles = list(paper.AREA_SPECIMENS_P)
+    p = _of(q, [f"runs.{_RIGID}.{angle:g}.area.specimens_p" for angle in angles])
+    ratio = _of(q, [f"runs.{_RIGID}.{angle:g}.area.softest_over_stiffest" for angle in angles])
+    known = bool(np.isfinite(p).all())
+    yield Claim(
+        "area_same_on_specimens",
+        "the initial area is the same on all specimens (Kruskal-Wallis)",
+        f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
+        p_text(float(p.min())) if known else "not tested",
+        float(p.min()),
+        _verdict(known, bool((p >= alpha).all())),
+        companion=f"softest over stiffest: up to {ratio.max():.2f}" if known else "",
+        why="" if known else _NOT_PRESSED,
+    )
+    worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
+    alone = [key for key in q if key.startswith(f"runs.{_RIGID}.area.angles.") and key.endswith(".worst_p")]
+    alone = [key for key in alone if key != f"runs.{_RIGID}.area.angles.worst_p"]
+    yield Claim(
+        "area_changes_with_angle",
+        "the initial area differs between all angles (Dunn)",
+        f"worst p = {_power(paper.AREA_ANGLES_WORST_P)}",
+        p_text(worst) if worst == worst else "not tested",
+        worst,
+        _verdict(worst == worst, worst < alpha),
+        companion=f"each specimen alone: {p_text(_largest(_of(q, alone)))}" if alone else "",
+        why="Pooling mixes specimens." if worst == worst else _NOT_PRESSED,
+    )
+
+
+def _power(value: float) -> str:
+    """``3.1 × 10⁻⁵``, as the paper prints it."""
+    exponent = int(np.floor(np.log10(value)))
+    superscript = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{value / 10.0**exponent:.1f}{NO_BREAK}×{NO_BREAK}10{superscript}"
+
+
+def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """Does CASR tell the specimens apart?"""
+    alpha = results.study.discrimination.alpha
+    for key, says, conditions in (
+        ("casr_rigid", "the rigid motor", (_RIGID,)),
+        ("casr_human_like", "the human-like profile", (_HUMAN_LIKE,)),
+        ("casr_constant", "a constant stiffness", _CONSTANT),
+    ):
+        designs = [design for design in paper.CASR_WORST_P if design[0] in conditions]
+        names = [f"runs.{condition}.{angle:g}.casr.worst_p" for condition, angle in designs]
+        p, holm = _of(q, names), _of(q, [f"{name}.holm" for name in names])
+        known = bool(np.isfinite(p).all())
+        printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
+        yield Claim(
+            key,
+            f"CASR tells specimens apart with {says} (Dunn)",
+            f"worst p = {', '.join(printed)}",
+            p_text(_largest(p)) if known else "not tested",
+            _largest(p),
+            _verdict(known, bool((p < alpha).all())),
+            companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
+            why="" if known else _NOT_PRESSED,
+        )
+    yield from _new_specimen(results, q, alpha)
+
+
+def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterator[Claim]:
+    name = "runs.constant-min.0.new"
+    dunn, exact = (float(q.get(f"{name}.{key}", np.nan)) for key in ("stiffer_mean_rank_p", "stiffer_p"))
+    known = dunn == dunn
+    new = results.study.profile.new_specimen or "the new specimen"
+    yield Claim(
+        "new_specimen_at_minimum",
+        f"at the lowest constant stiffness, {new} is not told from its stiffer neighbour (Dunn)",
+        f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
+        p_text(dunn) if known else "not tested",
+        dunn,
+        _verdict(known, dunn >= alpha),
+        companion=f"Mann-Whitney: {p_text(exact)}" if known else "",
+        why="This test cannot reach significance for neighbours." if known else _NOT_PRESSED,
+    )
+
+
+def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """How well is the stiffness of the new specimen found?"""
+    own = results.study.scoring.algorithm
+    for key, what, conditions, printed in (
+        ("rigid", "the rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
+        ("human_like", "the human-like profile", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),
+        ("constant", "a constant stiffness", tuple(paper.ERROR_CONSTANT), None),
+    ):
+        designs = (
+            [(conditions[0], angle) for angle in printed] if printed else [(condition, 0.0) for condition in conditions]
+        )
+        errors = list(printed.values()) if printed else list(paper.ERROR_CONSTANT.values())
+        yield _fit(q, key, what, designs, conditions, own)
+        yield _error(q, key, what, designs, errors, own)
+    curves = "; ".join(f"{level:g} exp({rate:g} x)" for level, rate in paper.CURVES.values())
+    yield Claim(
+        "kappa_curves",
+        "one exponential curve for each angle gives κ of CASR",
+        curves,
+        "no number",
+        np.nan,
+        _UNTESTED,
+        why="The paper prints no unit of CASR.",
+    )
+
+
+def _fit(
+    q: Quantities, key: str, what: str, designs: Sequence[tuple[str, float]], conditions: Sequence[str], own: str
+) -> Claim:
+    r2, companion = (
+        _of(q, [f"runs.{c}.{angle:g}.{algorithm}.kappa.paper_law.adj_r2" for c, angle in designs])
+        for algorithm in (_NEW, own)
+    )
+    printed = min(paper.WORST_ADJ_R2[condition] for condition in conditions)
+    known = bool(np.isfinite(r2).all())
+    return Claim(
+        f"kappa_fit_{key}",
+        f"an exponential law gives κ from CASR with {what}",
+        f"worst adjusted R² {bounded(printed, 4)}",
+        bounded(float(r2.min())) if known else "not defined",
+        float(r2.min()),
+        _verdict(known, float(r2.min()) >= printed),
+        companion=f"by {own}: {bounded(float(companion.min()))}" if np.isfinite(companion).all() else "",
+        why="" if known else f"No law could be fitted to the scores by {_NEW} in every design.",
+    )
+
+
+def _error(
+    q: Quantities, key: str, what: str, designs: Sequence[tuple[str, float]], printed: Sequence[float], own: str
+) -> Claim:
+    here = _of(q, [f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.error" for c, angle in designs])
+    mine = _of(q, [f"runs.{c}.{angle:g}.{own}.kappa.error" for c, angle in designs])
+    known = bool(np.isfinite(here).all())
+    return Claim(
+        f"kappa_error_{key}",
+        f"the error of κ is small with {what}",
+        ", ".join(percent(error, 2) for error in printed),
+        ", ".join(signed(100 * error, "%") for error in here) if known else "not defined",
+        float(np.abs(here).max()),
+        _verdict(known, bool((np.abs(here) < np.array(printed) + _ROUNDED).all())),
+        companion=f"by {own}: {', '.join(signed(100 * error, '%') for error in mine)}"
+        if np.isfinite(mine).all()
+        else "",
+        why="" if known else "κ of the new specimen is not known, or the scores determine none.",
+    )
+
+
+_ROUNDED = 0.005
+"""The paper prints errors in whole percents."""
+
+
+def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """The Discussion: by how many percentage points each step makes the error of κ smaller."""
+    own = results.study.scoring.algorithm
+    steps = (
+        ("vision", "the new vision algorithm reduces the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
+         "18 and 15 points"),
+        ("human_like", "human-like stiffness reduces it further", (_RIGID, _NEW), (_HUMAN_LIKE, _NEW), (30.0, 45.0),
+         "4 and 9 points"),
+        ("both", "both together reduce it", (_RIGID, _OLD), (_HUMAN_LIKE, _NEW), (0.0, 30.0, 45.0),
+         f"3 (50{NO_BREAK}%), 22 and 24 points"),
+    )  # fmt: skip
+    for key, says, before, after, angles, printed in steps:
+        here = _reduction(q, before, after, angles, "paper_law.error")
+        swap = {_NEW: own}
+        mine = _reduction(
+            q, (before[0], swap.get(before[1], before[1])), (after[0], swap.get(after[1], after[1])), angles, "error"
+        )
+        known = bool(np.isfinite(here).all())
+        yield Claim(
+            f"reduction_{key}",
+            f"{says} at {listed([f'{angle:g}°' for angle in angles])}",
+            printed,
+            _points(here) if known else "not defined",
+            float(here.min()),
+            _verdict(known, bool((here > 0).all())),
+            companion=f"by {own}: {_points(mine)}" if np.isfinite(mine).all() else "",
+            why=_same_world(q, key) if known else "κ of the new specimen is not known, or the scores determine none.",
+        )
+    yield _levels(q)
+
+
+def _same_world(q: Quantities, key: str) -> str:
+    if key != "human_like" or not q.get("runs.simulated"):
+        return ""
+    return "In this world, area follows from force alone."
+
+
+def _reduction(
+    q: Quantities, before: tuple[str, str], after: tuple[str, str], angles: Sequence[float], error: str
+) -> np.ndarray:
+    """Size of the error before less that after, in percentage points."""
+    old, new = (
+        np.abs(_of(q, [f"runs.{condition}.{angle:g}.{algorithm}.kappa.{error}" for angle in angles]))
+        for condition, algorithm in (before, after)
+    )
+    return np.asarray(100 * (old - new))
+
+
+def _points(values: np.ndarray) -> str:
+    return f"{listed([signed(value) for value in values.tolist()])} points"
+
+
+def _levels(q: Quantities) -> Claim:
+    verdicts = [str(q.get(f"runs.human_like_against.{level}.0.verdict", "")) for level in _CONSTANT]
+    known = all(verdicts)
+    better = verdicts.count("better")
+    undecided = verdicts.count("undecided")
+    return Claim(
+        "constant_levels",
+        "the whole profile tells specimens apart better than one stiffness",
+        "3 of 3 levels",
+        f"{better} of 3 better, {undecided} undecided" if known else "not tested",
+        better if known else np.nan,
+        _UNTESTED if not known or undecided == len(_CONSTANT) else _verdict(True, better == len(_CONSTANT)),
+        why=_NOT_PRESSED if not known else "The intervals include zero." if undecided else "",
+    )
+
+
+def filter_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """The filter of the force, as the paper describes it."""
+    average = MovingAverage(5, 200.0)
+    yield Claim(
+        "force_filter",
+        "a mean of five samples at 200 Hz cuts off at 5 Hz and delays by 0.5 s",
+        f"5{NO_BREAK}Hz, 500{NO_BREAK}ms",
+        f"{average.cutoff_hz:.0f}{NO_BREAK}Hz, {1e3 * average.delay_s:.0f}{NO_BREAK}ms",
+        average.cutoff_hz,
+        "does not hold",
+    )

@@ -1,0 +1,152 @@
+"""A section of the report: its numbers, tables, drawings, claims and text, and how the text is filled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from casr import html
+from emg2vsa.report import wording
+from emg2vsa.report.drawing import Drawing, shown
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items, Quantity
+from emg2vsa.report.table import Table
+
+Quantities = Mapping[str, Quantity]
+"""Every number of the report by its key in results.json, those of the other sections included."""
+Verdict = Literal["holds", "does not hold", "cannot be tested here"]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A quantitative claim of the paper beside what this study says of it.
+
+    key : in results.json, ``claims.<key>.ours`` and ``.verdict``. says : the claim, a clause of a few words. paper :
+    its number as the paper prints it. here : ours by the paper's own test or definition, as people read it. ours : the
+    same as a plain number, NaN where there is none. companion : what a better suited test says, "" for none.
+    why : one sentence; a claim that cannot be tested must have it.
+    """
+
+    key: str
+    says: str
+    paper: str
+    here: str
+    ours: Quantity
+    verdict: Verdict
+    companion: str = ""
+    why: str = ""
+
+    def __post_init__(self) -> None:
+        if self.verdict == "cannot be tested here" and not self.why:
+            raise ValueError(f"claim {self.key} cannot be tested, and does not say why")
+
+
+def _always(results: StudyResults) -> bool:
+    return True
+
+
+def of_people(results: StudyResults) -> bool:
+    """Whether the study has fits of people's presses."""
+    return results.people is not None
+
+
+def of_runs(results: StudyResults) -> bool:
+    """Whether the study has scored runs."""
+    return results.runs is not None
+
+
+def _nothing(*_: object) -> tuple[()]:
+    return ()
+
+
+def _no_words(*_: object) -> dict[str, object]:
+    return {}
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section. ``text`` is a Jinja2 template; ``emg2vsa.report.sections`` says what it may ask for."""
+
+    name: str
+    "Its address on the page."
+    title: str
+    text: str
+    applies: Callable[[StudyResults], bool] = _always
+    quantities: Callable[[StudyResults], Items | Iterable[tuple[str, Quantity]]] = _nothing
+    tables: Callable[[StudyResults, Quantities], Iterable[Table]] = _nothing
+    drawings: Callable[[StudyResults], Iterable[Drawing]] = _nothing
+    claims: Callable[[StudyResults, Quantities], Iterable[Claim]] = _nothing
+    words: Callable[[StudyResults, Quantities], Mapping[str, object]] = _no_words
+    "More that the text may ask for, by name."
+
+
+@dataclass
+class Content:
+    """What the sections of one report gave, by name, and how many tables the page has shown so far."""
+
+    quantities: dict[str, Quantity] = field(default_factory=dict)
+    tables: dict[str, Table] = field(default_factory=dict)
+    drawings: dict[str, Drawing] = field(default_factory=dict)
+    claims: dict[str, list[Claim]] = field(default_factory=dict)
+    "Name of the section to its claims."
+    _numbers: dict[str, int] = field(default_factory=dict)
+
+    def table(self, name: str) -> Markup:
+        """The table with its number on the page; nothing where this study has no such table, or it has no rows."""
+        if name not in self.tables or not self.tables[name].rows:
+            return Markup()
+        number = self._numbers.setdefault(name, len(self._numbers) + 1)
+        return Markup(self.tables[name].html(number))
+
+    def folded(self, name: str, summary: str) -> Markup:
+        """The table or figure, folded away under ``summary``."""
+        shown_one = self.figure(name) or self.table(name)
+        return Markup(html.details(summary, shown_one)) if shown_one else shown_one
+
+    def figure(self, name: str) -> Markup:
+        """The figure; nothing where this study has none."""
+        return Markup(shown(self.drawings[name])) if name in self.drawings else Markup()
+
+
+def rendered(section: Section, results: StudyResults, content: Content) -> str:
+    """The section as HTML; UndefinedError where its text asks for what there is not."""
+    body = _TEMPLATES.from_string(section.text).render(
+        q=content.quantities,
+        study=results.study,
+        people=results.people,
+        runs=results.runs,
+        table=content.table,
+        folded=content.folded,
+        figure=content.figure,
+        has=lambda name: name in content.tables,
+        why_absent=results.why_absent,
+        **section.words(results, content.quantities),
+    )
+    return html.section(section.name, section.title, body.replace(" %", f"{wording.NO_BREAK}%"))
+
+
+def _bullets(texts: Sequence[str]) -> Markup:
+    return Markup(html.bullets(map(wording.typeset, texts)))
+
+
+def _typeset(value: object) -> object:
+    """What a template prints; markup is finished already."""
+    return wording.typeset(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+_TEMPLATES = Environment(
+    autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_typeset
+)
+_TEMPLATES.filters |= {
+    "number": wording.number,
+    "bounded": wording.bounded,
+    "p": wording.p_text,
+    "percent": wording.percent,
+    "count": wording.count,
+    "listed": wording.listed,
+    "bullets": _bullets,
+}

@@ -1,0 +1,63 @@
+"""The sections of the report, one file each; this tuple is the only list of them.
+
+A section gives, each as a function of the results:
+
+``quantities``  pairs (key, value) for results.json and numbers.tex. Keys are flat, and end in the unit of the value.
+``tables``      each ``Table`` is written as CSV and LaTeX. Its rows map the key of every column to a value.
+``drawings``    figures, drawn inside ``figures.canvas.style()``.
+``claims``      what the paper claims in numbers on this subject. The first page collects the claims of all sections.
+``words``       more names for the text, for what a template should not compute.
+``text``        the Jinja2 template of the section's prose, below at most three sentences before each table.
+
+A text may use: ``q`` (every quantity by its key, as ``q['fit.used']``), ``study``, ``people``, ``runs`` (the parts of
+``StudyResults``), its own ``words``, and the functions ``table(name)``, ``figure(name)``, ``folded(name, summary)`` (a
+table or figure), ``has(name)`` (whether there is such a table) and ``why_absent(stage)``. Filters: ``number``,
+``bounded``, ``p``, ``percent``, ``count``, ``listed``, ``bullets``. Tables are numbered in the order in which the texts
+show them; a table that no text shows is written to its files alone. Text is escaped, minus and percent are set in one
+way; a name that is not there is an error.
+
+Quantities of all sections are computed first, so that tables, claims and texts of one may use those of another. The
+order of this tuple is the order of the page. A new statistic is computed by its stage (or by the arithmetic beneath)
+and shown by one section: two files. A new section is one file and one line here.
+"""
+
+from __future__ import annotations
+
+from emg2vsa.report.section import Section
+from emg2vsa.report.sections.actuators import ACTUATORS
+from emg2vsa.report.sections.area import AREA
+from emg2vsa.report.sections.claims import CLAIMS
+from emg2vsa.report.sections.fits import FITS
+from emg2vsa.report.sections.glossary import GLOSSARY
+from emg2vsa.report.sections.hypotheses import HYPOTHESES
+from emg2vsa.report.sections.kappa import KAPPA
+from emg2vsa.report.sections.methods import METHODS
+from emg2vsa.report.sections.models import MODELS
+from emg2vsa.report.sections.participants import PARTICIPANTS
+from emg2vsa.report.sections.power import POWER
+from emg2vsa.report.sections.profiles import PROFILES
+from emg2vsa.report.sections.provenance import PROVENANCE
+from emg2vsa.report.sections.rates import RATES
+from emg2vsa.report.sections.runs import RUNS
+from emg2vsa.report.sections.schedules import SCHEDULES
+from emg2vsa.report.sections.vision import VISION
+
+SECTIONS: tuple[Section, ...] = (
+    CLAIMS,
+    PARTICIPANTS,
+    POWER,
+    FITS,
+    HYPOTHESES,
+    PROFILES,
+    SCHEDULES,
+    RUNS,
+    AREA,
+    RATES,
+    VISION,
+    ACTUATORS,
+    KAPPA,
+    MODELS,
+    METHODS,
+    GLOSSARY,
+    PROVENANCE,
+)

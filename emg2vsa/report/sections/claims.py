@@ -1,0 +1,141 @@
+"""The first page: five sentences, and every quantitative claim of the paper with a verdict."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items, Quantity
+from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.table import Column, Row, Table
+from emg2vsa.report.wording import count, p_text, percent
+
+ADVANCING_FRONT_ERROR = 0.096
+"""Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
+_KINDS = {"holds": "holds", "does not hold": "fails", "cannot be tested here": "untested"}
+
+
+def claim_quantities(claims: Mapping[str, Sequence[Claim]]) -> Items:
+    """``claims.<key>.ours`` and ``.verdict`` of every claim."""
+    for of_section in claims.values():
+        for claim in of_section:
+            yield f"claims.{claim.key}.ours", claim.ours
+            yield f"claims.{claim.key}.verdict", claim.verdict
+
+
+def claims_table(claims: Mapping[str, Sequence[Claim]]) -> Table:
+    """All claims in the order of their sections, each with a link to its own."""
+    columns = (
+        Column("says", "Claim of the paper"), Column("paper", "Paper"), Column("here", "Here, same test"),
+        Column("companion", "Companion test"), Column("verdict", "Verdict"), Column("why", "Why"),
+    )  # fmt: skip
+    every = [(name, claim) for name, of_section in claims.items() for claim in of_section]
+    rows: tuple[Row, ...] = tuple(
+        {column.key: getattr(claim, column.key) for column in columns}
+        | {"says": claim.says[0].upper() + claim.says[1:]}
+        for _, claim in every
+    )
+    return Table(
+        "claims", "Quantitative claims of the paper beside this study", columns, rows,
+        kinds=tuple(_KINDS[claim.verdict] for _, claim in every),
+        links=tuple(f"#{name}" for name, _ in every),
+    )  # fmt: skip
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    return {"summary": list(_summary(results, q))}
+
+
+def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
+    """Five sentences, fewer where a part is missing; on each subject what was found, whatever it is."""
+    if results.people is None:
+        yield (
+            "No recording of people could be used."
+            if results.study.recordings
+            else "The study has no recordings of people."
+        )
+    if results.runs is None:
+        yield "The study has no scored runs of the rig, so claims on the rig are left out."
+    verdicts = Counter(value for key, value in q.items() if key.startswith("claims.") and key.endswith(".verdict"))
+    if verdicts:
+        yield _counted(verdicts)
+    if "hypotheses.worst_p" in q:
+        yield _people(q)
+    yield from _interpolation(results, q)
+    if "runs.new.designs" in q:
+        yield _rates(results, q)
+    if "runs.kappa.new_specimen" in q:
+        yield _stiffness(results, q)
+
+
+def _counted(verdicts: Counter[Quantity]) -> str:
+    holds, fails, untested = (verdicts[kind] for kind in _KINDS)
+    return (
+        f"Of {count(verdicts.total(), 'quantitative claim')} of the paper, {holds} hold in this study, {fails} do not, "
+        f"and {untested} cannot be tested here."
+    )
+
+
+def _people(q: Quantities) -> str:
+    worst = float(q["hypotheses.worst_p"])
+    kept, name = str(q["hypotheses.kept"]), "hypotheses.between_participants"
+    differ = "differ" if worst < float(q["hypotheses.alpha"]) else "do not all differ"
+    return (
+        f"The slopes of co-contraction on {kept} {differ} pairwise for every participant (worst {p_text(worst)}); "
+        f"participants differ on {q[f'{name}.significant']} of {count(int(q[f'{name}.tested']), 'specimen')}."
+    )
+
+
+def _interpolation(results: StudyResults, q: Quantities) -> Iterator[str]:
+    new = results.study.profile.new_specimen
+    share = float(q.get(f"profiles.{new}.rmse_relative", np.nan))
+    if share == share:
+        yield f"The interpolated profile of {new} is {percent(share, 2)} (RMSE) from the measured one."
+
+
+def _rates(results: StudyResults, q: Quantities) -> str:
+    rises = [bool(value) for key, value in q.items() if key.endswith(".casr.rises")]
+    told = f"{q['runs.new.discriminated']} of {q['runs.new.designs']}"
+    return (
+        f"The contact area spread rate rises with softness in {sum(rises)} of {count(len(rises), 'design')}, and tells "
+        f"{q['runs.new.specimen']} from its neighbours in {told}."
+    )
+
+
+def _stiffness(results: StudyResults, q: Quantities) -> str:
+    own, new = results.study.scoring.algorithm, q["runs.kappa.new_specimen"]
+    found = {
+        law: [abs(float(value)) for key, value in q.items() if key.endswith(f".{own}.kappa.{law}") and value == value]
+        for law in ("error", "paper_law.error")
+    }
+    if not found["error"]:
+        return f"The stiffness of {new} is not known, so its estimates cannot be judged."
+    median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
+    shared = (
+        f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
+        f"which shares nothing: {percent(ADVANCING_FRONT_ERROR, 2)})"
+        if q["runs.simulated"]
+        else ""
+    )
+    determined = [bool(value) for key, value in q.items() if key.endswith(f".{own}.kappa.determined")]
+    known = f"; its interval determines it in {sum(determined)} of {len(determined)}" if determined else ""
+    return (
+        f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}, "
+        f"{by_paper} by the paper's law{known}{shared}."
+    )
+
+
+_TEXT = """
+{% for sentence in summary %}
+<p>{{ sentence }}</p>
+{% endfor %}
+{% if table("claims") %}
+{{ table("claims") }}
+<p class="small">“Here” is the paper's own test or definition; a companion fits the question better.</p>
+{% endif %}
+"""
+
+CLAIMS = Section("claims", "Summary", _TEXT, words=_words)

@@ -1,0 +1,255 @@
+"""The fits v = a + b ln F: how many, how good, and whether they find the truth that a simulation was made from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items, least
+from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.table import Column, Table, activity_column, rows_of
+from emg2vsa.report.wording import bounded, number
+from emg2vsa.truth import Recovery, recover
+
+_SMOOTHNESS = "R² depends on smoothing, which the paper does not state."
+
+
+def _quantities(results: StudyResults) -> Items:
+    people, used = results.recorded, results.used
+    fits = people.fits
+    yield "trials.total", int(fits.verdict.size)
+    for verdict, n in people.verdict_counts().items():
+        yield f"trials.{verdict}", n
+    if people.trials:
+        yield "trials.largest_delay_mismatch_s", max(abs(t.delay.mismatch_s) for t in people.trials)
+    yield "fit.curves", int(np.count_nonzero(np.isfinite(fits.b_v)))
+    yield "fit.used", int(np.count_nonzero(used))
+    yield "fit.points", fits.points
+    yield "fit.weights", fits.weights
+    yield "fit.confidence", fits.confidence
+    yield "fit.activity_unit", fits.activity_unit
+    yield "fit.b_not_positive", int(np.count_nonzero(fits.b_v[used] <= 0))
+    for name in ("adj_r2", "adj_r2_bins", "adj_r2_samples", "r2_bins", "r2_samples"):
+        values = getattr(fits, name)[used]
+        yield f"fit.{name}.min", least(values)
+        yield f"fit.{name}.median", _median(values)
+    yield "fit.n_effective.median", _median(fits.n_effective[used])
+    yield "fit.lag1.median", _median(fits.lag1[used])
+    for specimen in (s.name for s in results.study.specimens):
+        of = used & (fits.specimen == specimen)
+        yield f"fit.{specimen}.n", int(np.count_nonzero(of))
+        for name in ("a", "b"):
+            values, name = getattr(fits, f"{name}_v")[of], name + results.activity_suffix
+            yield f"fit.{specimen}.{name}.mean", float(np.mean(values)) if values.size else np.nan
+            yield f"fit.{specimen}.{name}.sd", float(np.std(values, ddof=1)) if values.size > 1 else np.nan
+    yield from _recovered(results)
+    yield from _laws(results)
+
+
+def _laws(results: StudyResults) -> Items:
+    """Power law and straight line beside the logarithm, by errors of prediction."""
+    found = results.recorded.hypotheses
+    if found is None:
+        return
+    laws = found.laws
+    for kind, left_out in enumerate(LEFT_OUT):
+        name = f"fit.laws.leave_one_{left_out}_out"
+        yield f"{name}.cells", int(laws.compared[kind])
+        for i, law in enumerate(LAWS):
+            yield f"{name}.{law}.relative_error", _median(laws.error[kind, i])
+            if i:
+                yield f"{name}.{law}.error_ratio", float(laws.ratio[kind, i])
+                yield f"{name}.{law}.error_ratio.low", float(laws.ratio_low[kind, i])
+                yield f"{name}.{law}.error_ratio.high", float(laws.ratio_high[kind, i])
+                yield f"{name}.{law}.p", float(laws.p[kind, i])
+                yield f"{name}.{law}.better_cells", int(laws.better[kind, i])
+
+
+def _median(values: Floats) -> float:
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
+
+
+def _recovered(results: StudyResults) -> Items:
+    if results.recorded.truth is None or results.recorded.fits.activity_unit != "V":
+        return
+    for specimen, recovery in _recoveries(results):
+        name = f"recovery.{specimen}" if specimen else "recovery"
+        for key, value in vars(recovery).items():
+            yield f"{name}.{key}", value
+
+
+def _recoveries(results: StudyResults) -> Iterator[tuple[str, Recovery]]:
+    """Of all specimens together (""), then of each."""
+    fits, truth = results.recorded.fits, results.recorded.truth
+    assert truth is not None
+    for name in ("", *(specimen.name for specimen in results.study.specimens)):
+        yield name, recover(fits, truth, results.study.hypotheses.use, name or None)
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    yield _every(results)
+    yield _by_specimen(results)
+    if results.recorded.truth is not None:
+        yield _recovery(results)
+    if results.recorded.hypotheses is not None:
+        yield _laws_table(results.recorded.hypotheses.laws)
+
+
+def _laws_table(laws: ForceLaws) -> Table:
+    columns = (
+        Column("left_out", "Left out"), Column("law", "Law of v(F)"),
+        Column("relative_error", "Median error of prediction (%)", 100.0), Column("ratio", "Over the logarithm's"),
+        Column("ratio_low", "Low"), Column("ratio_high", "High"), Column("p", "p"), Column("better", "Better in"),
+        Column("compared", "of cells"),
+    )  # fmt: skip
+    rows = tuple(
+        {
+            "left_out": f"one {left_out}",
+            "law": law,
+            "relative_error": _median(laws.error[kind, i]),
+            "ratio": float(laws.ratio[kind, i]),
+            "ratio_low": float(laws.ratio_low[kind, i]),
+            "ratio_high": float(laws.ratio_high[kind, i]),
+            "p": float(laws.p[kind, i]) if i else None,
+            "better": int(laws.better[kind, i]) if i else None,
+            "compared": int(laws.compared[kind]),
+        }
+        for kind, left_out in enumerate(LEFT_OUT)
+        for i, law in enumerate(LAWS)
+        if laws.compared[kind]
+    )
+    caption = "Logarithm, power law and straight line for v(F): errors in predicting what was left out of the fit"
+    return Table("force_laws", caption, columns, rows)
+
+
+_R2_HEADS = {
+    "adj_r2": "adj. R²", "r2_bins": "R², bins", "adj_r2_bins": "adj. R², bins", "r2_samples": "R², samples",
+    "adj_r2_samples": "adj. R², samples",
+}  # fmt: skip
+
+
+def _every(results: StudyResults) -> Table:
+    fits, scale = results.recorded.fits, results.scale
+    texts = {"participant": "Participant", "specimen": "Specimen", "repetition": "Press", "verdict": "Verdict"}
+    activities = {"a_v": "a", "b_v": "b", "a_se_v": "SE a", "b_se_v": "SE b", "b_lo_v": "b low", "b_hi_v": "b high"}
+    others = {"n_points": "Points", **_R2_HEADS, "n_effective": "n effective", "lag1": "lag-1", "start_s": "Start (s)"}
+    columns = (
+        *(Column(key, head) for key, head in texts.items()),
+        *(activity_column(key, head, scale) for key, head in activities.items()),
+        *(Column(key, head) for key, head in others.items()),
+        Column("reason", "Reason"),
+    )
+    rows = rows_of({column.key: getattr(fits, column.key) for column in columns})
+    return Table("fits", "All trials, rejected ones included: fit v = a + b ln F", columns, rows)
+
+
+def _by_specimen(results: StudyResults) -> Table:
+    fits, scale = results.recorded.fits, results.scale
+    columns = (
+        Column("specimen", "Specimen"),
+        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"),
+        Column("trials", "Trials"),
+        Column("used", "Used"),
+        activity_column("a_mean_v", "Mean a", scale),
+        activity_column("b_mean_v", "Mean b", scale),
+        activity_column("b_sd_v", "SD b", scale),
+        Column("adj_r2_bins_min", "Worst adj. R², bins"),
+        Column("adj_r2_bins_median", "Median adj. R², bins"),
+        Column("adj_r2_samples_min", "Worst adj. R², samples"),
+        Column("adj_r2_samples_median", "Median adj. R², samples"),
+    )
+    rows = []
+    for specimen in results.study.specimens:
+        of = results.used & (fits.specimen == specimen.name)
+        n, b = int(np.count_nonzero(of)), fits.b_v[of]
+        rows.append(
+            {
+                "specimen": specimen.name,
+                "stiffness_n_per_mm": specimen.stiffness_n_per_mm,
+                "trials": int(np.count_nonzero(fits.specimen == specimen.name)),
+                "used": n,
+                "a_mean_v": float(np.mean(fits.a_v[of])) if n else None,
+                "b_mean_v": float(np.mean(b)) if n else None,
+                "b_sd_v": float(np.std(b, ddof=1)) if n > 1 else None,
+                "adj_r2_bins_min": float(np.min(fits.adj_r2_bins[of])) if n else None,
+                "adj_r2_bins_median": float(np.median(fits.adj_r2_bins[of])) if n else None,
+                "adj_r2_samples_min": float(np.min(fits.adj_r2_samples[of])) if n else None,
+                "adj_r2_samples_median": float(np.median(fits.adj_r2_samples[of])) if n else None,
+            }
+        )
+    return Table("fits_by_specimen", "Fits v = a + b ln F of the trials used, by specimen", columns, tuple(rows))
+
+
+def _recovery(results: StudyResults) -> Table:
+    columns = (
+        Column("specimen", "Specimen"), Column("n", "Trials"), Column("mean_b_error", "Mean error of b (%)", 100.0),
+        Column("mean_b_error_mcse", "Monte-Carlo SE (%)", 100.0, 2),
+        Column("sd_b_error", "SD of the error of b (%)", 100.0),
+        Column("coverage", "Intervals that hold the true b (%)", 100.0),
+        Column("coverage_mcse", "Monte-Carlo SE (%)", 100.0, 2),
+    )  # fmt: skip
+    rows = tuple(
+        {"specimen": name or "all"} | {column.key: getattr(found, column.key) for column in columns[1:]}
+        for name, found in _recoveries(results)
+    )
+    return Table("recovery", "Fitted slopes beside the true slopes of the simulation", columns, rows)
+
+
+def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    straight = {s.name: s.plate_adjusted_r2 for s in results.study.specimens if s.plate_adjusted_r2 is not None}
+    worst = min(straight.values(), default=np.nan)
+    yield Claim(
+        "plate_r2",
+        "a straight line describes every plate indentation",
+        "worst adjusted R² .882",
+        bounded(worst),
+        worst,
+        "holds" if worst >= 0.882 else "does not hold" if straight else "cannot be tested here",
+        why="" if straight else "The study file gives no R² of the plate tests.",
+    )
+    r2 = float(q["fit.adj_r2_samples.min"])
+    yield Claim(
+        "log_fit_r2",
+        "the law a + b ln F describes every press",
+        "worst adjusted R² .832",
+        bounded(r2),
+        r2,
+        "holds" if r2 >= 0.832 else "does not hold",
+        companion=f"on force bins {bounded(float(q['fit.adj_r2_bins.min']))}",
+        why=_SMOOTHNESS,
+    )
+    curves = int(q["fit.curves"])
+    yield Claim(
+        "curves",
+        "every press of every participant gives a curve",
+        "700 curves",
+        number(curves),
+        curves,
+        "holds" if curves == q["trials.total"] else "does not hold",
+    )
+
+
+_TEXT = """
+<p>Smoother points give a larger R² from the same trial, so R² on force bins and on samples are shown apart.
+Neighbouring samples are correlated: a trial carries as much information as about
+{{ q['fit.n_effective.median'] | number(2) }} independent samples.</p>
+{{ folded("fits_by_specimen", "Fits by specimen") }}
+<p class="small">Every trial, rejected ones included: <a href="tables/fits.csv">tables/fits.csv</a>.
+{% if q['fit.b_not_positive'] %}Trials used whose slope is not positive: {{ q['fit.b_not_positive'] }}.{% endif %}</p>
+{{ folded("force_laws", "Other laws: power and straight line") }}
+{% if 'recovery.n' in q %}
+<h3>Recovery of the simulated truth</h3>
+<p>Fitted slopes are {{ q['recovery.mean_b_error'] | percent(2) }} off on average, and
+{{ q['recovery.coverage'] | percent(3) }} of the {{ q['recovery.confidence'] | percent(2) }} intervals hold the truth.
+Fit and simulation share the law v = a + b ln F: these errors show noise and filters, not a wrong law.</p>
+{{ folded("recovery", "Recovery by specimen") }}
+{% elif has("recovery") %}
+<p>The activity is normalised and the simulated truth is in volts, so they cannot be compared.</p>
+{% endif %}
+"""
+
+FITS = Section("fits", "Fits of co-contraction against force", _TEXT, of_people, _quantities, _tables, claims=_claims)

@@ -1,0 +1,483 @@
+"""The tests of section IV.B: Gaussian clusters, equal participants, different specimens, their pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.companions.groups import GroupTests
+from emg2vsa.figures.activity_scale import ActivityScale
+from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.report.companion_rows import (
+    companion_table,
+    equality_rows,
+    group_rows,
+    normality_rows,
+    over_people_pair_rows,
+    over_people_rows,
+    pair_rows,
+    variance_row,
+)
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items, least, most
+from emg2vsa.report.outcome_text import STYLES, said
+from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
+from emg2vsa.report.verdicts import dunn_bounds, how_many
+from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
+from emg2vsa.stats.clusters import Names
+from emg2vsa.stats.ks_exact import ks_survival
+from emg2vsa.stats.mixed import MixedModel
+from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
+
+
+def _quantities(results: StudyResults) -> Items:
+    if (found := results.recorded.hypotheses) is None:
+        return
+    yield "hypotheses.alpha", found.alpha
+    yield "hypotheses.kept", ", ".join(found.kept)
+    yield "hypotheses.worst_p", found.worst_p
+    yield "hypotheses.worst_pair", found.worst_pair
+    yield from _normality_quantities(found)
+    yield from _design_quantities("between_participants", found.specimens, found.tests.between_blocks, found.alpha)
+    yield from _design_quantities("between_specimens", found.participants, found.tests.between_groups, found.alpha)
+    yield from _pair_quantities(found)
+    yield from _over_people_quantities(found)
+
+
+def _normality_quantities(found: Hypotheses) -> Items:
+    tests = found.tests.normality
+    yield "hypotheses.normality.clusters", int(np.count_nonzero(found.count))
+    families = {
+        "standardised": tests.standardised.p, "raw": tests.raw.p, "lilliefors": tests.lilliefors.p,
+        "shapiro": tests.shapiro.p,
+    }  # fmt: skip
+    for kind, p in families.items():
+        yield from _family(f"hypotheses.normality.{kind}", p, found.alpha)
+        yield f"hypotheses.normality.{kind}.smallest_p", least(p)
+
+
+def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: float) -> Items:
+    name, anova = f"hypotheses.{name}", tests.anova
+    yield from _family(name, anova.p, alpha)
+    yield f"{name}.smallest_p", least(anova.p)
+    yield f"{name}.largest_p", most(anova.p)
+    companions = {
+        "welch": tests.welch.p, "kruskal": tests.kruskal.p, "brown_forsythe": tests.brown_forsythe.anova.p,
+    }  # fmt: skip
+    for kind, p in companions.items():
+        yield f"{name}.{kind}.significant", int(np.count_nonzero(p < alpha))
+    numbers = {key: getattr(anova, key) for key in ("f", "df1", "df2", "p", "eta2")}
+    numbers |= {"omega2": tests.omega2, "eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high}
+    numbers["bf01"] = tests.bayes.bf01
+    for i, design in enumerate(designs[: anova.f.size].tolist()):
+        yield from ((f"{name}.{design}.{key}", values[i].item()) for key, values in numbers.items())
+
+
+def _pair_quantities(found: Hypotheses) -> Items:
+    pairs, name = found.tests.pairs, "hypotheses.pairs"
+    yield from _family(name, pairs.lsd.p, found.alpha)
+    corrected = {
+        "holm": pairs.p_holm, "tukey": pairs.tukey.p, "games_howell": pairs.games_howell.p, "fdr": pairs.p_fdr,
+        "dunn": pairs.dunn.p, "mann_whitney": pairs.p_rank_holm,
+    }  # fmt: skip
+    for kind, p in corrected.items():
+        yield f"{name}.{kind}.significant", int(np.count_nonzero(p < found.alpha))
+        yield f"hypotheses.worst_p.{kind}", float(p[found.worst]) if found.worst[0] >= 0 else np.nan
+    for i, participant in enumerate(found.participants[: len(pairs.lsd.p)].tolist()):
+        for j, (first, second) in enumerate(zip(pairs.first.tolist(), pairs.second.tolist(), strict=True)):
+            if found.specimens.size > 1:
+                ends = f"{found.specimens[first]}-{found.specimens[second]}"
+                yield f"{name}.{participant}.{ends}.p", pairs.lsd.p[i, j].item()
+
+
+def _over_people_quantities(found: Hypotheses) -> Items:
+    equality, blocks, name = found.tests.equality, found.tests.blocks, "hypotheses.over_people"
+    yield "hypotheses.equality.bound_sd", most(equality.bound_sd)
+    if equality.tost is not None and equality.margin is not None:
+        yield "hypotheses.equality.margin_sd", equality.margin
+        yield "hypotheses.equality.pairs_shown_equal", int(np.count_nonzero(equality.tost.p < found.alpha))
+        yield "hypotheses.equality.pairs", int(np.count_nonzero(np.isfinite(equality.tost.p)))
+    if blocks is None:
+        return
+    repeated = blocks.repeated
+    yield f"{name}.repeated.f", repeated.f[0].item()
+    for key in ("p", "p_gg", "p_hf", "epsilon_gg", "epsilon_hf", "mauchly_p", "eta2_generalised"):
+        yield f"{name}.repeated.{key}", getattr(repeated, key)[0].item()
+    yield f"{name}.friedman.chi2", blocks.friedman.chi2[0].item()
+    yield f"{name}.friedman.p", blocks.friedman.p[0].item()
+    if blocks.mixed is not None:
+        yield f"{name}.mixed.f", _plain(blocks.mixed.statistic)
+        yield f"{name}.mixed.p", _plain(blocks.mixed.p)
+        yield f"{name}.mixed.icc", _plain(blocks.mixed.effect_size)
+    if isinstance(blocks.model, MixedModel | UnbalancedMixed):
+        for key in ("sd_ratio", "ratio_low", "ratio_high"):
+            yield f"{name}.mixed.{key}", np.ravel(getattr(blocks.model, key))[0].item()
+    pairs = blocks.paired.t
+    for j, (first, second) in enumerate(zip(pairs.first.tolist(), pairs.second.tolist(), strict=True)):
+        ends = f"{name}.pairs.{found.specimens[first]}-{found.specimens[second]}"
+        for test, p in blocks.pair_families.items():
+            yield f"{ends}.{test.lower().replace(' ', '_').replace('-', '_')}.p_holm", p[0, j].item()
+        for key in ("g", "g_low", "g_high"):
+            yield f"{ends}.{key}", getattr(blocks.paired, key)[0, j].item()
+
+
+def _plain(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def _family(name: str, p: Floats, alpha: float) -> Items:
+    """``chance_of_any``: that of at least one rejection where nothing differs and the tests are independent."""
+    tested = int(np.count_nonzero(np.isfinite(p)))
+    yield f"{name}.tested", tested
+    yield f"{name}.significant", int(np.count_nonzero(p < alpha))
+    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested
+
+
+_ANOVA = (
+    Column("f", "F", digits=4), Column("df1", "df 1"), Column("df2", "df 2"), Column("p", "p"), Column("eta2", "η²"),
+    Column("omega2", "ω²"), Column("eta2_low", "ω² low"), Column("eta2_high", "ω² high"), Column("p_welch", "p Welch"),
+    Column("p_kruskal", "p Kruskal-Wallis"), Column("p_brown_forsythe", "p Brown-Forsythe"), Column("bf01", "BF₀₁"),
+)  # fmt: skip
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    found = results.recorded.hypotheses
+    if found is None:
+        return
+    between = found.tests.between_blocks
+    counts = {
+        "n_participants": np.count_nonzero(between.anova.count, axis=1),
+        "n": np.sum(between.anova.count, axis=1),
+    }
+    yield _normality(found)
+    yield Table(
+        "anova_participants",
+        "One-way ANOVA of b between participants, one for each specimen, and its companions",
+        (Column("specimen", "Specimen"), *_ANOVA, Column("n_participants", "Participants"), Column("n", "Trials")),
+        _anova_rows("specimen", found.specimens, between, counts),
+    )
+    yield Table(
+        "anova_specimens",
+        "One-way ANOVA of b between specimens, one for each participant, and its companions",
+        (Column("participant", "Participant"), *_ANOVA),
+        _anova_rows("participant", found.participants, found.tests.between_groups, {}),
+    )
+    yield _pairs(found, results.scale)
+    yield from _verdicts(found, results.scale)
+    yield _statements(found)
+
+
+def _normality(found: Hypotheses) -> Table:
+    tests = found.tests.normality
+    columns = (
+        Column("participant", "Participant"), Column("specimen", "Specimen"), Column("n", "n"),
+        Column("d_standardised", "D standardised"), Column("p_standardised", "p standardised"),
+        Column("p_lilliefors", "p Lilliefors"), Column("w", "W Shapiro-Wilk"), Column("p_shapiro", "p Shapiro-Wilk"),
+        Column("d_raw", "D raw"), Column("p_raw", "p raw"),
+    )  # fmt: skip
+    rows = rows_of(
+        {
+            "participant": np.repeat(found.participants, found.specimens.size),
+            "specimen": np.tile(found.specimens, found.participants.size),
+            "n": found.count.ravel(),
+            "d_standardised": tests.standardised.d,
+            "p_standardised": tests.standardised.p,
+            "p_lilliefors": tests.lilliefors.p,
+            "w": tests.shapiro.w,
+            "p_shapiro": tests.shapiro.p,
+            "d_raw": tests.raw.d,
+            "p_raw": tests.raw.p,
+        }
+    )
+    caption = (
+        "Normality of each cluster of b: Kolmogorov-Smirnov, standardised by its own mean and SD and raw against "
+        "N(0, 1); Lilliefors; Shapiro-Wilk"
+    )
+    return Table("normality", caption, columns, rows)
+
+
+def _anova_rows(design: str, names: Names, tests: GroupTests, more: dict[str, np.ndarray]) -> tuple[Row, ...]:
+    anova = tests.anova
+    own: dict[str, np.ndarray] = {design: names[: anova.f.size]}
+    own |= {key: getattr(anova, key) for key in ("f", "df1", "df2", "p", "eta2")}
+    own |= {"omega2": tests.omega2, "eta2_low": tests.eta2_low, "eta2_high": tests.eta2_high, "p_welch": tests.welch.p}
+    own |= {"p_kruskal": tests.kruskal.p, "p_brown_forsythe": tests.brown_forsythe.anova.p, "bf01": tests.bayes.bf01}
+    return rows_of(own | more)
+
+
+def _pairs(found: Hypotheses, scale: ActivityScale) -> Table:
+    tests = found.tests.pairs
+    lsd = tests.lsd
+    d, n_pairs = lsd.p.shape
+    columns = (
+        Column("participant", "Participant"), Column("first", "First"), Column("second", "Second"),
+        activity_column("difference_v", "Difference", scale), activity_column("lo_v", "Low", scale),
+        activity_column("hi_v", "High", scale), Column("t", "t"), Column("df", "df"), Column("p", "p LSD"),
+        Column("p_holm", "p Holm"), Column("p_tukey", "p Tukey"), Column("p_games_howell", "p Games-Howell"),
+        Column("p_fdr", "p FDR"), Column("p_dunn", "p Dunn"), Column("p_mann_whitney", "p Mann-Whitney, Holm"),
+        Column("g", "g"), Column("g_low", "g low"), Column("g_high", "g high"),
+    )  # fmt: skip
+    names = found.specimens if d and found.specimens.size > 1 else np.array(["", ""])
+    numbers = {
+        "difference_v": lsd.difference, "lo_v": lsd.low, "hi_v": lsd.high, "t": lsd.statistic, "df": lsd.df,
+        "p": lsd.p, "p_holm": tests.p_holm, "p_tukey": tests.tukey.p, "p_games_howell": tests.games_howell.p,
+        "p_fdr": tests.p_fdr, "p_dunn": tests.dunn.p, "p_mann_whitney": tests.p_rank_holm, "g": tests.g,
+        "g_low": tests.g_low, "g_high": tests.g_high,
+    }  # fmt: skip
+    who = {
+        "participant": np.repeat(found.participants[:d], n_pairs),
+        "first": np.tile(names[lsd.first], d),
+        "second": np.tile(names[lsd.second], d),
+    }
+    caption = (
+        "Pairs of specimens: Fisher's LSD on b, not corrected for the number of pairs; the p of tests that are "
+        "corrected over the pairs of a participant; Hedges' g (FDR: false discovery rate)"
+    )
+    rows = rows_of(who | {key: array.ravel() for key, array in numbers.items()})
+    return Table("lsd_pairs", caption, columns, rows)
+
+
+_CAPTIONS = {
+    "normality": "Gaussian clusters: the paper's test beside its companions",
+    "participants": "Equal participants: the paper's test beside its companions",
+    "specimens": "Different specimens: the paper's test beside its companions",
+    "pairs": "Different pairs of specimens: the paper's test beside its companions",
+}
+
+
+def _verdicts(found: Hypotheses, scale: ActivityScale) -> Iterator[Table]:
+    tests, alpha = found.tests, found.alpha
+    across, within = tests.between_blocks, tests.between_groups
+    equal = f"One-way ANOVA: {how_many(across.anova.p, alpha, 'specimens')}"
+    differ = f"One-way ANOVA: {how_many(within.anova.p, alpha, 'participants')}"
+    rows = {
+        "normality": normality_rows(tests.normality, alpha, "clusters"),
+        "participants": [
+            *group_rows(across, alpha, "specimens"),
+            *equality_rows(equal, tests.equality, tests.blocks, scale.factor, scale.unit),
+            variance_row(across, alpha, "specimens"),
+        ] if across.anova.f.size else [],
+        "specimens": [
+            *group_rows(within, alpha, "participants"),
+            *(over_people_rows(differ, within.anova.p, tests.blocks, alpha) if tests.blocks else []),
+            variance_row(within, alpha, "participants"),
+        ] if within.anova.f.size else [],
+        "pairs": [
+            *pair_rows(tests.pairs, alpha),
+            *(over_people_pair_rows(tests.pairs, tests.blocks, alpha) if tests.blocks else []),
+        ] if within.anova.f.size else [],
+    }  # fmt: skip
+    for name, of in rows.items():
+        yield companion_table(f"verdict_{name}", _CAPTIONS[name], of)
+
+
+_HEADS = {"apa": "APA", "ieee": "IEEE", "latex": "LaTeX", "plain": "Plain"}
+
+
+def _statements(found: Hypotheses) -> Table:
+    columns = (Column("key", "Of"), Column("method", "Test"), *(Column(style, _HEADS[style]) for style in STYLES))
+    rows = tuple(
+        {"key": key, "method": outcome.method} | {style: said(outcome, style) for style in STYLES}
+        for key, outcome in _outcomes(found)
+    )
+    return Table("statements", "Results as text", columns, rows)
+
+
+def _outcomes(found: Hypotheses) -> Iterator[tuple[str, Outcome]]:
+    tests = found.tests
+    if tests.blocks is not None:
+        for outcome in tests.blocks.outcomes():
+            yield "over people", outcome
+    for i, specimen in enumerate(found.specimens[: tests.between_blocks.anova.f.size].tolist()):
+        for outcome in tests.between_blocks.outcomes(i):
+            yield f"participants on {specimen}", outcome
+    for i, participant in enumerate(found.participants[: tests.between_groups.anova.f.size].tolist()):
+        for outcome in tests.between_groups.outcomes(i):
+            yield f"specimens of {participant}", outcome
+    if found.worst[0] >= 0:
+        for outcome in tests.pairs.outcomes(*found.worst):
+            yield f"worst pair, {found.worst_pair}", outcome
+
+
+def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    found = results.recorded.hypotheses
+    if found is None:
+        return
+    yield _gaussian(q)
+    yield _equal(found, q)
+    yield from _different(found, q)
+
+
+def _of_tested(q: Quantities, test: str) -> str:
+    return f"{q[f'{test}.significant']} of {q[f'{test}.tested']}"
+
+
+def _gaussian(q: Quantities) -> Claim:
+    name = "hypotheses.normality"
+    deviate = int(q[f"{name}.standardised.significant"])
+    return Claim(
+        "gaussian_clusters",
+        "every cluster of b is Gaussian (Kolmogorov-Smirnov)",
+        "0 of 70 deviate",
+        f"{_of_tested(q, f'{name}.standardised')} deviate",
+        deviate,
+        "holds" if deviate == 0 else "does not hold",
+        companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}; against N(0, 1): {_of_tested(q, f'{name}.raw')}",
+        why="This form of the test is too lenient.",
+    )
+
+
+def _equal(found: Hypotheses, q: Quantities) -> Claim:
+    name = "hypotheses.between_participants"
+    differ, tested = int(q[f"{name}.significant"]), int(q[f"{name}.tested"])
+    shown = "hypotheses.equality.pairs_shown_equal"
+    equality = f"; equality shown for {q[shown]} of {q['hypotheses.equality.pairs']} pairs" if shown in q else ""
+    return Claim(
+        "equal_participants",
+        "participants do not differ on any specimen (ANOVA)",
+        "0 of 5 differ",
+        f"{differ} of {tested} differ" if tested else "not tested",
+        differ if tested else np.nan,
+        "cannot be tested here" if not tested else "holds" if differ == 0 else "does not hold",
+        companion=f"Welch: {q[f'{name}.welch.significant']} of {tested}{equality}" if tested else "",
+        why="" if tested else "This takes two participants or more.",
+    )
+
+
+def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
+    tested = bool(q["hypotheses.between_specimens.tested"])
+    holm = float(q["hypotheses.worst_p.holm"])
+    yield Claim(
+        "specimens_differ",
+        f"{listed(found.kept)} differ pairwise for every participant (LSD)",
+        "worst p = .0391",
+        p_text(found.worst_p) if found.worst_pair else "not tested",
+        found.worst_p,
+        "cannot be tested here" if np.isnan(found.worst_p) else "holds" if found.worst_p < found.alpha
+        else "does not hold",
+        companion=f"Holm: {p_text(holm)}",
+        why="" if tested else "This takes two specimens or more.",
+    )  # fmt: skip
+    others = set(found.specimens.tolist()) - set(found.kept)
+    if not others or not tested:
+        return
+    pairs = found.tests.pairs
+    names = found.specimens
+    touched = [j for j, ends in enumerate(zip(pairs.first, pairs.second, strict=True)) if others & set(names[[*ends]])]
+    p, holm_p = pairs.lsd.p[:, touched], pairs.p_holm[:, touched]
+    same, n = int(np.count_nonzero(p >= found.alpha)), int(np.count_nonzero(np.isfinite(p)))
+    yield Claim(
+        "others_not_distinct",
+        f"{listed(sorted(others))} are not distinct for every participant",
+        "no number",
+        f"{same} of {n} pairs do not differ",
+        same,
+        "holds" if same else "does not hold",
+        companion=f"Holm: {np.count_nonzero(holm_p >= found.alpha)} of {n}",
+    )
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    found = results.recorded.hypotheses
+    if found is None:
+        return {}
+    families = ("between_participants", "pairs")
+    return {
+        "tested": found,
+        "raw_bound": _raw_bound(found),
+        "rank_bound": _rank_bound(found),
+        "n_pairs": found.tests.pairs.lsd.p.size,
+        "chance": {name: _chance(q, f"hypotheses.{name}") for name in families},
+        "over_people": found.tests.blocks is not None,
+    }
+
+
+def _raw_bound(tested: Hypotheses) -> str:
+    """How little the raw test looks at the shape of positive values, from the sizes of the clusters at hand."""
+    raw = tested.tests.normality.raw
+    sizes = raw.n[np.isfinite(raw.p)]
+    bounds = [
+        f"at most {bounded(p)} for {n} values"
+        for n in sorted({int(np.min(sizes)), int(np.max(sizes))} if sizes.size else ())
+        for p in ks_survival([0.5], [n]).tolist()
+    ]
+    at = f", and p is {' and '.join(bounds)}" if bounds else ""
+    return f"On raw values, positive ones have D of .5 or more{at}."
+
+
+def _rank_bound(tested: Hypotheses) -> str:
+    """What p the mean-rank comparison can reach at all, for the usual participant."""
+    usual = np.full(tested.specimens.size, np.max(tested.count))
+    bounds = dunn_bounds(usual)
+    if bounds is None:
+        return ""
+    return (
+        f"Dunn's test pools the ranks of all specimens: with {usual.size} groups of {usual[0]}, its worst p is at "
+        f"least {bounded(bounds[1])} after Bonferroni's correction, whatever the data."
+    )
+
+
+def _chance(q: Quantities, family: str) -> str:
+    """How likely a family of tests rejects anything where nothing differs; "" for less than two tests."""
+    tested, chance = int(q[f"{family}.tested"]), float(q[f"{family}.chance_of_any"])
+    if tested < 2:
+        return ""
+    return f"more than 99.9{NO_BREAK}%" if chance > 0.999 else percent(chance)
+
+
+_TEXT = """
+{% if tested is not defined %}
+<p>{{ why_absent("hypotheses") }}</p>
+{% else %}
+<p>All tests are on the slopes b, at α = {{ tested.alpha }}. No test was chosen by the outcome of another.</p>
+
+<h3>Gaussian clusters</h3>
+<p>The paper does not say which of two forms of the Kolmogorov-Smirnov test it ran. Standardised by the sample's own
+mean and SD, its p is far too large; Lilliefors' test corrects this. {{ raw_bound }}</p>
+{{ folded("verdict_normality", "Tests of normality compared") }}
+{{ folded("normality", "Normality of every cluster") }}
+
+<h3>Equal participants</h3>
+{% if q['hypotheses.between_participants.tested'] %}
+<p>An ANOVA cannot show equality; the table bounds the difference that it may have missed.
+{% if chance.between_participants %}Without any real difference, {{ chance.between_participants }} of studies would
+find a significant one among {{ q['hypotheses.between_participants.tested'] }} tests.{% endif %}</p>
+{{ folded("verdict_participants", "Tests of equal participants compared") }}
+{{ folded("anova_participants", "ANOVA of every specimen") }}
+{% else %}
+<p>Not tested: this takes usable trials of two participants or more.</p>
+{% endif %}
+
+<h3>Different specimens</h3>
+{% if q['hypotheses.between_specimens.tested'] %}
+<p>{% if over_people %}The paper's ANOVAs are about one participant's repetitions each; the mixed model, the
+repeated-measures ANOVA and Friedman's test are about people.{% else %}With one participant, every test is about that
+participant's repetitions, not about people.{% endif %}</p>
+{{ folded("verdict_specimens", "Tests between specimens compared") }}
+{{ folded("anova_specimens", "ANOVA of every participant") }}
+
+<h3>Pairs of specimens</h3>
+<p>Fisher's LSD is not corrected for the number of pairs.
+{% if chance.pairs %}Without any real difference, {{ chance.pairs }} of studies would find a significant pair among
+{{ n_pairs }}.{% endif %} {{ rank_bound }}</p>
+{{ folded("verdict_pairs", "Tests of pairs compared") }}
+{{ folded("lsd_pairs", "All " ~ n_pairs ~ " pairs") }}
+{% else %}
+<p>Not tested: this takes usable trials on two specimens or more.</p>
+{% endif %}
+{% if tested.notes %}
+<details><summary>Notes on the tests</summary>
+{{ tested.notes | bullets }}
+</details>
+{% endif %}
+{{ folded("statements", "Every result as APA, IEEE, LaTeX and plain text") }}
+{% endif %}
+"""
+
+HYPOTHESES = Section(
+    "hypotheses", "Tests of the slopes b", _TEXT, of_people, _quantities, _tables, claims=_claims, words=_words
+)

@@ -1,0 +1,288 @@
+"""Stiffness of the new specimen: Table I beside the paper's, and every estimate with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from emg2vsa.calibration.results import AlgorithmResult, CalibrationResults, ConditionResult, LawResult
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+from emg2vsa.figures.casr_calibration import draw_calibrations
+from emg2vsa.report import paper
+from emg2vsa.report.designs import looks, of_kappa
+from emg2vsa.report.drawing import Drawing
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items
+from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
+from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.table import Column, Table, rows_of
+from emg2vsa.report.wording import SIMULATED, UNDEFINED, interval, number
+
+COLUMNS = (
+    ("old_vision", RIGID, "Old vision", paper.ERROR_OLD_VISION),
+    ("new_vision", RIGID, "New vision", paper.ERROR_NEW_VISION),
+    ("human_like", HUMAN_LIKE, "New vision, human-like", paper.ERROR_HUMAN_LIKE),
+)
+"""Key, condition, head, the paper's errors; the first is by the old vision algorithm."""
+
+
+def _found(results: StudyResults) -> CalibrationResults:
+    found = results.pressed.calibration
+    assert found is not None
+    return found
+
+
+def _own(results: StudyResults) -> tuple[str, list[tuple[ConditionResult, AlgorithmResult]]]:
+    """The algorithm that counts, and what it gives in every condition."""
+    name = results.study.scoring.algorithm
+    return name, [(each, each.algorithms[name]) for each in _found(results).conditions if name in each.algorithms]
+
+
+def _design(each: ConditionResult) -> str:
+    return f"{each.condition}, {each.angle_deg:g}°"
+
+
+def _quantities(results: StudyResults) -> Items:
+    for vision, _, _, errors in COLUMNS:
+        for angle, error in errors.items():
+            yield f"paper.kappa_error.{vision}.{angle:g}", error
+    for condition, error in paper.ERROR_CONSTANT.items():
+        yield f"paper.kappa_error.{condition}.0", error
+    for condition, r2 in paper.WORST_ADJ_R2.items():
+        yield f"paper.{condition}.worst_adj_r2", r2
+    for angle, (p, q) in paper.CURVES.items():
+        yield f"paper.modular.{angle:g}.curve.level_n_per_mm", p
+        yield f"paper.modular.{angle:g}.curve.rate", q
+    found = _found(results)
+    yield "runs.kappa.new_specimen", found.new_specimen
+    yield "runs.kappa.known_n_per_mm", found.known_kappa_new
+    yield "runs.kappa.mounting_sd_percent", results.study.calibration.mounting_sd_percent
+    for each in found.conditions:
+        for name, of in each.algorithms.items():
+            yield from _algorithm(f"runs.{each.condition}.{each.angle_deg:g}.{name}.kappa", of)
+
+
+def _algorithm(name: str, of: AlgorithmResult) -> Items:
+    for prefix, law in ((name, of.chosen), (f"{name}.paper_law", of.paper)):
+        yield f"{prefix}.n_per_mm", law.kappa
+        yield f"{prefix}.n_per_mm.low", law.low
+        yield f"{prefix}.n_per_mm.high", law.high
+        yield f"{prefix}.determined", law.determined
+        yield f"{prefix}.widened", law.widened
+        yield f"{prefix}.law_p", law.law_p
+        yield f"{prefix}.serial_p", law.serial_p
+        yield f"{prefix}.effective_presses", law.effective_presses
+        yield f"{prefix}.error", law.error
+        yield f"{prefix}.adj_r2", law.adj_r2
+        yield f"{prefix}.law", law.law
+        for key, value in zip(("first", "second"), law.parameters, strict=True):
+            yield f"{prefix}.parameter.{key}", value
+    for law_name, rms in of.left_out_rms.items():
+        yield f"{name}.left_out_rms.{law_name}", rms
+    if of.fused is not None:
+        yield f"{name}.fused.n_per_mm", of.fused.kappa
+        yield f"{name}.fused.error", of.fused.error
+        yield f"{name}.fused.weight", of.fused.weight
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    found, (algorithm, own) = _found(results), _own(results)
+    old = results.study.discrimination.old_algorithm
+    ours = {each.angle_deg for each in found.conditions if each.condition in (RIGID, HUMAN_LIKE)}
+    angles = sorted(ours | set(paper.ANGLES_DEG))
+    cells = {
+        key: [_at(found, angle, condition, old if key == "old_vision" else algorithm) for angle in angles]
+        for key, condition, _, _ in COLUMNS
+    }
+    yield _table_one(found, angles, cells, algorithm, old)
+    yield _table_one_laws(angles, cells)
+    yield _every(found, algorithm, own)
+    yield _laws(own)
+
+
+def _at(found: CalibrationResults, angle_deg: float, condition: str, algorithm: str) -> AlgorithmResult | None:
+    each = found.find(angle_deg, condition)
+    return each.algorithms.get(algorithm) if each else None
+
+
+_Cells = dict[str, list[AlgorithmResult | None]]
+
+
+def _table_one(found: CalibrationResults, angles: Sequence[float], cells: _Cells, algorithm: str, old: str) -> Table:
+    columns, values = [Column("angle_deg", "Angle (°)", digits=2)], {"angle_deg": list(angles)}
+    for key, _, head, printed in COLUMNS:
+        columns += [
+            Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2),
+            Column(f"{key}_same", f"{head}: here, paper's law (%)", 100.0),
+            Column(key, f"{head}: companion, law of this study (%)", 100.0),
+        ]
+        values[f"{key}_paper"] = [printed.get(angle, np.nan) for angle in angles]
+        values[f"{key}_same"] = [of.paper.error if of else np.nan for of in cells[key]]
+        values[key] = [of.chosen.error if of else np.nan for of in cells[key]]
+    caption = (
+        f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
+        f"for too stiff; old vision is {old}, new vision {algorithm}; –: not in the paper, not pressed here, or no κ"
+    )
+    return Table("table_one", caption, tuple(columns), rows_of(values))
+
+
+def _table_one_laws(angles: Sequence[float], cells: _Cells) -> Table:
+    heads = {f"{key}_interval_n_per_mm": f"{head}: κ and interval (N/mm)" for key, _, head, _ in COLUMNS}
+    columns = (Column("angle_deg", "Angle (°)", digits=2), *(Column(key, head) for key, head in heads.items()))
+    spans = ([span(of.chosen) if of else UNDEFINED for of in cells[key]] for key, _, _, _ in COLUMNS)
+    rows = rows_of({"angle_deg": list(angles), **dict(zip(heads, spans, strict=True))})
+    return Table("table_one_laws", "The intervals of κ behind Table I, by the law of this study", columns, rows)
+
+
+def span(law: LawResult) -> str:
+    """``5.31 [5.20, 5.42]``, or that the presses determine no κ, and why."""
+    if np.isnan(law.kappa):
+        return "none: CASR does not follow κ in one direction, or no score"
+    if np.isnan([law.low, law.high]).any():
+        return f"{number(law.kappa)}, no interval: not determined"
+    if law.determined:
+        return interval(law.kappa, law.low, law.high)
+    upper = "∞)" if np.isinf(law.high) else f"{number(law.high)}]"
+    return f"{number(law.kappa)} [{number(law.low)}, {upper}: not determined"
+
+
+def holds(of: AlgorithmResult, truth: float) -> bool | None:
+    """Whether the interval holds the known stiffness; None where either is missing or κ is not determined."""
+    low, high = of.chosen.low, of.chosen.high
+    if not of.chosen.determined or np.isnan([low, truth, high]).any():
+        return None
+    return bool(low <= truth <= high)
+
+
+def _every(found: CalibrationResults, algorithm: str, own: Sequence[tuple[ConditionResult, AlgorithmResult]]) -> Table:
+    columns = (
+        Column("design", "Condition, angle"), Column("paper_error", "Paper's error (%)", 100.0),
+        Column("exponential_error", "Error here, paper's law (%)", 100.0),
+        Column("paper_adj_r2", "Paper's worst adj. R²", digits=4),
+        Column("adj_r2", "adj. R² here, paper's law", digits=4), Column("kappa_n_per_mm", "κ (N/mm)"),
+        Column("low", "Low"), Column("high", "High"), Column("determined", "Determined"),
+        Column("error", "Error (%)", 100.0), Column("holds", "Interval holds κ"),
+        Column("fused_error", "With indentation: error (%)", 100.0),
+    )  # fmt: skip
+    rows = tuple(
+        {
+            "design": _design(each),
+            "paper_error": _paper_error(each.condition, each.angle_deg),
+            "exponential_error": of.paper.error,
+            "paper_adj_r2": paper.WORST_ADJ_R2.get(each.condition)
+            if (each.condition, each.angle_deg) in paper.DESIGNS
+            else None,
+            "adj_r2": of.paper.adj_r2,
+            "kappa_n_per_mm": of.chosen.kappa,
+            "low": of.chosen.low,
+            "high": of.chosen.high,
+            "determined": bool(of.chosen.determined),
+            "error": of.chosen.error,
+            "holds": holds(of, found.known_kappa_new),
+            "fused_error": of.fused.error if of.fused else None,
+        }
+        for each, of in own
+    )
+    caption = f"κ of {found.new_specimen} by the {algorithm} algorithm, with the interval from repeated presses"
+    return Table("kappa_new", caption, columns, rows)
+
+
+def _laws(own: Sequence[tuple[ConditionResult, AlgorithmResult]]) -> Table:
+    columns = (
+        Column("design", "Condition, angle"), Column("chosen", "Law here"), Column("paper_law", "Paper's law here"),
+        Column("left_out", "Best on left-out specimens"), Column("paper", "Paper's curve (unit of CASR not printed)"),
+    )  # fmt: skip
+    curves = {angle: f"kappa = {p:g} exp({q:g} CASR)" for angle, (p, q) in paper.CURVES.items()}
+    rows = tuple(
+        {
+            "design": _design(each),
+            "chosen": _equation(of.chosen),
+            "paper_law": _equation(of.paper),
+            "left_out": of.best_law or None,
+            "paper": curves.get(each.angle_deg) if each.condition == HUMAN_LIKE else None,
+        }
+        for each, of in own
+    )
+    return Table("calibration_laws", "The laws from CASR to stiffness", columns, rows)
+
+
+def _equation(law: LawResult) -> str | None:
+    return law.equation if np.isfinite(law.parameters).all() else None
+
+
+def _paper_error(condition: str, angle_deg: float) -> float | None:
+    if condition in paper.ERROR_CONSTANT and (condition, angle_deg) in paper.DESIGNS:
+        return paper.ERROR_CONSTANT[condition]
+    return {RIGID: paper.ERROR_NEW_VISION, HUMAN_LIKE: paper.ERROR_HUMAN_LIKE}.get(condition, {}).get(angle_deg)
+
+
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    """The calibration of every angle and condition by one vision algorithm."""
+    found, (algorithm, own) = _found(results), _own(results)
+    if not own:
+        return
+    new = found.new_specimen
+    panels = [(_design(each), each, of) for each, of in own]
+    figure = draw_calibrations(panels, looks(results), new, found.known_kappa_new)
+    origin = f" {SIMULATED}" if any(each.simulated for each in found.conditions) else ""
+    caption = (
+        f"Fig. C1. Calibration: stiffness against CASR by the {algorithm} algorithm; pale marks are presses, others "
+        f"their means, the full line the {own[0][1].chosen.law} law, the dotted one the paper's exponential. {new} is "
+        f"read off the full line, with the interval from repeated presses.{origin}"
+    )
+    told = "; ".join(f"{title}: {span(of.chosen)} N/mm" for title, _, of in panels)
+    yield Drawing(
+        "figcal_calibration", f"Calibration, and stiffness of {new}", caption, f"{told}.{origin}", figure, None
+    )
+
+
+def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    yield from kappa_claims(results, q)
+    yield from reduction_claims(results, q)
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    found, (_, own) = _found(results), _own(results)
+    notes: dict[str, list[str]] = {}
+    for each, of in own:
+        for note in of.chosen.notes:
+            notes.setdefault(note, []).append(_design(each))
+    told = [f"{n} ({'every design' if len(of) == len(own) else '; '.join(of)})" for n, of in notes.items()]
+    held = [holds(of, found.known_kappa_new) for _, of in own]
+    return {
+        "notes": [*told, *found.notes],
+        "designs": len(own),
+        "determined": sum(of.chosen.determined for _, of in own),
+        "held": held.count(True),
+        "of_held": len(held) - held.count(None),
+        "truth_known": found.known_kappa_new == found.known_kappa_new,
+        "new": found.new_specimen,
+    }
+
+
+_TEXT = """
+<p>{% if not truth_known %}
+The stiffness of {{ new }} is not known, so that no error can be stated.
+{% elif runs.simulated %}
+Both the law of this study and the simulated world let sensor and specimen yield in series, so a small error is no
+evidence for that law.
+{% endif %}</p>
+{{ folded("table_one", "Table I of the paper beside ours") }}
+<p>An interval wider than the range of the known stiffnesses determines nothing. κ is determined in
+{{ determined }} of {{ designs }} designs{% if of_held %}; the interval holds the known stiffness in {{ held }} of
+{{ of_held }}{% endif %}. The intervals assume an SD of
+{{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because each specimen was mounted
+once.</p>
+{{ folded("table_one_laws", "Intervals of κ behind Table I") }}
+{{ folded("kappa_new", "κ in every design") }}
+{{ folded("calibration_laws", "The fitted laws") }}
+{{ folded("figcal_calibration", "Figure C1: calibration of every design") }}
+{% if notes %}
+<details><summary>Notes on the estimates</summary>{{ notes | bullets }}</details>
+{% endif %}
+"""
+
+KAPPA = Section(
+    "kappa", "Stiffness of the new specimen", _TEXT, of_kappa, _quantities, _tables, _drawings, _claims, _words
+)

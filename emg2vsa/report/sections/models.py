@@ -1,0 +1,216 @@
+"""Models of all data at once: scatter between people, trend, factors of the rig's scores, and all claims together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items
+from emg2vsa.report.section import Quantities, Section
+from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
+from emg2vsa.stats.factorial import Factorial
+from emg2vsa.stats.mixed_variances import SOURCES, MixedResiduals, MixedVariances
+from emg2vsa.stats.multiplicity import ClaimFamily, claim_family
+
+_SAYS = {
+    "specimens_within_participants": "b differs between specimens in every participant (ANOVA)",
+    "kept_pairs_within_participants": "b of every two kept specimens differs in every participant (LSD)",
+    "specimens_over_participants": "b differs between specimens over participants (repeated measures)",
+    "participants_equal": "b of every two participants is equal within the margin (TOST)",
+    "casr_specimens": "CASR differs between the known specimens in every design (Kruskal-Wallis)",
+    "casr_pairs": "CASR of every two known specimens differs in every design (Dunn, Bonferroni)",
+    "casr_new": "CASR of the new specimen differs from both neighbours in every design (Dunn, Bonferroni)",
+    "area_angles": "the initial area differs between angles for every specimen (Kruskal-Wallis)",
+}
+"""What each claim of ``Hypotheses.claims`` and ``Discrimination.claims`` says."""
+
+
+def _hypotheses(results: StudyResults) -> Hypotheses | None:
+    return results.people.hypotheses if results.people else None
+
+
+def _applies(results: StudyResults) -> bool:
+    return _hypotheses(results) is not None or bool(results.runs and results.runs.discrimination)
+
+
+def _family(results: StudyResults) -> ClaimFamily:
+    people, runs = _hypotheses(results), results.runs.discrimination if results.runs else None
+    return claim_family(
+        (people.claims if people else {}) | (runs.claims if runs else {}), results.study.hypotheses.alpha
+    )
+
+
+def _variances(results: StudyResults) -> tuple[MixedVariances | None, MixedResiduals | None]:
+    found = _hypotheses(results)
+    blocks = found.tests.blocks if found else None
+    return (blocks.variances, blocks.residuals) if blocks else (None, None)
+
+
+def _factors(results: StudyResults) -> dict[str, Factorial]:
+    found = results.runs.discrimination if results.runs else None
+    models = {"start_area": found.factors.area, "casr": found.factors.casr} if found else {}
+    return {name: model for name, model in models.items() if model is not None}
+
+
+def _quantities(results: StudyResults) -> Items:
+    variances, residuals = _variances(results)
+    name = "hypotheses.over_people.mixed"
+    if variances is not None:
+        unit = results.activity_suffix
+        for i, source in enumerate(SOURCES):
+            key = f"{name}.sd_{source.replace(' ', '_')}{unit}"
+            yield key, float(variances.sd[i])
+            yield f"{key}.low", float(variances.low[i])
+            yield f"{key}.high", float(variances.high[i])
+    if residuals is not None:
+        normal, level = residuals.outcomes()
+        yield f"{name}.residuals.shapiro_p", _number(normal.p)
+        yield f"{name}.residuals.level_rho", _number(level.effect_size)
+        yield f"{name}.residuals.level_p", _number(level.p)
+    if (found := _hypotheses(results)) is not None:
+        trend, key = found.trend, f"hypotheses.trend.b{results.activity_suffix}_per_repetition"
+        yield key, trend.mean
+        yield f"{key}.low", trend.low
+        yield f"{key}.high", trend.high
+        yield "hypotheses.trend.relative_per_repetition", trend.per_mean
+        yield "hypotheses.trend.p", trend.p
+    for score, model in _factors(results).items():
+        for i, effect in enumerate(model.effects):
+            key = f"runs.factors.{score}.{effect.replace(' × ', '-')}"
+            yield f"{key}.f", float(model.f[i])
+            yield f"{key}.df", int(model.df[i])
+            yield f"{key}.p", float(model.p[i])
+            yield f"{key}.eta2", float(model.eta2[i])
+            for end in ("omega2", "low", "high"):
+                yield f"{key}.omega2{'' if end == 'omega2' else '.' + end}", float(getattr(model, end)[i])
+    family = _family(results)
+    for claim, p in zip(family.names, family.p_holm.tolist(), strict=True):
+        yield f"claims.together.{claim}.p_holm", p
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    variances, residuals = _variances(results)
+    if variances is not None:
+        yield _sd_table(results, variances)
+    if residuals is not None:
+        yield _residual_table(results, residuals)
+    if (found := _hypotheses(results)) is not None:
+        columns = (
+            Column("participant", "Participant"),
+            activity_column("slope_v", "Change of b per repetition", results.scale),
+        )
+        rows = rows_of({"participant": found.trend.blocks, "slope_v": found.trend.slope})
+        yield Table("trend", "Trend of b over the repetitions of each participant", columns, rows)
+    yield _factor_table(_factors(results))
+    yield _claim_table(_family(results))
+
+
+def _sd_table(results: StudyResults, variances: MixedVariances) -> Table:
+    columns = (
+        Column("source", "Source"), activity_column("sd_v", "SD of b", results.scale),
+        activity_column("low_v", "Low", results.scale), activity_column("high_v", "High", results.scale),
+        Column("ratio", "SD / SD of repetitions"), Column("ratio_low", "Low"), Column("ratio_high", "High"),
+    )  # fmt: skip
+    rows = tuple(
+        {
+            "source": source,
+            "sd_v": float(variances.sd[i]),
+            "low_v": float(variances.low[i]),
+            "high_v": float(variances.high[i]),
+            "ratio": float(variances.ratio[i]) if i < 2 else 1.0,
+            "ratio_low": float(variances.ratio_low[i]) if i < 2 else None,
+            "ratio_high": float(variances.ratio_high[i]) if i < 2 else None,
+        }
+        for i, source in enumerate(SOURCES)
+    )
+    caption = "Scatter of b by the mixed model: standard deviations (REML) and their profile-likelihood intervals"
+    return Table("mixed_sd", caption, columns, rows)
+
+
+def _residual_table(results: StudyResults, residuals: MixedResiduals) -> Table:
+    columns = (
+        activity_column("fitted_v", "Fitted b", results.scale), Column("residual", "Residual / SD of repetitions"),
+        Column("quantile", "Normal quantile"),
+    )  # fmt: skip
+    rows = rows_of({"fitted_v": residuals.fitted, "residual": residuals.residual, "quantile": residuals.quantile})
+    caption = "Residuals of the mixed model, for a QQ plot and for residuals against fitted values"
+    return Table("mixed_residuals", caption, columns, rows)
+
+
+_SCORES = {"start_area": "area", "casr": "CASR"}
+
+
+def _factor_table(models: dict[str, Factorial]) -> Table:
+    columns = (
+        Column("score", "Score"), Column("effect", "Effect"), Column("f", "F", digits=4), Column("df", "df"),
+        Column("error_df", "Error df"), Column("p", "p"), Column("eta2", "Partial η²"), Column("omega2", "Partial ω²"),
+        Column("omega2_low", "ω² low"), Column("omega2_high", "ω² high"),
+    )  # fmt: skip
+    rows: list[Row] = []
+    for score, model in models.items():
+        rows += [
+            {
+                "score": _SCORES[score], "effect": effect, "f": float(model.f[i]), "df": int(model.df[i]),
+                "error_df": model.error_df, "p": float(model.p[i]), "eta2": float(model.eta2[i]),
+                "omega2": float(model.omega2[i]), "omega2_low": float(model.low[i]),
+                "omega2_high": float(model.high[i]),
+            }
+            for i, effect in enumerate(model.effects)
+        ]  # fmt: skip
+    caption = "Condition, angle and specimen in one model of ln(score), type II (scores of the rig's presses)"
+    return Table("factors", caption, columns, tuple(rows))
+
+
+def _claim_table(family: ClaimFamily) -> Table:
+    columns = (
+        Column("claim", "Claim"), Column("p", "Largest p that it needs"), Column("p_holm", "p, Holm over all claims"),
+        Column("survives", "Survives"),
+    )  # fmt: skip
+    rows = rows_of(
+        {
+            "claim": [_SAYS[name] for name in family.names],
+            "p": family.p,
+            "p_holm": family.p_holm,
+            "survives": family.survives,
+        }
+    )
+    return Table("claims_together", "Claims that rest on a p, corrected together by Holm", columns, rows)
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    variances, _ = _variances(results)
+    family = _family(results)
+    return {
+        "zero": [source for source, sd in zip(SOURCES, variances.sd, strict=True) if sd == 0] if variances else [],
+        "tested": sum(each is not None for each in family.survives),
+        "survive": sum(each is True for each in family.survives),
+        "trend": found.trend if (found := _hypotheses(results)) else None,
+        "factors": bool(_factors(results)),
+    }
+
+
+_TEXT = """
+<p>{% if tested %}{{ survive }} of {{ tested }} claims that rest on a p survive Holm's correction over all of them.
+{% endif %}{% if zero %}The mixed model estimates no variance of {{ zero | listed }}: the likelihood is largest at the
+boundary, so only the upper limit is informative.{% endif %}</p>
+{{ folded("claims_together", "Claims corrected together") }}
+{{ folded("mixed_sd", "Standard deviations between people and between repetitions") }}
+{% if trend is not none and trend.p == trend.p %}
+<p>From one repetition to the next, b changes by {{ trend.per_mean | percent(2) }} of its mean ({{ trend.p | p }};
+{{ "t test over participants" if trend.over_blocks else "regression within one participant" }}).</p>
+{{ folded("trend", "Trend of every participant") }}
+{% endif %}
+{% if factors %}
+<p>The factorial model takes logarithms of the scores, because angle and condition multiply them.</p>
+{{ folded("factors", "Condition, angle and specimen together") }}
+{% endif %}
+"""
+
+MODELS = Section("models", "All data together", _TEXT, _applies, _quantities, _tables, words=_words)

@@ -1,0 +1,245 @@
+"""Mean profiles, the interpolated profile of the new specimen, and how well interpolation does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from emg2vsa.arrays import Floats
+from emg2vsa.figures.boxes import PairBar, hazen_box
+from emg2vsa.figures.cocontraction import draw_cocontraction, draw_interpolation
+from emg2vsa.figures.palette import looks
+from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.profiles import Profile, Profiles
+from emg2vsa.report.drawing import STARS, Drawing
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items
+from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.table import Cell, Column, Row, Table, activity_column, records, rows_of
+from emg2vsa.report.wording import activity, count, listed, number, p_text, percent
+
+_ALL_PAIRS_UP_TO = 4
+_PAPER_ALPHA, _PAPER_RMSE_V = 0.532, 0.0002
+
+
+def _quantities(results: StudyResults) -> Items:
+    profiles, v = results.recorded.profiles, results.activity_suffix
+    if profiles is None:
+        return
+    yield "profiles.participant", profiles.participant or "all"
+    for profile in profiles.profiles:
+        yield f"profiles.{profile.specimen}.a{v}", profile.a_v
+        yield f"profiles.{profile.specimen}.b{v}", profile.b_v
+        yield f"profiles.{profile.specimen}.n_trials", profile.n_trials
+    for left in profiles.leave_one_out:
+        yield f"profiles.leave_one_out.{left.specimen}.rmse{v}", left.rmse_v
+        yield f"profiles.leave_one_out.{left.specimen}.relative", left.relative
+    if profiles.new is not None:
+        name = f"profiles.{profiles.new.specimen}"
+        yield f"{name}.alpha", profiles.weight_alpha
+        yield f"{name}.a{v}", profiles.new.a_v
+        yield f"{name}.b{v}", profiles.new.b_v
+        if profiles.new_error is not None:
+            yield f"{name}.measured_as", profiles.new_error.specimen
+            yield f"{name}.rmse{v}", profiles.new_error.rmse_v
+            yield f"{name}.rmse_relative", profiles.new_error.relative
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    profiles, scale = results.recorded.profiles, results.scale
+    if profiles is None:
+        return
+    columns: tuple[Column, ...] = (
+        Column("specimen", "Specimen"),
+        Column("stiffness_n_per_mm", "Stiffness κ (N/mm)"),
+        Column("source", "Source"),
+        Column("n_trials", "Trials"),
+        activity_column("a_v", "a", scale),
+        activity_column("b_v", "b", scale),
+    )
+    shown = [*profiles.profiles, *([profiles.new] if profiles.new else [])]
+    whose = profiles.participant or "all participants"
+    yield Table("profiles", f"Mean profiles of {whose}", columns, records(shown, columns))
+    columns = (
+        Column("specimen", "Left out"), Column("bracket", "Interpolated from"),
+        activity_column("rmse_v", "RMSE", scale), Column("relative", "RMSE (% of root mean square)", 100.0),
+    )  # fmt: skip
+    rows: tuple[Row, ...] = tuple(
+        {
+            "specimen": left.specimen,
+            "bracket": " and ".join(left.bracket) if left.bracket else None,
+            "rmse_v": left.rmse_v,
+            "relative": left.relative,
+        }
+        for left in profiles.leave_one_out
+    )
+    yield Table("leave_one_out", "Each measured profile beside its interpolation from its neighbours", columns, rows)
+
+
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    if (profiles := results.recorded.profiles) is not None:
+        yield _cocontraction(results, profiles)
+        if profiles.new is not None:
+            yield _interpolation(results, profiles, profiles.new)
+
+
+def _cocontraction(results: StudyResults, exported: Profiles) -> Drawing:
+    tested = results.recorded.hypotheses
+    scale, whose = results.scale, exported.participant
+    profiles = _shown(exported, tested)
+    names = [profile.specimen for profile in profiles]
+    slopes = [_slopes(results, name, whose) for name in names]
+    bars = _bars(tested, names, whose)
+    of = whose or "all participants"
+    test = "Fisher's LSD, uncorrected" + ("" if whose else "; largest p of all participants")
+    look = looks(results.specimens)
+    figure = draw_cocontraction(profiles, slopes, bars, [look[name] for name in names], scale, test if bars else "")
+    pairs = "; ".join(f"{names[bar.first]} and {names[bar.second]}: {p_text(bar.p)}" for bar in bars)
+    caption = (
+        f"Fig. 4. Co-contraction of {of}. (a) Mean fitted trend of each specimen; the band is one standard deviation "
+        f"{'between trials' if whose else 'between participants'}. (b) Slopes b, one mark a trial: boxes are Hazen's "
+        "quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."
+    ) + (f" {test}: {STARS}." if bars else "")
+    told = [
+        f"{p.specimen}: {activity(p.v[0], scale)} to {activity(p.v[-1], scale)}, median b "
+        f"{activity(float(np.median(b)), scale) if b.size else 'not known'} in {count(b.size, 'trial')}"
+        for p, b in zip(profiles, slopes, strict=True)
+    ]
+    activities = {
+        "v_low_v": "Trend, lowest force", "v_high_v": "Trend, highest force", "whisker_low_v": "b: lower whisker",
+        "q1_v": "lower quartile", "median_v": "median", "q3_v": "upper quartile", "whisker_high_v": "upper whisker",
+    }  # fmt: skip
+    columns = (
+        Column("specimen", "Specimen"),
+        Column("n", "Trials"),
+        *(activity_column(key, head, scale) for key, head in activities.items()),
+    )
+    rows: list[Row] = []
+    for p, b in zip(profiles, slopes, strict=True):
+        drawn = (float(p.v[0]), float(p.v[-1]), *(hazen_box(b) if b.size else [None] * 5))
+        row: dict[str, Cell] = {"specimen": p.specimen, "n": b.size}
+        rows.append(row | dict(zip(activities, drawn, strict=True)))
+    table = Table("fig04", "Numbers of figure 4", columns, tuple(rows))
+    title = "Co-contraction against force, and slopes b by specimen"
+    description = "; ".join(told) + (f". {test}: {pairs}" if pairs else "") + "."
+    return Drawing("fig04_cocontraction", title, caption, description, figure, table)
+
+
+def _shown(profiles: Profiles, hypotheses: Hypotheses | None) -> Sequence[Profile]:
+    """The exported specimens among which the worst p was taken; all exported where that leaves none."""
+    kept = hypotheses.kept if hypotheses else ()
+    return [p for p in profiles.profiles if p.specimen in kept] or profiles.profiles
+
+
+def _slopes(results: StudyResults, specimen: str, whose: str) -> Floats:
+    fits = results.recorded.fits
+    entering = results.used & (fits.specimen == specimen)
+    if whose:
+        entering &= fits.participant == whose
+    return np.asarray(fits.b_v[entering])
+
+
+def _bars(hypotheses: Hypotheses | None, names: Sequence[str], whose: str) -> list[PairBar]:
+    """All pairs of a few specimens, neighbours of many."""
+    if hypotheses is None:
+        return []
+    lsd, places = hypotheses.tests.pairs.lsd, range(len(names))
+    own = np.isin(hypotheses.participants, whose) if whose else np.ones(hypotheses.participants.size, dtype=np.bool_)
+    bars = []
+    for first, second in combinations(places, 2) if len(names) <= _ALL_PAIRS_UP_TO else pairwise(places):
+        ends = np.isin(hypotheses.specimens, [names[first], names[second]])
+        these = lsd.p[own[: len(lsd.p)]][:, ends[lsd.first] & ends[lsd.second]]
+        if np.isfinite(these).any():
+            bars.append(PairBar(first, second, float(np.nanmax(these))))
+    return bars
+
+
+def _interpolation(results: StudyResults, profiles: Profiles, new: Profile) -> Drawing:
+    scale, error = results.scale, profiles.new_error
+    measured = [*profiles.profiles]
+    if profiles.new_measured and profiles.new_measured.specimen not in {p.specimen for p in measured}:
+        measured.append(profiles.new_measured)
+        measured.sort(key=lambda profile: results.specimens.index(profile.specimen))
+    rmse = error.rmse_v if error else float("nan")
+    figure = draw_interpolation(measured, new, looks(results.specimens), scale, rmse)
+    bracket = listed(profiles.bracket or ())
+    beside = (
+        f"RMSE to the measured {error.specimen}: {activity(rmse, scale)}, "
+        f"{percent(error.relative)} of its root mean square."
+        if error
+        else "Nobody palpated a specimen of this stiffness, so there is no measured profile to compare with."
+    )
+    caption = (
+        f"Fig. 11. Profile of {new.specimen} ({number(new.stiffness_n_per_mm)} N/mm), interpolated from {bracket}, "
+        f"with the measured profiles. {beside}"
+    )
+    drawn = {f"{p.specimen}_v": p for p in [*measured, new]}
+    columns = (
+        Column("force_n", "Force (N)"),
+        *(activity_column(key, p.specimen, scale) for key, p in drawn.items()),
+    )
+    every = slice(None, None, max(1, new.force_n.size // 10))
+    rows = rows_of({"force_n": new.force_n[every]} | {key: p.v[every] for key, p in drawn.items()})
+    table = Table("fig11", "Numbers of figure 11", columns, rows)
+    title = f"Interpolated profile of {new.specimen} beside measured profiles"
+    return Drawing("fig11_interpolation", title, caption, caption, figure, table)
+
+
+def _specimens(results: StudyResults) -> list[str]:
+    return [specimen.name for specimen in results.study.specimens]
+
+
+def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    profiles = results.recorded.profiles
+    if profiles is None or profiles.new is None:
+        return
+    name = f"profiles.{profiles.new.specimen}"
+    alpha, rule = float(q[f"{name}.alpha"]), results.study.profile.interpolation
+    yield Claim(
+        "interpolation_weight",
+        f"weight α of the softer neighbour in the profile of {profiles.new.specimen}",
+        "α = .532",
+        number(alpha, 4),
+        alpha,
+        "holds" if abs(alpha - _PAPER_ALPHA) < _HALF_DIGIT else "does not hold",
+        why=f"Rule here: {rule}.",
+    )
+    rmse, share = float(q.get(f"{name}.rmse_v", np.nan)), float(q.get(f"{name}.rmse_relative", np.nan))
+    known = bool(np.isfinite(rmse))
+    yield Claim(
+        "interpolation_rmse",
+        "the interpolated profile agrees with a measured one",
+        "RMSE 0.0002 V",
+        activity(rmse, results.scale) if known else "not measured",
+        rmse,
+        "cannot be tested here" if not known else "holds" if rmse <= _PAPER_RMSE_V else "does not hold",
+        companion=f"{percent(share)} of the measured level" if known else "",
+        why="Volts depend on electrodes and gain." if known else "No specimen of this stiffness was palpated.",
+    )
+
+
+_HALF_DIGIT = 0.0005
+
+_TEXT = """
+{% if not people.profiles %}
+<p>{{ why_absent("profiles") }}</p>
+{% else %}
+{{ figure("fig04_cocontraction") }}
+{{ folded("profiles", "Coefficients of the profiles") }}
+{% if people.profiles.new %}
+{{ folded("fig11_interpolation", "Figure 11: interpolated profile of " ~ people.profiles.new.specimen) }}
+{% else %}
+<p>The study names no new specimen, so nothing is interpolated.</p>
+{% endif %}
+{% if has("leave_one_out") and people.profiles.leave_one_out %}
+{{ folded("leave_one_out", "Each measured profile interpolated from its neighbours") }}
+{% else %}
+<p>Too few specimens of known stiffness to leave one out.</p>
+{% endif %}
+<details><summary>Notes on the profiles</summary>{{ people.profiles.notes | bullets }}</details>
+{% endif %}
+"""
+
+PROFILES = Section("profiles", "Profiles", _TEXT, of_people, _quantities, _tables, _drawings, _claims)

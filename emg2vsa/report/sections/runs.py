@@ -1,0 +1,124 @@
+"""The rig's presses: how many of each condition and angle, and which were rejected."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from emg2vsa.discrimination.run_table import CONDITIONS
+from emg2vsa.report.designs import of_kappa, of_tests
+from emg2vsa.report.inputs import StudyResults
+from emg2vsa.report.numbers import Items
+from emg2vsa.report.rig_claims import area_claims, filter_claims, kappa_claims, rate_claims, reduction_claims
+from emg2vsa.report.section import Claim, Quantities, Section, of_runs
+from emg2vsa.report.table import Column, Row, Table
+from emg2vsa.report.wording import count, listed
+from emg2vsa.runs import RunScores
+
+_NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
+_SHOWN_RUNS = 3
+
+
+def _quantities(results: StudyResults) -> Items:
+    runs = results.pressed.scores
+    yield "runs.count", len(runs)
+    yield "runs.simulated", results.pressed.simulated
+    yield "runs.presses", sum(run.repetitions.size for run in runs)
+    yield "runs.rejected", sum(run.verdicts.count("rejected") for run in runs)
+
+
+def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    columns = (
+        Column("condition", "Condition"), Column("angle_deg", "Angle (°)", digits=2), Column("specimens", "Specimens"),
+        Column("presses", "Presses"), Column("rejected", "Rejected"), Column("reasons", "Reasons"),
+    )  # fmt: skip
+    runs, order = results.pressed.scores, {name: i for i, name in enumerate(CONDITIONS)}
+    designs = {(run.condition, run.angle_deg): None for run in runs}
+    ordered = sorted(designs, key=lambda design: (order.get(design[0], len(order)), *design))
+    rows = tuple(
+        _row(condition, angle_deg, [run for run in runs if (run.condition, run.angle_deg) == (condition, angle_deg)])
+        for condition, angle_deg in ordered
+    )
+    yield Table("runs", "Presses of every condition and angle", columns, rows)
+
+
+def _row(condition: str, angle_deg: float, runs: Sequence[RunScores]) -> Row:
+    reasons = Counter(
+        reason
+        for run in runs
+        for reason, verdict in zip(run.reasons, run.verdicts, strict=True)
+        if verdict == "rejected"
+    )
+    return {
+        "condition": condition,
+        "angle_deg": angle_deg,
+        "specimens": listed([run.specimen for run in runs]),
+        "presses": sum(run.repetitions.size for run in runs),
+        "rejected": reasons.total(),
+        "reasons": "; ".join(f"{reason} ({n})" for reason, n in reasons.most_common()),
+    }
+
+
+def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """Those of the rig itself, and those of sections that this study does not have."""
+    yield from filter_claims(results, q)
+    if not of_tests(results):
+        yield from area_claims(results, q)
+        yield from rate_claims(results, q)
+    if not of_kappa(results):
+        yield from kappa_claims(results, q)
+        yield from reduction_claims(results, q)
+
+
+def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
+    runs = results.pressed.scores
+    n = sum(run.simulated for run in runs)
+    return {
+        "emulated": "" if n == 0 else "These runs" if n == len(runs) else f"{n} of {len(runs)} runs",
+        "notes": _notes(runs),
+        "kinds": count(len(_notes(runs)), "kind"),
+        "absent": _absent(results),
+    }
+
+
+def _absent(results: StudyResults) -> Sequence[str]:
+    """Why sections that tests and calibration fill are not there."""
+    runs = results.pressed
+    if runs.discrimination is None:
+        return [results.why_absent("discrimination")]
+    return runs.calibration.notes if runs.calibration and not runs.calibration.conditions else ()
+
+
+def _notes(runs: Sequence[RunScores]) -> list[str]:
+    """Notes that differ by their numbers alone are one kind: its first, and the runs it concerns."""
+    kinds: dict[str, list[tuple[str, str]]] = {}
+    for run in runs:
+        for note in run.notes:
+            kinds.setdefault(_NUMBER.sub("#", note), []).append((note, run.name))
+    return [_note([note for note, _ in of], list(dict.fromkeys(name for _, name in of))) for of in kinds.values()]
+
+
+def _note(notes: Sequence[str], names: list[str]) -> str:
+    like = f"{len(notes)} such notes with other numbers, " if len(set(notes)) > 1 else ""
+    where = ", ".join([*names[:_SHOWN_RUNS], *(["…"] if len(names) > _SHOWN_RUNS else [])])
+    return f"{notes[0]} ({like}{count(len(names), 'run')}: {where})"
+
+
+_TEXT = """
+{% if emulated %}
+<p>{{ q['runs.presses'] }} presses in {{ q['runs.count'] }} runs were scored, {{ q['runs.rejected'] }} were rejected.
+<strong>{{ emulated }} come from a simulated rig,</strong> whose actuator, force sensor and camera share one world.</p>
+{% else %}
+<p><strong>These runs were measured,</strong> as far as their folders say.</p>
+{% endif %}
+{{ folded("runs", "Presses of every condition and angle") }}
+{% if notes %}
+<details><summary>{{ kinds }} of notes about the runs</summary>{{ notes | bullets }}</details>
+{% endif %}
+{% for why in absent %}
+<p>{{ why }}</p>
+{% endfor %}
+"""
+
+RUNS = Section("runs", "Presses of the rig", _TEXT, of_runs, _quantities, _tables, claims=_claims, words=_words)
