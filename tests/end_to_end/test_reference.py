@@ -23,6 +23,8 @@ RENEW = "If the change is meant, renew it with scripts/reference and commit the 
 
 PEOPLE = 300
 """Quantities about people there are at least."""
+OF_BOTH = {"claims", "claims_together", "factors"}
+"""Tables of people and runs together: claims are corrected over all of them. Of people alone they are others."""
 
 
 def demo(root: Path, *more: str) -> Path:
@@ -66,7 +68,7 @@ def results(folder: Path) -> dict[str, object]:
 
 def tables(folder: Path) -> dict[str, list[list[str]]]:
     """Name to rows."""
-    return {path.name: list(csv.reader(path.open())) for path in (folder / "tables").glob("*.csv")}
+    return {path.stem: list(csv.reader(path.open())) for path in (folder / "tables").glob("*.csv")}
 
 
 def check_results(ours: dict[str, object], theirs: dict[str, object]) -> None:
@@ -83,8 +85,9 @@ def check_tables(ours: dict[str, list[list[str]]], theirs: dict[str, list[list[s
 
 def test_what_is_said_of_people(people: Path) -> None:
     assert len(results(people)) > PEOPLE
-    check_results(results(people), results(REFERENCE))
-    check_tables(tables(people), tables(REFERENCE))
+    alone = {key: value for key, value in results(people).items() if not key.startswith("claims.together.")}
+    check_results(alone, results(REFERENCE))
+    check_tables({name: rows for name, rows in tables(people).items() if name not in OF_BOTH}, tables(REFERENCE))
 
 
 @pytest.mark.slow
