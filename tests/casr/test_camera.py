@@ -120,5 +120,5 @@ def test_what_makes_no_sensor_is_refused_by_name(key, value):
 
 
 def test_a_camera_takes_no_table_for_a_sensor():
-    with pytest.raises(CameraError, match=r"camera.sensor: wanted a Sensor; found \{'pin_length_mm': 1.5\}"):
+    with pytest.raises(CameraError, match=r"camera.sensor: expected a Sensor, but found \{'pin_length_mm': 1.5\}"):
         Camera(sensor={"pin_length_mm": 1.5})

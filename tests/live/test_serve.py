@@ -73,7 +73,9 @@ def test_only_this_computer_is_served(monkeypatch):
 
 
 def test_a_port_that_is_taken(taken):
-    with pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"):
+    with pytest.raises(
+        SettingError, match=f"port {taken}: expected a free port, but found .+ Choose another with --port"
+    ):
         serve({"watch": []}, taken, lambda address: None)
 
 
@@ -92,11 +94,11 @@ def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, mo
 def test_a_file_is_no_folder(tmp_path, capsys):
     (tmp_path / "log.csv").write_text("")
     assert main(["rig", "watch", str(tmp_path / "log.csv")]) == 2
-    assert "wanted a folder; found a file" in capsys.readouterr().err
+    assert "expected a folder, but found a file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("port", ["-1", "65536", "http"])
 def test_a_port_that_is_none(tmp_path, capsys, port):
     with pytest.raises(SystemExit):
         main(["rig", "watch", str(tmp_path), f"--port={port}"])
-    assert "wanted a port from 0 to 65535" in capsys.readouterr().err
+    assert "expected a port from 0 to 65535" in capsys.readouterr().err
