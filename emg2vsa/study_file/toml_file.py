@@ -46,7 +46,7 @@ def read_toml(path: Path, what: str) -> tuple[str, dict[str, Any]]:
     except ValueError as error:  # TOMLDecodeError, or a whole number that Python does not read
         found = re.sub(r" \(at [^(]*\)$", "", str(error))
         digits = re.findall(r"\d+", str(error)[len(found) :]) or [str(text.count("\n") + 1)]
-        raise StudyError((f"{path}:{':'.join(digits)}: expected valid TOML, but found {found}.",)) from None
+        raise StudyError((f"{path}:{':'.join(digits)}: expected valid TOML, but the parser says: {found}.",)) from None
 
 
 def placed(path: Path, text: str, problems: Iterable[Problem]) -> StudyError:

@@ -48,8 +48,8 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             'kind = "net-ft"', 'kind = "ni-daq"\ncal_file = "a.cal"',
             [
                 "7: force.channels: expected a key 'channels' with kind = 'ni-daq', but found nothing.",
-                "10: force.host: expected keys of this kind only ('host' is of 'net-ft'); "
-                "found 'host' with kind = 'ni-daq'.",
+                "10: force.host: expected keys of this kind only ('host' is of 'net-ft'), "
+                "but found 'host' with kind = 'ni-daq'.",
             ],
         ),
         (
@@ -65,8 +65,8 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             [
                 "12: experiment.specimens[1]: expected every name once, but found 'S1' again.",
                 "12: experiment.specimens[2]: expected letters, digits, - _ and dots only, the first a letter or "
-                "digit; "
-                'found "S 3".',
+                "digit, "
+                'but found "S 3".',
                 "14: emulated.stiffness_n_per_mm.S 3: expected the stiffness of every specimen, S 3 too, but found "
                 "nothing. "
                 "Did you mean 'S3'?",
@@ -145,8 +145,8 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
                 "20.0].",
                 "16: rig.push_axis: expected a direction of length 1, but found one of length 2. Along z it is [0, "
                 "0, 1].",
-                "14: rig.travel_mm: expected every depth within position_ticks, -12000 to 12000; "
-                "found 15 mm at 12827 ticks.",
+                "14: rig.travel_mm: expected every depth within position_ticks, -12000 to 12000, "
+                "but found 15 mm at 12827 ticks.",
             ],
         ),
         (
@@ -202,13 +202,13 @@ def test_no_speed_or_time_of_the_way_out_may_pass_its_bound(line: str, small: st
 def test_problems_of_all_tables_at_once(small: str, problems: Problems) -> None:
     bad = small.replace('kind = "net-ft"', "").replace("[motor]", "[moter]")
     bad = bad.replace("[emulated]", "repetitions = 0")
-    assert [line.partition(": wanted")[0] for line in problems(bad)] == [
+    assert [line.partition(": expected")[0] for line in problems(bad)] == [
         "1: motor", "4: moter", "7: force.kind", "14: experiment.repetitions",
     ]  # fmt: skip
 
 
 def test_a_file_that_is_no_toml_or_not_there(tmp_path: Path, problems: Problems) -> None:
     (line,) = problems("[rig\n")
-    assert line.startswith("1:5: expected valid TOML, but found: ")
+    assert line.startswith("1:5: expected valid TOML, but the parser says: ")
     with pytest.raises(StudyError, match=r"none\.toml: expected a rig file, but found none to read"):
         load_rig(tmp_path / "none.toml")

@@ -97,7 +97,7 @@ def test_a_faulty_key_is_not_reported_twice(small: str, problems: Problems) -> N
 def test_toml_syntax(problems: Problems, text: str, line_and_column: str) -> None:
     (problem,) = problems(text)
     assert problem.startswith(line_and_column)
-    assert ": expected valid TOML, but found: " in problem
+    assert ": expected valid TOML, but the parser says: " in problem
 
 
 def test_windows_line_ends_and_bytes_that_are_not_utf8(tmp_path: Path, small: str) -> None:
@@ -118,7 +118,7 @@ def test_no_such_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("title = 1" + "0" * 5000, "expected valid TOML, but found: "),
+        ("title = 1" + "0" * 5000, "expected valid TOML, but the parser says: "),
         ("title = " + "[" * 5000 + "]" * 5000, "expected valid TOML, but found "),
     ],
 )

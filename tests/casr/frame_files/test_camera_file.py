@@ -70,7 +70,7 @@ def test_a_table_sensor_is_written_only_when_something_is_known():
         (REQUIRED + "depht_mm = 2.0\n", r"\[camera\] depht_mm: .* Did you mean depth_mm\?"),
         (REQUIRED + "serial = 2\n", r"found the unknown key serial. Remove it"),
         (REQUIRED.replace("fx_px", "fx"), r"found the unknown key fx. Did you mean fx_px\?"),
-        (REQUIRED.replace("depth_mm = 22", ""), r"expected the keys depth_mm; "),
+        (REQUIRED.replace("depth_mm = 22", ""), r"expected the keys depth_mm, "),
         (REQUIRED.replace("22", "'22'"), r"camera.toml, camera.depth_mm: expected a number above 0, but found '22'"),
         (REQUIRED.replace("640", "640.0"), r"camera.width_px: expected a whole number above 0, but found 640.0"),
         (REQUIRED.replace("22", "true"), r"camera.depth_mm: .* found True"),

@@ -131,7 +131,7 @@ def test_a_log_that_names_its_force_otherwise_gets_a_hint(tmp_path):
         ("force_n,frame_index\n", "expected a header line and rows, but found 1 lines"),
         ("force_n,frame_index\n,0\n2,\n", "rows with a force and a frame index, but found none"),
         (PLAIN.encode("utf-16"), "text in UTF-8"),
-        (PLAIN.replace(".", ",").replace(",0,1", ";0,1"), "wanted"),
+        (PLAIN.replace(".", ",").replace(",0,1", ";0,1"), "expected"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(tmp_path, text, message):

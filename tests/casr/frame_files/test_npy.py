@@ -62,7 +62,7 @@ def test_a_file_cut_short_gives_the_frames_that_are_whole(tmp_path, frames):
 )
 def test_arrays_that_are_no_stack_of_frames(tmp_path, array):
     np.save(tmp_path / "press.npy", array)
-    with pytest.raises((FramesError, ImageError), match=r"press.npy.*wanted"):
+    with pytest.raises((FramesError, ImageError), match=r"press.npy.*expected"):
         open_frames(tmp_path / "press.npy")
 
 

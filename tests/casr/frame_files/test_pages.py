@@ -92,7 +92,7 @@ def test_a_frame_that_may_not_be_read_is_named(tmp_path, frames, monkeypatch):
 def test_frames_of_two_kinds_are_not_mixed(tmp_path, frames):
     folder = write_pages(tmp_path / "press", frames)
     write_pages(folder, frames[:1], "overview.jpg")
-    with pytest.raises(FramesError, match="wanted frames of one kind, but found JPEG and PNG"):
+    with pytest.raises(FramesError, match="expected frames of one kind, but found JPEG and PNG"):
         open_frames(folder)
 
 

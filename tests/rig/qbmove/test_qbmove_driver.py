@@ -113,7 +113,7 @@ def test_stiffness_outside_the_study_is_refused_and_nothing_is_sent(bench: Bench
     bench.wait(0.1)
     sent = bench.qbmove.counts.requests
     for position, preset in ((0, 599), (0, 2401), (12001, 1500), (-12001, 1500)):
-        with pytest.raises(DeviceError, match="wanted"):
+        with pytest.raises(DeviceError, match="expected"):
             bench.qbmove.set_position_stiffness(position, preset)
     assert bench.qbmove.counts.requests == sent
 
