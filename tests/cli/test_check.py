@@ -102,7 +102,7 @@ name = "Fz"
 """
 
 
-@pytest.mark.parametrize(("folder", "says"), [("absent", "a folder to watch"), ("other", "none of them belongs there")])
+@pytest.mark.parametrize(("folder", "says"), [("absent", "a folder to watch"), ("other", "a folder to which none of them belongs")])
 def test_a_folder_that_cannot_be_watched(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: str, says: str
 ) -> None:
