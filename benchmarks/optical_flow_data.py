@@ -26,7 +26,7 @@ def read_flo(path: Path) -> Flow:
     data = path.read_bytes()
     magic = np.frombuffer(data, "<f4", 1)[0]
     if magic != FLO_MAGIC:
-        raise SystemExit(f"{path}: wanted a .flo file; found the magic number {magic:g}.")
+        raise SystemExit(f"{path}: expected a .flo file, but found the magic number {magic:g}.")
     width, height = np.frombuffer(data, "<i4", 2, offset=4)
     flow = np.frombuffer(data, "<f4", 2 * width * height, offset=12).reshape(height, width, 2).copy()
     flow[(np.abs(flow) > UNKNOWN_FLOW).any(axis=-1)] = np.nan
@@ -37,7 +37,7 @@ def read_grey(path: Path) -> Frames:
     """One image, grey."""
     image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
     if image is None:
-        raise SystemExit(f"{path}: wanted an image; found none that can be read.")
+        raise SystemExit(f"{path}: expected an image, but found none that can be read.")
     return np.asarray(image, dtype=np.uint8)
 
 

@@ -58,7 +58,7 @@ def _table(report: LoopReport) -> str:
 def _beside_bare(report: LoopReport) -> str:
     p99, p999 = report.loop.p99_s / report.bare.p99_s, report.loop.p999_s / report.bare.p999_s
     met = p999 <= MOST_P999 and (p99 <= MOST_P99 or 1e3 * report.loop.p99_s <= MOST_P99_MS)
-    wanted = f"wanted p99.9 at most {MOST_P999:g}, and p99 at most {MOST_P99:g} or {MOST_P99_MS:g} ms"
+    wanted = f"expected p99.9 at most {MOST_P999:g}, and p99 at most {MOST_P99:g} or {MOST_P99_MS:g} ms"
     said = f"loop over nothing to do: p99 {p99:.1f}, p99.9 {p999:.1f}; {wanted}: {'met' if met else 'missed'}"
     return said if report.real_time else f"{said}. Real-time priority was not granted, so that this says little."
 

@@ -123,7 +123,7 @@ def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: s
 
 def add_json(parser: Group) -> None:
     """Output for programs."""
-    parser.add_argument("--json", action="store_true", help="print JSON for a program to read")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
 def print_json(value: object) -> None:
@@ -144,5 +144,5 @@ def _finite(value: object) -> object:
 def whole_number(text: str) -> int:
     """A whole number from 1, for argparse."""
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"wanted a whole number from 1; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1, but found {text!r}")
     return int(text)

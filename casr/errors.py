@@ -31,7 +31,7 @@ class InputError(UserError):
         super().__init__(self.where, wanted, found, do)
 
     def __str__(self) -> str:
-        return f"{self.where}: wanted {self.wanted}; found {self.found}. {self.do}"
+        return f"{self.where}: expected {self.wanted}, but found {self.found}. {self.do}"
 
     def __reduce__(self) -> tuple[object, ...]:
         # exceptions cross process borders; keyword-only arguments need their own way back

@@ -101,7 +101,7 @@ def test_inverse(model: str, ticks: float) -> None:
 
 @pytest.mark.parametrize("stiffness", [0.01, 1e11, float("nan")])
 def test_unreachable_stiffness_is_refused(stiffness: float) -> None:
-    with pytest.raises(ScheduleError, match=r"wanted 0\.0333 to"):
+    with pytest.raises(ScheduleError, match=r"expected 0\.0333 to"):
         preset_for_stiffness([1.0, stiffness], "qbmove-advanced")
 
 

@@ -46,7 +46,7 @@ def test_damaged_file_is_one_clear_error(tmp_path: Path, damage) -> None:
     path = tmp_path / "x.result"
     artifacts.save(path, Channel("F", np.arange(40.0), "N", 1.0, 0.0, ""))
     path.write_bytes(damage(path.read_bytes()))
-    with pytest.raises(DataError, match=r"x\.result: wanted a stored result"):
+    with pytest.raises(DataError, match=r"x\.result: expected a stored result"):
         artifacts.load(path)
 
 

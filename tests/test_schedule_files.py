@@ -139,30 +139,30 @@ def put(content: dict[str, Any], place: tuple[Any, ...], value: Any) -> None:
 @pytest.mark.parametrize(
     ("place", "value", "complaint"),
     [
-        (("steps", 4, "preset_ticks"), 4000, "row 5, column preset_ticks: wanted 0 to 3000"),
-        (("steps", 4, "preset_ticks"), 1.5, "row 5, column preset_ticks: wanted a whole number; found 1.5"),
-        (("steps", 4, "preset_ticks"), True, "row 5, column preset_ticks: wanted a whole number; found True"),
-        (("steps", 4, "preset_ticks"), 10**30, "row 5, column preset_ticks: wanted a whole number"),
-        (("steps", 0, "activity_v"), "high", "row 1, column activity_v: wanted a number; found 'high'"),
-        (("steps", 0, "activity_v"), None, "row 1, column activity_v: wanted a number; found None"),
-        (("steps", 0, "activity_v"), float("nan"), "row 1, column activity_v: wanted a finite number"),
-        (("steps", 0, "stiffness_percent"), 19.0, "row 1, column stiffness_percent: wanted 20 to 80 %"),
-        (("steps", 9, "force_from_n"), 3.0, "row 10, column force_from_n: wanted 3.2, where the step before ends"),
-        (("steps", 9), {}, "row 10: wanted the columns"),
-        (("steps", 9), 7, "row 10: wanted the columns .*; found 7"),
+        (("steps", 4, "preset_ticks"), 4000, "row 5, column preset_ticks: expected 0 to 3000"),
+        (("steps", 4, "preset_ticks"), 1.5, "row 5, column preset_ticks: expected a whole number, but found 1.5"),
+        (("steps", 4, "preset_ticks"), True, "row 5, column preset_ticks: expected a whole number, but found True"),
+        (("steps", 4, "preset_ticks"), 10**30, "row 5, column preset_ticks: expected a whole number"),
+        (("steps", 0, "activity_v"), "high", "row 1, column activity_v: expected a number, but found 'high'"),
+        (("steps", 0, "activity_v"), None, "row 1, column activity_v: expected a number, but found None"),
+        (("steps", 0, "activity_v"), float("nan"), "row 1, column activity_v: expected a finite number"),
+        (("steps", 0, "stiffness_percent"), 19.0, "row 1, column stiffness_percent: expected 20 to 80 %"),
+        (("steps", 9, "force_from_n"), 3.0, "row 10, column force_from_n: expected 3.2, where the step before ends"),
+        (("steps", 9), {}, "row 10: expected the columns"),
+        (("steps", 9), 7, "row 10: expected the columns .*, but found 7"),
         (("steps",), [], "at least one force step"),
-        (("steps",), {}, "steps: wanted a list"),
-        (("version",), 2, "format: wanted emg2vsa stiffness schedule 1"),
-        (("ramp", "speed_mm_per_s"), -5.0, "ramp.speed_mm_per_s: wanted a positive number"),
-        (("ramp", "extra"), 1, "ramp: wanted the keys"),
-        (("limits", "stiffness_percent"), [20.0], "limits.stiffness_percent: wanted two numbers"),
-        (("limits", "max_preset_ticks"), 2900, "row 1, column preset_ticks: wanted the ticks of its percent, 580"),
+        (("steps",), {}, "steps: expected a list"),
+        (("version",), 2, "format: expected emg2vsa stiffness schedule 1"),
+        (("ramp", "speed_mm_per_s"), -5.0, "ramp.speed_mm_per_s: expected a positive number"),
+        (("ramp", "extra"), 1, "ramp: expected the keys"),
+        (("limits", "stiffness_percent"), [20.0], "limits.stiffness_percent: expected two numbers"),
+        (("limits", "max_preset_ticks"), 2900, "row 1, column preset_ticks: expected the ticks of its percent, 580"),
         (("limits", "actuator"), "motor", "limits.actuator"),
-        (("provenance", "study"), 3, "provenance, study: wanted text; found 3"),
-        (("provenance", "study"), "other", "sha256: wanted the digest"),
-        (("sha256",), "0", "sha256: wanted the digest"),
-        (("last_step_short",), False, "row 22, column force_to_n: wanted a step of 0.3 N"),
-        (("more",), 1, "wanted the keys"),
+        (("provenance", "study"), 3, "provenance, study: expected text, but found 3"),
+        (("provenance", "study"), "other", "sha256: expected the digest"),
+        (("sha256",), "0", "sha256: expected the digest"),
+        (("last_step_short",), False, "row 22, column force_to_n: expected a step of 0.3 N"),
+        (("more",), 1, "expected the keys"),
     ],
 )
 def test_planted_corruption(tmp_path: Path, place: tuple[Any, ...], value: Any, complaint: str) -> None:
@@ -179,14 +179,14 @@ def test_planted_corruption(tmp_path: Path, place: tuple[Any, ...], value: Any, 
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("0.5,0.8,", "0.5,0.8,x", "row 1, column activity_v: wanted a number; found 'x"),
-        ("0.8,1.1,", "0.8,", "row 2: wanted 6 values; found 5"),
-        ("0.8,1.1,", "0.8,1.0,", "row 3, column force_from_n: wanted 1.0, where the step before ends"),
-        ("0.8,1.1,", "0.8,nan,", "row 3, column force_from_n: wanted nan"),
-        ("force_from_n,", "from,", "header row: wanted force_from_n"),
-        ("# version: 1", "# version: 9", "format: wanted emg2vsa stiffness schedule 1"),
-        ("# version: 1", "# version: one", "version: wanted a JSON value; found one"),
-        ("# version: 1\n", "", "wanted the keys"),
+        ("0.5,0.8,", "0.5,0.8,x", "row 1, column activity_v: expected a number, but found 'x"),
+        ("0.8,1.1,", "0.8,", "row 2: expected 6 values, but found 5"),
+        ("0.8,1.1,", "0.8,1.0,", "row 3, column force_from_n: expected 1.0, where the step before ends"),
+        ("0.8,1.1,", "0.8,nan,", "row 3, column force_from_n: expected nan"),
+        ("force_from_n,", "from,", "header row: expected force_from_n"),
+        ("# version: 1", "# version: 9", "format: expected emg2vsa stiffness schedule 1"),
+        ("# version: 1", "# version: one", "version: expected a JSON value, but found one"),
+        ("# version: 1\n", "", "expected the keys"),
         ('"P0', '"P1', ""),
     ],
 )
@@ -244,5 +244,9 @@ def test_a_key_that_stands_twice_is_refused(tmp_path: Path) -> None:
     write_json(path, schedule_of())
     text = path.read_text()
     path.write_text(text.replace('"speed_mm_per_s": 5.0', '"speed_mm_per_s": 500.0, "speed_mm_per_s": 5.0', 1))
-    with pytest.raises(ScheduleError, match=r"s\.json, speed_mm_per_s: wanted every key once; found one key twice\."):
+    with pytest.raises(
+        ScheduleError,
+        match=r"s\.json, speed_mm_per_s: expected every key once, but found one key "
+        r"twice\.",
+    ):
         read_json(path)

@@ -204,20 +204,20 @@ def spoilt(name: str, row: int, value: float, base: tuple[str, str] = ("S1", "mo
 @pytest.mark.parametrize(
     ("name", "row", "value", "complaint"),
     [
-        ("activity_v", 3, math.nan, "row 4, column activity_v: wanted a finite number; found nan"),
-        ("stiffness_percent", 0, math.inf, "row 1, column stiffness_percent: wanted 0 to 100 %; found inf"),
-        ("stiffness_percent", 21, 120.0, "row 22, column stiffness_percent: wanted 0 to 100 %; found 120"),
-        ("stiffness_percent", 21, 80.1, "row 22, column stiffness_percent: wanted 20 to 80 %"),
-        ("stiffness_percent", 4, 40.0, "row 5, column preset_ticks: wanted the ticks of its percent, 1200"),
-        ("preset_ticks", 1, 3001, "row 2, column preset_ticks: wanted 0 to 3000 ticks"),
-        ("preset_ticks", 1, -1, "row 2, column preset_ticks: wanted 0 to 3000 ticks"),
-        ("stiffness_nm_per_rad", 2, 9.0, "row 3, column stiffness_nm_per_rad: wanted the stiffness of its ticks"),
+        ("activity_v", 3, math.nan, "row 4, column activity_v: expected a finite number, but found nan"),
+        ("stiffness_percent", 0, math.inf, "row 1, column stiffness_percent: expected 0 to 100 %, but found inf"),
+        ("stiffness_percent", 21, 120.0, "row 22, column stiffness_percent: expected 0 to 100 %, but found 120"),
+        ("stiffness_percent", 21, 80.1, "row 22, column stiffness_percent: expected 20 to 80 %"),
+        ("stiffness_percent", 4, 40.0, "row 5, column preset_ticks: expected the ticks of its percent, 1200"),
+        ("preset_ticks", 1, 3001, "row 2, column preset_ticks: expected 0 to 3000 ticks"),
+        ("preset_ticks", 1, -1, "row 2, column preset_ticks: expected 0 to 3000 ticks"),
+        ("stiffness_nm_per_rad", 2, 9.0, "row 3, column stiffness_nm_per_rad: expected the stiffness of its ticks"),
         ("stiffness_nm_per_rad", 2, math.nan, "row 3, column stiffness_nm_per_rad"),
-        ("step_force_n", 5, 1.0, "row 5, column force_to_n: wanted a finite force above force_from_n"),
-        ("step_force_n", 0, 0.0, "row 1, column force_from_n: wanted a finite force above 0 N"),
-        ("step_force_n", 5, 2.01, "row 5, column force_to_n: wanted a step of 0.3 N"),
-        ("step_force_n", 22, 7.2, "row 22, column force_to_n: wanted a step of 0.3 N, and a shorter last one"),
-        ("step_force_n", 22, math.nan, "row 22, column force_to_n: wanted a finite force"),
+        ("step_force_n", 5, 1.0, "row 5, column force_to_n: expected a finite force above force_from_n"),
+        ("step_force_n", 0, 0.0, "row 1, column force_from_n: expected a finite force above 0 N"),
+        ("step_force_n", 5, 2.01, "row 5, column force_to_n: expected a step of 0.3 N"),
+        ("step_force_n", 22, 7.2, "row 22, column force_to_n: expected a step of 0.3 N, and a shorter last one"),
+        ("step_force_n", 22, math.nan, "row 22, column force_to_n: expected a finite force"),
     ],
 )
 def test_check_names_row_and_column(name: str, row: int, value: float, complaint: str) -> None:
@@ -234,16 +234,16 @@ def test_check_of_a_constant_condition() -> None:
 
 
 def test_a_short_step_must_be_marked() -> None:
-    with pytest.raises(ScheduleError, match=r"row 22, column force_to_n: wanted a step of 0\.3 N; found 7"):
+    with pytest.raises(ScheduleError, match=r"row 22, column force_to_n: expected a step of 0\.3 N, but found 7"):
         check(dataclasses.replace(schedules()["S1", "modular"], last_step_short=False))
 
 
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        ({"condition": "soft"}, "condition: wanted one of modular"),
-        ({"specimen": ""}, "specimen: wanted a name"),
-        ({"provenance": {"study": 3}}, "provenance: wanted only texts"),
+        ({"condition": "soft"}, "condition: expected one of modular"),
+        ({"specimen": ""}, "specimen: expected a name"),
+        ({"provenance": {"study": 3}}, "provenance: expected only texts"),
         ({"limits": Limits((20.0, 80.0), 3000, "motor", "preset")}, "limits.actuator"),
         ({"limits": Limits((20.0, 80.0), 3000, "qbmove-advanced", "log")}, "limits.scale"),
         ({"limits": Limits((math.nan, 80.0), 3000, "qbmove-advanced", "preset")}, "limits.stiffness_percent"),

@@ -72,9 +72,9 @@ def test_repeat_says_why():
 
 
 def test_what_could_not_be_read_is_not_recorded_again():
-    judged = judge(recording(ok=10), failures={"S2": "S2.csv: wanted a force; found no unit. State it."})
+    judged = judge(recording(ok=10), failures={"S2": "S2.csv: expected a force, but found no unit. State it."})
     assert judged.verdict == "unreadable"
-    assert judged.advice == (("S2: cannot be used: S2.csv: wanted a force; found no unit. State it.", ""),)
+    assert judged.advice == (("S2: cannot be used: S2.csv: expected a force, but found no unit. State it.", ""),)
     assert [s.verdict for s in judged.specimens] == ["good", "unreadable"]
 
 

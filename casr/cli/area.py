@@ -30,8 +30,8 @@ def add_to(commands: Commands) -> None:
         commands,
         "area",
         run,
-        "Initial contact area by every rule, from the rest frame and the first-contact frame.",
-        "Exit status 1: no rule finds a contact. Example: casr area press --frames 0,20",
+        "Compute the initial contact area by every rule from the rest frame and the first-contact frame.",
+        "Exit status 1: none of the rules finds a contact. Example: casr area press --frames 0,20",
     )
     add_frames(parser)
     parser.add_argument(

@@ -119,14 +119,16 @@ def frame_pair(text: str) -> tuple[int, int]:
     """``"0,12"``: two different frame indices."""
     first, second = numbers(text, 2)
     if first == second or min(first, second) < 0 or not (first.is_integer() and second.is_integer()):
-        raise argparse.ArgumentTypeError(f"wanted two different frame numbers from 0, such as 0,12; found {text!r}")
+        raise argparse.ArgumentTypeError(
+            f"expected two different frame numbers from 0, such as 0,12, but found {text!r}"
+        )
     return int(first), int(second)
 
 
 def html_file(text: str) -> Path:
     """A file name that ends in .html; pages of several presses go into a folder named without it."""
     if not text.lower().endswith(".html"):
-        raise argparse.ArgumentTypeError(f"wanted a file name that ends in .html; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a file name that ends in .html, but found {text!r}")
     return Path(text)
 
 
@@ -138,7 +140,7 @@ def names(text: str) -> tuple[str, ...]:
 def csv_file(text: str) -> Path:
     """A file name that ends in .csv."""
     if not text.lower().endswith(".csv"):
-        raise argparse.ArgumentTypeError(f"wanted a file name that ends in .csv; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a file name that ends in .csv, but found {text!r}")
     return Path(text)
 
 
@@ -150,7 +152,7 @@ def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
         found = ()
     if not found or (count is not None and len(found) != count) or any(x - x != 0 for x in found):
         wanted = f"{count} numbers" if count else "numbers"
-        raise argparse.ArgumentTypeError(f"wanted {wanted} with commas between them; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected {wanted} with commas between them, but found {text!r}")
     return found
 
 
@@ -158,7 +160,7 @@ def positive(text: str) -> float:
     """A number above 0."""
     (value,) = numbers(text, 1)
     if value <= 0:
-        raise argparse.ArgumentTypeError(f"wanted a number above 0; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a number above 0, but found {text!r}")
     return value
 
 
@@ -171,5 +173,5 @@ def not_negative(text: str) -> float:
     """A number from 0."""
     (value,) = numbers(text, 1)
     if value < 0:
-        raise argparse.ArgumentTypeError(f"wanted a number from 0; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a number from 0, but found {text!r}")
     return value

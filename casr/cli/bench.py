@@ -22,7 +22,7 @@ def add_to(commands: Commands) -> None:
         commands,
         "bench",
         run,
-        "Measure speed and error together, side by side with other libraries.",
+        "Measure speed and error together, beside other libraries.",
         "flow: optical flow on frames whose motion is known. presses: initial area and CASR of simulated presses, and "
         "the stiffness they give. numerics: single against double precision, and inputs at the edge. "
         "Other libraries take part where they are installed. Needs the folder benchmarks/ of a source checkout.",

@@ -39,7 +39,9 @@ def add_to(commands: Commands) -> None:
     )
     board = parser.add_argument_group("board")
     kind = board.add_mutually_exclusive_group(required=True)
-    kind.add_argument("--charuco", type=_grid, metavar="COLUMNSxROWS", help="squares of a ChArUco board")
+    kind.add_argument(
+        "--charuco", type=_grid, metavar="COLUMNSxROWS", help="number of squares of a ChArUco board, columns x rows"
+    )
     kind.add_argument(
         "--chessboard", type=_grid, metavar="COLUMNSxROWS",
         help="inner corners of a chessboard, where four squares meet: one less each way than squares",
@@ -233,5 +235,5 @@ def _grid(text: str) -> tuple[int, int]:
     """``"9x7"``."""
     columns, _, rows = text.lower().partition("x")
     if not (columns.isdecimal() and rows.isdecimal()):
-        raise argparse.ArgumentTypeError(f"wanted columns and rows such as 9x7; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected columns and rows such as 9x7, but found {text!r}")
     return int(columns), int(rows)

@@ -30,14 +30,14 @@ def add_to(commands: Commands) -> None:
         commands,
         "flow",
         run,
-        "Divergence and growth of a region of skin, from frame to frame; no force needed.",
+        "Compute divergence and growth of a region of skin from frame to frame. This needs no force log.",
         "The region is a circle in the first frame and moves with the skin. Divergence is its mean over the region; "
         "log growth is the logarithm of the factor by which the region's area grows. "
         "Example: casr flow frames --frames 19,20 --figures pictures",
     )
     add_frames(parser)
     parser.add_argument(
-        "--frames", type=frame_pair, metavar="I,J", help="the steps from frame I to frame J (default: all)"
+        "--frames", type=frame_pair, metavar="I,J", help="use the steps from frame I to frame J (default: all)"
     )
     add_engine(parser)
     parser.add_argument(

@@ -44,9 +44,10 @@ def add_to(commands: Commands) -> None:
         "score",
         run,
         "Score a press: initial contact area, its growth and the contact area spread rate (CASR).",
-        "A larger CASR means a softer specimen. Without a force log there is area and growth, but no CASR. "
-        "In a folder of presses each is scored; one that cannot be is named and left out. "
-        "Exit status 1: a press of several could not be scored. Example: casr score press --page press.html",
+        "A larger CASR means a softer specimen. Without a force log the command computes area and growth, but no "
+        "CASR. In a folder of presses the command scores each press, and names those that it cannot score. "
+        "Exit status 1: one of several presses could not be scored. Example: casr score press --page "
+        "press.html",
     )
     add_frames(
         parser,

@@ -184,5 +184,5 @@ def _say_progress(done: int, total: int) -> None:
 
 def _count(text: str) -> int:
     if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"wanted a whole number from 0; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0, but found {text!r}")
     return int(text)

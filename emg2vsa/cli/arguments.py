@@ -30,14 +30,19 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
 def add_work(parser: argparse.ArgumentParser) -> None:
     """Another place for what is written."""
     parser.add_argument(
-        "--work", type=Path, metavar="DIR", help="write results, report and emulated runs into DIR, nothing elsewhere"
+        "--work",
+        type=Path,
+        metavar="DIR",
+        help="write results, report and emulated runs into DIR and nothing anywhere else",
     )
 
 
 def add_wait(parser: argparse.ArgumentParser) -> None:
     """What to do while another run holds the study."""
     parser.add_argument(
-        "--no-wait", action="store_true", help="end with a message when another run holds the study, instead of waiting"
+        "--no-wait",
+        action="store_true",
+        help="end with a message, instead of waiting, when another run is using the study",
     )
 
 
@@ -45,23 +50,33 @@ def add_channels(parser: argparse.ArgumentParser) -> None:
     """Which channels of a single recording play which role."""
     channels = parser.add_argument_group("channels")
     channels.add_argument(
-        "--emg", action="append", default=[], metavar="CH", help="EMG channel; repeat for each muscle"
+        "--emg",
+        action="append",
+        default=[],
+        metavar="CH",
+        help="name of an EMG channel; give the option once for each muscle",
     )
-    channels.add_argument("--force", metavar="CH", help="force channel")
+    channels.add_argument("--force", metavar="CH", help="name of the force channel")
     channels.add_argument(
-        "--force-file", type=Path, metavar="FILE", help="second file that holds the force, same clock"
+        "--force-file", type=Path, metavar="FILE", help="second file that holds the force, recorded on the same clock"
     )
-    channels.add_argument("--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, where the file states none")
+    channels.add_argument(
+        "--emg-unit", choices=("V", "mV", "uV"), help="unit of the EMG, if the file does not state it"
+    )
     channels.add_argument(
         "--gain", type=float, default=1.0, metavar="X", help="amplifier gain to divide the EMG by (default 1)"
     )
-    channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, where the file states none")
+    channels.add_argument("--force-unit", metavar="UNIT", help="unit of the force, if the file does not state it")
     channels.add_argument("--newtons-per-unit", type=float, metavar="X", help="newtons per stored unit (counts, %%MVC)")
     channels.add_argument(
-        "--sign", type=int, choices=(1, -1), default=1, help="-1: the sensor reports pressing as negative"
+        "--sign", type=int, choices=(1, -1), default=1, help="-1 if the sensor reports a press as a negative force"
     )
-    channels.add_argument("--no-tare", action="store_true", help="the force is zeroed already, or there is no rest")
-    channels.add_argument("--fs", type=float, metavar="HZ", help="sampling rate, Hz, where the file states none")
+    channels.add_argument(
+        "--no-tare",
+        action="store_true",
+        help="do not subtract the force at rest: it is already zero, or the recording has no rest",
+    )
+    channels.add_argument("--fs", type=float, metavar="HZ", help="sampling rate in Hz, if the file does not state it")
 
 
 def channels_of(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -84,9 +99,17 @@ def channels_of(arguments: argparse.Namespace) -> dict[str, Any]:
 def add_reading(parser: argparse.ArgumentParser) -> None:
     """Limits of the decoders of binary files."""
     reading = parser.add_argument_group("limits of a binary file's decoder")
-    reading.add_argument("--max-seconds", type=float, metavar="S", help="longest time, s, and 1 s per 10 MB (10)")
     reading.add_argument(
-        "--max-memory", type=float, metavar="MB", help="most memory, MB, and ten times the file's size (600)"
+        "--max-seconds",
+        type=float,
+        metavar="S",
+        help="longest time in seconds, plus 1 s per 10 MB of the file (default 10)",
+    )
+    reading.add_argument(
+        "--max-memory",
+        type=float,
+        metavar="MB",
+        help="most memory in MB, plus ten times the size of the file (default 600)",
     )
 
 

@@ -34,14 +34,18 @@ def add_to(commands: Commands) -> None:
         "check",
         run,
         "Check the study file, then judge each participant's session: good, usable, repeat or unreadable.",
-        "Good: every press as wanted. Usable: go on, and read the remarks. Repeat: a recording has fewer than 80 % "
-        "usable presses. Unreadable: a recording cannot be used before its file or the study file is mended. Exit "
+        "Good: every press is as it should be. Usable: you can go on, but read the remarks. Repeat: a recording has "
+        "fewer than 80 % "
+        "usable presses. Unreadable: a recording cannot be used until its file or the study file is corrected. Exit "
         "status 0: all good or usable; 1: some repeat or unreadable; 2: the study file has problems.",
     )
     add_study(parser)
     parser.add_argument("participants", nargs="*", metavar="PARTICIPANT", help="sessions to judge (default: all)")
     parser.add_argument(
-        "--watch", type=Path, metavar="FOLDER", help="judge each recording as it lands in FOLDER, until Ctrl-C"
+        "--watch",
+        type=Path,
+        metavar="FOLDER",
+        help="judge each recording when it appears in FOLDER, until you press Ctrl-C",
     )
     add_work(parser)
     add_jobs(parser)
@@ -167,14 +171,17 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
 
     folder = Path(os.path.abspath(arguments.watch))
     if not folder.is_dir():
-        raise SettingError(folder, wanted="a folder to watch", found="none", do="Make it, or correct the path.")
+        raise SettingError(
+            folder, wanted="a folder to watch", found="none", do="Make this folder, or correct the path."
+        )
 
     def awaited() -> list[RecordingEntry]:
         return [entry for entry in study.recordings if any(folder in path.parents for path in entry.files)]
 
     if not awaited():
         raise SettingError(
-            folder, wanted="the folder where recordings of the study land", found="none of them belongs there",
+            folder, wanted="the folder into which recordings of the study are written", found="a folder to which "
+                    "none of them belongs",
             do=f"The study's recordings lie in {study.data}.",
         )  # fmt: skip
     listed = _listing(folder)

@@ -14,14 +14,14 @@ def add_to(commands: Commands) -> None:
         commands,
         "clean",
         run,
-        "Remove stored results that no step of the study needs: of earlier settings, of version 0.1.0.",
-        "Recordings, runs and reports are never removed. What is removed can be computed again.",
+        "Remove stored results that no step of the study needs any more, such as those of earlier settings.",
+        "This command never removes recordings, runs or reports. Everything it removes can be computed again.",
     )
     add_study(parser)
     parser.add_argument(
         "--move-virtual",
         action="store_true",
-        help="also move the runs that the emulated rig of version 0.1.0 left in runs/ to runs-virtual-0.1.0/",
+        help="also move the emulated runs of version 0.1.0 from runs/ to runs-virtual-0.1.0/",
     )
     add_work(parser)
     add_wait(parser)

@@ -21,25 +21,27 @@ def add_to(commands: Commands) -> None:
         commands,
         "convert",
         run,
-        "Write recordings as a BIDS-EMG data set: BDF+, with channels, presses and how they were recorded beside.",
-        "A study: all its recordings, as its study file describes them. One file: name its channels as for fit. EMG is "
-        "stored in uV, force in N, each at its own rate; the originals are only read. Exit status 1: a recording could "
+        "Write recordings as a BIDS-EMG data set: BDF+ files with tables of channels, presses and recording details.",
+        "Give a study file to convert all its recordings, or one recording and the names of its channels as for "
+        "emg2vsa fit. EMG is "
+        "stored in uV, force in N, each at its own rate. The originals are not changed. Exit status 1: a recording "
+        "could "
         "not be converted. Example: emg2vsa convert study.toml --out shared --mains 50 --electrode-distance 10",
     )
     parser.add_argument("source", type=Path, metavar="SOURCE", help="study file (.toml), or one recording")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="folder of the data set, empty or absent"
+        "--out", type=Path, required=True, metavar="DIR", help="folder of the data set; it must be empty or absent"
     )
     parser.add_argument("--task", default="palpation", metavar="LABEL", help="BIDS task label (default palpation)")
-    parser.add_argument("--mains", type=int, choices=(50, 60), help="frequency of the mains where it was recorded, Hz")
+    parser.add_argument("--mains", type=int, choices=(50, 60), help="mains frequency of the place of recording, Hz")
     parser.add_argument(
-        "--electrode-distance", type=float, metavar="MM", help="distance of the two electrodes of a pair, mm"
+        "--electrode-distance", type=float, metavar="MM", help="distance between the two electrodes of a pair, mm"
     )
     parser.add_argument(
-        "--about", type=Path, metavar="JSON", help="further keys for every _emg.json, such as Manufacturer"
+        "--about", type=Path, metavar="JSON", help="JSON file with more keys for every _emg.json, such as Manufacturer"
     )
-    parser.add_argument("--participant", metavar="ID", help="one recording: who was recorded")
-    parser.add_argument("--specimen", metavar="NAME", help="one recording: what was pressed")
+    parser.add_argument("--participant", metavar="ID", help="for one recording: code of the participant")
+    parser.add_argument("--specimen", metavar="NAME", help="for one recording: name of the specimen")
     add_channels(parser)
     add_reading(parser)
     add_json(parser)
@@ -133,7 +135,7 @@ def _entry(arguments: argparse.Namespace) -> RecordingEntry:
         raise SettingError(
             arguments.source, wanted="a study file, or a recording with its channels and participant",
             found=f"no {', '.join('--' + option for option in absent)}",
-            do=f"Name them; emg2vsa inspect {arguments.source} tells what the channels are.",
+            do=f"Add these options; emg2vsa inspect {arguments.source} tells what the channels are.",
         )  # fmt: skip
     channels = checked_settings("convert", {"channels": (ChannelSettings, channels_of(arguments))})["channels"]
     return RecordingEntry(

@@ -12,13 +12,17 @@ def add_to(commands: Commands) -> None:
         commands,
         "design",
         run,
-        "Calibration specimens and presses that a wanted precision of stiffness needs.",
-        "Simulates whole experiments: presses of known specimens, calibration by the compliance law, estimate. The "
-        "defaults are the paper's specimens and the noise of simulated presses; take noise and sensor stiffness from a "
-        "calibration of your own.",
+        "Find how many calibration specimens and presses a given precision of stiffness needs.",
+        "The command simulates whole experiments: it presses known specimens, calibrates by the compliance law and "
+        "estimates. The defaults describe the specimens of the paper and the noise of simulated presses. "
+        "Use the noise and the sensor stiffness of your own calibration.",
     )
     parser.add_argument(
-        "--precision", type=float, default=0.1, metavar="P", help="wanted half width, share of kappa (default 0.1)"
+        "--precision",
+        type=float,
+        default=0.1,
+        metavar="P",
+        help="half width of the interval to reach, as a share of kappa (default 0.1)",
     )
     parser.add_argument(
         "--kappa", type=float, default=5.32, metavar="K", help="stiffness to be estimated, N/mm (default 5.32)"
@@ -32,10 +36,14 @@ def add_to(commands: Commands) -> None:
         help="stiffness of the softest and the stiffest known specimen, N/mm (default 1.11 7.63)",
     )
     parser.add_argument(
-        "--noise", type=float, default=0.02, metavar="S", help="SD of a press's score, share of it (default 0.02)"
+        "--noise",
+        type=float,
+        default=0.02,
+        metavar="S",
+        help="standard deviation of the score of a press, as a share of the score (default 0.02)",
     )
     parser.add_argument(
-        "--kappa-error", type=float, default=0.0, metavar="E", help="error of each known stiffness, share (default 0)"
+        "--kappa-error", type=float, default=0.0, metavar="E", help="relative error of each known stiffness (default 0)"
     )
     parser.add_argument(
         "--mounting", type=float, default=0.0, metavar="M",
@@ -44,7 +52,13 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--sensor", type=float, default=4.0, metavar="K", help="stiffness of the sensor itself, N/mm (default 4)"
     )
-    parser.add_argument("--experiments", type=int, default=1000, metavar="N", help="of each design (default 1000)")
+    parser.add_argument(
+        "--experiments",
+        type=int,
+        default=1000,
+        metavar="N",
+        help="number of simulated experiments for each design (default 1000)",
+    )
     add_json(parser)
 
 

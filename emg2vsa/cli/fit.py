@@ -19,8 +19,8 @@ def add_to(commands: Commands) -> None:
         commands,
         "fit",
         run,
-        "Find the presses of one recording and fit v = a + b ln F to each; no study file needed.",
-        "Without --emg or --force the channels of the file are listed. Exit status 1: no press was found. "
+        "Find the presses of one recording and fit v = a + b ln F to each. This needs no study file.",
+        "Without --emg or --force the command lists the channels of the file. Exit status 1: no press was found. "
         "Example: emg2vsa fit P01_S1.csv --emg EDC --emg FDS --force Fz --sign -1",
     )
     parser.add_argument(

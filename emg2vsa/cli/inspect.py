@@ -28,13 +28,16 @@ def add_to(commands: Commands) -> None:
         commands,
         "inspect",
         run,
-        "Say what recordings hold: rate, unit, range, noise of every channel, and what it probably is.",
-        "One file: a line for each channel. Several files, or a folder: a line for each file. What a channel is, is "
-        "guessed from its unit, its name and its samples; nothing else of the program relies on it. Exit status 1: a "
-        "file of several could not be read. Example: emg2vsa inspect recordings --page look.html",
+        "Show what recordings hold: rate, unit, range and noise of every channel, and what it probably is.",
+        "For one file the command prints a line per channel, for several files or a folder a line per file. It "
+        "guesses the kind of a channel from its unit, name and samples; no other command uses this guess. "
+        "Exit status 1: one of several files could not be read. Example: emg2vsa inspect recordings --page "
+        "look.html",
     )
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="recording, or a folder of recordings")
-    parser.add_argument("--fs", type=float, metavar="HZ", help="sampling rate, Hz, of channels whose file states none")
+    parser.add_argument(
+        "--fs", type=float, metavar="HZ", help="sampling rate in Hz of channels whose file does not state it"
+    )
     parser.add_argument("--page", type=Path, metavar="HTML", help="also write a page with pictures of every channel")
     add_reading(parser)
     add_json(parser)
@@ -46,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.readers.survey import survey
 
     if arguments.fs is not None and not 0 < arguments.fs < float("inf"):
-        raise SettingError("--fs", wanted="a rate above 0 Hz", found=f"{arguments.fs:g}", do="State it in hertz.")
+        raise SettingError("--fs", wanted="a rate above 0 Hz", found=f"{arguments.fs:g}", do="Give the rate in hertz.")
     paths = recordings_in(arguments.files)
     reading = reading_of(arguments, "inspect")
     alone = len(paths) == 1 and not arguments.files[0].is_dir()

@@ -34,16 +34,20 @@ def add_to(commands: Commands) -> None:
         commands,
         "new",
         run,
-        "Draft a study file from a folder of recordings: people, specimens, channels, units, rates.",
-        "Everything is guessed from the names of the files and from what they hold, and says so. Only what no file "
-        "tells is asked for, on a terminal; else its line is marked FILL IN. An existing file is never replaced. "
-        "Example: emg2vsa new recordings --stiffness hard=6.0 --stiffness soft=1.5",
+        "Write a first study file from a folder of recordings: people, specimens, channels, units and rates.",
+        "The command guesses everything from the names and the contents of the files, and marks each guess. On a "
+        "terminal it asks for what no file tells; otherwise it marks the line FILL IN. It never replaces "
+        "an existing file. Example: emg2vsa new recordings --stiffness hard=6.0 --stiffness soft=1.5",
     )
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of recordings")
     parser.add_argument("--out", type=Path, metavar="FILE", help="study file to write (default: FOLDER/study.toml)")
-    parser.add_argument("--name", metavar="NAME", help="name of the study (default: that of the folder)")
+    parser.add_argument("--name", metavar="NAME", help="name of the study (default: the name of the folder)")
     parser.add_argument(
-        "--stiffness", action="append", default=[], metavar="NAME=K", help="stiffness of a specimen, N/mm; repeat"
+        "--stiffness",
+        action="append",
+        default=[],
+        metavar="NAME=K",
+        help="stiffness of a specimen in N/mm; may be repeated",
     )
     parser.add_argument("--fs", type=float, metavar="HZ", help="sampling rate, Hz, where the files state none")
     parser.add_argument("--no-questions", action="store_true", help="ask nothing, even on a terminal")
@@ -65,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
             out, wanted="no study file yet", found="one", do="Choose another with --out, or move it away."
         )
     if arguments.fs is not None and not 0 < arguments.fs < math.inf:
-        raise SettingError("--fs", wanted="a rate above 0 Hz", found=f"{arguments.fs:g}", do="State it in hertz.")
+        raise SettingError("--fs", wanted="a rate above 0 Hz", found=f"{arguments.fs:g}", do="Give the rate in hertz.")
     stiffness = _stiffness(arguments.stiffness)
     usable, unread = _usable(recordings_in([folder]), reading_of(arguments, "new"))
     if not usable:

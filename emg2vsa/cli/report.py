@@ -22,12 +22,16 @@ def add_to(commands: Commands) -> None:
     parser = add_command(commands, "report", run, summary)
     add_study(parser)
     package = parser.add_argument_group("authors' package")
-    package.add_argument("--paper", action="store_true", help="write it: LaTeX tables, numbers, figures, an archive")
-    package.add_argument("--out", type=Path, metavar="DIR", help="its folder (default: paper/ in the study's report)")
     package.add_argument(
-        "--published", type=_date, metavar="DATE", help="date that the archive says it was published, YYYY-MM-DD"
+        "--paper", action="store_true", help="write the authors' package: LaTeX tables, numbers, figures and an archive"
     )
-    package.add_argument("--licence", metavar="TEXT", help="licence of the archive: an address, or a sentence")
+    package.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the package (default: paper/ in the report of the study)"
+    )
+    package.add_argument(
+        "--published", type=_date, metavar="DATE", help="date of publication to write into the archive, YYYY-MM-DD"
+    )
+    package.add_argument("--licence", metavar="TEXT", help="licence of the archive, as an address or a sentence")
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)
@@ -92,4 +96,4 @@ def _date(text: str) -> str:
     try:
         return datetime.date.fromisoformat(text).isoformat()
     except ValueError:
-        raise argparse.ArgumentTypeError(f"wanted a date as 2026-01-31; found {text!r}") from None
+        raise argparse.ArgumentTypeError(f"expected a date as 2026-01-31, but found {text!r}") from None

@@ -22,16 +22,21 @@ def add_to(commands: Commands) -> None:
         commands,
         "run",
         run,
-        "Run a study: recordings in, fits, tests, schedules and report out.",
-        "Only stale steps run; a stopped run goes on where it was. A recording that cannot be used is named and left "
-        "out. Exit status 0: the study's own steps are done; 1: one of them failed; 2: the study file has problems.",
+        "Run a study from its recordings to fits, tests, schedules and the report.",
+        "Only stale steps run. A stopped run continues where it was. A recording that cannot be used is named and "
+        "left out. Exit status 0: all steps of the whole study are done; 1: one of them failed; 2: the "
+        "study file has problems.",
     )
     add_study(parser)
     part = parser.add_mutually_exclusive_group()
     part.add_argument("--only", choices=ORDER, metavar="STAGE", help=f"stop after: {', '.join(ORDER)}")
-    part.add_argument("--human-only", action="store_true", help="people only: no runs of the rig")
-    part.add_argument("--casr-only", action="store_true", help="the rig's runs only, with the schedules they need")
-    parser.add_argument("--explain", action="store_true", help="say for every step why it runs")
+    part.add_argument(
+        "--human-only", action="store_true", help="only the recordings of people, without the runs of the rig"
+    )
+    part.add_argument(
+        "--casr-only", action="store_true", help="only the runs of the rig, with the schedules that they need"
+    )
+    parser.add_argument("--explain", action="store_true", help="say why each step runs")
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)

@@ -20,18 +20,23 @@ def add_to(commands: Commands) -> None:
         "schedule",
         run,
         "Export the stiffness schedules of a study (CSV and JSON) for the actuator.",
-        "Stale steps up to the schedules run first. Every file is checked against the limits before it is written.",
+        "The command first runs the stale steps up to the schedules. It checks every file against the limits before "
+        "it writes it.",
     )
     add_study(parser)
-    parser.add_argument("--specimen", action="append", default=[], metavar="NAME", help="only these specimens; repeat")
+    parser.add_argument(
+        "--specimen", action="append", default=[], metavar="NAME", help="only this specimen; may be repeated"
+    )
     parser.add_argument(
         "--condition",
         action="append",
         default=[],
         choices=("modular", "constant-min", "constant-mean", "constant-max"),
-        help="only these conditions; repeat",
+        help="only this condition; may be repeated",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder (default: schedules/ in the study's report)")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder to write to (default: schedules/ in the report of the study)"
+    )
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)

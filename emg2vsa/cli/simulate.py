@@ -19,18 +19,20 @@ def add_to(commands: Commands) -> None:
         commands,
         "simulate",
         run,
-        "Write synthetic recordings where the study expects its data, with the truth beside them.",
+        "Write synthetic recordings, and their true values, into the data folder of the study.",
         "The same seed gives the same bytes. Existing recordings are never overwritten without --force.",
     )
     add_study(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="another folder (default: the study's own data folder)")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder to write to (default: the data folder of the study)"
+    )
     parser.add_argument(
         "--format",
         choices=("bids", "csv", "emgworks", "c3d"),
-        help="file format (default: the one of the study's own recordings)",
+        help="file format (default: the format of the recordings of the study)",
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="another seed than the study's")
-    parser.add_argument("--force", action="store_true", help="replace recordings that are there")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed to use instead of the seed of the study")
+    parser.add_argument("--force", action="store_true", help="replace existing recordings")
     add_json(parser)
 
 

@@ -17,10 +17,10 @@ def add_to(commands: Commands) -> None:
         commands,
         "status",
         run,
-        "Say which steps of a study are fresh, stale, waiting, failed or blocked; nothing is computed.",
-        "Fresh: its result is there. Stale: emg2vsa run does it. Waits: a step before it is stale, and it runs only "
-        "if that gives another result. Failed: its input must change first. Blocked: the step before it failed. The "
-        "exit status is 0 in each case.",
+        "Show which steps of a study are fresh, stale, waiting, failed or blocked. Nothing is computed.",
+        "Fresh: the result exists. Stale: emg2vsa run will run the step. Waits: an earlier step is stale, and this "
+        "step runs only if the earlier one gives a new result. Failed: the input of the step must change "
+        "first. Blocked: an earlier step failed. The exit status is 0 in each case.",
     )
     add_study(parser)
     parser.add_argument("--explain", action="store_true", help="list every step that is not fresh, with its reasons")

@@ -21,22 +21,32 @@ def add_to(commands: Commands) -> None:
         commands,
         "stiffness",
         run,
-        "Stiffness of specimens from plate indentation logs: moving average, Hooke's law, adjusted R2.",
-        "A log is a folder of emg2vsa rig run --plate, or a table with the columns indentation_mm and force_n, "
-        "pressing positive, and where it holds more than one trial, specimen and trial. Without these a file is one "
-        "trial of the specimen it is named after. Exit status 1: a trial has no stiffness. Example: emg2vsa stiffness "
-        "runs-plate/*",
+        "Compute the stiffness of specimens from plate indentation logs by a moving average and Hooke's law.",
+        "A log is a folder written by emg2vsa rig run --plate, or a table with the columns indentation_mm and "
+        "force_n (positive while pressing). A table of several trials also has the columns specimen and "
+        "trial; a table without them is one trial of the specimen that its file is named after. Exit "
+        "status 1: a trial has no stiffness. Example: emg2vsa stiffness runs-plate/*",
     )
     parser.add_argument(
-        "files", type=Path, nargs="+", metavar="FILE", help="folder of a run, or table: comma, semicolon, tab or blanks"
+        "files",
+        type=Path,
+        nargs="+",
+        metavar="FILE",
+        help="folder of a run, or a table with commas, semicolons, tabs or blanks between the columns",
     )
     parser.add_argument(
         "--write",
         type=Path,
         metavar="STUDY",
-        help="write mean, standard error and worst adjusted R2 of each specimen into its [[specimens]] of this file",
+        help="write mean, standard error and worst adjusted R2 of each specimen into this study file",
     )
-    parser.add_argument("--window", type=int, default=5, metavar="N", help="moving average, samples (default 5: paper)")
+    parser.add_argument(
+        "--window",
+        type=int,
+        default=5,
+        metavar="N",
+        help="length of the moving average in samples (default 5, as in the paper)",
+    )
     add_json(parser)
 
 

@@ -157,18 +157,18 @@ async def _document(request: WebRequest) -> dict[str, Any]:
     async for piece in request.stream():
         body += piece
         if len(body) > _LARGEST_BODY:
-            raise ValueError(f"wanted at most {_LARGEST_BODY} bytes")
+            raise ValueError(f"expected at most {_LARGEST_BODY} bytes")
     try:
         document = json.loads(body.decode(), parse_constant=_not_finite)
     except RecursionError as error:
-        raise ValueError("wanted a JSON object; found lists within lists") from error
+        raise ValueError("expected a JSON object, but found lists within lists") from error
     if not isinstance(document, dict):
-        raise ValueError(f"wanted a JSON object; found {type(document).__name__}")
+        raise ValueError(f"expected a JSON object, but found {type(document).__name__}")
     return document
 
 
 def _not_finite(name: str) -> float:
-    raise ValueError(f"wanted finite numbers; found {name}")
+    raise ValueError(f"expected finite numbers, but found {name}")
 
 
 def operator_request(document: dict[str, Any]) -> Request:
@@ -176,13 +176,13 @@ def operator_request(document: dict[str, Any]) -> Request:
     _only(document, ("name", "press", "item", "text"))
     name, press = document.get("name"), document.get("press")
     if name not in REQUESTS:
-        raise ValueError(f"name: wanted one of {', '.join(REQUESTS)}; found {name!r}")
+        raise ValueError(f"name: expected one of {', '.join(REQUESTS)}, but found {name!r}")
     if press is not None and (type(press) is not int or press < 1):
-        raise ValueError(f"press: wanted the number of a press; found {press!r}")
+        raise ValueError(f"press: expected the number of a press, but found {press!r}")
     item, text = document.get("item", ""), document.get("text", "")
     for key, value in (("item", item), ("text", text)):
         if not isinstance(value, str):
-            raise ValueError(f"{key}: wanted a text; found {value!r}")
+            raise ValueError(f"{key}: expected a text, but found {value!r}")
     return Request(name, press, item, text)
 
 
@@ -194,16 +194,16 @@ def screen_report(document: dict[str, Any]) -> ScreenReport:
     for key in figures:
         value = document.get(key)
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < _LARGEST_FIGURE:
-            raise ValueError(f"{key}: wanted a number; found {value!r}")
+            raise ValueError(f"{key}: expected a number, but found {value!r}")
         values[key] = float(value)
     hidden, more = document.get("hidden"), document.get("more", {})
     if not isinstance(hidden, bool):
-        raise ValueError(f"hidden: wanted true or false; found {hidden!r}")
+        raise ValueError(f"hidden: expected true or false, but found {hidden!r}")
     if not isinstance(more, dict) or not all(isinstance(value, int | float | str | bool) for value in more.values()):
-        raise ValueError("more: wanted names and plain values")
+        raise ValueError("more: expected names and plain values")
     return ScreenReport(**values, hidden=hidden, more=more)
 
 
 def _only(document: dict[str, Any], known: tuple[str, ...]) -> None:
     if unknown := sorted(set(document) - set(known)):
-        raise ValueError(f"wanted {', '.join(known)}; found {unknown[0]!r}")
+        raise ValueError(f"expected {', '.join(known)}, but found {unknown[0]!r}")

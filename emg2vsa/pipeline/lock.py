@@ -33,7 +33,12 @@ def study_lock(folder: Path, *, wait: bool, say: Callable[[str], None]) -> Itera
             looks += 1
             if looks > _PATIENCE and not wait:
                 do = "Wait until it ends, or run again without --no-wait."
-                raise DataError(folder, wanted="results that nobody else writes", found=f"held by {told(path)}", do=do)
+                raise DataError(
+                    folder,
+                    wanted="results that no other run is writing",
+                    found=f"results in use by {told(path)}",
+                    do=do,
+                )
             if looks == _PATIENCE + 1:
                 say(f"Waiting: another run holds {folder}: {told(path)}.")
             time.sleep(_LOOK_AGAIN_S)

@@ -179,7 +179,7 @@ def _stamped(name: str, stamps: NDArray[np.float64], nominal_hz: float) -> tuple
     try:
         fs_hz, start_s = even_clock(stamps, name, lambda i: f"sample {i + 1}")
     except RecordingError as error:
-        said = f"{name}: its time stamps give no rate; wanted {error.wanted}, found {error.found}."
+        said = f"{name}: its time stamps give no rate; expected {error.wanted}, but found {error.found}."
         return float("nan"), float(stamps[0]), (said,)
     return fs_hz, start_s, _compared(name, fs_hz, nominal_hz)
 

@@ -22,7 +22,7 @@ def load_rig(path: str | Path) -> RigFile:
     Raises
     ------
     StudyError
-        Lists every problem as ``file:line: key: wanted ...; found ...``: TOML syntax, unknown keys, wrong types,
+        Lists every problem as ``file:line: key: expected ..., but found ...``: TOML syntax, unknown keys, wrong types,
         values out of range, missing keys, and keys that contradict each other.
     """
     path = Path(path)

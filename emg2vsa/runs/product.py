@@ -93,6 +93,6 @@ class RunScores:
         """
         kinds: dict[str, list[str]] = {}
         for reason in filter(None, self.reasons):
-            where, colon, why = reason.partition(": wanted ")
+            where, colon, why = reason.partition(": expected ")
             kinds.setdefault(_NUMBER.sub("#", why if colon else where), []).append(reason)
         return max(kinds.values(), key=len)[0] if kinds else ""

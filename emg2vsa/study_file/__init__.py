@@ -30,7 +30,7 @@ def load_study(path: str | Path) -> Study:
     Raises
     ------
     StudyError
-        Lists every problem as ``file:line: key: wanted ...; found ...``: TOML syntax, unknown keys, wrong types,
+        Lists every problem as ``file:line: key: expected ..., but found ...``: TOML syntax, unknown keys, wrong types,
         values out of range, missing keys, and keys that contradict each other. A table with a problem is not yet
         compared with the others.
     """

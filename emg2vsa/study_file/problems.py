@@ -33,7 +33,9 @@ class Problem:
     do: str = ""
 
     def __str__(self) -> str:
-        return f"{written(self.path)}: wanted {self.wanted}; found {self.found}." + (f" {self.do}" if self.do else "")
+        return f"{written(self.path)}: expected {self.wanted}, but found {self.found}." + (
+            f" {self.do}" if self.do else ""
+        )
 
 
 def written(path: KeyPath) -> str:

@@ -31,20 +31,22 @@ def read_toml(path: Path, what: str) -> tuple[str, dict[str, Any]]:
         # line ends as TOML counts them and no byte order mark, whatever the editor wrote
         text = path.read_bytes().removeprefix(codecs.BOM_UTF8).decode("utf-8").replace("\r\n", "\n")
     except OSError as error:
-        raise StudyError((f"{path}: wanted {what}; found none to read ({error.strerror}).",)) from None
+        raise StudyError((f"{path}: expected {what}, but found none to read ({error.strerror}).",)) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise StudyError(
-            (f"{path}:{line}: wanted UTF-8 text; found byte 0x{error.object[error.start]:02x}.",)
+            (f"{path}:{line}: expected UTF-8 text, but found byte 0x{error.object[error.start]:02x}.",)
         ) from None
     try:
         return text, tomllib.loads(text)
     except RecursionError:
-        raise StudyError((f"{path}: wanted valid TOML; found brackets within brackets by the hundred.",)) from None
+        raise StudyError(
+            (f"{path}: expected valid TOML, but found brackets within brackets by the hundred.",)
+        ) from None
     except ValueError as error:  # TOMLDecodeError, or a whole number that Python does not read
         found = re.sub(r" \(at [^(]*\)$", "", str(error))
         digits = re.findall(r"\d+", str(error)[len(found) :]) or [str(text.count("\n") + 1)]
-        raise StudyError((f"{path}:{':'.join(digits)}: wanted valid TOML; found: {found}.",)) from None
+        raise StudyError((f"{path}:{':'.join(digits)}: expected valid TOML, but the parser says: {found}.",)) from None
 
 
 def placed(path: Path, text: str, problems: Iterable[Problem]) -> StudyError:

@@ -111,7 +111,7 @@ REMEDIES = (
            "the sensor's zero wandered or jumped, or the finger leant on the specimen (warned above 0.1 N; rejected "
            "above `max_gap_force_n`, 0.25 N)",
            "lift the finger between presses; let the sensor warm up, check its mount and cable", None),
-    Remedy(r"recording not used: .*", "recording not used: anna_3.csv: wanted a recording; found an empty file.",
+    Remedy(r"recording not used: .*", "recording not used: anna_3.csv: expected a recording, but found an empty file.",
            "one of several recordings of a participant on a specimen was left out",
            "export it again, or take it out of the folder", False),
     Remedy(r"the rest level that was subtracted raises b by .*", "the rest level that was subtracted raises b by 11 %",

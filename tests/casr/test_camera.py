@@ -88,7 +88,7 @@ def test_numbers_of_numpy_become_plain_ones():
     ],
 )
 def test_what_makes_no_camera_is_refused_by_name(key, value):
-    with pytest.raises(CameraError, match=f"camera.{key}: wanted"):
+    with pytest.raises(CameraError, match=f"camera.{key}: expected"):
         Camera(**{key: value})
 
 
@@ -115,10 +115,10 @@ def test_what_is_known_of_the_sensor_is_all_optional():
     ],
 )
 def test_what_makes_no_sensor_is_refused_by_name(key, value):
-    with pytest.raises(CameraError, match=f"sensor.{key}: wanted"):
+    with pytest.raises(CameraError, match=f"sensor.{key}: expected"):
         Sensor(**{key: value})
 
 
 def test_a_camera_takes_no_table_for_a_sensor():
-    with pytest.raises(CameraError, match=r"camera.sensor: wanted a Sensor; found \{'pin_length_mm': 1.5\}"):
+    with pytest.raises(CameraError, match=r"camera.sensor: expected a Sensor, but found \{'pin_length_mm': 1.5\}"):
         Camera(sensor={"pin_length_mm": 1.5})

@@ -37,7 +37,7 @@ def program(monkeypatch: pytest.MonkeyPatch) -> Program:
 @pytest.mark.parametrize(
     ("raised", "status", "said"),
     [
-        (REFUSED, 2, "toy: here: wanted sense; found none. Think.\n"),
+        (REFUSED, 2, "toy: here: expected sense, but found none. Think.\n"),
         (StudyError(("a: no", "b: no")), 2, "a: no\nb: no\n2 problems; nothing was run.\n"),
         (FileNotFoundError(2, "No such file", "x.csv"), 2, "toy: x.csv: No such file\n"),
         (KeyboardInterrupt(), 130, "\nStopped. All is kept.\n"),

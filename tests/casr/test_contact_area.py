@@ -208,14 +208,14 @@ def test_paper_cuts_centroids_to_whole_pixels():
     rest = np.floor(REST)
     moved = np.array(rest)
     moved[40:50] += np.array([2.9, 0.0])
-    with pytest.raises(NoContactError, match=r"in whole pixels; found at most 2\.00 px"):
+    with pytest.raises(NoContactError, match=r"in whole pixels, but found at most 2\.00 px"):
         initial_area(as_pins(rest), moved, rule="paper")
     moved[40:50] += np.array([0.1, 0.0])
     assert initial_area(as_pins(rest), moved, rule="paper").selected.tolist() == list(range(40, 50))
 
 
 def test_as_printed_is_larger_than_the_pin_array_and_refused():
-    with pytest.raises(AreaError, match=r"as-printed: wanted at most .* 44926 px²; found 5\.54\d*e\+06 px²"):
+    with pytest.raises(AreaError, match=r"as-printed: expected at most .* 44926 px², but found 5\.54\d*e\+06 px²"):
         initial_area(as_pins(REST), REST, rule=AS_PRINTED)
     with pytest.raises(SettingError, match="area_rule"):
         ScoreSettings(area_rule=AS_PRINTED)

@@ -163,7 +163,7 @@ def test_a_child_that_was_killed_meanwhile_is_no_fault_of_the_next_file(make) ->
 
 def test_what_a_decoder_raises_prints_or_reads_is_its_own(make) -> None:
     decoder = make()
-    with pytest.raises(FramesError, match=r"press.avi: wanted a; found b. c"):
+    with pytest.raises(FramesError, match=r"press.avi: expected a, but found b. c"):
         decoder.ask("refuse")
     with pytest.raises(RuntimeError, match="Odd: odd"):
         decoder.ask("refuse_oddly")

@@ -81,5 +81,5 @@ def test_what_is_not_finite_is_counted_and_named(value):
     ],
 )
 def test_what_is_no_image_is_refused(image):
-    with pytest.raises(ImageError, match="wanted"):
+    with pytest.raises(ImageError, match="expected"):
         as_grey(image)

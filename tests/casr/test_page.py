@@ -161,11 +161,11 @@ def test_every_frame_has_its_interval_and_dashes_where_it_is_not_determined(scor
 
 
 def test_the_index_links_every_press_and_names_the_failed(scored: Score) -> None:
-    page = index_page("presses", {"one": scored, "two": scored}, {"three": "frames: wanted <x>."}, "pages")
+    page = index_page("presses", {"one": scored, "two": scored}, {"three": "frames: expected <x>."}, "pages")
     check(page)
     for name in ("one", "two"):
         assert page.count(f'href="pages/{name}.html"') == 2
-    assert "three: frames: wanted &lt;x&gt;." in page
+    assert "three: frames: expected &lt;x&gt;." in page
     assert page.count("<svg") == 2
 
 

@@ -132,7 +132,7 @@ def test_a_spike_in_one_frame_is_no_peak() -> None:
 
 def test_millinewtons_are_refused() -> None:
     for scorer in (lambda force_n: scored(sequence(force_n)), streamed):
-        with pytest.raises(FramesError, match=r"forces in N, 200 at most; found 69\d\d.*Which unit"):
+        with pytest.raises(FramesError, match=r"forces in N, 200 at most, but found 69\d\d.*Which unit"):
             scorer(1000 * logged())
 
 
@@ -164,7 +164,7 @@ def test_the_lag_of_the_camera_is_told_and_corrected(lag_s: float) -> None:
 def test_a_lag_needs_times() -> None:
     assert plain().camera_lag is None
     for settings in (replace(SKIN, camera_lag_s=0.05), replace(SKIN, correct_lag=True)):
-        with pytest.raises(FramesError, match=r"camera lag: wanted .* times"):
+        with pytest.raises(FramesError, match=r"camera lag: expected .* times"):
             scored(sequence(logged()), settings)
 
 

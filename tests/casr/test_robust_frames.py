@@ -173,7 +173,7 @@ def test_one_lost_pin_of_three_does_not_end_a_press() -> None:
 def test_a_given_region_needs_three_pins() -> None:
     images, force = press()
     settings = ScoreSettings(quantity="skin", region=Region.circle(150, 150, 2))
-    with pytest.raises(SettingError, match="wanted 3 or more pins inside it; found 1 "):
+    with pytest.raises(SettingError, match="expected 3 or more pins inside it, but found 1 "):
         scored(images, force, settings)
 
 
@@ -184,7 +184,7 @@ def test_growth_is_refused_in_clear_words_when_no_pins_are_left_around() -> None
     tracker.start(images[0], Region.circle(150, 150, 21), pins_px)
     left = pins_px.copy()
     left[2:] = np.nan
-    with pytest.raises(PinsError, match=r"region: wanted 3 or more pins in or beside it .* found 2"):
+    with pytest.raises(PinsError, match=r"region: expected 3 or more pins in or beside it .* found 2"):
         tracker.step(images[1], left)
     assert tracker.step(images[2], pins_px).log_growth == 0.0, "the bad frame left no trace"
 

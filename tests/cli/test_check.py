@@ -102,7 +102,9 @@ name = "Fz"
 """
 
 
-@pytest.mark.parametrize(("folder", "says"), [("absent", "a folder to watch"), ("other", "none of them belongs there")])
+@pytest.mark.parametrize(
+    ("folder", "says"), [("absent", "a folder to watch"), ("other", "a folder to which none of them belongs")]
+)
 def test_a_folder_that_cannot_be_watched(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: str, says: str
 ) -> None:
@@ -143,4 +145,6 @@ def test_files_of_a_pattern_are_seen_as_they_land(
 def test_a_pattern_without_a_match_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "study.toml").write_text(STUDY.replace("{participant}_", "*_{participant}_"))
     assert main(["check", str(tmp_path / "study.toml")]) == 1
-    assert "*_P01_S1.csv: wanted a readable file; found no file that matches this pattern" in capsys.readouterr().out
+    assert (
+        "*_P01_S1.csv: expected a readable file, but found no file that matches this pattern" in capsys.readouterr().out
+    )

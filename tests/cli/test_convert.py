@@ -195,11 +195,11 @@ def test_rates_that_share_no_record_become_two_files(tmp_path: Path) -> None:
     ("words", "said"),
     [
         (["ben_foam_7.csv"], "found no --emg, --force, --participant"),
-        (["study.toml", "--task", "a_b"], "--task: wanted letters and digits only"),
-        (["study.toml", "--electrode-distance", "0"], "--electrode-distance: wanted millimetres above 0"),
-        (["study.toml", "--about", "study.toml"], "wanted a JSON object"),
-        (["study.toml", "--about", "none.json"], "wanted a JSON object; found No such file or directory"),
-        (["none.toml"], "wanted a study file"),
+        (["study.toml", "--task", "a_b"], "--task: expected letters and digits only"),
+        (["study.toml", "--electrode-distance", "0"], "--electrode-distance: expected millimetres above 0"),
+        (["study.toml", "--about", "study.toml"], "expected a JSON object"),
+        (["study.toml", "--about", "none.json"], "expected a JSON object, but found No such file or directory"),
+        (["none.toml"], "expected a study file"),
     ],
 )
 def test_bad_input(
@@ -214,7 +214,7 @@ def test_bad_input(
 
 def test_nothing_is_overwritten(converted: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["convert", str(converted / "study.toml"), "--out", str(converted / "bids")]) == 2
-    assert "wanted an empty or absent folder" in capsys.readouterr().err
+    assert "expected an empty or absent folder" in capsys.readouterr().err
 
 
 def test_a_bad_recording_costs_itself_only(converted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -244,7 +244,7 @@ def test_a_full_disk_leaves_nothing_and_is_told_with_the_folder(
 
         patched.setattr("emg2vsa.pipeline.bids_export.write_json", full)
         assert main(words) == 2
-    assert f"{tmp_path / 'b'}: wanted a folder with room" in (said := capsys.readouterr().err)
+    assert f"{tmp_path / 'b'}: expected a folder with room" in (said := capsys.readouterr().err)
     assert "No space left on device" in said
     assert list((tmp_path / "b").iterdir()) == []
     (tmp_path / "b" / ".unfinished").mkdir()  # as a killed conversion leaves it

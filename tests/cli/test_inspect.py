@@ -64,9 +64,9 @@ def test_the_page_has_pictures_and_escapes_names(folder: Path, capsys: pytest.Ca
     ("words", "said"),
     [
         (["none.csv"], "No such file or directory"),
-        (["empty"], "wanted recordings; found a folder without any"),
-        (["a b.csv", "--fs", "-1"], "--fs: wanted a rate above 0 Hz"),
-        (["a b.csv", "--max-seconds", "0"], "emg2vsa inspect: reading.max_seconds: wanted a number >= 1"),
+        (["empty"], "expected recordings, but found a folder without any"),
+        (["a b.csv", "--fs", "-1"], "--fs: expected a rate above 0 Hz"),
+        (["a b.csv", "--max-seconds", "0"], "emg2vsa inspect: reading.max_seconds: expected a number >= 1"),
     ],
 )
 def test_bad_input(folder: Path, capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
@@ -84,13 +84,13 @@ def test_fit_takes_the_rate_of_a_file_without_time(tmp_path: Path, capsys: pytes
     np.savetxt(path, table, "%.7g", ",", header="EDC_V,Fz_N", comments="")
     words = ["fit", str(path), "--emg", "EDC", "--force", "Fz"]
     assert main(words) == 2
-    assert "wanted a sampling rate" in capsys.readouterr().err
+    assert "expected a sampling rate" in capsys.readouterr().err
     assert main([*words, "--fs", "1000", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert len(found["trials"]) == 1
     assert "EDC: the file states no sampling rate; 1000 Hz as the study states." in found["notes"]
     assert main([*words, "--fs", "0"]) == 2
-    assert "channels.emg.EDC.fs_hz: wanted a number > 0" in capsys.readouterr().err
+    assert "channels.emg.EDC.fs_hz: expected a number > 0" in capsys.readouterr().err
 
 
 def test_what_the_program_made_itself_is_no_recording(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -61,7 +61,7 @@ def test_an_existing_study_file_is_never_replaced(
 ) -> None:
     before = drafted.read_text()
     assert main(["new", str(folder), "--out", str(drafted)]) == 2
-    assert "wanted no study file yet; found one" in capsys.readouterr().err
+    assert "expected no study file yet, but found one" in capsys.readouterr().err
     assert drafted.read_text() == before
 
 
@@ -104,12 +104,12 @@ def test_force_in_files_of_its_own(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["none"], "wanted a folder of recordings; found none"),
+        (["none"], "expected a folder of recordings, but found none"),
         (["empty"], "found a folder without any"),
         (["texts"], "found none that can be read"),
-        (["raw", "--stiffness", "hard"], "--stiffness: wanted NAME=NUMBER"),
-        (["raw", "--stiffness", "foam=3"], "wanted a specimen that the files name (hard, soft); found 'foam'"),
-        (["raw", "--fs", "0"], "--fs: wanted a rate above 0 Hz"),
+        (["raw", "--stiffness", "hard"], "--stiffness: expected NAME=NUMBER"),
+        (["raw", "--stiffness", "foam=3"], "expected a specimen that the files name (hard, soft), but found 'foam'"),
+        (["raw", "--fs", "0"], "--fs: expected a rate above 0 Hz"),
     ],
 )
 def test_bad_input(

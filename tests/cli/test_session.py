@@ -41,10 +41,10 @@ def study_file(tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--participant", "P09"], "wanted one of P03"),
-        (["--participant", "P03"], "wanted a device"),
-        (["--participant", "P03", "--no-page"], "--no-page: wanted --virtual"),
-        (["--participant", "P03", "--speed", "2"], "--speed: wanted --virtual"),
+        (["--participant", "P09"], "expected one of P03"),
+        (["--participant", "P03"], "expected a device"),
+        (["--participant", "P03", "--no-page"], "--no-page: expected --virtual"),
+        (["--participant", "P03", "--speed", "2"], "--speed: expected --virtual"),
         (["--participant", "P03", "--virtual", "--speed", "1000"], "0.1 to 100"),
         (["--participant", "P03", "--virtual", "--seed", "-1"], "--seed"),
         (["--participant", "P03", "--virtual", "--no-page", "--mistake", "sneeze@1"], "--mistake"),

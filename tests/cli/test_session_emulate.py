@@ -53,7 +53,7 @@ def emulate(study: Path, *words: str) -> int:
     [
         (("--participant", "P99"), "P99"),
         (("--participant", "P03", "--mistake", "sneezes@3"), "sneezes@3"),
-        (("--participant", "P03", "--speed", "0"), "--speed: wanted 0.1 to 100"),
+        (("--participant", "P03", "--speed", "0"), "--speed: expected 0.1 to 100"),
         (("--participant", "P03", "--start-delay", "-1"), "--start-delay"),
         (("--participant", "P03", "--truth", "no/such/folder/truth.json"), "no such folder"),
         (("--participant", "P03", "--page", "http://127.0.0.1:9/"), "a page of a running session"),
@@ -83,8 +83,8 @@ def test_devices_and_typed_lines(
     assert emulate(study, "--participant", "P03", "--truth", str(tmp_path / "truth.json")) == 0
     said = capsys.readouterr().out
     for part in (
-        "Trigno server at 127.0.0.1", "Net F/T box", "done: place S1", "done: drop 2", "drop: wanted a number",
-        "unpair: wanted a number", "'flood' is none of", "a page of a running session", "end of the emulation",
+        "Trigno server at 127.0.0.1", "Net F/T box", "done: place S1", "done: drop 2", "drop: expected a number",
+        "unpair: expected a number", "'flood' is none of", "a page of a running session", "end of the emulation",
     ):  # fmt: skip
         assert part in said
     assert json.loads((tmp_path / "truth.json").read_text())["participant"] == "P03"

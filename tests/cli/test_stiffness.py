@@ -49,4 +49,4 @@ def test_a_missing_column_is_one_clear_error(tmp_path, capsys):
     path = write_log(tmp_path / "S1.csv", "depth_mm,force_n\n" + rows(1.0))
     assert main(["stiffness", str(path)]) == 2
     said = capsys.readouterr().err
-    assert "S1.csv: wanted a column 'indentation_mm'; found columns 'depth_mm', 'force_n'" in said
+    assert "S1.csv: expected a column 'indentation_mm', but found columns 'depth_mm', 'force_n'" in said

@@ -26,7 +26,7 @@ def test_nearest_neighbours_in_any_order_and_the_first_of_equals(
 
 @pytest.mark.parametrize("known", [[], [3.0], [3.0, 3.0]])
 def test_one_stiffness_is_not_enough(known: list[float]) -> None:
-    with pytest.raises(DataError, match=r"here: wanted two specimens .* found [01]\."):
+    with pytest.raises(DataError, match=r"here: expected two specimens .* found [01]\."):
         between(np.array(known), np.zeros((len(known), 2)), 3.0, "bracket", extrapolate=True, where="here")
 
 

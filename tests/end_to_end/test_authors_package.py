@@ -161,7 +161,7 @@ def test_a_folder_with_other_files_is_left_alone(package: Path, tmp_path: Path, 
     (tmp_path / "numbers.tex").write_text("mine")
     study = str(package.parents[2] / "studies/small/study.toml")
     assert main(["report", study, "--paper", "--out", str(tmp_path)]) == 2
-    assert "wanted an empty folder" in capsys.readouterr().err
+    assert "expected an empty folder" in capsys.readouterr().err
     assert contents(tmp_path) == {"numbers.tex": b"mine"}
 
 

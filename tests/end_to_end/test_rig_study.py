@@ -234,8 +234,8 @@ def test_rejected_presses_and_folders_left_out_are_said_aloud(alone, capsys):
         assert main(["run", str(alone)]) == 0
         said = capsys.readouterr().out
         assert f"note: {lab / 'day-7'} holds frames but is no run: add it to {lab / 'runs.tsv'}" in said
-        assert f"{RUNS[0]}: 1 of 2 presses rejected: {lab / 'day-0' / 'press-002'}: wanted images" in said
-        assert f"{RUNS[1]}: 1 of 2 presses rejected: day-1/press-001: wanted a force for every frame" in said
+        assert f"{RUNS[0]}: 1 of 2 presses rejected: {lab / 'day-0' / 'press-002'}: expected images" in said
+        assert f"{RUNS[1]}: 1 of 2 presses rejected: day-1/press-001: expected a force for every frame" in said
     (of, _) = run(alone, capsys)["rejected_presses"]
     assert of["run"] == RUNS[0]
     assert of["message"].startswith("1 of 2 presses rejected: ")
@@ -244,18 +244,18 @@ def test_rejected_presses_and_folders_left_out_are_said_aloud(alone, capsys):
 def test_a_specimen_that_the_study_does_not_know_is_found_before_anything_runs(alone, copy, capsys):
     alone.write_text(alone.read_text().replace('"S5"', '"S4"'))
     assert main(["run", str(alone)]) == 2
-    assert "runs.tsv, line 4, specimen: wanted a specimen whose stiffness" in capsys.readouterr().err
+    assert "runs.tsv, line 4, specimen: expected a specimen whose stiffness" in capsys.readouterr().err
     assert not (alone.parent / ".emg2vsa" / "small" / "store").exists()
     rig = copy.parent / "rig.toml"
     rig.write_text(rig.read_text().replace('"S_new"]', '"S_new", "S9"]').replace("S_new = 5.32", "S_new = 5, S9 = 6"))
     assert main(["run", str(copy)]) == 2
-    assert "experiment.specimens: wanted specimens whose stiffness" in capsys.readouterr().err
+    assert "experiment.specimens: expected specimens whose stiffness" in capsys.readouterr().err
 
 
 def test_a_folder_of_runs_that_holds_none(alone, simulated, capsys):
     shutil.rmtree(alone.parent / "lab")
     assert main(["run", str(alone)]) == 2
-    assert "lab: wanted one run or more; found none" in capsys.readouterr().err
+    assert "lab: expected one run or more, but found none" in capsys.readouterr().err
     shutil.copytree(simulated, alone.parent, dirs_exist_ok=True)
     alone.write_text(alone.read_text() + '\n[runs]\nroot = "lab"\n')
     assert main(["run", str(alone), "--only", "runs"]) == 0
@@ -271,7 +271,7 @@ def test_what_is_wrong_with_the_runs_stops_no_session_check(simulated, tmp_path,
     assert main(["check", str(study), "P01"]) == 0
     assert main(["run", str(study), "--human-only", "--jobs", "1"]) == 0
     assert main(["run", str(study)]) == 2
-    assert "runs.tsv: wanted tab-separated columns" in capsys.readouterr().err
+    assert "runs.tsv: expected tab-separated columns" in capsys.readouterr().err
 
 
 def test_a_measured_run_is_never_overwritten(copy, capsys):

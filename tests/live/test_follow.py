@@ -118,12 +118,12 @@ def test_a_request_to_stop_is_seen_by_every_page(follower, begin, runs):
 def test_a_plan_that_cannot_be_read_is_said(follower, begin, runs, damage):
     begin("run")
     (runs / "run" / "plan.json").write_text(damage)
-    assert "wanted the plan of a run" in follower.look().trouble
+    assert "expected the plan of a run" in follower.look().trouble
 
 
 def test_a_log_that_is_none_is_said_and_the_run_named(follower, begin, runs):
     begin("run")
     (runs / "run" / "log.csv").write_text("nothing of the kind\n")
     moment = follower.look()
-    assert "wanted the log of a run" in moment.trouble
+    assert "expected the log of a run" in moment.trouble
     assert moment.run.name == "run"

@@ -77,7 +77,7 @@ def test_no_log_yet_is_no_row_and_no_age(path):
 @pytest.mark.parametrize("content", [b"time,force\n1,2\n", b"\x00\xff" * 200])
 def test_another_file_is_refused(path, content):
     path.write_bytes(content)
-    with pytest.raises(RecordingError, match="wanted the log of a run"):
+    with pytest.raises(RecordingError, match="expected the log of a run"):
         LogTail(path).new_rows()
 
 

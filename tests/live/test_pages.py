@@ -114,7 +114,7 @@ def test_a_frame_of_another_program_is_said(client, begin, runs):
     (runs / "run" / "press-001" / "frames.tif").write_bytes(b"II+?")
     answer = client.get(f"{IN}/frame")
     assert answer.status_code == 500
-    assert "wanted a TIFF of the rig" in answer.text
+    assert "expected a TIFF of the rig" in answer.text
 
 
 def test_the_page_loads_nothing_from_elsewhere_and_everything_it_names(client):

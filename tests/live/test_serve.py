@@ -75,7 +75,9 @@ def test_only_this_computer_is_served():
 
 def test_a_port_that_is_taken(taken):
     with (
-        pytest.raises(SettingError, match=f"port {taken}: wanted a free port; found .+ Choose another with --port"),
+        pytest.raises(
+            SettingError, match=f"port {taken}: expected a free port, but found .+ Choose another with --port"
+        ),
         listening(taken),
     ):
         pass
@@ -96,14 +98,14 @@ def test_without_the_extra_the_command_says_what_to_install(tmp_path, capsys, mo
 def test_a_file_is_no_folder(tmp_path, capsys):
     (tmp_path / "log.csv").write_text("")
     assert main(["rig", "watch", str(tmp_path / "log.csv")]) == 2
-    assert "wanted a folder; found a file" in capsys.readouterr().err
+    assert "expected a folder, but found a file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("port", ["-1", "65536", "http"])
 def test_a_port_that_is_none(tmp_path, capsys, port):
     with pytest.raises(SystemExit):
         main(["rig", "watch", str(tmp_path), f"--port={port}"])
-    assert "wanted a port from 0 to 65535" in capsys.readouterr().err
+    assert "expected a port from 0 to 65535" in capsys.readouterr().err
 
 
 @pytest.fixture
@@ -117,7 +119,7 @@ def session(tmp_path):
 def test_a_session_begins_nothing_where_its_port_is_taken(session, taken, capsys):
     words, folder = session
     assert main([*words, "--port", str(taken)]) == 2
-    assert f"port {taken}: wanted a free port" in capsys.readouterr().err
+    assert f"port {taken}: expected a free port" in capsys.readouterr().err
     assert not folder.exists()
 
 

@@ -102,18 +102,18 @@ def test_what_the_session_refuses_is_said(client):
     [
         ("", "Expecting value"),
         ("start", "Expecting value"),
-        ("[]", "wanted a JSON object; found list"),
+        ("[]", "expected a JSON object, but found list"),
         ("[" * 5000, "lists within lists"),
-        ("{}", "name: wanted one of"),
-        ('{"name": "begin"}', "name: wanted one of measure-rest, .+; found 'begin'"),
-        ('{"name": ["start"]}', "name: wanted one of"),
-        ('{"name": "repeat", "press": "3"}', "press: wanted the number of a press; found '3'"),
-        ('{"name": "repeat", "press": 0}', "press: wanted the number of a press; found 0"),
-        ('{"name": "repeat", "press": true}', "press: wanted the number of a press; found True"),
-        ('{"name": "check", "item": 1}', "item: wanted a text; found 1"),
-        ('{"name": "note", "text": null}', "text: wanted a text; found None"),
-        ('{"name": "start", "specimen": "S1"}', "wanted name, press, item, text; found 'specimen'"),
-        (json.dumps({"name": "note", "text": "x" * 10_000}), "wanted at most 10000 bytes"),
+        ("{}", "name: expected one of"),
+        ('{"name": "begin"}', "name: expected one of measure-rest, .+, but found 'begin'"),
+        ('{"name": ["start"]}', "name: expected one of"),
+        ('{"name": "repeat", "press": "3"}', "press: expected the number of a press, but found '3'"),
+        ('{"name": "repeat", "press": 0}', "press: expected the number of a press, but found 0"),
+        ('{"name": "repeat", "press": true}', "press: expected the number of a press, but found True"),
+        ('{"name": "check", "item": 1}', "item: expected a text, but found 1"),
+        ('{"name": "note", "text": null}', "text: expected a text, but found None"),
+        ('{"name": "start", "specimen": "S1"}', "expected name, press, item, text, but found 'specimen'"),
+        (json.dumps({"name": "note", "text": "x" * 10_000}), "expected at most 10000 bytes"),
     ],
 )
 def test_what_is_no_command_is_refused(client, desk, content, said):
@@ -133,14 +133,14 @@ def test_the_screen_tells_how_well_it_draws(client, desk):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"frames_per_s": None}, "frames_per_s: wanted a number; found None"),
-        ({"age_p95_ms": "8"}, "age_p95_ms: wanted a number; found '8'"),
-        ({"age_p50_ms": True}, "age_p50_ms: wanted a number"),
-        ({"age_p50_ms": 10**400}, "age_p50_ms: wanted a number"),
-        ({"longest_frame_ms": float("nan")}, "wanted finite numbers; found NaN"),
-        ({"hidden": 0}, "hidden: wanted true or false; found 0"),
-        ({"more": [1]}, "more: wanted names and plain values"),
-        ({"more": {"a": {}}}, "more: wanted names and plain values"),
+        ({"frames_per_s": None}, "frames_per_s: expected a number, but found None"),
+        ({"age_p95_ms": "8"}, "age_p95_ms: expected a number, but found '8'"),
+        ({"age_p50_ms": True}, "age_p50_ms: expected a number"),
+        ({"age_p50_ms": 10**400}, "age_p50_ms: expected a number"),
+        ({"longest_frame_ms": float("nan")}, "expected finite numbers, but found NaN"),
+        ({"hidden": 0}, "hidden: expected true or false, but found 0"),
+        ({"more": [1]}, "more: expected names and plain values"),
+        ({"more": {"a": {}}}, "more: expected names and plain values"),
         ({"name": "P03"}, "found 'name'"),
     ],
 )
@@ -286,13 +286,13 @@ def test_a_page_that_is_open_too_often_is_refused_until_one_is_closed(desk, cloc
 
 @pytest.mark.parametrize("address", ["", "0.0.0.0", "::1", "tablet", "192.168.1", "224.0.0.1", "192.168.1.7:80"])
 def test_an_address_that_is_none_to_serve_on(address):
-    with pytest.raises(SettingError, match="--bind: wanted one address of this computer; found"):
+    with pytest.raises(SettingError, match="--bind: expected one address of this computer, but found"):
         own_address(address)
 
 
 def test_an_address_of_another_computer():
     with (
-        pytest.raises(SettingError, match=r"--bind 192\.0\.2\.7: wanted an address of this computer; found"),
+        pytest.raises(SettingError, match=r"--bind 192\.0\.2\.7: expected an address of this computer, but found"),
         listening(0, "192.0.2.7"),
     ):
         pass

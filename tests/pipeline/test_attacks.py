@@ -170,7 +170,7 @@ def test_a_moved_project_names_its_own_files(tmp_path: Path, capsys: pytest.Capt
     for folder in (old, new):
         main(["run", str(folder / "b.toml"), "--only", "trials", "--jobs", "1"])
         told = capsys.readouterr().err
-        assert f"{folder}{os.sep}P01_S1.csv: wanted" in told
+        assert f"{folder}{os.sep}P01_S1.csv: expected" in told
         if folder == old:
             old.rename(new)
             ledger = (new / ".emg2vsa" / "b" / "ledger.jsonl").read_bytes()

@@ -37,7 +37,7 @@ def other(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 
 def test_without_waiting_the_holder_is_named(tmp_path: Path, other: subprocess.Popen[str]) -> None:
-    named = rf"held by process {other.pid} on .+, since \d\d:\d\d:\d\d on \d{{4}}-\d\d-\d\d"
+    named = rf"results in use by process {other.pid} on .+, since \d\d:\d\d:\d\d on \d{{4}}-\d\d-\d\d"
     with pytest.raises(DataError, match=named), study_lock(tmp_path, wait=False, say=pytest.fail):
         pass
     assert str(other.pid) in holder(tmp_path)

@@ -116,7 +116,8 @@ def test_where_the_report_is_is_said_although_a_step_failed(
     page = study.parent.parent.parent / "reports" / "small" / "index.html"
     assert told[-2:] == [
         f"Report: {page}",
-        "  The stiffness of the new specimen is missing from it: calibration: wanted spread; found none. Press again.",
+        "  The stiffness of the new specimen is missing from it: calibration: expected spread, but found none. Press "
+        "again.",
     ]
     results = json.loads((page.parent / "results.json").read_text())
     assert results

@@ -77,7 +77,7 @@ def test_failures_are_isolated_and_told_apart(jobs: int, tasks: Callable[..., li
         ended = run(workers, tasks("ok", "refuse", "crash", "damaged", "ok"))
     assert [ended[f"s{i}"].status for i in range(5)] == ["done", "failed", "failed", "failed", "done"]
     assert [ended[f"s{i}"].final for i in range(5)] == [False, True, False, False, False]
-    assert ended["s1"].message.startswith("x.csv: wanted data; found none")
+    assert ended["s1"].message.startswith("x.csv: expected data, but found none")
     assert "ZeroDivisionError in deeds_of_tests.py" in ended["s2"].message
     assert "please report it" in ended["s2"].message
     assert [ended[f"s{i}"].damaged for i in range(5)] == ["", "", "", "absent.result", ""]

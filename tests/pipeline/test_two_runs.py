@@ -64,7 +64,7 @@ def test_without_waiting_the_second_names_the_first_and_a_killed_one_is_no_hindr
     assert f"A run is under way: process {first.pid} on" in capsys.readouterr().out
     first.kill()
     first.communicate()
-    assert re.search(rf"held by process {first.pid} on .+, since \d\d:\d\d:\d\d on \d{{4}}-\d\d-\d\d", told)
+    assert re.search(rf"results in use by process {first.pid} on .+, since \d\d:\d\d:\d\d on \d{{4}}-\d\d-\d\d", told)
     assert main(["run", str(study), "--only", "hypotheses", "--no-wait", "--jobs", "1", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["failures"] == []
     assert {path: Path(path).read_bytes() for path in before} == before

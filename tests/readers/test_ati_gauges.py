@@ -66,9 +66,9 @@ def test_a_gauge_at_the_end_of_its_range_is_said(tmp_path: Path) -> None:
 def test_gauges_of_no_unit_and_missing_files_are_refused(tmp_path: Path) -> None:
     cal = calibration(tmp_path / "a.cal")
     file = recording(tmp_path / "r.csv", unit="")
-    with pytest.raises(RecordingError, match="channel 'G0': wanted a gauge in V or mV; found no unit"):
+    with pytest.raises(RecordingError, match="channel 'G0': expected a gauge in V or mV, but found no unit"):
         read_roles(file, None, channels(), cal_file=cal)
-    with pytest.raises(RecordingError, match=r"wanted the transducer's .cal file; found none"):
+    with pytest.raises(RecordingError, match=r"expected the transducer's .cal file, but found none"):
         read_roles(file, None, channels())
     with pytest.raises(DeviceError, match="a calibration file"):
         read_roles(recording(tmp_path / "r.csv"), None, channels(), cal_file=tmp_path / "none.cal")

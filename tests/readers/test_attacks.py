@@ -56,7 +56,7 @@ def test_whatever_a_reader_stumbles_over_is_said_of_the_file(tmp_path: Path) -> 
     path.write_bytes(_cells_within_cells(50))
     assert [channel.n_samples for channel in open_recording(path)[1].describe()] == [4]
     path.write_bytes(_cells_within_cells(900))
-    with pytest.raises(RecordingError, match=r"deep.mat: wanted MATLAB data .* its reader failed \(RecursionError: "):
+    with pytest.raises(RecordingError, match=r"deep.mat: expected MATLAB data .* its reader failed \(RecursionError: "):
         open_recording(path)
 
 

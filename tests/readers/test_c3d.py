@@ -49,7 +49,7 @@ def test_no_analogue_channels(tmp_path: Path) -> None:
     file = ezc3d.c3d()
     file["data"]["points"] = np.zeros((4, 0, 5))
     file.write(str(tmp_path / "empty.c3d"))
-    with pytest.raises(RecordingError, match="wanted analogue channels with a rate"):
+    with pytest.raises(RecordingError, match="expected analogue channels with a rate"):
         inspect(tmp_path / "empty.c3d")
 
 
@@ -95,7 +95,7 @@ def test_a_description_longer_than_its_parameter_is_refused_at_once(shared_data,
     content = bytearray(shared_data("emg/c3d/btk_BKINtechnologies.c3d").read_bytes())
     content[content.index(b"\xa3Session identification numbers")] += 1
     (tmp_path / "damaged.c3d").write_bytes(content)
-    with pytest.raises(RecordingError, match=r"lengths fit together; found damage near byte 46\d\d"):
+    with pytest.raises(RecordingError, match=r"lengths fit together, but found damage near byte 46\d\d"):
         inspect(tmp_path / "damaged.c3d")
 
 

@@ -66,7 +66,7 @@ def test_each_column_is_its_own_series_under_its_sensor(tmp_path: Path, version:
 def test_a_device_without_a_rate_is_listed_and_refused_when_asked_for(tmp_path: Path) -> None:
     path = write(tmp_path, plain().replace(", \r", ", 5\r"))
     assert np.isnan(inspect(path)[1][3].fs_hz)
-    with pytest.raises(RecordingError, match="wanted a sampling rate"):
+    with pytest.raises(RecordingError, match="expected a sampling rate"):
         read(path, ["VO2 (0): Vent."])
 
 
@@ -98,7 +98,7 @@ def test_semicolons_and_decimal_commas(tmp_path: Path) -> None:
 
 def test_text_in_a_sample_cell(tmp_path: Path) -> None:
     with pytest.raises(
-        RecordingError, match=r"line 17, column 'EMG 01 \(54717\): EMG 1': wanted a number; found 'lost'"
+        RecordingError, match=r"line 17, column 'EMG 01 \(54717\): EMG 1': expected a number, but found 'lost'"
     ):
         read(write(tmp_path, plain().replace("\n9,", "\nlost,")), ["EMG 01 (54717): EMG 1"])
 

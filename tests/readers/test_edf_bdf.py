@@ -170,13 +170,13 @@ def test_useless_calibration_is_refused_only_for_its_channel(tmp_path: Path, con
 def test_header_without_records(tmp_path: Path, kind: str, n_bytes: int) -> None:
     path = write(tmp_path / f"rec.{kind}")
     path.write_bytes(path.read_bytes()[:n_bytes])
-    with pytest.raises(RecordingError, match="wanted data records; found none"):
+    with pytest.raises(RecordingError, match="expected data records, but found none"):
         inspect(path)
 
 
 def test_annotations_alone_are_no_recording(tmp_path: Path) -> None:
     edfio.Edf([], annotations=[edfio.EdfAnnotation(0, None, "press")]).write(tmp_path / "rec.edf")
-    with pytest.raises(RecordingError, match="wanted signals; found annotations only"):
+    with pytest.raises(RecordingError, match="expected signals, but found annotations only"):
         inspect(tmp_path / "rec.edf")
 
 
@@ -190,8 +190,8 @@ def test_discontinuous_recording_is_refused(tmp_path: Path, kind: str) -> None:
     path.write_bytes(data)
     assert read(path, ["EDC"]).channels[0].samples.size == 3000  # +D that has no gap is fine
     path.write_bytes(data.replace(b"+2\x14\x14", b"+7\x14\x14"))
-    with pytest.raises(RecordingError, match=r"wanted a continuous recording; found .DF\+D, with gaps"):
+    with pytest.raises(RecordingError, match=r"expected a continuous recording, but found .DF\+D, with gaps"):
         inspect(path)
     path.write_bytes(data.replace(b"+2\x14\x14", b"\0\0\0\0"))
-    with pytest.raises(RecordingError, match=r"wanted a continuous recording; found .* unknown onset"):
+    with pytest.raises(RecordingError, match=r"expected a continuous recording, but found .* unknown onset"):
         inspect(path)

@@ -77,17 +77,17 @@ def test_verbose_file_cut_short_is_noted(tmp_path: Path) -> None:
 
 
 def test_verbose_rate_against_time_stamps(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="wanted the stated rate, 1000 Hz; found 2000 Hz by the time stamps"):
+    with pytest.raises(RecordingError, match="expected the stated rate, 1000 Hz, but found 2000 Hz by the time stamps"):
         read(write(tmp_path, verbose(fs_stated=1000.0)), ["Mini sensor 1: EMG 1"])
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (verbose().replace("Number of points: 54", "Number of points: many"), "line 1: wanted Label"),
+        (verbose().replace("Number of points: 54", "Number of points: many"), "line 1: expected Label"),
         (verbose().replace("Label: Mini sensor 1: ACC.X 1", "Label: Mini sensor 9: ACC.X 9"), "of the Label lines"),
         ("".join(verbose().splitlines(True)[:4]), "header row that begins with X"),
-        ("X[s],A,X[s],B,C\n0,1,0,2,3\n", r"line 1, column 5: wanted X\[s\]; found 'C'"),
+        ("X[s],A,X[s],B,C\n0,1,0,2,3\n", r"line 1, column 5: expected X\[s\], but found 'C'"),
     ],
 )
 def test_damaged_headers(tmp_path: Path, text: str, message: str) -> None:

@@ -89,7 +89,7 @@ def test_a_fault_is_a_recording_error_and_the_next_file_is_read(odd: Path, fault
     assert caught.value.where == str(odd)
     assert caught.value.found == found
     assert do in caught.value.do
-    assert "wanted ODD data that libodd can read" in str(caught.value)
+    assert "expected ODD data that libodd can read" in str(caught.value)
     odd.write_text("good")
     assert [info.name for info in inspect(odd, reading)[1]] == ["EDC", "Fz"]
 

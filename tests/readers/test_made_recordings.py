@@ -90,12 +90,12 @@ def test_a_gain_of_the_converter_is_said_and_not_applied(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("version", [1, 2, 4])
 def test_other_versions_of_demg_are_refused(tmp_path: Path, version: int) -> None:
-    with pytest.raises(RecordingError, match=f"wanted a DEMG file of version 3; found version {version}"):
+    with pytest.raises(RecordingError, match=f"expected a DEMG file of version 3, but found version {version}"):
         _opened(tmp_path, made.demg(version=version))
 
 
 def test_a_demg_header_that_ends_early_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="wanted a whole DEMG header"):
+    with pytest.raises(RecordingError, match="expected a whole DEMG header"):
         _opened(tmp_path, made.demg()[:400])
 
 
@@ -119,7 +119,7 @@ def test_a_delsys_mat_export_has_names_rates_and_no_padding(tmp_path: Path, cell
     [
         ({"Fs": np.array([[1000.0], [148.148]])}, "1000 Hz in Fs, 2148.15 Hz by Time"),
         ({"Fs": np.array([[2148.148]])}, "2 Channels, 1 Fs"),
-        ({"Data": "text"}, "variable 'Data': wanted a matrix of numbers"),
+        ({"Data": "text"}, "variable 'Data': expected a matrix of numbers"),
     ],
 )
 def test_a_delsys_mat_export_that_contradicts_itself_is_refused(tmp_path: Path, change: dict, found: str) -> None:
@@ -147,7 +147,7 @@ def test_counts_become_volts_by_the_gain_that_the_study_states(tmp_path: Path) -
     emg = _written(tmp_path, made.opensignals(), "made_opensignals.txt")
     force = _written(tmp_path, made.net_ft(), "made_net_ft.csv")
     with pytest.raises(
-        RecordingError, match=r"wanted an EMG in V, mV or uV; found unit 'counts'; OpenSignals stores counts"
+        RecordingError, match=r"expected an EMG in V, mV or uV, but found unit 'counts'; OpenSignals stores counts"
     ):
         read_roles(emg, force, _roles(unit=None, gain=1.0))
     roles = read_roles(emg, force, _roles(unit="V", gain=2**16 * 1000 / 3))
@@ -173,7 +173,7 @@ def test_a_counter_that_stands_still_is_not_followed(tmp_path: Path) -> None:
     ("old", "new", "found"),
     [
         ('"sampling rate": 1000', '"sampling rate": 0', "0 as the sampling rate of 00:07"),
-        ('"CH2"], "label"', '"CH2", "CH3"], "label"', "wanted 5 cells, as the header names; found 5"),
+        ('"CH2"], "label"', '"CH2", "CH3"], "label"', "expected 5 cells, as the header names, but found 5"),
         ('# {"', "# {", "no JSON"),
         ("# EndOfHeader", "# Other", "no line 3"),
         ('"column": [', '"columnz": [', "None as the columns of"),
@@ -200,7 +200,7 @@ def test_an_hdf5_file_of_another_program_is_refused(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["x"] = np.zeros(9)
-    with pytest.raises(RecordingError, match=r"wanted an HDF5 file of OpenSignals.*found groups 'x'"):
+    with pytest.raises(RecordingError, match=r"expected an HDF5 file of OpenSignals.*found groups 'x'"):
         open_recording(tmp_path / "a.h5")
 
 
@@ -232,7 +232,11 @@ def test_streams_of_an_xdf_file_keep_their_rates_and_times(tmp_path: Path) -> No
     np.testing.assert_array_equal(force.samples, made.wave(N // 2, 3))
     assert (fds.unit, fds.fs_hz, fds.start_s) == ("uV", pytest.approx(500), pytest.approx(3))
     assert (force.unit, force.fs_hz, force.start_s) == (None, pytest.approx(50), pytest.approx(3.05))
-    with pytest.raises(RecordingError, match=r"'Events: 1': wanted evenly spaced time stamps.* found a gap of 0.25 s"):
+    with pytest.raises(
+        RecordingError,
+        match=r"'Events: 1': expected evenly spaced time stamps.* found a gap of 0.25 "
+        r"s",
+    ):
         _channel(opened, "Events: 1")
 
 
@@ -314,9 +318,9 @@ def test_a_labview_file_that_ends_before_it_promised_says_so(tmp_path: Path) -> 
     [
         ("Decimal_Separator\t,", "Decimal_Separator\t;", "Decimal_Separator ';'"),
         ("Channels\t2", "Channel\t2", "no line 'Channels'"),
-        ("X_Value\tEMG", "EMG", "wanted a row of names that begins with X_Value"),
+        ("X_Value\tEMG", "EMG", "expected a row of names that begins with X_Value"),
         ("***End_of_Header***", "***", "End_of_Header"),
-        ("\t0,", "\t0,1x", "wanted a number; found '0.1x"),
+        ("\t0,", "\t0,1x", "expected a number, but found '0.1x"),
     ],
 )
 def test_a_damaged_labview_file_is_refused(tmp_path: Path, old: str, new: str, found: str) -> None:
@@ -419,7 +423,7 @@ def test_a_package_that_is_not_installed_is_named(tmp_path: Path, monkeypatch: p
     end_child()
     monkeypatch.syspath_prepend(str(tmp_path / "hidden"))  # the child searches where this process does
     try:
-        with pytest.raises(RecordingError, match=r"wanted the package npTDMS.*pip install 'emg2vsa\[formats\]'"):
+        with pytest.raises(RecordingError, match=r"expected the package npTDMS.*pip install 'emg2vsa\[formats\]'"):
             open_recording(path)
     finally:
         end_child()

@@ -67,23 +67,23 @@ def test_a_vector_of_another_length_has_the_rate_and_time_of_its_own_name(tmp_pa
     found = {c.name: c.fs_hz for c in inspect(save(tmp_path, fs=1000, **signals, **own))[1]}
     assert found == {"EMG": 1000, "Fz": 100, "Fx": 200}
     assert read(save(tmp_path, fs=1000, **signals, **own), ["Fx"]).channels[0].start_s == 0.5
-    with pytest.raises(RecordingError, match="wanted a sampling rate"):
+    with pytest.raises(RecordingError, match="expected a sampling rate"):
         read(save(tmp_path, fs=1000, **signals), ["Fz"])
-    with pytest.raises(RecordingError, match="the stated rate, 100 Hz; found 200 Hz"):
+    with pytest.raises(RecordingError, match="the stated rate, 100 Hz, but found 200 Hz"):
         inspect(save(tmp_path, Fx=signals["Fx"], fs_Fx=100, t_Fx=own["t_Fx"]))
 
 
 @pytest.mark.parametrize(
     ("variables", "message"),
     [
-        ({"EDC": np.ones(50)}, "wanted a sampling rate"),
+        ({"EDC": np.ones(50)}, "expected a sampling rate"),
         (
             {"EDC": np.ones(50), "fs": 1000, "time": np.arange(50) / 500.0},
-            "wanted the stated rate, 1000 Hz; found 500 Hz",
+            "expected the stated rate, 1000 Hz, but found 500 Hz",
         ),
-        ({"EDC": np.ones(50), "fs": 1000, "srate": 500}, "wanted one sampling rate"),
+        ({"EDC": np.ones(50), "fs": 1000, "srate": 500}, "expected one sampling rate"),
         ({"EDC": np.array([1.0, np.inf, 2.0]), "fs": 1000}, "found inf at sample 1"),
-        ({"fs": 1000}, "wanted numeric vectors"),
+        ({"fs": 1000}, "expected numeric vectors"),
     ],
 )
 def test_faults(tmp_path: Path, variables: dict[str, object], message: str) -> None:

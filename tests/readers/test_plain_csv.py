@@ -76,7 +76,7 @@ def test_time_in_milliseconds(tmp_path: Path) -> None:
 
 def test_a_count_of_samples_is_no_time(tmp_path: Path) -> None:
     text = "time,EDC (mV)\n" + "".join(f"{i},{i}\n" for i in range(20))
-    with pytest.raises(RecordingError, match="wanted a time unit"):
+    with pytest.raises(RecordingError, match="expected a time unit"):
         read(write(tmp_path, text), ["EDC"])
 
 
@@ -118,21 +118,23 @@ def test_a_second_time_column_governs_the_columns_after_it(tmp_path: Path) -> No
     [
         ("time (s),EDC (mV)\n", "1 filled lines"),
         ("time (s)\n0\n1\n", "channels beside the time"),
-        ("time (s),EDC (mV)\n0,1\n0.001,abc\n0.002,3\n", r"line 3, column 'EDC': wanted a number; found 'abc'"),
-        ("# note\ntime (s),EDC (mV)\n0,1\n\n0.001,1.2.3\n", r"line 5, column 'EDC': wanted a number"),
-        ("time (s),EDC (mV)\n0,1\n0.001,2,9\n", r"line 3: wanted 2 cells; found 3"),
-        ("time (s),EDC (mV)\n0,1,0,2\n0,1,0,3\n", r"line 2: wanted 2 cells, .*; found 4. Separate .* by semicolons"),
+        ("time (s),EDC (mV)\n0,1\n0.001,abc\n0.002,3\n", r"line 3, column 'EDC': expected a number, but found 'abc'"),
+        ("# note\ntime (s),EDC (mV)\n0,1\n\n0.001,1.2.3\n", r"line 5, column 'EDC': expected a number"),
+        ("time (s),EDC (mV)\n0,1\n0.001,2,9\n", r"line 3: expected 2 cells, but found 3"),
+        ("time (s),EDC (mV)\n0,1,0,2\n0,1,0,3\n", r"line 2: expected 2 cells, .*, but found 4. Separate .* by "
+                                                  r"semicolons"),
         ("time (s);EDC (mV)\n0,1;1.5\n0,2;1.7\n", "decimal points and decimal commas"),
-        ("time (s),EDC (mV)\n" + "0,1\n" * 99 + "0.099,1,5\n", r"line 101: wanted 2 cells; found 3"),
-        ("time (s),EDC (mV)\n10:32:01.5,1\n10:32:01.6,1\n", r"line 2, column 'time of EDC': wanted a number"),
+        ("time (s),EDC (mV)\n" + "0,1\n" * 99 + "0.099,1,5\n", r"line 101: expected 2 cells, but found 3"),
+        ("time (s),EDC (mV)\n10:32:01.5,1\n10:32:01.6,1\n", r"line 2, column 'time of EDC': expected a number"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.001,3\n0.002,4\n", "line 4: .*same stamp again"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,3\n0.009,4\n0.010,3\n", "line 5: .*a gap of 0.007 s"),
-        ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,nan\n0.003,3\n", r"'EDC': .*; found nan at sample 1 \(0.001 s; 2 of 4"),
+        ("time (s),EDC (mV)\n0,1\n0.001,\n0.002,nan\n0.003,3\n", r"'EDC': .*, but found nan at sample 1 \(0.001 s; 2 "
+                    r"of 4"),
         ("time (s),EDC (mV)\n0,nan\n0.001,2\n0.002,-inf\n0.003,3\n", r"found -inf at sample 2 \(0.002 s; 1 of 4 sam"),
         ("time (s),EDC (mV)\n0,1\n0.001,2\n0.002,inf\n", r"found inf at sample 2 \(0.002 s"),
         ("time (s),EDC (mV)\n0,inf\n0.001,-inf\n0.002,1\n", r"found inf at sample 0 \(0 s; 2 of 3 samples"),
-        ("time (s),EDC (mV)\n0,\n0.001,\n", "wanted samples; found none"),
-        ("time (s),EDC (mV)\n0,1\n,2\n0.002,3\n", "line 3: wanted a time stamp"),
+        ("time (s),EDC (mV)\n0,\n0.001,\n", "expected samples, but found none"),
+        ("time (s),EDC (mV)\n0,1\n,2\n0.002,3\n", "line 3: expected a time stamp"),
     ],
 )  # fmt: skip
 def test_faults_say_where_and_what(tmp_path: Path, text: str, message: str) -> None:
@@ -171,7 +173,7 @@ def test_the_ati_log_without_time_wants_its_rate_stated(shared_data) -> None:
 
 def test_a_stated_rate_that_contradicts_the_time_is_refused(tmp_path: Path) -> None:
     _, opened = open_recording(write(tmp_path, table("time (s),EDC (mV),Fz (N)")))
-    with pytest.raises(RecordingError, match="the study states, 500 Hz; found 1000 Hz by the file"):
+    with pytest.raises(RecordingError, match="the study states, 500 Hz, but found 1000 Hz by the file"):
         load_named(opened, ["EDC"], [500.0])
 
 
@@ -196,7 +198,7 @@ def test_units_at_the_end_of_names(tmp_path: Path) -> None:
 )
 def test_text_is_no_recording(tmp_path: Path, content: str) -> None:
     (tmp_path / "README.md").write_text(content)
-    with pytest.raises(RecordingError, match=r"wanted a table of numbers .*; found text, "):
+    with pytest.raises(RecordingError, match=r"expected a table of numbers .*, but found text, "):
         inspect(tmp_path / "README.md")
 
 
@@ -230,7 +232,7 @@ def test_missing_numbers_are_counted(tmp_path: Path, written: str) -> None:
 def test_a_cell_too_many_in_a_file_with_quotes_is_refused(tmp_path: Path) -> None:
     rows = [f'"{i / 1000:.3f}","{i}"' for i in range(40)]
     rows[20] += ',"7"'
-    with pytest.raises(RecordingError, match="line 22: wanted 2 cells; found 3"):
+    with pytest.raises(RecordingError, match="line 22: expected 2 cells, but found 3"):
         read(write(tmp_path, "\n".join(['"time (s)","EDC (mV)"', *rows]) + "\n"), ["EDC"])
 
 

@@ -45,7 +45,7 @@ CASES = {
 def test_a_refused_file_says_what_it_is_and_what_to_do(tmp_path: Path, name: str) -> None:
     content, said = CASES[name]
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(RecordingError, match=f"wanted a recording in a format that is read; found {said}"):
+    with pytest.raises(RecordingError, match=f"expected a recording in a format that is read, but found {said}"):
         open_recording(tmp_path / name)
 
 

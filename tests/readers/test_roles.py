@@ -66,10 +66,10 @@ def test_newtons_per_unit_for_what_is_no_force(tmp_path: Path) -> None:
         (
             "time (s),e1,Fz (N)",
             ForceChannelSettings(name="Fz"),
-            "channel 'e1': wanted an EMG in V, mV or uV; found no unit",
+            "channel 'e1': expected an EMG in V, mV or uV, but found no unit",
         ),
         ("time (s),e1 (N),Fz (N)", ForceChannelSettings(name="Fz"), "found unit 'N'"),
-        ("time (s),e1 (mV),Fz", ForceChannelSettings(name="Fz"), "channel 'Fz': wanted a force .*found no unit"),
+        ("time (s),e1 (mV),Fz", ForceChannelSettings(name="Fz"), "channel 'Fz': expected a force .*found no unit"),
         ("time (s),e1 (mV),Fz (%)", ForceChannelSettings(name="Fz"), "found unit '%'.*newtons_per_unit"),
         ("time (s),e1 (mV),Fz (N)", ForceChannelSettings(name="Fz", newtons_per_unit=2.0), "either a force unit or"),
         ("time (s),e1 (mV),Fz (N)", ForceChannelSettings(name="fz"), "channel 'fz': .*Did you mean 'Fz'"),
@@ -91,7 +91,9 @@ def test_two_files_that_do_not_overlap(tmp_path: Path) -> None:
     emg = write(tmp_path, "emg.csv", "time (s),e1 (mV),e2 (mV)")
     force = write(tmp_path, "force.csv", "time (s),Fz (N)", start=50.0)
     with pytest.raises(
-        RecordingError, match=r"wanted time in common with the force \(50 to 50.1 s in force.csv\); found 0 to 0.1"
+        RecordingError,
+        match=r"expected time in common with the force \(50 to 50.1 s in force.csv\), but found 0 to "
+        r"0.1",
     ):
         read_roles(emg, force, wanted())
 
@@ -131,7 +133,7 @@ def test_real_emg_in_volts_with_force_plate(shared_data) -> None:
 @pytest.mark.parametrize(("fs", "meant"), [(1.0, "milliseconds or a count"), (1e6, "Is the time in seconds")])
 def test_a_time_in_another_unit_than_its_header_says(tmp_path: Path, fs: float, meant: str) -> None:
     path = write(tmp_path, "a.csv", "time (s),e1 (mV),e2 (mV),Fz (N)", fs=fs)
-    with pytest.raises(RecordingError, match=f"channel 'e1': wanted more than 10 .*{meant}"):
+    with pytest.raises(RecordingError, match=f"channel 'e1': expected more than 10 .*{meant}"):
         read_roles(path, None, wanted())
 
 
@@ -142,7 +144,7 @@ def test_rates_are_stated_by_channel_where_a_file_has_none(tmp_path: Path) -> No
     roles = read_roles(path, None, settings)
     assert (roles.emg["EDC"].fs_hz, roles.force.fs_hz) == (1000.0, 500.0)
     assert "e1: the file states no sampling rate; 1000 Hz as the study states." in roles.notes
-    with pytest.raises(RecordingError, match="channel 'Fz': wanted a sampling rate"):
+    with pytest.raises(RecordingError, match="channel 'Fz': expected a sampling rate"):
         read_roles(path, None, wanted(EDC=EmgChannelSettings(name="e1", fs_hz=1000)))
 
 

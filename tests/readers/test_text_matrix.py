@@ -48,10 +48,10 @@ def test_faults_name_their_line(tmp_path: Path) -> None:
     path = write(tmp_path, np.stack([TIME, VALUES[0]]), " ")
     text = path.read_text().split("\n")
     path.write_text(text[0] + "\n" + text[1] + " 7.0\n")
-    with pytest.raises(RecordingError, match="line 2: wanted 400 values, as in line 1; found 401"):
+    with pytest.raises(RecordingError, match="line 2: expected 400 values, as in line 1, but found 401"):
         inspect(path)
     path.write_text(text[0] + "\n" + text[1].rpartition(" ")[0] + " abc\n")
-    with pytest.raises(RecordingError, match="line 2: wanted numbers; found 'abc'"):
+    with pytest.raises(RecordingError, match="line 2: expected numbers, but found 'abc'"):
         inspect(path)
 
 

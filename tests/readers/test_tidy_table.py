@@ -71,7 +71,7 @@ def test_near_names_are_offered(tmp_path: Path) -> None:
         ("a,b\n", "1 filled lines"),
         ("1,2\n3,4\n", "header row of different names"),
         ("a,a\n1,2\n", "'a' twice"),
-        ("a,b\n1,2,3\n", "line 2: wanted 2 cells"),
+        ("a,b\n1,2,3\n", "line 2: expected 2 cells"),
         ('a,b\n1,"2\n3,4\n', "quotation mark"),
         ("PK\0\0", "binary content"),
     ],

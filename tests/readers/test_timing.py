@@ -44,7 +44,7 @@ def test_stamps_with_seven_digits_beyond_a_thousand_seconds() -> None:
         (lambda t: np.insert(t, 5, t[4]), r"line 7: .*same stamp again"),
         (lambda t: np.delete(t, [10, 11]), r"line 12: .*a gap of 0.003 s after 0.009 s"),
         (lambda t: t[::-1], r"line 3: .*a step back"),
-        (lambda t: np.where(np.arange(t.size) == 3, np.nan, t), r"line 5: wanted a time stamp"),
+        (lambda t: np.where(np.arange(t.size) == 3, np.nan, t), r"line 5: expected a time stamp"),
         (lambda t: t[:1], r"at least two"),
     ],
 )

@@ -36,8 +36,8 @@ def test_messages_do_not_tell_where_the_project_lies(study_at, said, shown):
 
 
 def test_the_rest_of_a_failure_stays(study_at):
-    failure = Failure("P01/S1", "trials", "/srv/lab/a.csv: wanted /srv/lab/b.csv")
-    assert ShortPaths(study_at("/srv")).failures([failure]) == (replace(failure, message="a.csv: wanted b.csv"),)
+    failure = Failure("P01/S1", "trials", "/srv/lab/a.csv: expected /srv/lab/b.csv")
+    assert ShortPaths(study_at("/srv")).failures([failure]) == (replace(failure, message="a.csv: expected b.csv"),)
 
 
 def test_folders_around_the_study_and_beside_it_are_told_apart(study_at):

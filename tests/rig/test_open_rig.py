@@ -100,7 +100,7 @@ def test_high_stiffness_takes_the_rigid_motor(settings: DeviceSettings) -> None:
         assert isinstance(opened.devices.actuator, RigidMotor)
         assert opened.devices.camera is None
     with (
-        pytest.raises(SettingError, match=r"wanted a table \[motor\] for high-stiffness; found nothing"),
+        pytest.raises(SettingError, match=r"expected a table \[motor\] for high-stiffness, but found nothing"),
         open_rig(replace(settings, motor=None), PATIENT, "high-stiffness", WallClock()),
     ):
         pass
@@ -119,7 +119,9 @@ def test_what_was_open_is_closed_when_something_is_absent(
     }[absent]
     wanted = {"camera": "frames a second", "force": "the box's configuration", "actuator": "a serial port"}
     with (
-        pytest.raises(DeviceError, match=wanted.get(absent, "qbmove 7: wanted a device that answers; found silence")),
+        pytest.raises(
+            DeviceError, match=wanted.get(absent, "qbmove 7: expected a device that answers, but found silence")
+        ),
         open_rig(wrong, PATIENT, "modular", WallClock()),
     ):
         pass
@@ -132,7 +134,11 @@ def test_an_address_that_is_not_written_is_not_guessed(key: str, settings: Devic
     table, name = key.split(".")
     bare = replace(settings, camera=None, **{table: replace(getattr(settings, table), **{name: None})})
     with (
-        pytest.raises(SettingError, match=rf"{key}: wanted the .*; found nothing\. Write it into the rig file, or use"),
+        pytest.raises(
+            SettingError,
+            match=rf"{key}: expected the .*, but found nothing\. Write it into the rig file, "
+            r"or use",
+        ),
         open_rig(bare, PATIENT, "modular", WallClock()),
     ):
         pass
@@ -143,9 +149,9 @@ def test_an_address_that_is_not_written_is_not_guessed(key: str, settings: Devic
     [
         (
             {"model": "advanced"},
-            'model: wanted firmware of the advanced .*; found QBMMP v6.1.0. Set model = "maker-pro"',
+            'model: expected firmware of the advanced .*, but found QBMMP v6.1.0. Set model = "maker-pro"',
         ),
-        ({"generation": "v7"}, 'generation: wanted firmware v7; found QBMMP v6.1.0. Set generation = "v6"'),
+        ({"generation": "v7"}, 'generation: expected firmware v7, but found QBMMP v6.1.0. Set generation = "v6"'),
     ],
 )
 def test_another_device_than_the_file_says_is_refused(

@@ -65,7 +65,11 @@ def test_a_key_in_quotation_marks_is_found() -> None:
 
 def test_an_inline_table_is_refused() -> None:
     form = "rig = { push_sign = 1, home_ticks = 3 }\n"
-    with pytest.raises(SettingError, match=r"rig.push_sign: wanted a key on a line of its own; found another form"):
+    with pytest.raises(
+        SettingError,
+        match=r"rig.push_sign: expected a key on a line of its own, but found another "
+        r"form",
+    ):
         edited(form, ("rig", "push_sign"), -1, Path("rig.toml"))
 
 

@@ -23,39 +23,39 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
         (
             "[actuator]", "[actuatr]",
             [
-                "1: actuatr: wanted a known key; found 'actuatr'. Did you mean 'actuator'?",
-                "1: actuator: wanted a table [actuator]; found nothing.",
+                "1: actuatr: expected a known key, but found 'actuatr'. Did you mean 'actuator'?",
+                "1: actuator: expected a table [actuator], but found nothing.",
             ],
         ),
         (
             'port = "/dev/ttyUSB0"', "baud = 9600",
-            ["2: actuator.baud: wanted 2000000 or 460800; found 9600."],
+            ["2: actuator.baud: expected 2000000 or 460800, but found 9600."],
         ),
         (
             'port = "/dev/ttyUSB0"', 'port = 3\nid = 0\nwatchdog_s = 9\ngeneration = "v7.1"',
             [
-                "2: actuator.port: wanted text in quotes; found 3.",
-                "3: actuator.id: wanted a number >= 1; found 0.",
-                "4: actuator.watchdog_s: wanted a number <= 5; found 9.",
-                "5: actuator.generation: wanted 'v6' or 'v7'; found \"v7.1\". Did you mean 'v7'?",
+                "2: actuator.port: expected text in quotes, but found 3.",
+                "3: actuator.id: expected a number >= 1, but found 0.",
+                "4: actuator.watchdog_s: expected a number <= 5, but found 9.",
+                "5: actuator.generation: expected 'v6' or 'v7', but found \"v7.1\". Did you mean 'v7'?",
             ],
         ),
         (
             'kind = "net-ft"', 'kind = "netft"',
-            ["8: force.kind: wanted 'net-ft' or 'ni-daq'; found \"netft\". Did you mean 'net-ft'?"],
+            ["8: force.kind: expected 'net-ft' or 'ni-daq', but found \"netft\". Did you mean 'net-ft'?"],
         ),
         (
             'kind = "net-ft"', 'kind = "ni-daq"\ncal_file = "a.cal"',
             [
-                "7: force.channels: wanted a key 'channels' with kind = 'ni-daq'; found nothing.",
-                "10: force.host: wanted keys of this kind only ('host' is of 'net-ft'); "
-                "found 'host' with kind = 'ni-daq'.",
+                "7: force.channels: expected a key 'channels' with kind = 'ni-daq', but found nothing.",
+                "10: force.host: expected keys of this kind only ('host' is of 'net-ft'), "
+                "but found 'host' with kind = 'ni-daq'.",
             ],
         ),
         (
             FORCE, FORCE + "rate_hz = 1000\n",
             [
-                "10: force.rate_hz: wanted a known key; found 'rate_hz'. "
+                "10: force.rate_hz: expected a known key, but found 'rate_hz'. "
                 "The keys are kind, host, rdt_port, http_port, buffered, channels, cal_file, bias. "
                 "[rig] has a key of that name.",
             ],
@@ -63,103 +63,110 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
         (
             '["S1", "S3"]', '["S1", "S1", "S 3"]',
             [
-                "12: experiment.specimens[1]: wanted every name once; found 'S1' again.",
-                "12: experiment.specimens[2]: wanted letters, digits, - _ and dots only, the first a letter or digit; "
-                'found "S 3".',
-                "14: emulated.stiffness_n_per_mm.S 3: wanted the stiffness of every specimen, S 3 too; found nothing. "
+                "12: experiment.specimens[1]: expected every name once, but found 'S1' again.",
+                "12: experiment.specimens[2]: expected letters, digits, - _ and dots only, the first a letter or "
+                "digit, "
+                'but found "S 3".',
+                "14: emulated.stiffness_n_per_mm.S 3: expected the stiffness of every specimen, S 3 too, but found "
+                "nothing. "
                 "Did you mean 'S3'?",
             ],
         ),
         (
             '["S1", "S3"]', "[]",
-            ["12: experiment.specimens: wanted at least 1 entry; found []."],
+            ["12: experiment.specimens: expected at least 1 entry, but found []."],
         ),
         (
             '["S1", "S3"]', '["S1"]\nangles_deg = { modullar = [0] }',
             [
-                "13: experiment.angles_deg.modullar: wanted 'high-stiffness', 'modular', 'constant-min', "
-                "'constant-mean' or 'constant-max'; found \"modullar\". Did you mean 'modular'?",
+                "13: experiment.angles_deg.modullar: expected 'high-stiffness', 'modular', 'constant-min', "
+                "'constant-mean' or 'constant-max', but found \"modullar\". Did you mean 'modular'?",
             ],
         ),
         (
             '["S1", "S3"]', '["S1"]\nangles_deg = { constant-min = [0, 90, 0] }',
             [
-                "13: experiment.angles_deg.constant-min[1]: wanted 0 to below 90 degrees; found 90.",
-                "13: experiment.angles_deg.constant-min[2]: wanted every angle once; found 0 again.",
+                "13: experiment.angles_deg.constant-min[1]: expected 0 to below 90 degrees, but found 90.",
+                "13: experiment.angles_deg.constant-min[2]: expected every angle once, but found 0 again.",
             ],
         ),
         (
             '["S1", "S3"]', '["S1"]\nangles_deg = { modular = [] }',
-            ["13: experiment.angles_deg: wanted an angle of one condition at least; found none."],
+            ["13: experiment.angles_deg: expected an angle of one condition at least, but found none."],
         ),
         (
             '["S1", "S3"]', '["S1"]\nf_max_n = 12\ntravel_mm = 20\nrepetitions = 2.5',
             [
-                "13: experiment.f_max_n: wanted a force above contact, 0.5 N, and below the guard rig.guards.force_n, "
-                "10 N; found 12.",
-                "14: experiment.travel_mm: wanted at most rig.travel_mm, 15; found 20.",
-                "15: experiment.repetitions: wanted a whole number; found 2.5.",
+                "13: experiment.f_max_n: expected a force above contact, 0.5 N, and below the guard "
+                "rig.guards.force_n, "
+                "10 N, but found 12.",
+                "14: experiment.travel_mm: expected at most rig.travel_mm, 15, but found 20.",
+                "15: experiment.repetitions: expected a whole number, but found 2.5.",
             ],
         ),
         (
             "[emulated]", "[camera]\nsource = 0\nheight = 3000\nwidth = 4000\nrate_hz = 120\n[emulated]",
             [
-                "16: camera.height: wanted less than 4 GiB of frames in a press; found up to 4.1 GiB: 4000 x 3000 "
+                "16: camera.height: expected less than 4 GiB of frames in a press, but found up to 4.1 GiB: 4000 x "
+                "3000 "
                 "pixels for 3.05 s. Choose smaller frames, a lower rate_hz, or a faster ramp.",
             ],
         ),
         (
             MOTOR, "",
             [
-                "1: motor: wanted a table [motor], as the experiment has the condition high-stiffness; found nothing. "
+                "1: motor: expected a table [motor], as the experiment has the condition high-stiffness, but found "
+                "nothing. "
                 "Add it, or give angles_deg without high-stiffness.",
             ],
         ),
         (
             MOTOR, MOTOR.replace("USB1", "USB0"),
             [
-                "4: motor.id: wanted a board of its own; found id 1 at /dev/ttyUSB0, as for [actuator]. "
+                "4: motor.id: expected a board of its own, but found id 1 at /dev/ttyUSB0, as for [actuator]. "
                 "Give one of them another id; emg2vsa rig scan lists who answers.",
             ],
         ),
         (
             "[emulated]", "[emulated]\nstiffness_n_per_mm = { S1 = 1, S3 = -2 }\nspring = 1",
             [
-                "15: emulated.stiffness_n_per_mm.S3: wanted a number > 0; found -2.",
-                "16: emulated.spring: wanted a known key; found 'spring'. Did you mean 'springs'?",
+                "15: emulated.stiffness_n_per_mm.S3: expected a number > 0, but found -2.",
+                "16: emulated.spring: expected a known key, but found 'spring'. Did you mean 'springs'?",
             ],
         ),
         (
             "[emulated]", "[camera]\nsource = -1",
-            ["15: camera.source: wanted a number >= 0 or text in quotes; found -1."],
+            ["15: camera.source: expected a number >= 0 or text in quotes, but found -1."],
         ),
         (
             "[emulated]", "[rig]\nstiffness_percent = [80, 20]\npush_axis = [0, 0, 2]\nhome_ticks = 6000",
             [
-                "15: rig.stiffness_percent: wanted the smaller of two different numbers first; found [80.0, 20.0].",
-                "16: rig.push_axis: wanted a direction of length 1; found one of length 2. Along z it is [0, 0, 1].",
-                "14: rig.travel_mm: wanted every depth within position_ticks, -12000 to 12000; "
-                "found 15 mm at 12827 ticks.",
+                "15: rig.stiffness_percent: expected the smaller of two different numbers first, but found [80.0, "
+                "20.0].",
+                "16: rig.push_axis: expected a direction of length 1, but found one of length 2. Along z it is [0, "
+                "0, 1].",
+                "14: rig.travel_mm: expected every depth within position_ticks, -12000 to 12000, "
+                "but found 15 mm at 12827 ticks.",
             ],
         ),
         (
             "[emulated]", "[rig.guards]\nstale_s = 0.005\nforce = 3",
             [
-                "15: rig.guards.stale_s: wanted more than a period of the loop, 0.005 s; found 0.005.",
-                "16: rig.guards.force: wanted a known key; found 'force'. Did you mean 'force_n'?",
+                "15: rig.guards.stale_s: expected more than a period of the loop, 0.005 s, but found 0.005.",
+                "16: rig.guards.force: expected a known key, but found 'force'. Did you mean 'force_n'?",
             ],
         ),
         (
             "[emulated]", "[rig]\nrate_hz = 49",
-            ["15: rig.rate_hz: wanted a number >= 50; found 49."],
+            ["15: rig.rate_hz: expected a number >= 50, but found 49."],
         ),
         (
             "[emulated]", "[rig]\nmax_mm_per_s = 15\n[rig.guards]\nmotors_every_s = 0.25",
             [
-                "14: rig.escape_mm_per_s: wanted at most rig.max_mm_per_s, 15; found 20.",
+                "14: rig.escape_mm_per_s: expected at most rig.max_mm_per_s, 15, but found 20.",
                 *(
-                    f"17: rig.guards.motors_every_s: wanted less than half of {board}.watchdog_s, 0.5: "
-                    "questions keep it from running out; found 0.25."
+                    f"17: rig.guards.motors_every_s: expected less than half of {board}.watchdog_s, 0.5: "
+                    "questions keep it from running out, but found 0.25."
                     for board in ("actuator", "motor")
                 ),
             ],
@@ -167,8 +174,8 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
         (
             '["S1", "S3"]', '["S1"]\nramp_mm_per_s = 41\nstiffness_n_per_mm = { S1 = 7, S2 = 5 }',
             [
-                "13: experiment.ramp_mm_per_s: wanted at most rig.max_mm_per_s, 40; found 41.",
-                "14: experiment.stiffness_n_per_mm.S2: wanted a specimen of the experiment; found \"S2\". "
+                "13: experiment.ramp_mm_per_s: expected at most rig.max_mm_per_s, 40, but found 41.",
+                "14: experiment.stiffness_n_per_mm.S2: expected a specimen of the experiment, but found \"S2\". "
                 "Did you mean 'S1'?",
             ],
         ),
@@ -183,25 +190,25 @@ def test_bad_files(old: str, new: str, said: list[str], small: str, problems: Pr
 def test_no_guard_may_pass_its_bound(guard: str, small: str, problems: Problems) -> None:
     value = "1" if guard == "following_ticks_per_s" else "1e9"
     (line,) = problems(small.replace("[emulated]", f"[rig.guards]\n{guard} = {value}\n[emulated]", 1))
-    assert line.startswith(f"15: rig.guards.{guard}: wanted a number ")
+    assert line.startswith(f"15: rig.guards.{guard}: expected a number ")
 
 
 @pytest.mark.parametrize("line", ["max_mm_per_s = 201", "escape_mm_per_s = 4", "settle_s = 3"])
 def test_no_speed_or_time_of_the_way_out_may_pass_its_bound(line: str, small: str, problems: Problems) -> None:
     (said,) = problems(small.replace("[emulated]", f"[rig]\n{line}\n[emulated]", 1))
-    assert said.startswith(f"15: rig.{line.partition(' ')[0]}: wanted a number ")
+    assert said.startswith(f"15: rig.{line.partition(' ')[0]}: expected a number ")
 
 
 def test_problems_of_all_tables_at_once(small: str, problems: Problems) -> None:
     bad = small.replace('kind = "net-ft"', "").replace("[motor]", "[moter]")
     bad = bad.replace("[emulated]", "repetitions = 0")
-    assert [line.partition(": wanted")[0] for line in problems(bad)] == [
+    assert [line.partition(": expected")[0] for line in problems(bad)] == [
         "1: motor", "4: moter", "7: force.kind", "14: experiment.repetitions",
     ]  # fmt: skip
 
 
 def test_a_file_that_is_no_toml_or_not_there(tmp_path: Path, problems: Problems) -> None:
     (line,) = problems("[rig\n")
-    assert line.startswith("1:5: wanted valid TOML; found: ")
-    with pytest.raises(StudyError, match=r"none\.toml: wanted a rig file; found none to read"):
+    assert line.startswith("1:5: expected valid TOML, but the parser says: ")
+    with pytest.raises(StudyError, match=r"none\.toml: expected a rig file, but found none to read"):
         load_rig(tmp_path / "none.toml")

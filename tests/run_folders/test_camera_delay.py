@@ -86,8 +86,8 @@ def test_pins_that_do_not_move_tell_nothing():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda path: None, "wanted the folder of a run, or a rig file; found nothing"),
-        (lambda path: path.mkdir(), "wanted the plan of a run"),
+        (lambda path: None, "expected the folder of a run, or a rig file, but found nothing"),
+        (lambda path: path.mkdir(), "expected the plan of a run"),
         (lambda path: path.write_text("[rig]\nspeed = 1\n"), "rig.speed"),
     ],
 )
@@ -106,5 +106,5 @@ def test_too_few_presses(run, tmp_path):
 
 def test_runs_of_two_delays(run, tmp_path):
     (tmp_path / "plan.json").write_text('{"devices": {"camera": {"delay_s": 0.1}}}')
-    with pytest.raises(RecordingError, match=r"one delay_s of all runs; found 0 s, 0.1 s"):
+    with pytest.raises(RecordingError, match=r"one delay_s of all runs, but found 0 s, 0.1 s"):
         measure_delay([run, tmp_path])

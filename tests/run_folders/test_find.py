@@ -47,13 +47,13 @@ def test_a_table_names_runs_of_any_origin(tmp_path):
 @pytest.mark.parametrize(
     ("row", "wanted"),
     [
-        ("a\tS1\t\tmodular", "line 2: wanted a value for angle_deg; found nothing"),
-        ("a\tS1\tsteep\tmodular", "line 2, angle_deg: wanted 0 to below 90 degrees; found 'steep'"),
-        ("a\tS9\t0\tmodular", r"line 2, specimen: .* \(S1, S3, S5, S_new\); found 'S9'"),
+        ("a\tS1\t\tmodular", "line 2: expected a value for angle_deg, but found nothing"),
+        ("a\tS1\tsteep\tmodular", "line 2, angle_deg: expected 0 to below 90 degrees, but found 'steep'"),
+        ("a\tS9\t0\tmodular", r"line 2, specimen: .* \(S1, S3, S5, S_new\), but found 'S9'"),
         ("a\ts_new\t0\tmodular", "line 2, specimen: .* Did you mean 'S_new'"),
-        ("a\tS1\t0\tmodularr", "line 2, condition: wanted one of high-stiffness, .* Did you mean 'modular'"),
+        ("a\tS1\t0\tmodularr", "line 2, condition: expected one of high-stiffness, .* Did you mean 'modular'"),
         ("a\tS1\t0\tHigh stiffness", "line 2, condition: .* Did you mean 'high-stiffness'"),
-        ("gone\tS1\t0\tmodular", "line 2, folder: wanted a folder beside the table; found 'gone'"),
+        ("gone\tS1\t0\tmodular", "line 2, folder: expected a folder beside the table, but found 'gone'"),
     ],
 )
 def test_a_row_that_makes_no_sense_is_named(tmp_path, row, wanted):
@@ -65,14 +65,14 @@ def test_a_row_that_makes_no_sense_is_named(tmp_path, row, wanted):
 
 def test_a_table_without_its_columns(tmp_path):
     table(tmp_path, "a\tS1", head="folder\tname")
-    with pytest.raises(DataError, match="columns folder, specimen, angle_deg, condition; found folder, name"):
+    with pytest.raises(DataError, match="columns folder, specimen, angle_deg, condition, but found folder, name"):
         find_runs(tmp_path, KNOWN)
 
 
 def test_a_plan_that_is_no_plan(tmp_path):
     folder = own_run(tmp_path, "S1_0_modular")
     (folder / "plan.json").write_text("{}")
-    with pytest.raises(DataError, match=r"plan.json: wanted a plan with specimen, angle_deg and condition"):
+    with pytest.raises(DataError, match=r"plan.json: expected a plan with specimen, angle_deg and condition"):
         find_runs(tmp_path, KNOWN)
 
 
@@ -90,7 +90,11 @@ def test_another_name_of_a_condition_is_its_users_own(tmp_path):
 def test_no_press_is_in_two_rows(tmp_path, again):
     (tmp_path / "a" / "inner").mkdir(parents=True)
     table(tmp_path, "a\tS1\t45\tmodular", f"{again}\tS1\t0\tmodular")
-    with pytest.raises(DataError, match=r"line 3, folder: wanted every folder once; found .*whose presses line 2 has"):
+    with pytest.raises(
+        DataError,
+        match=r"line 3, folder: expected every folder once, but found .*whose presses line "
+        r"2 has",
+    ):
         find_runs(tmp_path, KNOWN)
 
 

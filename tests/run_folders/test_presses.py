@@ -28,7 +28,7 @@ def run(tmp_path: Path) -> Path:
 def test_a_press_without_frames_counts_and_says_so(run):
     presses = list(read_presses([run]))
     assert [press.frames is None for press in presses] == [False, True, False]
-    assert "monday-1/press-002: wanted images" in presses[1].problem.replace("\\", "/")
+    assert "monday-1/press-002: expected images" in presses[1].problem.replace("\\", "/")
 
 
 def test_a_run_without_any_frames_has_its_presses(run):

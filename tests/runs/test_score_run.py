@@ -156,9 +156,9 @@ def test_loading_ends_at_the_largest_force_where_f_max_falls_between_two_frames(
 def test_the_most_frequent_reason_counts_alike_what_differs_by_press_and_number(run):
     reasons = (
         "",
-        "a/press-1: wanted a force for every frame; found no force log. Do.",
-        "a/press-2: wanted a press that reaches 5.6 N; found 3.1 N at most. Do.",
-        "a/press-3: wanted a press that reaches 5.6 N; found 2.2 N at most. Do.",
+        "a/press-1: expected a force for every frame, but found no force log. Do.",
+        "a/press-2: expected a press that reaches 5.6 N, but found 3.1 N at most. Do.",
+        "a/press-3: expected a press that reaches 5.6 N, but found 2.2 N at most. Do.",
     )
     assert replace(run, reasons=reasons).most_frequent_reason == reasons[2]
     assert replace(run, reasons=("", "")).most_frequent_reason == ""

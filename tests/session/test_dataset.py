@@ -394,7 +394,7 @@ def test_a_stay_whose_samples_are_gone_is_left_out_and_told(made):
     written = write_dataset(made.folder, made.study)
     assert written.files == ()
     assert len(written.left_out) == 3
-    assert all("wanted force from" in why and "no samples" in why for _, why in written.left_out)
+    assert all("expected force from" in why and "no samples" in why for _, why in written.left_out)
     assert any("sitting-1_force.samples" in note and "No such file" in note for note in written.notes)
 
 
@@ -402,7 +402,7 @@ def test_a_muscle_that_was_not_recorded(made):
     made.study.path.write_text(STUDY.replace("FDS]", "FCR]"))
     written = write_dataset(made.folder, load_study(made.study.path))
     assert written.files == ()
-    assert all("wanted the muscle FCR of [channels.emg]; found EDC, FDS" in why for _, why in written.left_out)
+    assert all("expected the muscle FCR of [channels.emg], but found EDC, FDS" in why for _, why in written.left_out)
 
 
 def test_a_participant_who_is_no_longer_in_the_study(made):

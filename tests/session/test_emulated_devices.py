@@ -245,7 +245,7 @@ def test_pages_are_followed_over_http(door: tuple[Door, ShortDesk]) -> None:
         assert (asked.operator()[1].specimen, asked.operator()[1].presses[0].verdict) == ("S5", "ok")
         assert asked.ask(Request("check", item="chair")) == ""
         assert asked.ask(Request("start")) == "not yet"
-        assert asked.ask(Request("dance")).startswith("name: wanted one of")
+        assert asked.ask(Request("dance")).startswith("name: expected one of")
         assert desk.asked == [Request("check", item="chair"), Request("start")]
 
 

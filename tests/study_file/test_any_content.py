@@ -73,4 +73,4 @@ def test_any_change_is_taken_or_refused(tmp_path_factory: Any, study: dict[str, 
     except StudyError as error:
         said = error.problems
     for problem in said:
-        assert re.match(rf"{re.escape(str(path))}:\d+: .+: wanted .+; found .+\.", problem)
+        assert re.match(rf"{re.escape(str(path))}:\d+: .+: expected .+, but found .+\.", problem)

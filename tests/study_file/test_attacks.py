@@ -36,4 +36,4 @@ def test_no_depth_of_brackets_ends_in_anything_but_an_error_with_a_place(tmp_pat
             seen.add(str(error))
         else:
             seen.add(str(placed(path, text, ())))
-    assert seen == {"", f"{path}: wanted valid TOML; found brackets within brackets by the hundred."}
+    assert seen == {"", f"{path}: expected valid TOML, but found brackets within brackets by the hundred."}

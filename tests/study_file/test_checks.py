@@ -177,7 +177,9 @@ def test_participants_table_without_the_column(
     folder = tmp_path / "studies" / "small"
     folder.mkdir(parents=True)
     text = small.replace('ids = ["P01", "P02"]', 'file = "people.tsv"')
-    assert problems(text)[0].startswith('5: participants.file: wanted a readable table; found "people.tsv": No such')
+    assert problems(text)[0].startswith(
+        '5: participants.file: expected a readable table, but found "people.tsv": No such'
+    )
     (folder / "people.tsv").write_text("name\nP01\n")
     assert "participant_id in every row" in problems(text)[0]
     (folder / "people.tsv").write_text("participant_id\nsub-P01\nsub-P01\n")
@@ -206,5 +208,5 @@ def test_an_age_that_is_none(small: str, problems: Callable[[str], list[str]], t
     folder.mkdir(parents=True)
     (folder / "people.tsv").write_text(f"participant_id\tage\nP01\t{age}\nP02\t30\n")
     (said,) = problems(small.replace('ids = ["P01", "P02"]', 'file = "people.tsv"'))
-    assert "participants.file: wanted an age in years" in said
+    assert "participants.file: expected an age in years" in said
     assert repr(age) in said

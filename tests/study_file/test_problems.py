@@ -22,37 +22,37 @@ def test_six_planted_errors_are_all_reported_on_their_lines(small: str, problems
         .replace("[channels.emg.FDS]", "[filter]\n[channels.emg.FDS]")
     ) + '[fit]\npoints = "bin"\n'
     assert problems(faulty) == [
-        "5: participants.ids[1]: wanted every name once; found 'P01' again.",
-        "13: specimens[1].stiffness_n_per_mm: wanted a number > 0; found -3.35.",
-        "22: filter: wanted a known key; found 'filter'. Did you mean 'filters'?",
-        "26: channels.force.name: wanted a key 'name'; found nothing.",
-        "27: channels.force.named: wanted a known key; found 'named'. Did you mean 'name'?",
-        '31: simulation.b_v.S3: wanted a number; found "15e-6". Write it without quotes.',
-        "33: fit.points: wanted 'bins' or 'samples'; found \"bin\". Did you mean 'bins'?",
+        "5: participants.ids[1]: expected every name once, but found 'P01' again.",
+        "13: specimens[1].stiffness_n_per_mm: expected a number > 0, but found -3.35.",
+        "22: filter: expected a known key, but found 'filter'. Did you mean 'filters'?",
+        "26: channels.force.name: expected a key 'name', but found nothing.",
+        "27: channels.force.named: expected a known key, but found 'named'. Did you mean 'name'?",
+        '31: simulation.b_v.S3: expected a number, but found "15e-6". Write it without quotes.',
+        "33: fit.points: expected 'bins' or 'samples', but found \"bin\". Did you mean 'bins'?",
     ]
 
 
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("band_order = 2.5", "filters.band_order: wanted a whole number; found 2.5."),
-        ("band_order = true", "filters.band_order: wanted a whole number; found true."),
-        ("band_order = 9", "filters.band_order: wanted a number <= 8; found 9."),
-        ("band_hz = 10", "filters.band_hz: wanted an array [...]; found 10."),
-        ("band_hz = [10]", "filters.band_hz[1]: wanted one more entry; found nothing."),
-        ("band_hz = [10, 20, 30]", "filters.band_hz: wanted at most 2 entries; found [10, 20, 30]."),
-        ('band_hz = [10, "450"]', 'filters.band_hz[1]: wanted a number; found "450". Write it without quotes.'),
-        ("rms_window_s = inf", "filters.rms_window_s: wanted a finite number; found Infinity."),
-        ("rms_window_s = nan", "filters.rms_window_s: wanted a finite number; found NaN."),
-        ("rms_window_s = 1979-05-27", 'filters.rms_window_s: wanted a number; found "1979-05-27".'),
-        ("force_filter = 1", "filters.force_filter: wanted true or false; found 1."),
-        ('output_fs_hz = "nativ"', "filters.output_fs_hz: wanted a number or 'native'; found \"nativ\"."),
-        ("output_fs_hz = 0", "filters.output_fs_hz: wanted a number > 0 or 'native'; found 0."),
-        ("band_hz = {}", "filters.band_hz: wanted an array [...]; found a table."),
-        ("points = 1", "filters.points: wanted a known key; found 'points'. Did you mean 'mains'? [fit] has"),
-        ('mains = "notch"', "filters.mains: wanted 'remove' or 'keep'; found \"notch\"."),
-        ("rest_level = 0.5", "filters.rest_level: wanted 'subtract' or 'keep'; found 0.5."),
-        ("align = true", "filters.align: wanted 'stated' or 'lag'; found true."),
+        ("band_order = 2.5", "filters.band_order: expected a whole number, but found 2.5."),
+        ("band_order = true", "filters.band_order: expected a whole number, but found true."),
+        ("band_order = 9", "filters.band_order: expected a number <= 8, but found 9."),
+        ("band_hz = 10", "filters.band_hz: expected an array [...], but found 10."),
+        ("band_hz = [10]", "filters.band_hz[1]: expected one more entry, but found nothing."),
+        ("band_hz = [10, 20, 30]", "filters.band_hz: expected at most 2 entries, but found [10, 20, 30]."),
+        ('band_hz = [10, "450"]', 'filters.band_hz[1]: expected a number, but found "450". Write it without quotes.'),
+        ("rms_window_s = inf", "filters.rms_window_s: expected a finite number, but found Infinity."),
+        ("rms_window_s = nan", "filters.rms_window_s: expected a finite number, but found NaN."),
+        ("rms_window_s = 1979-05-27", 'filters.rms_window_s: expected a number, but found "1979-05-27".'),
+        ("force_filter = 1", "filters.force_filter: expected true or false, but found 1."),
+        ('output_fs_hz = "nativ"', "filters.output_fs_hz: expected a number or 'native', but found \"nativ\"."),
+        ("output_fs_hz = 0", "filters.output_fs_hz: expected a number > 0 or 'native', but found 0."),
+        ("band_hz = {}", "filters.band_hz: expected an array [...], but found a table."),
+        ("points = 1", "filters.points: expected a known key, but found 'points'. Did you mean 'mains'? [fit] has"),
+        ('mains = "notch"', "filters.mains: expected 'remove' or 'keep', but found \"notch\"."),
+        ("rest_level = 0.5", "filters.rest_level: expected 'subtract' or 'keep', but found 0.5."),
+        ("align = true", "filters.align: expected 'stated' or 'lag', but found true."),
     ],
 )
 def test_one_faulty_key(small: str, problems: Problems, line: str, said: str) -> None:
@@ -62,7 +62,7 @@ def test_one_faulty_key(small: str, problems: Problems, line: str, said: str) ->
 
 def test_true_is_no_number_in_a_choice_of_numbers(small: str, problems: Problems) -> None:
     (problem,) = problems(small.replace('name = "Fz"', 'name = "Fz"\nsign = true'))
-    assert problem == "27: channels.force.sign: wanted 1 or -1; found true."
+    assert problem == "27: channels.force.sign: expected 1 or -1, but found true."
 
 
 def test_a_key_of_another_table_says_which(small: str, problems: Problems) -> None:
@@ -72,10 +72,10 @@ def test_a_key_of_another_table_says_which(small: str, problems: Problems) -> No
 
 def test_tables_that_are_missing_or_no_tables(problems: Problems) -> None:
     said = problems("study = 1\nfilters = 2\nspecimens = { name = 'S1' }\n")
-    assert "1: study: wanted a table; found 1." in said
-    assert "2: filters: wanted a table; found 2." in said
-    assert "3: specimens: wanted tables under [[specimens]]; found a table." in said
-    assert "1: recordings: wanted a table [recordings]; found nothing." in said
+    assert "1: study: expected a table, but found 1." in said
+    assert "2: filters: expected a table, but found 2." in said
+    assert "3: specimens: expected tables under [[specimens]], but found a table." in said
+    assert "1: recordings: expected a table [recordings], but found nothing." in said
 
 
 def test_a_table_with_a_faulty_key_is_compared_with_others_once_it_is_mended(small: str, problems: Problems) -> None:
@@ -97,7 +97,7 @@ def test_a_faulty_key_is_not_reported_twice(small: str, problems: Problems) -> N
 def test_toml_syntax(problems: Problems, text: str, line_and_column: str) -> None:
     (problem,) = problems(text)
     assert problem.startswith(line_and_column)
-    assert ": wanted valid TOML; found: " in problem
+    assert ": expected valid TOML, but the parser says: " in problem
 
 
 def test_windows_line_ends_and_bytes_that_are_not_utf8(tmp_path: Path, small: str) -> None:
@@ -106,20 +106,20 @@ def test_windows_line_ends_and_bytes_that_are_not_utf8(tmp_path: Path, small: st
     with pytest.raises(StudyError, match=r"study\.toml:25: channels\.force\.name"):
         load_study(path)
     path.write_bytes(b'[study]\ntitle = "\xe4"\n')
-    with pytest.raises(StudyError, match=r"study\.toml:2: wanted UTF-8 text; found byte 0xe4"):
+    with pytest.raises(StudyError, match=r"study\.toml:2: expected UTF-8 text, but found byte 0xe4"):
         load_study(path)
 
 
 def test_no_such_file(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match="wanted a study file; found none to read"):
+    with pytest.raises(StudyError, match="expected a study file, but found none to read"):
         load_study(tmp_path / "study.toml")
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("title = 1" + "0" * 5000, "wanted valid TOML; found: "),
-        ("title = " + "[" * 5000 + "]" * 5000, "wanted valid TOML; found "),
+        ("title = 1" + "0" * 5000, "expected valid TOML, but the parser says: "),
+        ("title = " + "[" * 5000 + "]" * 5000, "expected valid TOML, but found "),
     ],
 )
 def test_toml_that_python_does_not_read(tmp_path: Path, text: str, said: str) -> None:
@@ -138,28 +138,28 @@ def test_numbers_beyond_all_bounds(small: str, problems: Problems) -> None:
         "filters.band_order",
         "filters.band_hz[1]",
     ]
-    assert said[0].endswith("wanted a finite number; found a number of thousands of digits.")
+    assert said[0].endswith("expected a finite number, but found a number of thousands of digits.")
 
 
 def test_a_participants_table_with_a_name_that_no_file_can_have(small: str, problems: Problems) -> None:
     (problem,) = problems(small.replace('ids = ["P01", "P02"]', 'file = "a\\u0000b"'))
-    assert problem.startswith("5: participants.file: wanted a readable table")
+    assert problem.startswith("5: participants.file: expected a readable table")
 
 
 def test_listed_layout_without_files(small: str, problems: Problems) -> None:
     layout = small[small.index("layout = ") : small.index("[channels.emg.EDC]")]
     (problem,) = problems(small.replace(layout, 'layout = "files"\nfiles = []\n'))
-    assert "recordings.files: wanted a key 'files' with layout = 'files'" in problem
+    assert "recordings.files: expected a key 'files' with layout = 'files'" in problem
 
 
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("max_seconds = 0", "; found 0."),
-        ("max_seconds = 4000", "wanted a number <= 3600; found 4000."),
-        ("max_memory_mb = 10", "; found 10."),
-        ('max_memory_mb = "500"', '; found "500". Write it without quotes.'),
-        ("seconds = 3", "wanted a known key; found 'seconds'. Did you mean 'max_seconds'?"),
+        ("max_seconds = 0", ", but found 0."),
+        ("max_seconds = 4000", "expected a number <= 3600, but found 4000."),
+        ("max_memory_mb = 10", ", but found 10."),
+        ('max_memory_mb = "500"', ', but found "500". Write it without quotes.'),
+        ("seconds = 3", "expected a known key, but found 'seconds'. Did you mean 'max_seconds'?"),
     ],
 )
 def test_bad_limits_of_reading(small: str, problems: Problems, line: str, said: str) -> None:
@@ -170,10 +170,10 @@ def test_bad_limits_of_reading(small: str, problems: Problems, line: str, said: 
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("mounting_sd_percent = -1", "wanted a number >= 0; found -1."),
-        ("mounting_sd_percent = 80", "wanted a number < 50; found 80."),
-        ('mounting_sd_percent = "2"', '; found "2". Write it without quotes.'),
-        ("mounting_sd = 2", "wanted a known key; found 'mounting_sd'. Did you mean 'mounting_sd_percent'?"),
+        ("mounting_sd_percent = -1", "expected a number >= 0, but found -1."),
+        ("mounting_sd_percent = 80", "expected a number < 50, but found 80."),
+        ('mounting_sd_percent = "2"', ', but found "2". Write it without quotes.'),
+        ("mounting_sd = 2", "expected a known key, but found 'mounting_sd'. Did you mean 'mounting_sd_percent'?"),
     ],
 )
 def test_a_bad_spread_of_mountings(small: str, problems: Problems, line: str, said: str) -> None:

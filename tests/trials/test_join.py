@@ -47,7 +47,7 @@ def test_one_recording_stays_as_it_is(force_of, recorded, extract):
 
 def test_unlike_recordings_are_refused(force_of, recorded, extract):
     part = extract(*recorded(force_of(RISE)))
-    with pytest.raises(SignalError, match=r"b: wanted fs_hz 100.0 Hz, as in a; found 50 Hz"):
+    with pytest.raises(SignalError, match=r"b: expected fs_hz 100.0 Hz, as in a, but found 50 Hz"):
         join_trials([part, replace(part, fs_hz=50)], ["a", "b"])
 
 

@@ -55,7 +55,7 @@ def test_a_slow_channel_is_judged_by_its_own_samples(force_of, channel, extract)
 def test_channels_without_time_in_common(force_of, channel, extract):
     force = channel(force_of(*[RISE] * 3), "N")
     first, later = channel(np.ones(900), "V", 1000.0), channel(np.ones(900), "V", 500.0, 5.0)
-    with pytest.raises(SignalError, match="wanted channels with time in common"):
+    with pytest.raises(SignalError, match="expected channels with time in common"):
         extract({"EDC": first, "FDS": later}, force)
 
 

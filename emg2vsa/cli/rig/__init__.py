@@ -17,6 +17,6 @@ def add_to(commands: Commands) -> None:
         help=summary,
         description=summary,
         epilog="Try: emg2vsa rig dry-run studies/palpation/rig.toml, then emg2vsa rig run studies/palpation/rig.toml "
-        "--virtual. What a rig is made of stands in its rig file (docs/reference/rig-file.md).",
+        "--virtual. The rig file describes the rig (docs/reference/rig-file.md).",
     )
     add_subcommands(parser, "emg2vsa.cli.rig", SUBCOMMANDS)

@@ -14,12 +14,13 @@ def add_to(commands: Commands) -> None:
         commands,
         "camera-delay",
         run,
-        "Measure how late the camera's frames are, from presses: the line delay_s for the rig file.",
-        "The pins move when the force rises; how much later the frames show it is the delay. Three presses or more are "
-        "needed, each from before contact to 2 N. Nothing is moved. Exit status 0: measured; 2: not possible.",
+        "Measure the delay of the camera from presses, and print the line delay_s for the rig file.",
+        "The pins move when the force rises, and the frames show it later by the delay. The command needs at least "
+        "three presses, each from before contact to 2 N. It moves nothing. Exit status 0: measured; 2: not "
+        "possible.",
     )
     parser.add_argument(
-        "runs", type=Path, nargs="+", metavar="RUN", help="folder of a run; or a rig file, for all its runs"
+        "runs", type=Path, nargs="+", metavar="RUN", help="folder of a run, or a rig file to use all its runs"
     )
     add_json(parser)
 

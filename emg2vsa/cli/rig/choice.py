@@ -20,12 +20,19 @@ def add_rig(parser: argparse.ArgumentParser) -> None:
 
 def add_choice(parser: argparse.ArgumentParser) -> None:
     """Which runs."""
-    parser.add_argument("--specimen", action="append", default=[], metavar="NAME", help="only these specimens; repeat")
     parser.add_argument(
-        "--angle", action="append", default=[], type=float, metavar="DEG", help="only these angles, degrees; repeat"
+        "--specimen", action="append", default=[], metavar="NAME", help="only this specimen; may be repeated"
     )
     parser.add_argument(
-        "--condition", action="append", default=[], choices=CONDITIONS, help="only these conditions; repeat"
+        "--angle",
+        action="append",
+        default=[],
+        type=float,
+        metavar="DEG",
+        help="only this angle in degrees; may be repeated",
+    )
+    parser.add_argument(
+        "--condition", action="append", default=[], choices=CONDITIONS, help="only this condition; may be repeated"
     )
 
 

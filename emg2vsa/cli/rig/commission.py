@@ -23,13 +23,17 @@ def add_to(commands: Commands) -> None:
         commands,
         "commission",
         run,
-        "Check push_axis, push_sign, gear, home and depth by a touch of 0.5 N on a soft pad, and mend the rig file.",
+        "Check push_axis, push_sign, gear, home and depth by a touch of 0.5 N on a soft pad, and correct the rig file.",
         "What is wrong is written into the rig file after a question; comments stay. With --yes nobody looks: the "
         "direction is searched, and the gear, which needs a calliper, is not checked. Exit status 0: all right, or "
         "written; 1: something is wrong and not written; 2: not finished.",
     )
     parser.add_argument(
-        "--reach-deg", type=float, default=45.0, metavar="DEG", help="longest way to the pad (default 45)"
+        "--reach-deg",
+        type=float,
+        default=45.0,
+        metavar="DEG",
+        help="farthest that the shaft may turn to reach the pad (default 45)",
     )
     add_yes(parser)
 

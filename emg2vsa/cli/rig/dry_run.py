@@ -26,13 +26,16 @@ def add_to(commands: Commands) -> None:
         commands,
         "dry-run",
         run,
-        "Check runs against the limits of the rig file, and list what they would send; no device is opened.",
-        "Exit status 0: the rig may do all of them; 1: some break a limit; 2: rig file or schedules are unusable. "
-        "The device has limits of its own, which emg2vsa rig run reads and checks before it moves.",
+        "Check runs against the limits of the rig file and list what they would send. No device is opened.",
+        "Exit status 0: all runs keep the limits; 1: some break a limit; 2: the rig file or the schedules are "
+        "unusable. The device also has limits of its own: emg2vsa rig run reads and checks them before "
+        "anything moves.",
     )
     add_rig(parser)
     add_choice(parser)
-    parser.add_argument("--details", action="store_true", help="every part of a press: ramps, rests, steps of force")
+    parser.add_argument(
+        "--details", action="store_true", help="list every part of a press: ramps, rests and force steps"
+    )
     add_json(parser)
 
 

@@ -29,22 +29,26 @@ def add_to(commands: Commands) -> None:
         commands,
         "emulate",
         run,
-        "Put an emulated rig behind serial, UDP and HTTP ports in real time, until Ctrl-C.",
-        "Give the file of --write to emg2vsa rig info, run and watch in another shell. Lines typed here put faults on "
-        "and off; type help. Linux and macOS only.",
+        "Run an emulated rig behind serial, UDP and HTTP ports in real time, until Ctrl-C.",
+        "Use the file of --write with emg2vsa rig info, run and watch in another shell. Type lines here to switch "
+        "faults on and off; type help for a list. Linux and macOS only.",
     )
     add_rig(parser)
-    parser.add_argument("--specimen", metavar="NAME", help="on the bench (default: the first of the rig file)")
-    parser.add_argument("--angle", type=float, default=0.0, metavar="DEG", help="of its surface (default: 0)")
-    parser.add_argument("--rigid", action="store_true", help="under the rigid motor, for the condition high-stiffness")
+    parser.add_argument("--specimen", metavar="NAME", help="specimen on the bench (default: the first of the rig file)")
+    parser.add_argument(
+        "--angle", type=float, default=0.0, metavar="DEG", help="angle of its surface in degrees (default: 0)"
+    )
+    parser.add_argument("--rigid", action="store_true", help="use the rigid motor of the condition high-stiffness")
     parser.add_argument(
         "--fault",
         action="append",
         default=[],
         metavar="LINE",
-        help='put on before anybody asks, e.g. "ignore at 2 N for 1.5 s"; may be given again (help: the line help)',
+        help='fault that is on from the start, such as "ignore at 2 N for 1.5 s"; may be repeated',
     )
-    parser.add_argument("--write", type=Path, metavar="FILE", help="a copy of RIG that leads to the emulated devices")
+    parser.add_argument(
+        "--write", type=Path, metavar="FILE", help="write a copy of RIG with the addresses of the emulated devices"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

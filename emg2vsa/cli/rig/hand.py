@@ -27,13 +27,13 @@ def add_hand_command(commands: Commands, name: str, run: Any, summary: str, epil
     """A command for a rig file and one of its two actuators."""
     parser = add_command(commands, name, run, summary, epilog)
     add_rig(parser)
-    parser.add_argument("--motor", action="store_true", help="with the rigid motor, [motor], instead of the qbmove")
+    parser.add_argument("--motor", action="store_true", help="use the rigid motor of [motor] instead of the qbmove")
     return parser
 
 
 def add_yes(parser: argparse.ArgumentParser) -> None:
     """For scripts."""
-    parser.add_argument("--yes", action="store_true", help="ask nothing: yes to every question, for scripts")
+    parser.add_argument("--yes", action="store_true", help="answer yes to every question (for scripts)")
 
 
 def table_of(arguments: argparse.Namespace) -> str:

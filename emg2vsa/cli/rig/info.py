@@ -14,9 +14,9 @@ def add_to(commands: Commands) -> None:
         commands,
         "info",
         run,
-        "Ask each device of a rig file for its firmware, limits, parameters and readings; motors stay as they are.",
-        "Exit status 0: all devices can be used; 1: some cannot, and why; 2: the rig file has problems, or a run "
-        "or another command uses the rig: asking would take the force sensor and the camera from it.",
+        "Ask each device of a rig file for its firmware, limits, parameters and readings. The motors are not switched.",
+        "Exit status 0: all devices can be used; 1: some cannot be used; 2: the rig file has problems, or another "
+        "run or command is using the rig and would lose its force sensor and camera.",
     )
     add_rig(parser)
     add_json(parser)

@@ -21,8 +21,8 @@ def add_to(commands: Commands) -> None:
         "may still press, emg2vsa rig info tells the force.",
     )
     way = parser.add_mutually_exclusive_group(required=True)
-    way.add_argument("--mm", type=float, help="so far towards the specimen; negative: away")
-    way.add_argument("--deg", type=float, help="the shaft so far, in the direction of more ticks; negative: fewer")
+    way.add_argument("--mm", type=float, help="distance towards the specimen in mm; negative values move away")
+    way.add_argument("--deg", type=float, help="angle of the shaft in degrees, positive towards more ticks")
     parser.add_argument(
         "--deg-per-s", type=float, default=5.0, metavar="V", help="speed of the shaft (default 5; at most 25)"
     )

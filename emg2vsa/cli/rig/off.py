@@ -19,14 +19,14 @@ def add_to(commands: Commands) -> None:
         commands,
         "off",
         run,
-        "Switch the motors off, in any state; ends the program that uses the rig.",
+        "Switch the motors off in any state, and end the program that is using the rig.",
         "A run is asked to stop, which takes the probe away. A program that is silent for 1 s is ended, by the process "
         "id in the rig's lock. Then the motors are switched off and asked. The probe stays where it is: emg2vsa rig "
         "home takes it away. It replaces no emergency stop. Exit status 0: motors off; 1: not confirmed, switch the "
         "power off.",
     )
     parser.add_argument("rig", type=Path, nargs="?", metavar="RIG", help="rig file")
-    parser.add_argument("--port", metavar="PORT", help="this serial port instead, where there is no usable rig file")
+    parser.add_argument("--port", metavar="PORT", help="serial port to use when there is no usable rig file")
     parser.add_argument("--id", type=int, default=1, metavar="N", help="device id with --port (default 1)")
 
 

@@ -25,8 +25,10 @@ def add_to(commands: Commands) -> None:
         "A parameter is set, stored and read back; the motors must be off. Example: --backup old.json --set 13=1200. "
         "Exit status 0: done; 1: not asked for.",
     )
-    parser.add_argument("--set", type=_setting, metavar="N=V,V", help="set parameter N to these values, and store it")
-    parser.add_argument("--backup", type=Path, metavar="FILE", help="write all parameters to a new JSON file, first")
+    parser.add_argument(
+        "--set", type=_setting, metavar="N=V,V", help="set parameter N to these values and store it in the device"
+    )
+    parser.add_argument("--backup", type=Path, metavar="FILE", help="first write all parameters to a new JSON file")
     add_yes(parser)
     add_json(parser)
 
@@ -85,10 +87,10 @@ def _setting(text: str) -> tuple[int, tuple[float, ...]]:
     try:
         found = int(number), tuple(float(value) for value in values.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"wanted a number and its values, 13=1200; found {text!r}") from None
+        raise argparse.ArgumentTypeError(f"expected a number and its values, 13=1200, but found {text!r}") from None
     if found[0] == _ID:
         raise argparse.ArgumentTypeError(
-            "wanted a parameter from 2; the id is changed with qbadmin: a device answers "
+            "expected a parameter from 2; the id is changed with qbadmin: a device answers "
             "with its new id, and listens to the old one, until it is stored"
         )
     return found

@@ -15,11 +15,13 @@ def add_to(commands: Commands) -> None:
         commands,
         "run",
         run,
-        "Press one specimen at one angle under one condition, or with --all one after the other; alone, list them.",
-        "Before anything moves, the run is checked against the rig file and the limits the device tells. Ctrl-C, a "
-        "signal, a file named stop in the folder of the run, or a guard end a run: the probe is retracted, the motors "
-        "go off, ended.json says why. A second Ctrl-C does not wait for the loop. Exit status 0: completed, or listed; "
-        "1: ended otherwise; 2: unusable rig file, schedule or device, nothing has moved.",
+        "Press one specimen at one angle under one condition, or all of them with --all. Without a choice, list the "
+        "runs.",
+        "Before anything moves, the command checks the run against the rig file and against the limits of the "
+        "device. Ctrl-C, a signal, a file named stop in the folder of the run, or a guard ends a run: the "
+        "probe is retracted, the motors are switched off, and ended.json says why. A second Ctrl-C does "
+        "not wait for the control loop. Exit status 0: completed, or listed; 1: ended otherwise; 2: "
+        "unusable rig file, schedule or device, nothing has moved.",
     )
     add_rig(parser)
     add_choice(parser)
@@ -27,32 +29,39 @@ def add_to(commands: Commands) -> None:
         "--out",
         type=Path,
         metavar="DIR",
-        help="folder of the runs (default: as the rig file says; with --virtual another beside that one)",
+        help="folder of the runs (default: the folder of the rig file; emulated runs go into another folder beside it)",
     )
     parser.add_argument(
-        "--repetitions", type=whole_number, metavar="N", help="presses of the run (default: those it still lacks)"
+        "--repetitions",
+        type=whole_number,
+        metavar="N",
+        help="number of presses (default: those that the run still lacks)",
     )
     parser.add_argument(
         "--all",
         action="store_true",
-        help="lead through all runs that are chosen: put the specimen there, press Enter; goes on where it stopped, "
-        "and repeats presses that were rejected",
+        help="do all chosen runs one after the other: place the specimen, press Enter; continues a stopped sequence "
+        "and repeats rejected presses",
     )
     parser.add_argument(
         "--order",
         choices=("file", "random"),
-        help="with --all: of the rig file (default), or shuffled; kept in order.json",
+        help="with --all: order of the rig file (default) or random order; order.json keeps it",
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="of --order random (default: drawn, and kept)")
-    parser.add_argument("--yes", action="store_true", help="with --all: ask nothing, for scripts")
+    parser.add_argument(
+        "--seed", type=int, metavar="N", help="seed of --order random (default: a seed is drawn and kept)"
+    )
+    parser.add_argument("--yes", action="store_true", help="with --all: ask no questions (for scripts)")
     parser.add_argument(
         "--plate",
         action="append",
         default=[],
         metavar="NAME",
-        help="indent this specimen with a flat plate, as [plate] says, for emg2vsa stiffness; repeat",
+        help="indent this specimen with a flat plate, as [plate] says, for emg2vsa stiffness; may be repeated",
     )
-    parser.add_argument("--virtual", action="store_true", help="emulated rig, minutes in seconds; no device is opened")
+    parser.add_argument(
+        "--virtual", action="store_true", help="use an emulated rig, faster than real time; no device is opened"
+    )
     add_jobs(parser)
     add_json(parser)
 

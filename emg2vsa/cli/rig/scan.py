@@ -20,17 +20,27 @@ def add_to(commands: Commands) -> None:
         commands,
         "scan",
         run,
-        "List the adapters of qbmoves; ask the ports that --port or a rig file names, its force sensor and its camera.",
-        "About 3 s for each port. Nothing is switched or changed, and nothing is sent to a port or address that is not "
-        "named. Exit status 0: adapters are there, and all that is named answers; 1: not so; 2: the rig file has "
-        "problems, or a run or another command uses its rig.",
+        "List the serial adapters of qbmoves, and ask the devices that --port or a rig file names.",
+        "Each port takes about 3 s. The command changes nothing, and sends nothing to a port or address that you do "
+        "not name. Exit status 0: adapters are present and every named device answers; 1: otherwise; 2: "
+        "the rig file has problems, or another run or command is using the rig.",
     )
-    parser.add_argument("rig", nargs="?", type=Path, metavar="RIG", help="rig file, to look for its devices")
-    parser.add_argument("--port", action="append", default=[], help="ask this port, listed or not; repeat")
-    parser.add_argument("--id", action="append", default=[], type=_device_id, help="ask only this id; repeat")
-    parser.add_argument("--baud", type=int, choices=get_args(Baud), default=BAUD, help=f"of --port (default {BAUD})")
+    parser.add_argument("rig", nargs="?", type=Path, metavar="RIG", help="rig file whose devices are asked")
     parser.add_argument(
-        "--wait-ms", type=whole_number, default=5, metavar="MS", help="wait for each answer (default 5; slow lines: 20)"
+        "--port", action="append", default=[], help="ask this port, even if it is not listed; may be repeated"
+    )
+    parser.add_argument(
+        "--id", action="append", default=[], type=_device_id, help="ask only this device id; may be repeated"
+    )
+    parser.add_argument(
+        "--baud", type=int, choices=get_args(Baud), default=BAUD, help=f"baud rate of --port (default {BAUD})"
+    )
+    parser.add_argument(
+        "--wait-ms",
+        type=whole_number,
+        default=5,
+        metavar="MS",
+        help="time to wait for each answer in ms (default 5; 20 for slow lines)",
     )
     add_json(parser)
 
@@ -82,5 +92,5 @@ def _answers(port: str, baud: int, ids: Sequence[int], wait_s: float, clock: Clo
 
 def _device_id(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 255:
-        raise argparse.ArgumentTypeError(f"wanted a device id of 1 to 255; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a device id of 1 to 255, but found {text!r}")
     return int(text)

@@ -16,9 +16,10 @@ def add_to(commands: Commands) -> None:
         commands,
         "tare",
         run,
-        "Make the present load the zero of the force sensor; the probe must be free.",
-        "A Net F/T box keeps this zero until its power goes off. A National Instruments card has none to keep: set "
-        "[force] bias = true. Exit status 0: the force is zero; 1: it is not, and how large it is.",
+        "Set the zero of the force sensor to the present load. The probe must touch nothing.",
+        "A Net F/T box keeps this zero until its power is switched off. A National Instruments card keeps no zero: "
+        "set [force] bias = true instead. Exit status 0: the force is zero; 1: the force is not zero, and "
+        "the command prints it.",
     )
     add_rig(parser)
 

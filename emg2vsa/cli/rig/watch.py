@@ -17,9 +17,11 @@ def add_to(commands: Commands) -> None:
         "watch",
         run,
         "Show a run in the browser while it runs, with a stop button.",
-        "The page belongs to this computer and to those who have its whole address. Ctrl-C ends the page, not the run.",
+        "Only this computer can open the page, and only with its whole address. Ctrl-C ends the page, not the run.",
     )
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of a run, or of runs: the newest is shown")
+    parser.add_argument(
+        "folder", type=Path, metavar="FOLDER", help="folder of a run, or a folder of runs, of which the newest is shown"
+    )
     parser.add_argument("--port", type=_port, default=_PORT, metavar="N", help=f"port (default: {_PORT}; 0: any free)")
 
 
@@ -52,5 +54,5 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _port(text: str) -> int:
     if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"wanted a port from 0 to 65535; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, but found {text!r}")
     return int(text)

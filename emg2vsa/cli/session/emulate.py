@@ -220,5 +220,5 @@ class _Table:
         try:
             acts[word](value)
         except (ValueError, KeyError):
-            return f"{word}: wanted a number, found {value!r}."
+            return f"{word}: expected a number, but found {value!r}."
         return f"done: {word} {value}".strip()

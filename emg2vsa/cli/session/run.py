@@ -59,7 +59,7 @@ def add_to(commands: Commands) -> None:
 
 def _port(text: str) -> int:
     if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"wanted a port from 0 to 65535; found {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, but found {text!r}")
     return int(text)
 
 

@@ -91,18 +91,18 @@ def test_parallel_views_are_refused_however_small_opencv_calls_the_error(studio,
     rng, tilts = np.random.default_rng(3), (tilt_deg, tilt_deg)
     views = projected(studio.camera, rng, noise_px=noise_px, tilt_deg=tilts, one_way=True)
     with pytest.raises(
-        CameraError, match=r"focal length: wanted standard errors .* 1% or less; found .*tilt the board"
+        CameraError, match=r"focal length: expected standard errors .* 1% or less, but found .*tilt the board"
     ):
         calibrate(views, 320, 240)
 
 
 def test_too_few_views(charuco_views):
-    with pytest.raises(CameraError, match="pictures: wanted 5 or more that show the board; found 4"):
+    with pytest.raises(CameraError, match="pictures: expected 5 or more that show the board, but found 4"):
         calibrate(charuco_views[:4], 320, 240)
 
 
 def test_boards_in_the_middle_of_a_larger_image(charuco_views):
-    with pytest.raises(CameraError, match=r"wanted boards over 40% of the image or more; found 1\d%"):
+    with pytest.raises(CameraError, match=r"expected boards over 40% of the image or more, but found 1\d%"):
         calibrate(charuco_views, 640, 480)
 
 
@@ -112,7 +112,7 @@ def test_corners_that_no_camera_sees_so(charuco_views):
         View(view.name, view.board_mm, view.image_px + rng.normal(0, 3, view.image_px.shape).astype(np.float32))
         for view in charuco_views
     ]
-    with pytest.raises(CameraError, match=r"reprojection error: wanted 1 px rms or less; found 3\.\d\d px"):
+    with pytest.raises(CameraError, match=r"reprojection error: expected 1 px rms or less, but found 3\.\d\d px"):
         calibrate(moved, 320, 240)
 
 
@@ -120,9 +120,9 @@ def test_a_picture_that_stands_out_is_named(charuco_views):
     assert calibrate(charuco_views, 320, 240).notes == ()
     (note,) = calibrate(with_one_bent(charuco_views, 0.5), 320, 240).notes
     assert note.startswith("bent fits worse than the others, 0.")
-    with pytest.raises(CameraError, match=r"focal length: .*; found 1\.\d.* bent fits worse than the others, "):
+    with pytest.raises(CameraError, match=r"focal length: .*, but found 1\.\d.* bent fits worse than the others, "):
         calibrate(with_one_bent(charuco_views, 5.0), 320, 240)
-    with pytest.raises(CameraError, match=r"reprojection error: .*; found 1\.0\d px\. bent fits worse"):
+    with pytest.raises(CameraError, match=r"reprojection error: .*, but found 1\.0\d px\. bent fits worse"):
         calibrate(with_one_bent(charuco_views, 8.0), 320, 240)
 
 
@@ -184,15 +184,15 @@ def test_views_that_say_too_little():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Chessboard(2, 5, 4.0), "--chessboard: wanted 3 to 100 inner corners each way; found 2x5"),
+        (lambda: Chessboard(2, 5, 4.0), "--chessboard: expected 3 to 100 inner corners each way, but found 2x5"),
         (lambda: Chessboard(7, 101, 4.0), "--chessboard"),
-        (lambda: Chessboard(7, 5, 0.0), "--square-mm: wanted a length above 0 mm; found 0"),
+        (lambda: Chessboard(7, 5, 0.0), "--square-mm: expected a length above 0 mm, but found 0"),
         (lambda: Charuco(7, 5, float("nan"), 1.0), "--square-mm"),
-        (lambda: Charuco(7, 5, 4.0, -1.0), "--marker-mm: wanted a length above 0"),
-        (lambda: Charuco(7, 5, 4.0, 4.0), "--marker-mm: wanted less than the square, 4 mm; found 4 mm"),
-        (lambda: Charuco(2, 5, 4.0, 3.0), "--charuco: wanted 3 to 100 squares each way"),
-        (lambda: Charuco(7, 5, 4.0, 3.0, "4X4"), "--dictionary: wanted one of 4X4_50, .*; found '4X4'"),
-        (lambda: Charuco(15, 10, 4.0, 3.0), "--dictionary: wanted at least 75 markers"),
+        (lambda: Charuco(7, 5, 4.0, -1.0), "--marker-mm: expected a length above 0"),
+        (lambda: Charuco(7, 5, 4.0, 4.0), "--marker-mm: expected less than the square, 4 mm, but found 4 mm"),
+        (lambda: Charuco(2, 5, 4.0, 3.0), "--charuco: expected 3 to 100 squares each way"),
+        (lambda: Charuco(7, 5, 4.0, 3.0, "4X4"), "--dictionary: expected one of 4X4_50, .*, but found '4X4'"),
+        (lambda: Charuco(15, 10, 4.0, 3.0), "--dictionary: expected at least 75 markers"),
     ],
 )  # fmt: skip
 def test_boards_that_cannot_be(make, message):

@@ -73,7 +73,7 @@ def test_overwriting_keeps_what_is_known_of_the_sensor(folder, tmp_path, capsys)
     out.write_text(first + "[sensor]\npin_length_mm = 1.5\n", encoding="utf-8")
     capsys.readouterr()
     assert main(words) == 2
-    assert "camera.toml: wanted a new file; found one that is there" in capsys.readouterr().err
+    assert "camera.toml: expected a new file, but found one that is there" in capsys.readouterr().err
     assert main([*words, "--overwrite"]) == 0
     assert read_camera(out).sensor == Sensor(pin_length_mm=1.5)
     out.write_text("no camera", encoding="utf-8")
@@ -84,16 +84,19 @@ def test_overwriting_keeps_what_is_known_of_the_sensor(folder, tmp_path, capsys)
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["{b}/0.png", "{b}/1.png", *BOARD], "wanted 5 or more that show the board; found 2"),
-        (["{b}/0.png", "{b}/../other.png", *BOARD], "other.png: wanted 320 x 240 px like "),
-        (["{b}/0.png", "{b}/../cut.png", *BOARD], "cut.png: wanted an image"),
-        (["{b}/gone.png", *BOARD], "gone.png: wanted a file or folder that can be read"),
-        (["{b}/../none", *BOARD], "none: wanted images"),
-        (["{b}", *BOARD[:4]], "--marker-mm: wanted the size of the markers; found none"),
-        (["{b}", *BOARD, "--dictionary", "9X9_50"], "--dictionary: wanted one of 4X4_50"),
-        (["{b}", "--chessboard", "7x5", *BOARD[2:]], "--marker-mm: wanted a ChArUco board; found a chessboard"),
-        (["{b}/12.png", "--chessboard", "7x5", "--square-mm", "6"], "wanted 5 or more that show the board; found 0"),
-        (["{b}", "--chessboard", "7x1", "--square-mm", "6"], "--chessboard: wanted 3 to 100 inner corners"),
+        (["{b}/0.png", "{b}/1.png", *BOARD], "expected 5 or more that show the board, but found 2"),
+        (["{b}/0.png", "{b}/../other.png", *BOARD], "other.png: expected 320 x 240 px like "),
+        (["{b}/0.png", "{b}/../cut.png", *BOARD], "cut.png: expected an image"),
+        (["{b}/gone.png", *BOARD], "gone.png: expected a file or folder that can be read"),
+        (["{b}/../none", *BOARD], "none: expected images"),
+        (["{b}", *BOARD[:4]], "--marker-mm: expected the size of the markers, but found none"),
+        (["{b}", *BOARD, "--dictionary", "9X9_50"], "--dictionary: expected one of 4X4_50"),
+        (["{b}", "--chessboard", "7x5", *BOARD[2:]], "--marker-mm: expected a ChArUco board, but found a chessboard"),
+        (
+            ["{b}/12.png", "--chessboard", "7x5", "--square-mm", "6"],
+            "expected 5 or more that show the board, but found 0",
+        ),
+        (["{b}", "--chessboard", "7x1", "--square-mm", "6"], "--chessboard: expected 3 to 100 inner corners"),
     ],
 )
 def test_unusable_input_is_named(words, complaint, folder, tmp_path, capsys):
@@ -108,19 +111,19 @@ def test_unusable_input_is_named(words, complaint, folder, tmp_path, capsys):
 def test_depth_from_a_picture_without_a_board(folder, tmp_path, capsys):
     words = ["calibrate", str(folder), *BOARD, "--depth-from", str(folder / "12.png"), "-o", str(tmp_path / "c.toml")]
     assert main(words) == 2
-    assert "--depth-from: wanted a picture that shows the board" in capsys.readouterr().err
+    assert "--depth-from: expected a picture that shows the board" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["--charuco", "7by5"], "wanted columns and rows such as 9x7; found '7by5'"),
+        (["--charuco", "7by5"], "expected columns and rows such as 9x7, but found '7by5'"),
         (["--charuco", "7x5", "--chessboard", "7x5"], "not allowed with"),
         (["--square-mm", "6"], "one of the arguments --charuco --chessboard --plate is required"),
         (["--charuco", "7x5", "--square-mm", "0"], "above 0"),
         (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "-3"], "above 0"),
         (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "3", "--distortion", "3"], "invalid choice"),
-        (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "3", "--frame-rate-hz", "nan"], "wanted 1 number"),
+        (["--charuco", "7x5", "--square-mm", "6", "--depth-mm", "3", "--frame-rate-hz", "nan"], "expected 1 number"),
     ],
 )
 def test_wrong_options_are_refused(words, complaint, capsys):

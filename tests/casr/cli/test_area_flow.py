@@ -92,7 +92,7 @@ def test_a_region_of_no_size_is_said_in_one_line(engine: str, presses: Path, cap
     words = ["flow", str(presses / "S5_00deg_01"), "--frames", "9,11", "--engine", engine, "--region", "150,150,0.1"]
     assert main(words) == 2
     error = capsys.readouterr().err
-    assert "region: wanted 3 or more rows" in error
+    assert "region: expected 3 or more rows" in error
     assert len(error.splitlines()) == 1
 
 

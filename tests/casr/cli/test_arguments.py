@@ -32,7 +32,7 @@ def test_choices_are_those_of_the_modules() -> None:
         (["area", "x", "--frames", "3,3"], "two different frame numbers"),
         (["area", "x", "--frames", "-1,3"], "--frames"),
         (["area", "x", "--threshold-px", "0"], "above 0"),
-        (["score", "x", "--start-n", "nan"], "wanted 1 number"),
+        (["score", "x", "--start-n", "nan"], "expected 1 number"),
         (["simulate", "x", "--repetitions", "0"], "whole number from 1"),
         (["simulate", "x", "--angles", "0;30"], "commas"),
         (["score", "x", "--engine", "lucas-kanade"], "pin-affine"),

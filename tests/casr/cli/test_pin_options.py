@@ -53,7 +53,7 @@ def test_another_count_of_pins_is_said_or_refused(command: list[str], presses: P
     assert main([name, press, *words, "--expect-pins", "130"]) == 0
     assert "127 pins are found at rest, not 130" in capsys.readouterr().err
     assert main([name, press, *words, "--expect-pins", "331"]) == 2
-    assert "wanted 331 pins (--expect-pins); found 127" in capsys.readouterr().err
+    assert "expected 331 pins (--expect-pins), but found 127" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda words: words[0])
@@ -73,7 +73,7 @@ def test_what_makes_no_pin_is_refused_with_the_options_that_help(
 def test_a_small_region_is_refused(presses: Path, capsys: Captured) -> None:
     for command in (["score"], ["flow", "--frames", "10,12"]):
         assert main([command[0], str(presses / "S5_00deg_01"), *command[1:], "--region", "150,150,2"]) == 2
-        assert "region: wanted 3 or more pins inside it; found 1 " in capsys.readouterr().err
+        assert "region: expected 3 or more pins inside it, but found 1 " in capsys.readouterr().err
 
 
 def test_bad_frames_are_left_out_by_score_and_flow(presses: Path, tmp_path: Path, capsys: Captured) -> None:

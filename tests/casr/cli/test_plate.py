@@ -39,18 +39,18 @@ def test_the_length_of_the_pins_must_be_known(plate: Path, tmp_path: Path, capsy
     camera = tmp_path / "camera.toml"
     camera.write_text((plate / "camera.toml").read_text().partition("[sensor]")[0])
     assert main(["calibrate", "--plate", str(plate), "--out", str(camera)]) == 2
-    assert "sensor.pin_length_mm: wanted the length of the pins" in capsys.readouterr().err
+    assert "sensor.pin_length_mm: expected the length of the pins" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--charuco", "9x7"], "PICTURES: wanted it, with pictures of a board"),
-        (["board.png", "--charuco", "9x7", "-o", "c.toml", "--depth-mm", "50"], "--square-mm: wanted it"),
+        (["--charuco", "9x7"], "PICTURES: expected it, with pictures of a board"),
+        (["board.png", "--charuco", "9x7", "-o", "c.toml", "--depth-mm", "50"], "--square-mm: expected it"),
         (["board.png", "--charuco", "9x7", "-o", "c.toml", "--square-mm", "5"], "--depth-mm or --depth-from"),
         (
             ["b.png", "--charuco", "9x7", "-o", "c.toml", "--square-mm", "5", "--depth-mm", "9", "--domes", "d"],
-            "--domes: wanted --plate with it",
+            "--domes: expected --plate with it",
         ),
         (["--plate", "nowhere"], "nowhere"),
     ],

@@ -265,7 +265,11 @@ def test_pins_that_move_like_no_contact_are_doubted() -> None:
 
 def test_pins_that_would_meet_are_refused() -> None:
     camera = replace(CAMERA, sensor=Sensor(pin_length_mm=12.0, dome_radius_mm=20.0))
-    with pytest.raises(CameraError, match=r"sensor.pin_length_mm: wanted 9.5 mm or less in a dome of 20 mm; found 12"):
+    with pytest.raises(
+        CameraError,
+        match=r"sensor.pin_length_mm: expected 9.5 mm or less in a dome of 20 mm, but "
+        r"found 12",
+    ):
         front_of(pressed(TabulatedWorld()), camera)
 
 

@@ -178,7 +178,8 @@ def test_the_default_engine_loads_neither_numba_nor_scipy() -> None:
         ("dis", ""),
         (
             "horn-schunck",
-            "flow engine horn-schunck: wanted the package numba, which compiles this engine; found no such package. "
+            "flow engine horn-schunck: expected the package numba, which compiles this engine, but found no such "
+            "package. "
             "Install it (pip install 'emg2vsa[flow]'), or choose another engine: pin-affine or dis.\n",
         ),
     ],

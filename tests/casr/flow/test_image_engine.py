@@ -53,7 +53,7 @@ def test_pins_see_no_whole_image() -> None:
     with pytest.raises(SettingError, match="dense engine"):
         FlowTracker(FlowSettings(), whole_image=True)
     for bad in ({"region": "image"}, {"region": "frame", "flow": FlowSettings(engine="dis")}):
-        with pytest.raises(SettingError, match="region: wanted a region, or 'image' with a dense engine"):
+        with pytest.raises(SettingError, match="region: expected a region, or 'image' with a dense engine"):
             ScoreSettings(**bad)  # type: ignore[arg-type]
 
 

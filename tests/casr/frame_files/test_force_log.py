@@ -60,7 +60,7 @@ def test_times_of_frames_are_optional_and_may_begin_late(tmp_path):
         "1 of 2 rows of the force log have no time_s, and their force is not used",
         "1 of 2 frames have no frame_time_s",
     )
-    with pytest.raises(FramesError, match=r"line 4: wanted frame_time_s not below 0\.004"):
+    with pytest.raises(FramesError, match=r"line 4: expected frame_time_s not below 0\.004"):
         log_of(tmp_path, text.replace("0,0.004\n0.02,0.3,0,0.004", "0,0.004\n0.02,0.3,1,0.003"))
 
 
@@ -94,7 +94,7 @@ def test_a_force_in_another_unit_is_converted_by_its_name(tmp_path, unit, newton
 
 
 def test_of_two_units_none_is_guessed(tmp_path):
-    with pytest.raises(FramesError, match="a column force_n; found columns force_mn, force_kgf, frame_index"):
+    with pytest.raises(FramesError, match="a column force_n, but found columns force_mn, force_kgf, frame_index"):
         log_of(tmp_path, "force_mn,force_kgf,frame_index\n1,2,0\n3,4,1\n")
     both = log_of(tmp_path, "force_mn,force_n,frame_index\n1,2,0\n3,4,1\n")
     np.testing.assert_array_equal(both.force_n, [2, 4])
@@ -103,7 +103,7 @@ def test_of_two_units_none_is_guessed(tmp_path):
 
 def test_a_log_that_names_its_force_otherwise_gets_a_hint(tmp_path):
     with pytest.raises(
-        FramesError, match=r"a column force_n; found columns force_raw_n, frame_index. Is it force_raw_n"
+        FramesError, match=r"a column force_n, but found columns force_raw_n, frame_index. Is it force_raw_n"
     ):
         log_of(tmp_path, "force_raw_n,frame_index\n1,0\n")
 
@@ -111,23 +111,27 @@ def test_a_log_that_names_its_force_otherwise_gets_a_hint(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (PLAIN.replace("0.2", "x"), r"force.csv, line 3: wanted a number in force_n; found 'x'"),
-        ("# c\n\n" + PLAIN.replace("0.2", "x"), r"force.csv, line 5: wanted a number"),
-        (PLAIN.replace("0.2", "inf"), r"line 3: wanted a finite number in force_n; found 'inf'"),
-        (PLAIN.replace("0.010", "0.001"), r"line 4: wanted time_s not below 0.005 .* found 0.001"),
-        (PLAIN.replace(",1\n", ",-1\n"), r"line 5: wanted frame_index not below 0 of the row before; found -1"),
-        (PLAIN.replace("0.3,0", "0.3,0.5"), r"line 4: wanted a frame index: a whole number.* found 0.5"),
-        (PLAIN.replace("0.1,-1", "0.1,-2"), r"line 2: wanted a frame index.* found -2"),
-        (PLAIN.replace("0.3,0", "0.3"), r"line 4: wanted 3 cells as in the header; found 2"),
-        (PLAIN.replace("0.3,0", "0,3,0"), r"line 4: wanted 3 cells as in the header; found 4"),
-        (PLAIN.replace("frame_index", "force_n"), r"a column force_n; found 2 of that name"),
-        (PLAIN.replace("frame_index", "frame"), r"a column frame_index; found columns time_s, force_n, frame"),
-        ("0.0,0.1,0\n0.1,0.2,1\n", r"a column force_n; found columns 0.0, 0.1, 0. Name the columns in the first line"),
-        ("", "wanted a header line and rows; found 0 lines"),
-        ("force_n,frame_index\n", "wanted a header line and rows; found 1 lines"),
-        ("force_n,frame_index\n,0\n2,\n", "rows with a force and a frame index; found none"),
+        (PLAIN.replace("0.2", "x"), r"force.csv, line 3: expected a number in force_n, but found 'x'"),
+        ("# c\n\n" + PLAIN.replace("0.2", "x"), r"force.csv, line 5: expected a number"),
+        (PLAIN.replace("0.2", "inf"), r"line 3: expected a finite number in force_n, but found 'inf'"),
+        (PLAIN.replace("0.010", "0.001"), r"line 4: expected time_s not below 0.005 .* found 0.001"),
+        (PLAIN.replace(",1\n", ",-1\n"), r"line 5: expected frame_index not below 0 of the row before, but found -1"),
+        (PLAIN.replace("0.3,0", "0.3,0.5"), r"line 4: expected a frame index: a whole number.* found 0.5"),
+        (PLAIN.replace("0.1,-1", "0.1,-2"), r"line 2: expected a frame index.* found -2"),
+        (PLAIN.replace("0.3,0", "0.3"), r"line 4: expected 3 cells as in the header, but found 2"),
+        (PLAIN.replace("0.3,0", "0,3,0"), r"line 4: expected 3 cells as in the header, but found 4"),
+        (PLAIN.replace("frame_index", "force_n"), r"a column force_n, but found 2 of that name"),
+        (PLAIN.replace("frame_index", "frame"), r"a column frame_index, but found columns time_s, force_n, frame"),
+        (
+            "0.0,0.1,0\n0.1,0.2,1\n",
+            r"a column force_n, but found columns 0.0, 0.1, 0. Name the columns in the first "
+            r"line",
+        ),
+        ("", "expected a header line and rows, but found 0 lines"),
+        ("force_n,frame_index\n", "expected a header line and rows, but found 1 lines"),
+        ("force_n,frame_index\n,0\n2,\n", "rows with a force and a frame index, but found none"),
         (PLAIN.encode("utf-16"), "text in UTF-8"),
-        (PLAIN.replace(".", ",").replace(",0,1", ";0,1"), "wanted"),
+        (PLAIN.replace(".", ",").replace(",0,1", ";0,1"), "expected"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(tmp_path, text, message):

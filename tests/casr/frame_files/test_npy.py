@@ -34,7 +34,7 @@ def test_a_frame_that_is_not_finite_is_named_and_the_others_are_read(tmp_path, f
     stack[4, 0, 0] = np.nan
     np.save(tmp_path / "press.npy", stack)
     sequence = open_frames(tmp_path / "press.npy")
-    with pytest.raises(ImageError, match=r"press.npy, frame 4: wanted finite grey levels"):
+    with pytest.raises(ImageError, match=r"press.npy, frame 4: expected finite grey levels"):
         sequence[4]
     np.testing.assert_array_equal(sequence[5], frames[5])
 
@@ -45,7 +45,7 @@ def test_a_file_cut_short_gives_the_frames_that_are_whole(tmp_path, frames):
     path.write_bytes(path.read_bytes()[:-100])
     sequence = open_frames(path)
     np.testing.assert_array_equal(sequence[10], frames[10])
-    with pytest.raises(FramesError, match=r"press.npy, frame 11: wanted an image; found 668 of 768 values"):
+    with pytest.raises(FramesError, match=r"press.npy, frame 11: expected an image, but found 668 of 768 values"):
         sequence[11]
 
 
@@ -62,14 +62,14 @@ def test_a_file_cut_short_gives_the_frames_that_are_whole(tmp_path, frames):
 )
 def test_arrays_that_are_no_stack_of_frames(tmp_path, array):
     np.save(tmp_path / "press.npy", array)
-    with pytest.raises((FramesError, ImageError), match=r"press.npy.*wanted"):
+    with pytest.raises((FramesError, ImageError), match=r"press.npy.*expected"):
         open_frames(tmp_path / "press.npy")
 
 
 @pytest.mark.parametrize("data", [b"", b"hello", b"\x93NUMPY\x01\x00"])
 def test_what_is_no_npy(tmp_path, data):
     (tmp_path / "press.npy").write_bytes(data)
-    with pytest.raises(FramesError, match=r"press.npy: wanted an .npy file"):
+    with pytest.raises(FramesError, match=r"press.npy: expected an .npy file"):
         open_frames(tmp_path / "press.npy")
 
 

@@ -61,7 +61,7 @@ def test_a_frame_of_another_size_is_named(tmp_path, frames):
     folder = write_pages(tmp_path / "press", frames)
     cv2.imwrite(str(folder / "5_flat_0.png"), frames[4][:20])
     sequence = open_frames(folder)
-    with pytest.raises(FramesError, match=r"5_flat_0.png, frame 4: wanted 32 x 24 px .* found 32 x 20 px"):
+    with pytest.raises(FramesError, match=r"5_flat_0.png, frame 4: expected 32 x 24 px .* found 32 x 20 px"):
         sequence[4]
     np.testing.assert_array_equal(sequence[5], frames[5])
 
@@ -72,7 +72,7 @@ def test_a_broken_frame_is_named_and_the_others_are_read(tmp_path, frames, left,
     broken = folder / "5_flat_0.png"
     broken.write_bytes(broken.read_bytes()[:left])
     sequence = open_frames(folder)
-    with pytest.raises(FramesError, match=rf"5_flat_0.png, frame 4: wanted an image; found {found}"):
+    with pytest.raises(FramesError, match=rf"5_flat_0.png, frame 4: expected an image, but found {found}"):
         sequence[4]
     np.testing.assert_array_equal(sequence[5], frames[5])
 
@@ -92,7 +92,7 @@ def test_a_frame_that_may_not_be_read_is_named(tmp_path, frames, monkeypatch):
 def test_frames_of_two_kinds_are_not_mixed(tmp_path, frames):
     folder = write_pages(tmp_path / "press", frames)
     write_pages(folder, frames[:1], "overview.jpg")
-    with pytest.raises(FramesError, match="wanted frames of one kind; found JPEG and PNG"):
+    with pytest.raises(FramesError, match="expected frames of one kind, but found JPEG and PNG"):
         open_frames(folder)
 
 

@@ -75,7 +75,11 @@ def test_readings_with_times_go_along(press):
 def test_a_log_in_millinewtons_is_refused_unless_it_says_so(press):
     log = rows(np.linspace(0, 6000, 65))
     (press / "force.csv").write_text(log)
-    with pytest.raises(FramesError, match=r"force.csv: wanted forces in N, 200 at most; found 6000. Which unit is it"):
+    with pytest.raises(
+        FramesError,
+        match=r"force.csv: expected forces in N, 200 at most, but found 6000. Which unit "
+        r"is it",
+    ):
         open_frames(press)
     (press / "force.csv").write_text(log.replace("force_n", "force_mN"))
     assert np.nanmax(open_frames(press).force_n) == pytest.approx(5.578, abs=0.001)
@@ -133,13 +137,13 @@ def test_frames_without_force_are_counted(press):
 
 def test_a_log_of_other_frames_says_how_many_there_are(press):
     (press / "force.csv").write_text(LOG + "9,12\n")
-    with pytest.raises(FramesError, match=r"force.csv: wanted frame indices from -1 to 11, for there are 12 frames"):
+    with pytest.raises(FramesError, match=r"force.csv: expected frame indices from -1 to 11, for there are 12 frames"):
         open_frames(press)
 
 
 def test_a_camera_of_another_size(press):
     write_camera(press / "camera.toml", Camera())
-    with pytest.raises(CameraError, match="300 x 300 px; found frames of 32 x 24 px"):
+    with pytest.raises(CameraError, match="300 x 300 px, but found frames of 32 x 24 px"):
         open_frames(press)
 
 
@@ -165,7 +169,11 @@ def test_a_folder_of_stacks_is_no_folder_of_frames(tmp_path, frames):
     for number in (1, 2):
         tifffile.imwrite(tmp_path / f"press_{number}.tif", frames, photometric="minisblack")
     assert len(find_presses(tmp_path)) == 2
-    with pytest.raises(FramesError, match=r"the frames of one press; found 2 sequences \(press_1.tif, press_2.tif\)"):
+    with pytest.raises(
+        FramesError,
+        match=r"the frames of one press, but found 2 sequences \(press_1.tif, "
+        r"press_2.tif\)",
+    ):
         open_frames(tmp_path)
 
 
@@ -173,7 +181,7 @@ def test_a_folder_of_stacks_is_no_folder_of_frames(tmp_path, frames):
 def test_nothing_there(tmp_path, open_path):
     with pytest.raises(FramesError, match=r"No such file"):
         open_path(tmp_path / "gone")
-    with pytest.raises(FramesError, match=r"wanted images .* found 0 other files and 0 folders"):
+    with pytest.raises(FramesError, match=r"expected images .* found 0 other files and 0 folders"):
         open_path(tmp_path)
     (tmp_path / "notes.txt").write_text("x")
     with pytest.raises(FramesError, match=r"found 1 other files and 0 folders"):
@@ -225,6 +233,6 @@ for name in sys.argv[1:]:
     names = [str(tmp_path / name) for name in ("bmp", "press.mp4")]
     unset = {name: value for name, value in os.environ.items() if not name.startswith("OPENCV_")}
     done = subprocess.run([sys.executable, "-c", code, *names], capture_output=True, text=True, check=True, env=unset)
-    assert "1.bmp, frame 1: wanted an image" in done.stdout
-    assert "press.mp4: wanted a video" in done.stdout
+    assert "1.bmp, frame 1: expected an image" in done.stdout
+    assert "press.mp4: expected a video" in done.stdout
     assert done.stderr == ""

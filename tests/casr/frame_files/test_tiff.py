@@ -81,7 +81,7 @@ def test_a_damaged_page_is_named_and_the_others_are_read(tmp_path, frames):
         file.seek(place)
         file.write(b"\xff" * 40)
     sequence = open_frames(path)
-    with pytest.raises(FramesError, match=r"press.tif, frame 7: wanted an image"):
+    with pytest.raises(FramesError, match=r"press.tif, frame 7: expected an image"):
         sequence[7]
     np.testing.assert_array_equal(sequence[6], frames[6])
     np.testing.assert_array_equal(sequence[8], frames[8])
@@ -116,7 +116,7 @@ def test_a_page_of_another_size_is_named(tmp_path, frames):
         file.write(frames[1][:20], metadata=None)
         file.write(frames[2], metadata=None)
     sequence = open_frames(tmp_path / "press.tif")
-    with pytest.raises(FramesError, match=r"press.tif, frame 1: wanted 32 x 24 px .* found 32 x 20 px"):
+    with pytest.raises(FramesError, match=r"press.tif, frame 1: expected 32 x 24 px .* found 32 x 20 px"):
         sequence[1]
     np.testing.assert_array_equal(sequence[2], frames[2])
 
@@ -130,7 +130,7 @@ def test_what_is_no_tiff(tmp_path, data):
 
 def test_one_page_is_no_sequence(tmp_path, frames):
     tifffile.imwrite(tmp_path / "press.tif", frames[0])
-    with pytest.raises(FramesError, match="two frames or more; found one frame"):
+    with pytest.raises(FramesError, match="two frames or more, but found one frame"):
         open_frames(tmp_path / "press.tif")
 
 
@@ -141,7 +141,7 @@ def test_one_page_is_no_sequence(tmp_path, frames):
 )
 def test_levels_that_do_not_use_the_range_are_refused(tmp_path, frames, levels):
     tifffile.imwrite(tmp_path / "press.tif", levels(frames), photometric="minisblack")
-    with pytest.raises(FramesError, match="wanted grey levels that use the range"):
+    with pytest.raises(FramesError, match="expected grey levels that use the range"):
         open_frames(tmp_path / "press.tif")
 
 

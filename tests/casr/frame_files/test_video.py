@@ -115,7 +115,7 @@ def test_a_frame_that_does_not_decode_is_named_and_the_others_keep_their_numbers
     path.write_bytes(data)
     sequence = open_frames(path)
     assert len(sequence) == 30
-    with pytest.raises(FramesError, match=r"press.avi, frame 10: wanted an image; found data that do not decode"):
+    with pytest.raises(FramesError, match=r"press.avi, frame 10: expected an image, but found data that do not decode"):
         sequence[10]
     for index in (9, 9, 11, 29, 11):
         assert number_of(sequence[index]) == index
@@ -124,7 +124,7 @@ def test_a_frame_that_does_not_decode_is_named_and_the_others_keep_their_numbers
 @pytest.mark.parametrize("data", [b"", b"hello, no video"])
 def test_what_is_no_video(tmp_path, data):
     (tmp_path / "press.avi").write_bytes(data)
-    with pytest.raises(FramesError, match=r"press.avi: wanted a video"):
+    with pytest.raises(FramesError, match=r"press.avi: expected a video"):
         open_frames(tmp_path / "press.avi")
 
 
@@ -146,7 +146,7 @@ def test_a_decoder_that_crashes_is_a_frames_error(tmp_path, striped, monkeypatch
     sequence = open_frames(write_video(tmp_path / "press.avi", striped, "MJPG"))
     monkeypatch.setattr(sequence.source, "_decoder", InChild("OpenCV", "crashing", "Decoder", (), Limits()))
     with pytest.raises(
-        FramesError, match=r"press.avi: wanted a video .* that its reader crashed \(OpenCV, segm.* Copy"
+        FramesError, match=r"press.avi: expected a video .* that its reader crashed \(OpenCV, segm.* Copy"
     ):
         sequence[20]
     end_child()

@@ -114,11 +114,11 @@ def test_a_gap_of_the_force_is_not_bridged():
 @pytest.mark.parametrize("wrong", [lambda s: 1000 * s, lambda s: s + 1.7e9, lambda s: s + 0.5, lambda s: s - 2])
 def test_another_clock_or_unit_is_an_error(wrong):
     time_s, index = np.arange(0, 80) / 200, np.repeat(np.arange(8), 10)
-    with pytest.raises(FramesError, match=r"rig\.csv: wanted frame_time_s in seconds, on the clock of time_s"):
+    with pytest.raises(FramesError, match=r"rig\.csv: expected frame_time_s in seconds, on the clock of time_s"):
         force_per_frame(time_s, index, 8, time_s=time_s, frame_time_s=wrong(FRAME_S[index]), where="rig.csv")
 
 
 def test_times_without_their_digits_are_an_error():
     time_s, index = np.arange(0, 80) / 200, np.repeat(np.arange(8), 10)
-    with pytest.raises(FramesError, match=r"another frame_time_s for each frame; found 0 s of two frames"):
+    with pytest.raises(FramesError, match=r"another frame_time_s for each frame, but found 0 s of two frames"):
         force_per_frame(time_s, index, 8, time_s=time_s, frame_time_s=np.floor(FRAME_S[index]))

@@ -61,5 +61,5 @@ def test_indices_that_fit_no_frame_are_named(index, found):
 
 
 def test_too_high_an_index_says_how_many_frames_there_are():
-    with pytest.raises(FramesError, match=r"rig.csv: wanted frame indices from -1 to 2, for there are 3 frames"):
+    with pytest.raises(FramesError, match=r"rig.csv: expected frame indices from -1 to 2, for there are 3 frames"):
         force_per_frame([1.0], [3], 3, where="rig.csv")

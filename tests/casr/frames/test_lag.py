@@ -108,5 +108,5 @@ def test_frames_between_rows():
 def test_forces_that_are_no_newtons():
     check_newtons(np.array([np.nan, -150.0, 199.0]), "log")
     check_newtons(np.array([]), "log")
-    with pytest.raises(FramesError, match=r"log: wanted forces in N, 200 at most; found 7000. Which unit is it"):
+    with pytest.raises(FramesError, match=r"log: expected forces in N, 200 at most, but found 7000. Which unit is it"):
         check_newtons(np.array([1.0, -7000.0]), "log")

@@ -95,7 +95,7 @@ def test_noise_at_rest_does_not_move_the_static_frame_onto_the_ramp(seed):
 
 
 def test_no_contact_says_how_much_force_there_was():
-    with pytest.raises(NoContactError, match=r"0.5 N or more; found at most 0.3 N"):
+    with pytest.raises(NoContactError, match=r"0.5 N or more, but found at most 0.3 N"):
         loading_phase([0.0, 0.3, 0.1])
 
 

@@ -23,7 +23,7 @@ def test_frames_by_number_from_either_end_and_in_turn():
 
 @pytest.mark.parametrize("index", [4, -5])
 def test_a_frame_that_is_not_there(index):
-    with pytest.raises(FramesError, match=f"a frame from 0 to 3; found frame {index}"):
+    with pytest.raises(FramesError, match=f"a frame from 0 to 3, but found frame {index}"):
         FrameSequence(ArrayFrames(FRAMES))[index]
 
 
@@ -38,7 +38,7 @@ def test_a_bad_frame_is_named_and_the_others_are_read():
 
 def test_the_camera_must_have_the_size_of_the_frames():
     FrameSequence(ArrayFrames(FRAMES), Camera(width_px=5, height_px=3))
-    with pytest.raises(CameraError, match="3 x 5 px; found frames of 5 x 3 px"):
+    with pytest.raises(CameraError, match="3 x 5 px, but found frames of 5 x 3 px"):
         FrameSequence(ArrayFrames(FRAMES), Camera(width_px=3, height_px=5))
 
 

@@ -65,7 +65,7 @@ def test_random_blobs_are_no_lattice():
 def test_the_count_that_is_expected():
     assert pins_in_doubt(HEXAGON, 127) == ()
     assert pins_in_doubt(HEXAGON, 130) == ("127 pins are found at rest, not 130",)
-    with pytest.raises(PinsError, match=r"331 pins \(--expect-pins\); found 127"):
+    with pytest.raises(PinsError, match=r"331 pins \(--expect-pins\), but found 127"):
         pins_in_doubt(HEXAGON, 331)
 
 

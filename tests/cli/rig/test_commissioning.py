@@ -120,15 +120,15 @@ def test_home_takes_a_pressed_probe_away(rig: Rig, served: SimpleNamespace) -> N
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("jog", "--mm", "1", "--deg-per-s", "100"), "--deg-per-s: wanted above 0 and at most 25; found 100."),
-        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: wanted above 0 and at most 25; found 80."),
-        (("jog", "--mm", "40"), "probe: wanted a position of -12000 to 12000 ticks; found 18"),
-        (("commission", "--reach-deg", "0"), "--reach-deg: wanted above 0 and at most 180; found 0."),
-        (("parameters", "--set", "13=a"), "wanted a number and its values, 13=1200; found '13=a'"),
-        (("parameters", "--set", "1=7"), "wanted a parameter from 2; the id is changed with qbadmin"),
-        (("parameters", "--yes", "--set", "99=7"), "wanted a parameter that the device lists; found 99."),
-        (("parameters", "--yes", "--set", "13=1.5"), "wanted 1 values of type 'h' for parameter 13, Current limit"),
-        (("off",), "rig off: wanted a rig file or --port; found both or neither."),
+        (("jog", "--mm", "1", "--deg-per-s", "100"), "--deg-per-s: expected above 0 and at most 25, but found 100."),
+        (("jog", "--mm", "1", "--limit-n", "80"), "--limit-n: expected above 0 and at most 25, but found 80."),
+        (("jog", "--mm", "40"), "probe: expected a position of -12000 to 12000 ticks, but found 18"),
+        (("commission", "--reach-deg", "0"), "--reach-deg: expected above 0 and at most 180, but found 0."),
+        (("parameters", "--set", "13=a"), "expected a number and its values, 13=1200, but found '13=a'"),
+        (("parameters", "--set", "1=7"), "expected a parameter from 2; the id is changed with qbadmin"),
+        (("parameters", "--yes", "--set", "99=7"), "expected a parameter that the device lists, but found 99."),
+        (("parameters", "--yes", "--set", "13=1.5"), "expected 1 values of type 'h' for parameter 13, Current limit"),
+        (("off",), "rig off: expected a rig file or --port, but found both or neither."),
     ],
 )
 def test_what_cannot_be_is_refused(
@@ -150,7 +150,7 @@ def test_a_question_that_nobody_can_answer_is_refused(
     monkeypatch.setattr("builtins.input", lambda: (_ for _ in ()).throw(EOFError))
     status, _, err = rig("zero", served.path)
     assert status == 2
-    assert "standard input: wanted an answer; found its end. Run it in a terminal, or add --yes." in err
+    assert "standard input: expected an answer, but found its end. Run it in a terminal, or add --yes." in err
 
 
 def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
@@ -175,7 +175,7 @@ def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: P
     assert json.loads(out)["parameters"]["13"]["values"] == [1200]
     status, _, err = rig("parameters", served.path, "--backup", backup)
     assert status == 2
-    assert f"{backup}: wanted a new file; found one that is there." in err
+    assert f"{backup}: expected a new file, but found one that is there." in err
 
 
 def test_the_watchdog_is_proven_and_the_proof_kept(rig: Rig, served: SimpleNamespace) -> None:
@@ -206,7 +206,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
         assert user.pid == process.pid
         status, _, err = rig("jog", served.path, "--mm", 1)
         assert status == 2
-        assert f"wanted a rig that no other process uses; found process {process.pid}." in err
+        assert f"expected a rig that no other process uses, but found process {process.pid}." in err
         begin_s = time.monotonic()
         status, out, err = rig("off", served.path)
         assert 1.0 < time.monotonic() - begin_s < 4.0
@@ -217,7 +217,7 @@ def test_off_ends_a_silent_process_and_switches_off(rig: Rig, served: SimpleName
         process.kill()
     assert status == 1  # for the motor, which is not there
     assert "[actuator] motors off; motors at " in out
-    assert "[motor] NOT confirmed off: /dev/no-such-motor: wanted a serial port" in out
+    assert "[motor] NOT confirmed off: /dev/no-such-motor: expected a serial port" in out
     assert motors(served.bench) == MOTORS_OFF
     assert rig_user(served.path) is None
 
@@ -296,5 +296,5 @@ def test_a_link_to_a_rig_file_has_the_lock_of_the_file(rig: Rig, served: SimpleN
     with rig_lock(served.path):
         user = rig_user(link)
         assert (user is not None, lock_path(link)) == (True, lock_path(served.path))
-        with pytest.raises(DeviceError, match="wanted a rig that no other process uses"), rig_lock(link):
+        with pytest.raises(DeviceError, match="expected a rig that no other process uses"), rig_lock(link):
             pass

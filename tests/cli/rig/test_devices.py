@@ -12,7 +12,7 @@ import pytest
 from emg2vsa.cli.rig.rig_lock import rig_lock
 
 Rig = Callable[..., tuple[int, str, str]]
-NO_MOTOR = "/dev/no-such-motor: wanted a serial port; found "
+NO_MOTOR = "/dev/no-such-motor: expected a serial port, but found "
 
 
 def test_scan_lists_ports_and_ids(rig: Rig, served: SimpleNamespace) -> None:
@@ -44,7 +44,7 @@ def test_scan_of_a_silent_line(rig: Rig, served: SimpleNamespace) -> None:
     port = served.servers.port
     status, out, _ = rig("scan", "--port", port, "--id", 1)
     assert status == 1
-    assert f"{port}\n  not usable: {port}: wanted a qbmove that answers; found none." in out
+    assert f"{port}\n  not usable: {port}: expected a qbmove that answers, but found none." in out
 
 
 def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -56,7 +56,7 @@ def test_scan_without_ports(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_an_id_that_cannot_be(wrong: str, rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         rig("scan", "--id", wrong)
-    assert f"wanted a device id of 1 to 255; found '{wrong}'" in capsys.readouterr().err
+    assert f"expected a device id of 1 to 255, but found '{wrong}'" in capsys.readouterr().err
 
 
 def test_info_tells_what_each_device_knows(rig: Rig, served: SimpleNamespace) -> None:
@@ -94,4 +94,4 @@ def test_no_device_is_asked_while_a_run_uses_the_rig(command: str, rig: Rig, ser
     with rig_lock(served.path, served.path.parent / "runs" / "S1_0_modular"):
         status, out, err = rig(command, served.path)
     assert (status, "[force]" in out) == (2, False)
-    assert f"{served.path}: wanted a rig that no other process uses; found process " in err
+    assert f"{served.path}: expected a rig that no other process uses, but found process " in err

@@ -63,21 +63,31 @@ def test_a_run_that_breaks_a_limit_is_told_beside_the_others(rig: Rig, rig_file:
     path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
     status, out, _ = rig("dry-run", path, "--specimen", "S1")
     assert status == 1
-    assert "S1_0_modular: not possible. schedule of S1, modular, preset_ticks: wanted 560 to 2240 ticks" in out
+    assert "S1_0_modular: not possible. schedule of S1, modular, preset_ticks: expected 560 to 2240 ticks" in out
     assert "S1_0_high-stiffness " in out
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--specimen", "S31"], "rig.toml, specimen: wanted S1, S3; found S31. Did you mean 'S3'?"),
-        (["--specimen", "Q"], "rig.toml, specimen: wanted S1, S3; found Q. Add it to [experiment], or choose another."),
-        (["--angle", "45"], "rig.toml, angle: wanted 0, 30; found 45. Add it to [experiment], or choose another."),
+        (["--specimen", "S31"], "rig.toml, specimen: expected S1, S3, but found S31. Did you mean 'S3'?"),
+        (
+            ["--specimen", "Q"],
+            "rig.toml, specimen: expected S1, S3, but found Q. Add it to [experiment], or choose another.",
+        ),
+        (
+            ["--angle", "45"],
+            "rig.toml, angle: expected 0, 30, but found 45. Add it to [experiment], or choose another.",
+        ),
         (
             ["--angle", "30", "--condition", "high-stiffness"],
-            "wanted a run of the experiment; found angle 30, condition high-stiffness. See [experiment.angles_deg].",
+            "expected a run of the experiment, but found angle 30, condition high-stiffness. See "
+            "[experiment.angles_deg].",
         ),
-        (["--condition", "constant-min"], "rig.toml, condition: wanted high-stiffness, modular; found constant-min."),
+        (
+            ["--condition", "constant-min"],
+            "rig.toml, condition: expected high-stiffness, modular, but found constant-min.",
+        ),
     ],
 )
 def test_a_choice_that_is_none(options: list[str], said: str, rig: Rig, rig_file: RigFile) -> None:
@@ -92,7 +102,7 @@ def test_schedules_that_are_absent_are_named(rig: Rig, rig_file: RigFile, tmp_pa
     status, _, err = rig("dry-run", path)
     assert status == 2
     assert err.endswith(
-        "schedules: wanted a schedule for every specimen and condition, 2 files; found no S3_modular.json. "
+        "schedules: expected a schedule for every specimen and condition, 2 files, but found no S3_modular.json. "
         "Export them with emg2vsa schedule STUDY, or correct [experiment].\n"
     )
     assert rig("dry-run", path, "--specimen", "S1")[0] == 0
@@ -103,8 +113,8 @@ def test_a_bad_rig_file_is_told_line_by_line(rig: Rig, rig_file: RigFile) -> Non
     status, out, err = rig("dry-run", rig_file(("f_max_n = 5", "f_max = 5\ncontact_s = -1")))
     assert (status, out) == (2, "")
     assert [line.partition("rig.toml:")[2] for line in err.splitlines()[:-1]] == [
-        "33: experiment.f_max: wanted a known key; found 'f_max'. Did you mean 'f_max_n'?",
-        "34: experiment.contact_s: wanted a number >= 0; found -1.",
+        "33: experiment.f_max: expected a known key, but found 'f_max'. Did you mean 'f_max_n'?",
+        "34: experiment.contact_s: expected a number >= 0, but found -1.",
     ]
     assert err.endswith("2 problems; nothing was run.\n")
 
@@ -113,5 +123,5 @@ def test_a_schedule_for_another_model_is_refused(rig: Rig, rig_file: RigFile) ->
     path = rig_file(("[actuator]\n", '[actuator]\nmodel = "advanced"\n'))
     status, _, err = rig("dry-run", path)
     assert status == 2
-    assert "schedule of S1, modular, limits.actuator: wanted qbmove-advanced, the model under [actuator] of " in err
+    assert "schedule of S1, modular, limits.actuator: expected qbmove-advanced, the model under [actuator] of " in err
     assert "found qbmove-maker-pro. Set [schedule] actuator of the study to the device's model" in err

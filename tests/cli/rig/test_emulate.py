@@ -82,7 +82,7 @@ def test_a_fault_that_is_none_is_refused_before_anything_is_written(
 ) -> None:
     status, _, err = rig("emulate", rig_file(), "--fault", "gain lots", "--write", tmp_path / "emulated.toml")
     assert status == 2
-    assert "fault gain: wanted off, or a number from -100 to 100; found 'lots'" in err
+    assert "fault gain: expected off, or a number from -100 to 100, but found 'lots'" in err
     assert not (tmp_path / "emulated.toml").exists()
 
 
@@ -126,7 +126,7 @@ def test_on_windows_it_says_what_to_do(
     monkeypatch.setattr("emg2vsa.rig.emulated.servers.sys", SimpleNamespace(platform="win32"))
     status, out, err = rig("emulate", rig_file())
     assert (status, out) == (2, "")
-    assert "wanted a system with virtual serial ports; found Windows. Use emg2vsa rig run --virtual." in err
+    assert "expected a system with virtual serial ports, but found Windows. Use emg2vsa rig run --virtual." in err
 
 
 @pytest.mark.slow

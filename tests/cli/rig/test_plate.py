@@ -67,13 +67,13 @@ def test_what_is_no_plate_run_is_refused(
     run = ("run", path, "--virtual")
     assert rig(*run, "--specimen", "S3", "--angle", 0, "--condition", "modular", "--repetitions", 1)[0] == 0
     assert main(["stiffness", str(tmp_path / "runs-virtual" / "S3_0_modular")]) == 2
-    said = "S3_0_modular: wanted the folder of a plate indentation; found a run of modular with the tactile sensor."
+    said = "S3_0_modular: expected the folder of a plate indentation, but found a run of modular with the tactile"
     assert said in capsys.readouterr().err
     assert main(["stiffness", str(tmp_path)]) == 2
-    assert "wanted the folder of a plate indentation; found " in capsys.readouterr().err
+    assert "expected the folder of a plate indentation, but found " in capsys.readouterr().err
     for words, complaint in (
-        (("--plate", "S9"), "--plate: wanted S1, S3; found S9."),
-        (("--plate", "S1", "--all"), "--plate: wanted --plate alone; found a choice of runs beside it."),
+        (("--plate", "S9"), "--plate: expected S1, S3, but found S9."),
+        (("--plate", "S1", "--all"), "--plate: expected --plate alone, but found a choice of runs beside it."),
     ):
         status, _, err = rig(*run, *words)
         assert status == 2
@@ -84,7 +84,7 @@ def test_a_plate_beyond_the_guard_is_refused(rig: Rig, rig_file: Callable[..., P
     path = rig_file(("[emulated]", "[plate]\nf_max_n = 60\n\n[emulated]"))
     status, _, err = rig("run", path, "--virtual", "--plate", "S1")
     assert status == 2
-    assert "plate.f_max_n: wanted a force above contact, 0.3 N, and below the guard rig.guards.force_n, 50 N" in err
+    assert "plate.f_max_n: expected a force above contact, 0.3 N, and below the guard rig.guards.force_n, 50 N" in err
 
 
 def test_a_specimen_that_the_study_has_not_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -92,5 +92,5 @@ def test_a_specimen_that_the_study_has_not_is_refused(tmp_path: Path, capsys: py
     log.write_text("indentation_mm,force_n\n" + "".join(f"{k / 10},{max(0.0, k / 3 - 3)}\n" for k in range(40)))
     study.write_text('[[specimens]]\nname = "S1"\n')
     assert main(["stiffness", str(log), "--write", str(study)]) == 2
-    assert "study.toml, specimens: wanted a specimen S3; found S1." in capsys.readouterr().err
+    assert "study.toml, specimens: expected a specimen S3, but found S1." in capsys.readouterr().err
     assert study.read_text() == '[[specimens]]\nname = "S1"\n'

@@ -54,7 +54,7 @@ def test_a_run_is_completed_told_and_recorded(rig: Rig, served: SimpleNamespace,
 
     status, _, err = rig("run", served.path, *ONE)
     assert status == 2
-    assert f"{folder}: wanted a run that is still to do; found one with all its presses." in err
+    assert f"{folder}: expected a run that is still to do, but found one with all its presses." in err
 
 
 def test_an_ended_run_is_kept_and_the_next_gets_another_folder(
@@ -84,7 +84,7 @@ def test_a_device_that_is_absent_is_told_and_nothing_is_recorded(
 ) -> None:
     status, out, err = rig("run", rig_file(), *ONE)
     assert (status, out) == (2, "")
-    assert err.startswith("emg2vsa: /dev/no-such-port: wanted a serial port; found ")
+    assert err.startswith("emg2vsa: /dev/no-such-port: expected a serial port, but found ")
     assert not (tmp_path / "runs").exists()
 
 
@@ -92,7 +92,9 @@ def test_a_schedule_beyond_the_device_moves_nothing(rig: Rig, served: SimpleName
     served.bench.firmware._shadow.max_stiffness = 2 * 2000
     status, _, err = rig("run", served.path, *ONE)
     assert status == 2
-    assert "schedule of S1, modular, preset_ticks: wanted 600 to 1600 ticks, 30 to 80 % of the device's maximum" in err
+    assert (
+        "schedule of S1, modular, preset_ticks: expected 600 to 1600 ticks, 30 to 80 % of the device's maximum" in err
+    )
     assert not (tmp_path / "runs").exists()
 
 

@@ -72,13 +72,13 @@ def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[...
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--order", "random"), "--order: wanted --all beside it; found one run."),
-        (("--seed", 1), "--seed: wanted --all beside it; found one run."),
-        (("--all", "--order", "file", "--seed", 1), "--seed: wanted a seed for a random order; found 1."),
-        (("--all", "--repetitions", 3), "--repetitions: wanted one run; found --all."),
+        (("--order", "random"), "--order: expected --all beside it, but found one run."),
+        (("--seed", 1), "--seed: expected --all beside it, but found one run."),
+        (("--all", "--order", "file", "--seed", 1), "--seed: expected a seed for a random order, but found 1."),
+        (("--all", "--repetitions", 3), "--repetitions: expected one run, but found --all."),
         (
             ("--all", "--order", "random", "--seed", 4),
-            "order.json: wanted order random with seed 4; found file, begun.",
+            "order.json: expected order random with seed 4, but found file, begun.",
         ),
     ],
 )
@@ -98,8 +98,11 @@ def test_what_cannot_be_is_refused(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("{", "wanted an order as emg2vsa rig run writes it; found "),
-        ('{"order": "file", "seed": null, "runs": []}', "wanted the 6 runs of the rig file; found 0, not the same."),
+        ("{", "expected an order as emg2vsa rig run writes it, but found "),
+        (
+            '{"order": "file", "seed": null, "runs": []}',
+            "expected the 6 runs of the rig file, but found 0, not the same.",
+        ),
         ('{"order": "up", "seed": 1, "runs": []}', "found order 'up'."),
     ],
 )
@@ -194,8 +197,11 @@ def test_a_session_with_a_rejected_press_says_so_by_its_status(
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("f_max_n = 5", "f_max_n = 4"), "wanted f_max_n = 4.0, as the rig file and its schedules say now; found 5.0."),
-        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "wanted filter_samples = 3, as the rig file"),
+        (
+            ("f_max_n = 5", "f_max_n = 4"),
+            "expected f_max_n = 4.0, as the rig file and its schedules say now, but found 5.0.",
+        ),
+        (("[rig.guards]", "[rig]\nfilter_samples = 3\n[rig.guards]"), "expected filter_samples = 3, as the rig file"),
     ],
 )
 def test_presses_made_in_another_way_are_not_mixed(
@@ -219,4 +225,4 @@ def test_a_schedule_of_other_steps_is_not_mixed(rig: Rig, rig_file: Callable[...
     document["plan"]["schedule"]["steps"][0]["preset_ticks"] += 10
     plan.write_text(json.dumps(document))
     status, _, err = rig("run", path, *one)
-    assert (status, "plan.json: wanted preset_ticks of the schedule = [" in err) == (2, True)
+    assert (status, "plan.json: expected preset_ticks of the schedule = [" in err) == (2, True)

@@ -79,14 +79,14 @@ def test_measured_runs_are_none_of_its_own(rig: Rig, rig_file: RigFile, tmp_path
 def test_without_an_emulated_rig(rig: Rig, rig_file: RigFile) -> None:
     status, out, err = rig("run", rig_file(("[emulated]\ngap_mm = 2\n", "")), "--virtual")
     assert (status, out) == (2, "")
-    assert "rig.toml: wanted a table [emulated]; found none." in err
+    assert "rig.toml: expected a table [emulated], but found none." in err
 
 
 def test_limits_are_checked_before_any_run(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     path = rig_file(("[rig.guards]", "[rig]\nmax_preset_ticks = 2800\n[rig.guards]"))
     status, _, err = rig("run", path, "--virtual")
     assert status == 2
-    assert "preset_ticks: wanted 560 to 2240 ticks" in err
+    assert "preset_ticks: expected 560 to 2240 ticks" in err
     assert not (tmp_path / "runs-virtual").exists()
 
 

@@ -302,5 +302,7 @@ def test_a_network_camera_knows_none_of_it():
 
 @pytest.mark.parametrize("key", KEEP)
 def test_a_value_that_is_not_taken_is_told(key):
-    with pytest.raises(DeviceError, match=f"camera, {key}: wanted 7, as the rig file says; found a camera that does"):
+    with pytest.raises(
+        DeviceError, match=f"camera, {key}: expected 7, as the rig file says, but found a camera that does"
+    ):
         lock_settings(Capture(), KEEP | {key: 7.0}, "camera")

@@ -121,7 +121,11 @@ def test_without_a_person_the_sign_is_searched_and_the_gear_left() -> None:
 
 def test_no_touch_is_told() -> None:
     far = Ruler(emulated=replace(SOFT, gap_mm=60.0))
-    with pytest.raises(DeviceError, match=r"probe: wanted a touch within 45 degrees; found none\. Put the pad nearer"):
+    with pytest.raises(
+        DeviceError,
+        match=r"probe: expected a touch within 45 degrees, but found none\. Put the pad "
+        r"nearer",
+    ):
         far.check(TRUE)
 
 
@@ -129,6 +133,8 @@ def test_a_sensor_that_feels_nothing_does_not_let_the_probe_press_on() -> None:
     ruler = Ruler(pad="S1")
     truly = ruler.bench.box._wrench
     ruler.bench.box._wrench = lambda time_s: tuple(0.0 * part for part in truly(time_s))
-    with pytest.raises(DeviceError, match="wanted a force felt where the springs give way; found springs that press"):
+    with pytest.raises(
+        DeviceError, match="expected a force felt where the springs give way, but found springs that press"
+    ):
         ruler.check(TRUE)
     assert ruler.most_n < 10

@@ -65,7 +65,7 @@ def test_a_device_without_a_watchdog(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_motors_that_do_not_move_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DeviceError, match="wanted motors that follow a small move; found 0 ticks of 228"):
+    with pytest.raises(DeviceError, match="expected motors that follow a small move, but found 0 ticks of 228"):
         proof_of(monkeypatch, stuck=True)
 
 
@@ -78,7 +78,7 @@ def test_proofs_are_kept_by_board_and_read_back(tmp_path: Path, monkeypatch: pyt
     assert path == proof_file(rig_file) == tmp_path / "rig.watchdog.json"
     assert read_proofs(rig_file) == {"actuator": proof, "motor": proof}
     path.write_text('{"actuator": {"verdict": "motors off"}}')
-    with pytest.raises(DeviceError, match=r"rig\.watchdog\.json: wanted proofs as emg2vsa rig prove-watchdog writes"):
+    with pytest.raises(DeviceError, match=r"rig\.watchdog\.json: expected proofs as emg2vsa rig prove-watchdog writes"):
         read_proofs(rig_file)
 
 

@@ -167,7 +167,7 @@ def test_a_past_that_is_forgotten_is_refused() -> None:
         it.shaft_rad(10.0 * k, (0.1 * k, 0.0))
     assert it.probe_mm(61.0) > 0
     it.shaft_rad(121.0, (1.3, 0.0))
-    with pytest.raises(DeviceError, match="wanted a time from"):
+    with pytest.raises(DeviceError, match="expected a time from"):
         it.force_n(10.0)
 
 

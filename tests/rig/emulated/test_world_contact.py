@@ -98,5 +98,5 @@ def test_the_torque_grows_as_it_says(angle_deg: float) -> None:
 
 @pytest.mark.parametrize("angle_deg", [90.0, -1.0, math.nan])
 def test_an_angle_that_cannot_be_is_refused(angle_deg: float) -> None:
-    with pytest.raises(SettingError, match=r"^angle_deg: wanted 0 to below 90 degrees"):
+    with pytest.raises(SettingError, match=r"^angle_deg: expected 0 to below 90 degrees"):
         WorldSettings(angle_deg=angle_deg)

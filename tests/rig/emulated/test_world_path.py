@@ -30,5 +30,9 @@ def test_a_minute_of_motion_is_remembered_and_not_much_more() -> None:
     for k in range(1, 200_001):
         path.append(k * 0.001, k * 0.001)
     assert path.angle_rad(140.0005) == pytest.approx(140.0005)
-    with pytest.raises(DeviceError, match=r"emulated world: wanted a time from 1\d\d\.\d\d\d s on; found 60\.000 s"):
+    with pytest.raises(
+        DeviceError,
+        match=r"emulated world: expected a time from 1\d\d\.\d\d\d s on, but found "
+        r"60\.000 s",
+    ):
         path.angle_rad(60.0)

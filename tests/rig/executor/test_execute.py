@@ -183,7 +183,11 @@ def test_nothing_is_sent_for_a_plan_beyond_limits(
 
 def test_nothing_is_sent_where_the_force_limit_is_beyond_the_sensor(bench: Any, tmp_path: Path) -> None:
     bench.rating = Rating((50.0, 50.0, 8.0), (1.0, 1.0, 1.0))
-    with pytest.raises(SettingError, match=r"rig\.guards\.force_n: wanted at most 8 N, the rating of the force sensor"):
+    with pytest.raises(
+        SettingError,
+        match=r"rig\.guards\.force_n: expected at most 8 N, the rating of the force "
+        r"sensor",
+    ):
         bench.run(tmp_path / "run")
     assert bench.calls == []
 

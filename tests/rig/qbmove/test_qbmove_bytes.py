@@ -98,7 +98,11 @@ def test_silence_is_told_after_three_attempts() -> None:
     silent = [(IS_ACTIVE, ""), flush, (IS_ACTIVE, ""), flush, (IS_ACTIVE, "")]
     with (
         scripted(*silent) as device,
-        pytest.raises(DeviceError, match=r"script, qbmove 1: wanted a reply to GET_ACTIVATE; found none in 3 attempts"),
+        pytest.raises(
+            DeviceError,
+            match=r"script, qbmove 1: expected a reply to GET_ACTIVATE, but found none in 3 "
+            r"attempts",
+        ),
     ):
         device.is_active()
 

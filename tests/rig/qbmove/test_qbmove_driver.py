@@ -113,7 +113,7 @@ def test_stiffness_outside_the_study_is_refused_and_nothing_is_sent(bench: Bench
     bench.wait(0.1)
     sent = bench.qbmove.counts.requests
     for position, preset in ((0, 599), (0, 2401), (12001, 1500), (-12001, 1500)):
-        with pytest.raises(DeviceError, match="wanted"):
+        with pytest.raises(DeviceError, match="expected"):
             bench.qbmove.set_position_stiffness(position, preset)
     assert bench.qbmove.counts.requests == sent
 
@@ -161,7 +161,7 @@ def test_activation_gets_through_a_damaged_frame(bench: Bench, at: int) -> None:
 def test_a_mute_device_is_told_and_takes_its_time_on_the_clock(bench: Bench) -> None:
     bench.wire.mute = True
     start_s = bench.clock.now_s()
-    with pytest.raises(DeviceError, match="a reply to GET_MEASUREMENTS; found none in 3 attempts"):
+    with pytest.raises(DeviceError, match="a reply to GET_MEASUREMENTS, but found none in 3 attempts"):
         bench.qbmove.measurements()
     assert bench.clock.now_s() - start_s == pytest.approx(3 * REPLY_S)
     assert not bench.qbmove.ping()
@@ -178,7 +178,7 @@ def test_the_end_of_a_run_with_a_mute_device_keeps_the_first_error(bench: Bench)
 
     with pytest.raises(ZeroDivisionError) as caught:
         run()
-    assert "wanted motors off; found no confirmation" in caught.value.__notes__[0]
+    assert "expected motors off, but found no confirmation" in caught.value.__notes__[0]
     bench.wire.mute = False
     assert not bench.qbmove.is_active()
     with pytest.raises(DeviceError, match="no confirmation"), bench.qbmove:
@@ -259,11 +259,11 @@ def test_a_parameter_is_set_stored_and_read_back(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("number", "values", "said"),
     [
-        (99, (1,), "wanted a parameter that the device lists; found 99"),
-        (13, (1, 2), "wanted 1 values of type 'h' for parameter 13, Current limit; found 1, 2"),
+        (99, (1,), "expected a parameter that the device lists, but found 99"),
+        (13, (1, 2), "expected 1 values of type 'h' for parameter 13, Current limit, but found 1, 2"),
         (13, (1.5,), "found 1.5 \\(whole numbers wanted\\)"),
-        (13, (1e6,), "wanted 1 values of type 'h'"),
-        (13, (math.nan,), "wanted 1 values of type 'h'"),
+        (13, (1e6,), "expected 1 values of type 'h'"),
+        (13, (math.nan,), "expected 1 values of type 'h'"),
     ],
 )
 def test_a_parameter_that_cannot_be(number: int, values: tuple[float, ...], said: str) -> None:
@@ -274,6 +274,6 @@ def test_a_parameter_that_cannot_be(number: int, values: tuple[float, ...], said
 def test_nothing_is_stored_with_motors_on(bench: Bench) -> None:
     bench.qbmove.activate()
     for change in (lambda: bench.qbmove.set_parameter(13, (1200,)), bench.qbmove.set_zeros):
-        with pytest.raises(DeviceError, match=r"wanted motors off while .* set; found motors on"):
+        with pytest.raises(DeviceError, match=r"expected motors off while .* set, but found motors on"):
             change()
     bench.qbmove.deactivate()

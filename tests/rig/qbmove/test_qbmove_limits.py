@@ -38,7 +38,11 @@ def test_presets_of_the_study_pass(preset: int) -> None:
 
 @pytest.mark.parametrize("preset", [-600, 0, 599, 2401, 3000])
 def test_presets_outside_are_refused_and_not_clipped(preset: int) -> None:
-    with pytest.raises(DeviceError, match=rf"600 to 2400 ticks, 20 to 80 % of the device's maximum; found {preset}\."):
+    with pytest.raises(
+        DeviceError,
+        match=r"600 to 2400 ticks, 20 to 80 % of the device's maximum, but found "
+        rf"{preset}\.",
+    ):
         LIMITS.check_preset(preset)
 
 
@@ -53,15 +57,15 @@ def test_positions_that_the_firmware_would_clip_are_refused() -> None:
 
 def test_each_motor_has_its_own_limits() -> None:
     LIMITS.check_motor(1, 15000)
-    with pytest.raises(DeviceError, match="reference of motor 2: wanted -14000 to 14000"):
+    with pytest.raises(DeviceError, match="reference of motor 2: expected -14000 to 14000"):
         LIMITS.check_motor(2, 15000)
 
 
 @pytest.mark.parametrize(
     ("changed", "named"),
     [
-        ({"control_mode": "PWM"}, "control mode: wanted Position; found PWM"),
-        ({"input_mode": "Sensor 3"}, "input mode: wanted USB"),
+        ({"control_mode": "PWM"}, "control mode: expected Position, but found PWM"),
+        ({"input_mode": "Sensor 3"}, "input mode: expected USB"),
         ({"resolutions": (1, 1, 2)}, "resolutions"),
         ({"max_pwm_rate": 0}, "max PWM rate"),
     ],

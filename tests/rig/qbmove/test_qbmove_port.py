@@ -78,7 +78,7 @@ def test_a_port_that_goes_away_is_told_in_words() -> None:
     with VirtualSerialPort(QbmoveFirmware(MAKER_PRO, Free(), VirtualClock())) as virtual:
         line = SerialLine(virtual.name, BAUD)
         assert Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
-    with pytest.raises(DeviceError, match="wanted a line that answers"):
+    with pytest.raises(DeviceError, match="expected a line that answers"):
         Qbmove(line, 1, clock=WallClock(), reply_s=2.0).ping()
     line.close()
 
@@ -90,6 +90,6 @@ def test_a_port_that_is_not_there_is_told_in_words() -> None:
 
 def test_a_port_in_use_is_told_so(port: str) -> None:
     line = SerialLine(port, BAUD)
-    with pytest.raises(DeviceError, match="wanted a free serial port; found one that another program uses"):
+    with pytest.raises(DeviceError, match="expected a free serial port, but found one that another program uses"):
         SerialLine(port, BAUD)
     line.close()

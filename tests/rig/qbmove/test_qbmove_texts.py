@@ -88,7 +88,11 @@ def test_two_readings_are_equal_when_only_the_supply_differs() -> None:
     "text", ["", "\r\nFirmware version: QBMMP v6.1.0.\r\n", INFO.replace("Max stiff", "Max sti\0f")]
 )
 def test_an_absent_line_is_named(text: str) -> None:
-    with pytest.raises(DeviceError, match=r"line, info: wanted a line '(Firmware version|.*Position.*|Max stiffness)"):
+    with pytest.raises(
+        DeviceError,
+        match=r"line, info: expected a line '(Firmware version|.*Position.*|Max "
+        r"stiffness)",
+    ):
         parse_info(text, "line")
 
 

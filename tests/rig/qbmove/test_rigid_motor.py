@@ -92,8 +92,8 @@ def test_shaft_and_position_are_motor_1(reply_hex: str, at: tuple[int, int, int]
 @pytest.mark.parametrize(
     ("position_ticks", "preset_ticks", "message"),
     [
-        (1000, 600, "wanted preset 0: it has no springs; found 600 ticks"),
-        (15001, 0, "wanted -15000 to 15000 ticks"),
+        (1000, 600, "expected preset 0: it has no springs, but found 600 ticks"),
+        (15001, 0, "expected -15000 to 15000 ticks"),
     ],
 )
 def test_what_the_motor_cannot_do_sends_nothing(position_ticks: int, preset_ticks: int, message: str) -> None:

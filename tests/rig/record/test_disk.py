@@ -52,7 +52,7 @@ def test_a_disk_that_never_keeps_up_is_told(disk: DiskThread, monkeypatch) -> No
         time.sleep(0.001)
     for _ in range(10):
         disk.do(lambda: None)
-    with pytest.raises(DeviceError, match="wanted one that keeps up with the control loop; found"):
+    with pytest.raises(DeviceError, match="expected one that keeps up with the control loop, but found"):
         disk.do(lambda: None)
     held_up.set()
 
@@ -82,7 +82,7 @@ def test_a_refusal_is_told_once_and_nothing_follows_what_was_refused(disk, tmp_p
 def test_a_file_that_is_there_is_told_before_anything_moves(disk: DiskThread, tmp_path: Path) -> None:
     (tmp_path / "log").write_text("another run")
     AppendFile(tmp_path / "log", disk)
-    with pytest.raises(DeviceError, match="wanted a new file"):
+    with pytest.raises(DeviceError, match="expected a new file"):
         disk.finish()
     assert (tmp_path / "log").read_text() == "another run"
 

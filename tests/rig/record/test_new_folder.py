@@ -36,7 +36,9 @@ def test_a_run_with_all_its_presses_is_refused(before: tuple[int, ...], tmp_path
         make(tmp_path / name, "guard", done)
     make(tmp_path / names[len(before)], "completed", 10 - min(10, sum(before)))
     assert presses_left(tmp_path, "S1_0_modular", 10, emulated=False) == 0
-    with pytest.raises(DataError, match="wanted a run that is still to do; found one with all its presses") as caught:
+    with pytest.raises(
+        DataError, match="expected a run that is still to do, but found one with all its presses"
+    ) as caught:
         new_folder(tmp_path, "S1_0_modular", 10, emulated=False)
     assert caught.value.where == str(tmp_path / "S1_0_modular")
 

@@ -53,7 +53,7 @@ def test_the_pages_between_are_not_visited(tmp_path):
 def test_another_file_is_refused(tmp_path, content):
     path = tmp_path / "frames.tif"
     path.write_bytes(content)
-    with pytest.raises(DeviceError, match="wanted a TIFF of the rig"):
+    with pytest.raises(DeviceError, match="expected a TIFF of the rig"):
         newest_page(path)
 
 

@@ -161,16 +161,19 @@ def test_streams_that_cannot_be_used(pylsl: Any, clock: WallClock, monkeypatch: 
     monkeypatch.setattr(pylsl, "resolve_streams", lambda wait_time: found)
     one, two = {"EDC": "a"}, {"EDC": "a", "FDS": "z"}
     for kind, channels, stream, error, words in (
-        ("emg", one, None, DeviceError, "session.emg.stream: wanted one LSL stream of type EMG; found 2 of them: "),
-        ("emg", one, "middle", DeviceError, "wanted one LSL stream 'middle'; found none; the network has "),
-        ("emg", two, "left", SettingError, "emg.channels.FDS: wanted one channel with the label 'z'; found 'a', 'b'"),
-        ("emg", one, "right", SettingError, "wanted one channel with the label 'a'; found 'a', 'a'"),
-        ("emg", {"EDC": None}, "left", SettingError, "wanted one channel, or a label"),
-        ("emg", {"EDC": "Fz"}, "when it likes", DeviceError, "wanted a stream with a regular rate"),
+        ("emg", one, None, DeviceError, "session.emg.stream: expected one LSL stream of type EMG, but found 2 of "
+                                        "them: "),
+        ("emg", one, "middle", DeviceError, "expected one LSL stream 'middle', but found none; the network has "),
+        ("emg", two, "left", SettingError, "emg.channels.FDS: expected one channel with the label 'z', but found "
+                                           "'a', 'b'"),
+        ("emg", one, "right", SettingError, "expected one channel with the label 'a', but found 'a', 'a'"),
+        ("emg", {"EDC": None}, "left", SettingError, "expected one channel, or a label"),
+        ("emg", {"EDC": "Fz"}, "when it likes", DeviceError, "expected a stream with a regular rate"),
         ("emg", {"EDC": "text"}, "words", DeviceError, "found text"),
-        ("force", {"force": "a"}, "left", DeviceError, "LSL stream 'left', force: wanted the unit N or mN; found 'uV'"),
+        ("force", {"force": "a"}, "left", DeviceError, "LSL stream 'left', force: expected the unit N or mN, but "
+                                                       "found 'uV'"),
         ("force", {"force": None}, "undescribed", DeviceError, "found ''. Let the sender state the unit"),
-        ("emg", one, "left", DeviceError, "wanted samples; found no sample for 0.3 s"),
+        ("emg", one, "left", DeviceError, "expected samples, but found no sample for 0.3 s"),
     ):  # fmt: skip
         source = LslSource(kind, channels, clock, table=f"session.{kind}", stream=stream)
         with pytest.raises(error) as caught:
@@ -181,5 +184,5 @@ def test_streams_that_cannot_be_used(pylsl: Any, clock: WallClock, monkeypatch: 
 
 def test_without_pylsl(clock: WallClock, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pylsl", None)
-    with pytest.raises(DeviceError, match=r'session\.force\.kind = "lsl": wanted the extra.*emg2vsa\[lsl\]'):
+    with pytest.raises(DeviceError, match=r'session\.force\.kind = "lsl": expected the extra.*emg2vsa\[lsl\]'):
         LslSource("force", {"force": None}, clock, table="session.force")

@@ -168,7 +168,7 @@ def test_a_card_that_is_unplugged_and_plugged_in(
 def test_a_card_whose_clock_stands_still(clock: VirtualClock, card: EmulatedNi, emg: NiEmg) -> None:
     card.clock_error = -1.0 + 1e-9
     emg.start()  # the first sample is there at once
-    with pytest.raises(DeviceError, match=r"wanted 1000 samples a second; found none for 1\.0 s"):
+    with pytest.raises(DeviceError, match=r"expected 1000 samples a second, but found none for 1\.0 s"):
         read_for(clock, 1.1, emg)
 
 
@@ -177,7 +177,7 @@ def test_a_card_whose_clock_stands_still(clock: VirtualClock, card: EmulatedNi, 
     [
         ({"EDC": "Dev9/ai0"}, "Device Specified: Dev9"),
         ({"EDC": "Dev1/ai99"}, "does not exist on this device: Dev1/ai99"),
-        ({"EDC": "Dev1/ai0:3"}, "wanted 1 channels; found 4"),
+        ({"EDC": "Dev1/ai0:3"}, "expected 1 channels, but found 4"),
     ],
 )
 def test_inputs_that_are_not_there(clock: VirtualClock, inputs: NiInputs, channels: dict[str, str], words: str) -> None:

@@ -78,22 +78,25 @@ def test_nobody_in_place_of_a_device() -> None:
 @pytest.mark.parametrize(
     ("chosen", "error", "words"),
     [
-        (settings(NOBODY), SettingError, 'session.emg.kind: wanted a device; found "simulated". Run the session with'),
-        (settings(TRIGNO), SettingError, 'session.force.kind: wanted a device; found "simulated"'),
-        (settings(replace(TRIGNO, channels={"EDC": "1"})), SettingError, "session.emg.channels.FDS: wanted a channel"),
+        (settings(NOBODY), SettingError, 'session.emg.kind: expected a device, but found "simulated". Run the '
+                                         'session with'),
+        (settings(TRIGNO), SettingError, 'session.force.kind: expected a device, but found "simulated"'),
+        (settings(replace(TRIGNO, channels={"EDC": "1"})), SettingError, "session.emg.channels.FDS: expected a "
+                    "channel"),
         (
             settings(replace(TRIGNO, channels={"EDC": "1", "FDS": "2", "FCR": "3"})),
             SettingError,
-            "session.emg.channels.FCR: wanted a muscle of [channels.emg]: EDC, FDS; found the muscle 'FCR'",
+            "session.emg.channels.FCR: expected a muscle of [channels.emg]: EDC, FDS, but found the muscle 'FCR'",
         ),
         (
             settings(replace(TRIGNO, channels={"EDC": "4", "FDS": "4"})),
             SettingError,
-            "session.emg.channels.FDS: wanted a channel of its own for each muscle; found '4', as for EDC",
+            "session.emg.channels.FDS: expected a channel of its own for each muscle, but found '4', as for EDC",
         ),
         (settings(replace(TRIGNO, channels={"EDC": "x", "FDS": "2"})), SettingError, "the number of a Trigno sensor"),
-        (settings(TRIGNO, RIG), SettingError, "session.force.rig: wanted a rig file; found nothing"),
-        (settings(TRIGNO, replace(RIG, axis=(0.0, 0.0, 0.0))), SettingError, "session.force.axis: wanted a direction"),
+        (settings(TRIGNO, RIG), SettingError, "session.force.rig: expected a rig file, but found nothing"),
+        (settings(TRIGNO, replace(RIG, axis=(0.0, 0.0, 0.0))), SettingError, "session.force.axis: expected a "
+                    "direction"),
     ],
 )  # fmt: skip
 def test_one_clear_error(chosen: SessionSettings, error: type[InputError], words: str) -> None:
@@ -103,7 +106,7 @@ def test_one_clear_error(chosen: SessionSettings, error: type[InputError], words
 
 
 def test_a_box_without_an_address() -> None:
-    with pytest.raises(SettingError, match=r"force\.host: wanted the address of the box"):
+    with pytest.raises(SettingError, match=r"force\.host: expected the address of the box"):
         source_makers(settings(TRIGNO, RIG), MUSCLES, VirtualClock(), rig_force=replace(BOX, host=None))
 
 

@@ -112,7 +112,7 @@ def test_a_faulty_force_is_no_force() -> None:
     assert np.isnan(np.concatenate([block.samples for block in blocks[2:]])).all()
     assert bench.source.counts().lost == pytest.approx(500, abs=10)
     assert bench.source.counts().samples == pytest.approx(len(before), abs=10)
-    with pytest.raises(DeviceError, match=r"wanted a force that can be trusted; found for 1 s: .*satur"):
+    with pytest.raises(DeviceError, match=r"expected a force that can be trusted, but found for 1 s: .*satur"):
         bench.read_for(1.0)
     bench.source.close()
 
@@ -127,14 +127,14 @@ def test_the_load_at_the_start_becomes_zero_when_asked() -> None:
 def test_a_box_that_falls_silent() -> None:
     bench = Bench()
     bench.box.faults.mute = True
-    with pytest.raises(DeviceError, match="wanted 1000 records a second; found none for"):
+    with pytest.raises(DeviceError, match="expected 1000 records a second, but found none for"):
         bench.read_for(1.0)
     bench.source.close()
 
 
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 0.0)])
 def test_an_axis_that_is_no_direction(axis: tuple[float, float, float]) -> None:
-    with pytest.raises(SettingError, match=r"session\.force\.axis: wanted a direction"):
+    with pytest.raises(SettingError, match=r"session\.force\.axis: expected a direction"):
         unit_axis(axis)
 
 

@@ -233,10 +233,10 @@ def started(server: WrittenServer, **changes: object) -> str:
         ({"SENSOR 4 PAIRED?": "NO", "SENSOR 1 ACTIVE?": "NO"}, "sensor 1 is not active, sensor 4 is not paired"),
         ({"SENSOR 4 PAIRED?": "INVALID"}, "sensor 4 is not paired"),
         ({"MASTER?": "NO"}, "another program does"),
-        ({"START": "CANNOT COMPLETE"}, "wanted OK to START; found CANNOT COMPLETE"),
-        ({"ENDIAN LITTLE": "INVALID COMMAND"}, "wanted OK to ENDIAN LITTLE"),
-        ({"SENSOR 4 CHANNEL 1 UNITS?": "g"}, "sensor 4 (EDC): wanted EMG in V on channel 1; found unit g"),
-        ({f"SENSOR {n} CHANNEL 1 RATE?": "CANNOT COMPLETE" for n in (1, 4)}, "wanted the rate of an EMG channel"),
+        ({"START": "CANNOT COMPLETE"}, "expected OK to START, but found CANNOT COMPLETE"),
+        ({"ENDIAN LITTLE": "INVALID COMMAND"}, "expected OK to ENDIAN LITTLE"),
+        ({"SENSOR 4 CHANNEL 1 UNITS?": "g"}, "sensor 4 (EDC): expected EMG in V on channel 1, but found unit g"),
+        ({f"SENSOR {n} CHANNEL 1 RATE?": "CANNOT COMPLETE" for n in (1, 4)}, "expected the rate of an EMG channel"),
     ],
 )
 def test_one_clear_error(replies: dict[str, str], words: str) -> None:
@@ -255,24 +255,26 @@ def test_no_server() -> None:
     with socket.create_server(("127.0.0.1", 0)) as nobody:
         port = nobody.getsockname()[1]
     settings = EmgSourceSettings(kind="trigno", channels={"EDC": "1"}, command_port=port)
-    with pytest.raises(DeviceError, match=r"wanted a connection; found .*refused.*session\.emg\.host"):
+    with pytest.raises(DeviceError, match=r"expected a connection, but found .*refused.*session\.emg\.host"):
         TrignoSource(settings, WallClock()).start()
 
 
 @pytest.mark.parametrize("greeting", [b"HTTP/1.1 400 Bad Request\r\n\r\n", b"220 mail ready\r\n\r\n"])
 def test_another_server(greeting: bytes) -> None:
-    assert "wanted the greeting" in started(WrittenServer(REPLIES, greeting=greeting))
+    assert "expected the greeting" in started(WrittenServer(REPLIES, greeting=greeting))
 
 
 def test_a_server_that_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trigno, "REPLY_S", 0.1)
-    assert "wanted a reply to the greeting; found none within" in started(WrittenServer(REPLIES, greeting=b"Delsys"))
+    assert "expected a reply to the greeting, but found none within" in started(
+        WrittenServer(REPLIES, greeting=b"Delsys")
+    )
 
 
 def test_no_data_after_start(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trigno, "FIRST_S", 0.2)
     said = started(WrittenServer(REPLIES, ending="silence"))
-    assert "wanted first samples; found none for 0.2 s after START" in said
+    assert "expected first samples, but found none for 0.2 s after START" in said
     assert "trigger" in said
 
 
@@ -280,7 +282,7 @@ def test_the_wrong_data_port() -> None:
     with socket.create_server(("127.0.0.1", 0)) as nobody:
         port = nobody.getsockname()[1]
     said = started(WrittenServer(REPLIES), emg_port=port)
-    assert f"EMG port 127.0.0.1:{port}: wanted a connection" in said
+    assert f"EMG port 127.0.0.1:{port}: expected a connection" in said
 
 
 def test_sensors_by_number() -> None:
@@ -289,7 +291,7 @@ def test_sensors_by_number() -> None:
 
 @pytest.mark.parametrize("text", ["0", "17", "-1", "EDC", "3.", "3.0", "3.22", "1e1", "", " 3"])
 def test_a_sensor_that_cannot_be(text: str) -> None:
-    with pytest.raises(SettingError, match=r"session\.emg\.channels\.EDC: wanted the number of a Trigno sensor"):
+    with pytest.raises(SettingError, match=r"session\.emg\.channels\.EDC: expected the number of a Trigno sensor"):
         places_of({"EDC": text})
 
 
