@@ -3,9 +3,9 @@
 A child runs a session of a small study (emulated participant and operator, six presses, faster than real time, with the
 disk's thread and fsync as in a real one), and tells every verdict that its page shows. The parent kills it at a random
 moment, looks at what lies on the disk, and resumes it, 50 times in all; a session that is complete is written as BIDS
-and begun anew with another order. Counted after every kill: verdicts that were shown and are not in the journal, presses
-that are interrupted, which is at most the one under way; bytes that belong to no whole line or block; files that cannot
-be read. Run: python -m benchmarks.session_kill
+and begun anew with another order. Counted after every kill: verdicts that were shown and are not in the journal,
+presses that are interrupted, which is at most the one under way; bytes that belong to no whole line or block; files that
+cannot be read. Run: python -m benchmarks.session_kill
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def finished(study_file: Path, participant: str, folder: Path) -> tuple[str, int
 
 
 def run(kills: int, seed: int, longest_s: float) -> str:
-    """The table, as Markdown; ``longest_s``: begin no further sitting after so long, but the one that ends a session."""
+    """The table, as Markdown; ``longest_s``: no further kill after so long."""
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.study_file import load_study
 
