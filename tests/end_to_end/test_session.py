@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,10 @@ STUDY = Path(__file__).parents[2] / "studies" / "palpation" / "study.toml"
 def test_a_session_like_the_papers_gives_back_a_and_b(tmp_path, capsys):
     study = tmp_path / "study.toml"
     text = STUDY.read_text(encoding="utf-8").partition("# The rig presses")[0]
-    text += "[simulation]" + STUDY.read_text(encoding="utf-8").rpartition("[simulation]")[2]
+    text += (
+        "[simulation]"
+        + STUDY.read_text(encoding="utf-8").rpartition("[simulation]")[2].partition("# `emg2vsa session`")[0]
+    )
     text += SESSION
     ids = '"P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08", "P09", "P10", "P11", "P12", "P13", "P14"'
     text = text.replace(ids, '"P03"').replace('participant = "P07"', 'participant = "P03"')
@@ -51,11 +55,10 @@ def test_a_session_like_the_papers_gives_back_a_and_b(tmp_path, capsys):
     assert sorted(press - 2 for press, attempt in rejected if attempt == 1) == [12, 25, 33]
     assert len(begun) == 2 + 50 + 3
 
-    if validator := shutil.which("bids-validator-deno"):
-        answer = subprocess.run(
-            [validator, str(tmp_path / "data"), "--json"], capture_output=True, text=True, check=False
-        )
-        issues = json.loads(answer.stdout)["issues"]["issues"]
+    if program := shutil.which("bids-validator-deno", path=str(Path(sys.executable).parent)):
+        words = [program, str(tmp_path / "data"), "--format", "json"]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=120)
+        issues = json.loads(done.stdout)["issues"]["issues"]
         assert [issue for issue in issues if issue["severity"] == "error"] == []
 
     assert main(["run", str(study), "--jobs", "1"]) in (0, 1)
