@@ -4,8 +4,8 @@ A child runs a session of a small study (emulated participant and operator, six 
 disk's thread and fsync as in a real one), and tells every verdict that its page shows. The parent kills it at a random
 moment, looks at what lies on the disk, and resumes it, 50 times in all; a session that is complete is written as BIDS
 and begun anew with another order. Counted after every kill: verdicts that were shown and are not in the journal,
-presses that are interrupted, which is at most the one under way; bytes that belong to no whole line or block; files that
-cannot be read. Run: python -m benchmarks.session_kill
+presses that are interrupted, which is at most the one under way; bytes that belong to no whole line or block; files
+that cannot be read. Run: python -m benchmarks.session_kill
 """
 
 from __future__ import annotations
