@@ -178,10 +178,13 @@ class Door:
         self.ended, self.open = threading.Event(), threading.Event()
 
     def serve(self, desk: object) -> None:
+        from emg2vsa.live.server import listening
         from emg2vsa.live.server import serve as serve_pages
         from emg2vsa.live.session_routes import session_pages
 
-        serve_pages(session_pages(desk, WallClock()), 0, self._ready, until=self.ended)  # type: ignore[arg-type]
+        with listening(0) as at:
+            pages = session_pages(desk, WallClock())  # type: ignore[arg-type]
+            serve_pages(pages, at, self._ready, until=self.ended)
 
     def _ready(self, *addresses: str) -> None:
         self.addresses = addresses

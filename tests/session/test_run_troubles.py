@@ -173,7 +173,7 @@ def test_a_good_press_is_not_repeated_without_a_reason(play):
 
 
 def test_a_further_press_is_suggested_by_width_and_written_as_such(play):
-    played = play(session='repetitions = 2\nstop = "width"\nwidth = 0.02\nmost_presses = 3')
+    played = play(session='repetitions = 2\nstop = "width"\nwidth = 0.001\nmost_presses = 3')
     added = [press for press in played.state.presses if press.repetition == 3]
     assert {press.specimen for press in added} == {"S1", "S3"}
     assert all(press.verdict for press in added)
