@@ -153,11 +153,7 @@ def finished(study_file: Path, participant: str, folder: Path) -> tuple[str, int
 
 
 def run(kills: int, seed: int, longest_s: float) -> str:
-<<<<<<< HEAD
-    """The table, as Markdown; ``longest_s``: begin no sitting after so long, but the one that ends a session."""
-=======
     """The table, as Markdown; ``longest_s``: no further kill after so long."""
->>>>>>> session-engine
     from emg2vsa.session.open_session import folder_of
     from emg2vsa.study_file import load_study
 
