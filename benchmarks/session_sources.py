@@ -115,9 +115,7 @@ def clocks(tries: int, duration_s: float = 70.0) -> None:
             f"{float(np.sqrt(np.mean(np.square(rates)))):>11.2f}{float(np.mean(rate_ses)):>11.2f}"
             f"{lost:>7}{f'{right}/{tries}':>9}"
         )
-    print(
-        "\nlost: samples that never came and that nobody told, but found: streams in which exactly these were counted.\n"
-    )
+    print("\nlost: samples that never came and that nobody told. Found: streams in which exactly these were counted.\n")
 
 
 def serve(pipe: Connection) -> None:
