@@ -148,7 +148,8 @@ def _home(rig: RigSettings, touch: Place, start: Place) -> tuple[Check, float]:
         )
     home = touch.shaft_ticks - rig.ticks_at(clear_mm) + rig.home_ticks
     where = f"{-depth_mm:.1f} mm beyond the touch" if depth_mm < 0 else f"{depth_mm:.1f} mm before the touch"
-    return Check("home_ticks", said, home, False, f"it is {where}, and the pad was met {clear_mm:.1f} mm before it"), clear_mm
+    measured = f"it is {where}; home_ticks should be {clear_mm:.1f} mm before it"
+    return Check("home_ticks", said, home, False, measured), clear_mm
 
 
 def _depth(rig: RigSettings, depth_mm: float) -> Check:
