@@ -1,6 +1,7 @@
 """A whole session through a real browser, in real time: the participant reads one page, the operator works the other.
 
-Run as ``python -m benchmarks.session_browser [--keep DIR]``; it prints Markdown. ``emg2vsa session`` is a process of
+Run as ``python -m benchmarks.session_browser [--keep DIR]``; it prints Markdown, and ``--of DIR`` prints it again of a
+session that was kept. ``emg2vsa session`` is a process of
 its own. Its EMG comes from the emulated Trigno server and its force from the emulated ATI box. The participant has
 nothing but what stands on the page in Chromium: the words and ``aria-valuenow`` of the bar, read 50 times a second.
 The operator's part is a presenter's forward key, which does what the large button says. Two practice presses, then ten
@@ -33,7 +34,9 @@ import numpy as np
 from benchmarks.browser import Browser, Window, running
 from benchmarks.session_over_ports import PALPATION, free_port
 from emg2vsa import artifacts
+from emg2vsa.cli.progress import progress
 from emg2vsa.fits import usable
+from emg2vsa.pipeline.run import run_study
 from emg2vsa.rig.clock import WallClock
 from emg2vsa.rig_file import load_rig
 from emg2vsa.session.emulated.mistakes import parse_mistakes
@@ -54,6 +57,9 @@ LOOK_S, BLANK_S = 0.02, 0.5
 READY_S, PLACING_S, BOUNCE_S = 1.1, 0.6, 0.45
 "The operator: from a participant who is ready to START; hands off the specimen; and between two keys."
 MOST_S = 1200.0
+DONE_N = 6.5
+"A press that reached less is not done, whatever was the cause."
+TRUTH, READS, SAID = "truth.json", "reads.npy", "said.txt"
 SESSION = """
 [session]
 training_specimens = ["T1", "T2"]
@@ -193,8 +199,9 @@ def make_study(folder: Path) -> Path:
     return study
 
 
-def play(folder: Path, study_file: Path) -> tuple[EmulatedParticipant, ReadPage, str]:
-    """Carry the session out; the participant, what the page told, and what the command said."""
+def play(folder: Path, study_file: Path) -> None:
+    """Carry the session out, and write what is true of it, what was read, and what the command said."""
+    begun_s, busy = time.monotonic(), os.getloadavg()[1]
     study = load_study(study_file)
     assert study.session is not None
     clock = WallClock()
@@ -236,7 +243,14 @@ def play(folder: Path, study_file: Path) -> tuple[EmulatedParticipant, ReadPage,
             scene.close()
             session.terminate()
             reader.join()
-    return person, page, f"Exit status {session.returncode}.\n{''.join(said)}"
+    person.write_truth(folder / TRUTH)
+    np.save(folder / READS, np.array(page.reads))
+    took_s = time.monotonic() - begun_s
+    head = (
+        f"Real time (factor 1), {took_s:.0f} s; load of the two cores {busy:.1f} before, {os.getloadavg()[1]:.1f} "
+        f"after; exit status {session.returncode}; the bar was grey {page.greys} times."
+    )
+    (folder / SAID).write_text(f"{head}\n{''.join(said)}", encoding="utf-8")
 
 
 def _operate(scene: Scene) -> None:
@@ -268,34 +282,40 @@ def _operate(scene: Scene) -> None:
     raise SystemExit("the session took too long:\n" + window.text())
 
 
-def press_rows(folder: Path, person: EmulatedParticipant) -> Iterator[tuple[dict[str, Any], tuple[str, ...]]]:
-    """What is true of each attempt, and a row of the table."""
+def _journal(folder: Path) -> list[Any]:
     lines, _ = read_journal(folder / "data" / "sourcedata" / f"sub-{PARTICIPANT}" / "palpation" / JOURNAL_FILE)
-    events = [line.event for line in lines]
-    judged = {(e.press, e.attempt): e for e in reversed(events) if isinstance(e, Judged)}  # the first of each
+    return [line.event for line in lines]
+
+
+def press_rows(folder: Path) -> Iterator[tuple[dict[str, Any], tuple[str, ...]]]:
+    """What is true of each attempt, and a row of the table. right : rejected if and only if it was badly done."""
+    events = _journal(folder)
+    first = {(e.press, e.attempt): e for e in reversed(events) if isinstance(e, Judged)}
+    last = {(e.press, e.attempt): e for e in events if isinstance(e, Judged)}
     decided = {(e.press, e.attempt): e.decision for e in events if isinstance(e, Decided)}
     begun = [e for e in events if isinstance(e, PressBegun)]
-    true: Any = person.truth()["presses"]
+    true = json.loads((folder / TRUTH).read_text(encoding="utf-8"))["presses"]
     for event, press in zip(begun, true, strict=True):
         key = event.press, event.attempt
-        verdict = judged[key]
+        verdict, at_end = first[key], last[key].verdict
         closed = press["phase"] == "main" and press["press"] == CLOSED_AT and event.attempt == 1
         planned = "the browser is killed" if closed else press["mistake"]
-        right = (verdict.verdict == "rejected") == bool(planned)
+        if not planned and press["peak_force_n"] < DONE_N:
+            planned = "not planned: the bar was grey"
+        right = (verdict.verdict == "rejected") == (at_end == "rejected") == bool(planned)
         said = "; ".join(problem for problem, _ in verdict.problems)
         yield (
-            press | {"planned": planned, "verdict": verdict.verdict, "right": right},
+            press | {"planned": planned, "verdict": verdict.verdict, "at_end": at_end, "right": right},
             (
-                f"{press['phase']} {press['press']}.{event.attempt}", event.specimen, planned, verdict.verdict, said,
-                decided.get(key, ""), "yes" if right else "NO",
+                f"{press['phase']} {press['press']}.{event.attempt}", event.specimen, planned,
+                f"{verdict.verdict}{': ' if said else ''}{said}", at_end, decided.get(key, ""), "yes" if right else "NO",
             ),
         )  # fmt: skip
 
 
 def screen_lines(folder: Path) -> list[str]:
     """Frames a second and ages, as the page itself told them to the journal."""
-    lines, _ = read_journal(folder / "data" / "sourcedata" / f"sub-{PARTICIPANT}" / "palpation" / JOURNAL_FILE)
-    told = [line.event for line in lines if isinstance(line.event, ScreenTold)][1:]  # the first second of the page
+    told = [event for event in _journal(folder) if isinstance(event, ScreenTold)][1:]  # without the first second
     made = [f"{len(told)} reports of the page, a second each:", "", "| | median | worst |", "|---|---|---|"]
     for name, text, worst in (
         ("frames_per_s", "frames/s", min), ("age_p50_ms", "age of the force shown, median, ms", max),
@@ -306,12 +326,11 @@ def screen_lines(folder: Path) -> list[str]:
     return made
 
 
-def lag_ms(page: ReadPage) -> np.ndarray:
+def lag_ms(reads: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """From the finger to the eye: how long before each look the true force was what the bar showed."""
-    time_s, shown_n, true_n = (np.array([read[i] for read in page.reads]) for i in range(3))
-    pressing = np.array([read[3] for read in page.reads])
+    time_s, shown_n, true_n, pressing = reads.T
     lags = []
-    for at in np.flatnonzero(pressing & (shown_n > 1.0) & (shown_n < 6.5)):
+    for at in np.flatnonzero((pressing > 0) & (shown_n > 1.0) & (shown_n < 6.5)):
         before = slice(max(0, at - 15), at + 1)
         rising = true_n[before]
         if np.all(np.diff(rising) > 0) and rising[0] < shown_n[at] < rising[-1]:
@@ -322,11 +341,8 @@ def lag_ms(page: ReadPage) -> np.ndarray:
 def b_rows(study_file: Path, presses: list[dict[str, Any]]) -> Iterator[str]:
     """Mean b of each specimen beside what the muscles did in the presses that count."""
     study = load_study(study_file)
-    from emg2vsa.cli.progress import progress
-    from emg2vsa.pipeline.run import run_study
-
     board = run_study(study, stages=("trials", "fits"), jobs=1, progress=progress(quiet=True))
-    yield "| specimen | presses used | true b, uV | recovered b, uV | standard error, uV | error, % | in standard errors |"
+    yield "| specimen | presses used | true b, uV | recovered b, uV | standard error, uV | error, % | error, s.e. |"
     yield "|---|---|---|---|---|---|---|"
     for entry in study.recordings:
         (path,) = board.done("fits", (entry.key,))
@@ -352,40 +368,48 @@ def validator_line(data: Path) -> str:
     return f"BIDS validator: {counts['error']} errors {codes or ''}, {counts['warning']} warnings."
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--keep", type=Path, help="a folder for what the session wrote")
-    keep = parser.parse_args().keep
-    folder = Path(tempfile.mkdtemp(prefix="session_browser_"))
-    begun_s, busy = time.monotonic(), os.getloadavg()[1]
-    study = make_study(folder)
-    person, page, said = play(folder, study)
-    took_s = time.monotonic() - begun_s
-    person.write_truth(folder / "truth.json")
-    if keep:
-        shutil.copytree(folder, keep, ignore=shutil.ignore_patterns("browser-*"))
-    print(f"Real time (factor 1), {took_s:.0f} s; load {busy:.1f} before, {os.getloadavg()[1]:.1f} after.\n")
-    rows = list(press_rows(folder, person))
+def told(folder: Path) -> Iterator[str]:
+    """The report of a session, paragraph by paragraph."""
+    head, _, said = (folder / SAID).read_text(encoding="utf-8").partition("\n")
+    yield head
+    rows = list(press_rows(folder))
     right = sum(press["right"] for press, _ in rows)
     counts = Counter(press["verdict"] for press, _ in rows)
-    print(f"{len(rows)} attempts, {right} judged rightly; verdicts {dict(counts)}.\n")
-    print("| press | specimen | planned | verdict at once | found | decision | right |\n|---|---|---|---|---|---|---|")
-    for press, cells in rows:
-        if press["planned"] or press["verdict"] != "ok" or press["phase"] == "training":
-            print(f"| {' | '.join(cells)} |")
-    print("\nEvery other press was ok at once.\n\n## The page\n")
-    print("\n".join(screen_lines(folder)))
-    lag = lag_ms(page)
-    print(f"\n{len(page.reads)} looks at the page; it was grey {page.greys} times.")
-    print(f"From the finger to the eye: p50 {np.percentile(lag, 50):.0f} ms, p95 {np.percentile(lag, 95):.0f} ms "
-          f"({lag.size} looks during presses).\n\n## The data\n")  # fmt: skip
-    print(validator_line(folder / "data"))
+    yield f"{len(rows)} attempts, {right} judged rightly; verdicts at once: {dict(counts)}."
+    lines = [
+        "| press | specimen | what went wrong | verdict at once | at the end | decision | right |",
+        "|" + "---|" * 7,
+    ]
+    lines += [f"| {' | '.join(cells)} |" for press, cells in rows if press["planned"] or press["verdict"] != "ok"]
+    yield "\n".join(lines)
+    yield "Every other press was ok at once.\n\n## The page"
+    yield "\n".join(screen_lines(folder))
+    if (folder / READS).exists():
+        lag = lag_ms(np.load(folder / READS))
+        p50, p95 = np.percentile(lag, (50, 95))
+        yield f"From the finger to the eye: p50 {p50:.0f} ms, p95 {p95:.0f} ms ({lag.size} looks during presses)."
+    yield f"## The data\n\n{validator_line(folder / 'data')}"
     run = [sys.executable, "-m", "emg2vsa.cli", "run", "study.toml", "--jobs", "1"]
     done = subprocess.run(run, cwd=folder, capture_output=True, text=True)
-    print(f"\n`emg2vsa run`: exit status {done.returncode}.\n")
-    print("\n".join(b_rows(study, [press for press, _ in rows])))
-    print("\n```text\n" + re.sub(r"http://\S+|/\S+/(?=data|reports)", "…", said).strip() + "\n```", flush=True)
-    shutil.rmtree(folder)
+    yield f"`emg2vsa run`: exit status {done.returncode}."
+    yield "\n".join(b_rows(folder / "study.toml", [press for press, _ in rows]))
+    yield "```text\n" + re.sub(r"http://\S+|/\S+/(?=data|reports)", "…", said).strip() + "\n```"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="a folder for what the session wrote")
+    parser.add_argument("--of", type=Path, metavar="DIR", help="of a session that was kept")
+    arguments = parser.parse_args()
+    folder = arguments.of or Path(tempfile.mkdtemp(prefix="session_browser_"))
+    if arguments.of is None:
+        play(folder, make_study(folder))
+        if arguments.keep:
+            shutil.copytree(folder, arguments.keep, ignore=shutil.ignore_patterns("browser-*"))
+    for paragraph in told(folder):
+        print(paragraph, end="\n\n", flush=True)
+    if arguments.of is None:
+        shutil.rmtree(folder)
 
 
 if __name__ == "__main__":
