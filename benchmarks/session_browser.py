@@ -308,7 +308,8 @@ def press_rows(folder: Path) -> Iterator[tuple[dict[str, Any], tuple[str, ...]]]
             press | {"planned": planned, "verdict": verdict.verdict, "at_end": at_end, "right": right},
             (
                 f"{press['phase']} {press['press']}.{event.attempt}", event.specimen, planned,
-                f"{verdict.verdict}{': ' if said else ''}{said}", at_end, decided.get(key, ""), "yes" if right else "NO",
+                f"{verdict.verdict}{': ' if said else ''}{said}", at_end, decided.get(key, ""),
+                "yes" if right else "NO",
             ),
         )  # fmt: skip
 
