@@ -41,7 +41,7 @@ from emg2vsa.study import Study
 TURN_S = 0.005
 SETTLE_S = 0.5
 "A press is judged with so much of the rest after it, without which its filters would end within it."
-JUDGED_VALUES = 320_000
+JUDGED_VALUES = 240_000
 "The end of a stay with so many samples, over all muscles, is judged within a second."
 FEED_S = 0.5
 "Samples go to the judge in pieces of this length."

@@ -205,7 +205,8 @@ def test_lines_that_wait_together_share_the_time_of_their_samples(tmp_path):
     """One fsync for the samples of all, and one for each line: a line is on the disk before the next is written."""
 
     class Slow(OperatingSystem):
-        calls: list[str] = []
+        def __init__(self) -> None:
+            self.calls: list[str] = []
 
         def write(self, handle: int, offset: int, piece: bytes) -> None:
             self.calls.append(f"write {handle} {piece.count(LINE_END)}")
