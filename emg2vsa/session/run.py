@@ -372,7 +372,7 @@ class Session:
         return next((end_s for _, end_s in ends if self.now_s - end_s <= longest_s), ends[-1][1] if ends else 0.0)
 
     def _take_verdicts(self, judged: StayJudged) -> None:
-        """Of the press that has ended. A verdict stays: what comes later in the stay is no fault of an earlier press."""
+        """Of the press that has ended. A verdict stays: what comes later in a stay is no fault of an earlier press."""
         for tried in self._asked_of:
             self._tell_verdict(tried, judged)
         for said, do in judged.remarks:
