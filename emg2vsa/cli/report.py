@@ -88,7 +88,10 @@ def _check_package(arguments: argparse.Namespace) -> None:
     for name in ("out", "published", "licence"):
         if getattr(arguments, name) and not arguments.paper:
             raise SettingError(
-                f"--{name}", wanted="--paper beside it", found="no --paper", do="It belongs to the authors' package."
+                f"--{name}",
+                wanted="--paper beside this option",
+                found="no --paper",
+                do=f"Add --paper: --{name} is an option of the authors' package.",
             )
 
 

@@ -134,7 +134,7 @@ def _check_people(arguments: argparse.Namespace, study: Study) -> None:
 
     if arguments.human_only and not study.recordings:
         do = "Leave --human-only out, or add [participants], [recordings] and [channels]."
-        raise SettingError(study.path, wanted="recordings of people", found="runs alone", do=do)
+        raise SettingError(study.path, wanted="recordings of people", found="a study of runs only", do=do)
 
 
 def _notes(board: Board) -> list[str]:

@@ -48,8 +48,10 @@ def move_virtual_runs(study: Study) -> Path | None:
     found, target = left_virtual_runs(study), study.path.parent / MOVED
     for folder in found:
         if (target / folder.name).exists():
-            do = "Move or delete one of the two."
-            raise DataError(target / folder.name, wanted="no run of that name", found="one", do=do)
+            do = "Move or delete one of the two folders."
+            raise DataError(
+                target / folder.name, wanted="a name that no run has yet", found="a run of this name", do=do
+            )
     for folder in found:
         target.mkdir(exist_ok=True)
         folder.rename(target / folder.name)

@@ -113,9 +113,7 @@ def _incomplete(path: Path, n: int) -> tuple[str, ...]:
 def _read(path: Path) -> Any:
     with path.open("rb") as file:
         if file.read(2)[1:] != b"\x50":
-            raise RecordingError(
-                path, wanted="a C3D file", found="another content", do="Export or copy the file again."
-            )
+            raise RecordingError(path, wanted="a C3D file", found="other content", do="Export or copy the file again.")
     try:
         with _readable(path) as file_for_ezc3d:
             return ezc3d.c3d(str(file_for_ezc3d))

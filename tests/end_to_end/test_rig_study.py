@@ -304,7 +304,7 @@ def test_a_measured_run_is_never_overwritten(copy, capsys):
     (copy.parent / "runs-virtual" / "S1_0_modular" / "emulated.json").unlink()
     shutil.rmtree(copy.parent / ".emg2vsa")
     (failure,) = [f for f in run(copy, capsys, "--casr-only")["failures"] if f["item"] == "S1_0_modular"]
-    assert "no measured run where an emulated one goes" in failure["message"]
+    assert "expected a free folder for an emulated run, but found a measured run" in failure["message"]
     assert (copy.parent / "runs-virtual" / "S1_0_modular" / "log.csv").is_file()
 
 

@@ -111,10 +111,12 @@ def _check(arguments: argparse.Namespace) -> None:
 
     if not 0.1 <= arguments.speed <= 100:
         found = f"{arguments.speed:g}"
-        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
+        raise SettingError(
+            "--speed", wanted="0.1 to 100 times real time", found=found, do="Choose a speed in this range."
+        )
     if not 0 <= arguments.start_delay <= 60:
         found = f"{arguments.start_delay:g}"
-        raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose another.")
+        raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose a delay in this range.")
     if arguments.truth and not arguments.truth.absolute().parent.is_dir():
         found = "no such folder"
         raise SettingError(

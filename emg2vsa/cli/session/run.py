@@ -104,12 +104,18 @@ def _check(arguments: argparse.Namespace) -> None:
                     "--seed": arguments.seed is not None, "--truth": arguments.truth}  # fmt: skip
     for name, value in virtual_only.items():
         if value and not arguments.virtual:
-            raise SettingError(name, wanted="--virtual with it", found="real devices", do=f"Leave {name} out.")
+            raise SettingError(
+                name, wanted="--virtual beside this option", found="real devices", do=f"Leave {name} out."
+            )
     if arguments.speed is not None and not 0.1 <= arguments.speed <= 100:
         found = f"{arguments.speed:g}"
-        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
+        raise SettingError(
+            "--speed", wanted="0.1 to 100 times real time", found=found, do="Choose a speed in this range."
+        )
     if arguments.seed is not None and arguments.seed < 0:
-        raise SettingError("--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose another.")
+        raise SettingError(
+            "--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose a whole number."
+        )
 
 
 def _clock(arguments: argparse.Namespace) -> Clock:
