@@ -120,7 +120,7 @@ def _read(path: Path) -> Any:
     except (OSError, RuntimeError, ValueError, IndexError) as error:
         reason = str(error).partition(". If you want to ignore")[0]
         raise UnsupportedError(
-            path, wanted="a C3D file that ezc3d reads", found=f"a refusal ({reason})",
+            path, wanted="a C3D file", found=f"a file that ezc3d refuses ({reason})",
             do="Open it in the program that wrote it and export it again.",
         ) from error  # fmt: skip
 
