@@ -195,3 +195,16 @@ def _side_channel(path: Path, line: int, row: Mapping[str, str | None]) -> SideC
             do="Correct this cell.",
         ) from error
     return SideChannel(canonical(unit) if unit else None, fs_hz, cell("status"), cell("status_description"))
+
+
+def session_events(recording: Path) -> Path | None:
+    """The events file of a recording that a session of emg2vsa made, known by its columns; None for any other."""
+    if not recording.stem.endswith("_emg"):
+        return None
+    path = recording.with_name(f"{recording.stem.removesuffix('_emg')}_events.tsv")
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            head = file.readline().rstrip("\r\n").split("\t")
+    except (OSError, ValueError):
+        return None
+    return path if {"counts", "decision"} <= set(head) else None

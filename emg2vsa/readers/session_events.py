@@ -31,19 +31,6 @@ class SessionPress(NamedTuple):
     reason: str
 
 
-def session_events(recording: Path) -> Path | None:
-    """The events file of a recording that a session made; None for any other recording."""
-    if not recording.stem.endswith("_emg"):
-        return None
-    path = recording.with_name(f"{recording.stem.removesuffix('_emg')}_events.tsv")
-    try:
-        with path.open(encoding="utf-8-sig") as file:
-            head = file.readline().rstrip("\r\n").split("\t")
-    except (OSError, ValueError):
-        return None
-    return path if {"counts", "decision"} <= set(head) else None
-
-
 def session_presses(path: Path) -> tuple[SessionPress, ...]:
     """The attempts in the events file of a session. RecordingError where a row cannot be read."""
     try:

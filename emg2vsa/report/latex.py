@@ -25,7 +25,7 @@ _LATEX = {
     "₁": r"\ensuremath{_1}", "∞": r"\ensuremath{\infty}", "|": r"\ensuremath{|}", "−": r"\ensuremath{-}",
     "≤": r"\ensuremath{\le}", "≥": r"\ensuremath{\ge}", "×": r"\ensuremath{\times}", "°": r"\ensuremath{^\circ}",
     "→": r"\ensuremath{\to}", "σ": r"\ensuremath{\sigma}", "\N{NO-BREAK SPACE}": "~", "ᵐ": r"\ensuremath{^m}",
-    "“": "``", "”": "''", "’": "'",
+    "ω": r"\ensuremath{\omega}", "“": "``", "”": "''", "’": "'",
 } | {mark: rf"\ensuremath{{^{{{plain}}}}}" for mark, plain in zip("⁻⁰¹³⁴⁵⁶⁷⁸⁹", "-013456789", strict=True)}  # fmt: skip
 
 

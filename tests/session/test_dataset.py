@@ -16,7 +16,8 @@ import pytest
 
 from emg2vsa.errors import DataError, RecordingError, SettingError
 from emg2vsa.pipeline.stages.trials import trials_of
-from emg2vsa.readers.session_events import session_events, session_presses
+from emg2vsa.readers.bids_sidecars import session_events
+from emg2vsa.readers.session_events import session_presses
 from emg2vsa.session.dataset import refuse_foreign, write_dataset
 from emg2vsa.session.journal import (
     PLACED,

@@ -222,7 +222,7 @@ def door() -> Iterator[tuple[Door, ShortDesk]]:
     door, desk = Door(), ShortDesk()
     thread = threading.Thread(target=door.serve, args=(desk,), daemon=True)
     thread.start()
-    assert door.open.wait(10)
+    assert door.open.wait(60)
     yield door, desk
     door.ended.set()
     thread.join(10)

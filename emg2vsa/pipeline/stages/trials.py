@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError
 from emg2vsa.pipeline.stage import Given, Stage
-from emg2vsa.readers.bids_sidecars import side_file_paths
-from emg2vsa.readers.session_events import only_counted, session_events, session_presses
+from emg2vsa.readers.bids_sidecars import session_events, side_file_paths
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
@@ -133,6 +132,7 @@ def trials_of(
     Raises as ``read_roles`` and ``extract_trials``.
     """
     from emg2vsa.readers.roles import read_roles
+    from emg2vsa.readers.session_events import only_counted, session_presses
     from emg2vsa.trials.extract import extract_trials
     from emg2vsa.trials.remedies import remedy_of
 
