@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from matplotlib.figure import Figure
 
 from emg2vsa.arrays import Floats
@@ -13,7 +15,7 @@ from emg2vsa.figures.palette import BLUE, INK
 def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:
     """(a) Residuals over the SD of repetitions against normal quantiles; (b) against fitted slopes; (n,) each."""
     figure, (normal, level) = new_figure(TWO_COLUMNS_MM, 66, (13, 2, 11, 6), shares=(1, 1), gap_mm=16)
-    points = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
+    points: dict[str, Any] = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
     ends = [float(quantile.min()), float(quantile.max())]
     normal.plot(ends, ends, color=INK, linestyle="--", linewidth=0.8)
     normal.plot(quantile, residual, **points)
