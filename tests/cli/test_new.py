@@ -104,7 +104,7 @@ def test_force_in_files_of_its_own(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["none"], "expected a folder of recordings, but found none"),
+        (["none"], "expected a folder of recordings, but found no folder"),
         (["empty"], "found a folder without any"),
         (["texts"], "found none that can be read"),
         (["raw", "--stiffness", "hard"], "--stiffness: expected NAME=NUMBER"),
