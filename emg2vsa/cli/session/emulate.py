@@ -113,7 +113,7 @@ def _check(arguments: argparse.Namespace) -> None:
     check_emulated(arguments)
     if not 0 <= arguments.start_delay <= 60:
         found = f"{arguments.start_delay:g}"
-        raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose another.")
+        raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose a delay in this range.")
 
 
 def _settings(study: Study) -> SessionSettings:

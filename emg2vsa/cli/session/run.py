@@ -105,10 +105,14 @@ def _check(arguments: argparse.Namespace) -> None:
                     "--seed": arguments.seed is not None, "--truth": arguments.truth}  # fmt: skip
     for name, value in virtual_only.items():
         if value and not arguments.virtual:
-            raise SettingError(name, wanted="--virtual with it", found="real devices", do=f"Leave {name} out.")
+            raise SettingError(
+                name, wanted="--virtual beside this option", found="real devices", do=f"Leave {name} out."
+            )
     check_emulated(arguments)
     if arguments.seed is not None and arguments.seed < 0:
-        raise SettingError("--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose another.")
+        raise SettingError(
+            "--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose a whole number."
+        )
 
 
 def _clock(arguments: argparse.Namespace) -> Clock:
