@@ -30,6 +30,9 @@ MARGIN_S = 0.5
 Problem = tuple[str, str]
 """What was found, and what to do."""
 
+HUM_SHARE = 0.5
+"An electrode that is off has more than this share of its power at the mains."
+
 
 @dataclass(frozen=True)
 class HowJudged:
@@ -106,7 +109,7 @@ def _loose(emg: Mapping[str, Channel], start_s: float, stop_s: float) -> tuple[s
         samples = bridge_gaps(channel.samples[slice(*at)], muscle)[0]
         rms_v = float(np.std(samples))
         (mains,) = mains_ratios([samples], channel.fs_hz).tolist()
-        if rms_v < FLAT_V or rms_v * np.sqrt(mains) > HUM_V:
+        if rms_v < FLAT_V or (mains > HUM_SHARE and rms_v * np.sqrt(mains) > HUM_V):
             found.append(muscle)
     return tuple(found)
 

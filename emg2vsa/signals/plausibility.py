@@ -62,6 +62,9 @@ FORCE_UNITS = {"lbf": 4.448222, "kgf": 9.80665, "gf": 1 / 101.97162, "mN": 1e-3,
 PEAK_RANGE = (0.95, 1.5)
 "Of the upper force of the window: where the peak of a press lies."
 
+AT_EXTREME, MOST_AT_EXTREME = 0.99, 0.05
+"A press with more than this share of its samples above this share of the largest was clipped; of EMG it is 0.1 %."
+
 
 @dataclass(frozen=True)
 class Plausibility:
@@ -179,10 +182,20 @@ def force_unit_doubt(force_n: Floats, window_n: tuple[float, float]) -> str:
     return ""
 
 
+def _is_clipped(samples: Floats) -> bool:
+    """Whether (n,) samples lie at their extreme again and again."""
+    extreme = np.max(np.abs(samples), initial=0.0)
+    return bool(np.count_nonzero(np.abs(samples) >= AT_EXTREME * extreme) > MOST_AT_EXTREME * samples.size)
+
+
 def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
-    for muscle, row, rest_v in zip(signals.muscles, signals.envelopes_v, signals.rest_v.tolist(), strict=True):
+    for muscle, samples, row, rest_v in zip(
+        signals.muscles, signals.samples, signals.envelopes_v, signals.rest_v.tolist(), strict=True
+    ):
         # a unit is wrong in every press, and a press that was clipped or lost its electrode says nothing of it
-        each_v = [np.quantile(one, 0.8) for one in np.split(row, signals.offsets[1:-1]) if one.size]
+        clipped = [_is_clipped(samples[first:last]) for first, last in signals.presses.tolist()]
+        cut = np.split(row, signals.offsets[1:-1])
+        each_v = [np.quantile(one, 0.8) for one, no in zip(cut, clipped, strict=True) if one.size and not no]
         level_v = float(np.quantile(each_v, 0.5, method="lower")) if each_v else 0.0
         # a channel that shows nothing of the press is an electrode's matter, not a unit's
         if muscle in besides or level_v <= 0 or level_v < 2 * rest_v or LEVEL_V[0] <= level_v <= LEVEL_V[1]:
