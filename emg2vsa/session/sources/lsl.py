@@ -172,7 +172,7 @@ class LslSource:
         facts |= {key: text for key in ("manufacturer", "model") if (text := said.findtext(f"desc/{key}"))}
         facts |= {f"{name}, unit sent": unit for name, unit in zip(self._channels, units, strict=True)}
         unit = "V" if self._kind == "emg" else "N"
-        return StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts)
+        return StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts, stamped=True)
 
     def _column(self, name: str, label: str | None, labels: Sequence[str]) -> int:
         wanted = f"one channel with the label {label!r}" if label else "one channel, or a label"
