@@ -16,6 +16,12 @@ PARTICIPANT_CODE = r"[A-Za-z]{0,4}[0-9]{1,6}"
 TRIGNO_COMMAND_PORT, TRIGNO_EMG_PORT, TRIGNO_AUX_PORT = 50040, 50043, 50044
 """Of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
 
+TRIGNO_OTHER_PORTS = (50041, 50042, TRIGNO_AUX_PORT)
+"""On which no EMG of every sensor comes."""
+
+MOST_FORCE_N = 50.0
+"""No session presses harder."""
+
 TRIGNO_SENSOR = r"(1[0-6]|[1-9])(?:\.([1-9]))?"
 """How a channel of a Trigno system is written: number of the sensor, and which of its EMG channels (Quattro)."""
 
@@ -29,11 +35,11 @@ class EmgSourceSettings:
     channels: dict[str, Text] = field(default_factory=dict)
     """Muscle role (EDC, FDS) to the source's name of it: ni-daq Dev1/ai0, trigno the number of the sensor (1 to 16, or
     3.2 for channel 2 of a Quattro sensor), lsl the label of the channel."""
-    gain: Positive = 1.0
+    gain: Annotated[float, Ge(0.1), Le(1_000_000)] = 1.0
     "ni-daq: of the amplifier, by which volts are divided (Bagnoli: 100, 1000 or 10000)."
-    fs_hz: Positive = 1000.0
+    fs_hz: Annotated[float, Ge(200), Le(100_000)] = 1000.0
     "ni-daq: sampling rate; the other sources tell theirs."
-    range_v: Positive = 5.0
+    range_v: Annotated[float, Ge(0.01), Le(100)] = 5.0
     "ni-daq: largest voltage of the inputs, before the gain."
     host: Text = "127.0.0.1"
     "trigno: computer on which the Trigno Control Utility runs."
@@ -43,7 +49,7 @@ class EmgSourceSettings:
     "trigno: port of the EMG of every sensor."
     stream: Text | None = None
     "lsl: name of the stream; omitted: the only one of type EMG."
-    delay_s: NonNegative = 0.0
+    delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from skin to arrival (Trigno about 0.048 s), taken off every time stamp."
 
 
@@ -61,7 +67,7 @@ class ForceSourceSettings:
     "lsl: name of the stream; omitted: the only one of type Force."
     channel: Text | None = None
     "lsl: label of the channel; omitted: the only one."
-    delay_s: NonNegative = 0.0
+    delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from finger to arrival, taken off every time stamp."
 
 
@@ -168,7 +174,7 @@ class SessionSettings:
     "Presses of each training specimen."
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
     "Range to press through; STOP comes at the upper force."
-    bar_n: Positive = 7.0
+    bar_n: Annotated[float, Gt(0), Le(50)] = 7.0
     "Force at the top of the bar; more is drawn as a full bar with a mark."
     load_s: tuple[Positive, Positive] = (1.0, 5.0)
     "Speed band: shortest and longest time from the lower to the upper force."
@@ -178,7 +184,7 @@ class SessionSettings:
     "Shortest break between specimens."
     ready_n: Positive = 0.3
     "START is given only while the force is below this; a press that begins before START is early."
-    most_repeats: Annotated[int, Ge(0)] = 3
+    most_repeats: Annotated[int, Ge(0), Le(1000)] = 3
     "Largest number of presses of a specimen that are done again for a fault of execution."
     stop: Literal["count", "width"] = "count"
     "count: repetitions; width: further presses are suggested while the interval of b is wider than width."
@@ -190,7 +196,7 @@ class SessionSettings:
     "paper: green and red; safe: blue and vermilion, for people who confuse those."
     sound: bool = False
     "A short tone with START and STOP."
-    bar_filter_hz: Positive = 15.0
+    bar_filter_hz: Annotated[float, Ge(1), Le(100)] = 15.0
     "Low-pass of the bar's force, which delays it by about 11 ms; stored forces are not filtered."
     ethics: str = ""
     "Number of the ethics approval, for the record."

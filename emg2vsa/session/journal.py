@@ -50,6 +50,7 @@ class StreamOpened:
     delay_s: float
     facts: dict[str, str] = field(default_factory=dict)
     frame: int = 1
+    stamped: bool = False
 
 
 @dataclass(frozen=True)

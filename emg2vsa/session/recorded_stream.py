@@ -147,7 +147,9 @@ class RecordedStream:
     def _take(self, source: Source, now_s: float) -> None:
         self._info = source.info
         self._writer: SampleWriter = self._record.open_stream(self.name, source.info)
-        self._clock = SampleClock(source.info.fs_hz, delay_s=source.info.delay_s, quantum=source.info.frame)
+        self._clock = SampleClock(
+            source.info.fs_hz, delay_s=source.info.delay_s, quantum=source.info.frame, stamped=source.info.stamped
+        )
         self._source, self._expected, self._heard_s = source, 0, now_s
         self.lost_why = ""
         self.epoch += 1

@@ -137,7 +137,9 @@ class StoredStream:
     clock: SampleClock = field(init=False)
 
     def __post_init__(self) -> None:
-        self.clock = SampleClock(self.opened.fs_hz, delay_s=self.opened.delay_s, quantum=self.opened.frame)
+        self.clock = SampleClock(
+            self.opened.fs_hz, delay_s=self.opened.delay_s, quantum=self.opened.frame, stamped=self.opened.stamped
+        )
         blocks = self.file.blocks
         for first, n, arrived_s in zip(
             blocks.first.tolist(), blocks.count.tolist(), blocks.arrived_s.tolist(), strict=True

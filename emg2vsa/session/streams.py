@@ -18,6 +18,7 @@ class StreamInfo:
     delay_s : fixed delay from the body to arrival, which the time stamps take off.
     facts : what the device says of itself (model, serial, mode, gain, filter), for the record.
     frame : samples that the device sends, and can lose, at once.
+    stamped : times of blocks are the device's own, which may be early as well as late.
     """
 
     kind: str
@@ -28,6 +29,7 @@ class StreamInfo:
     delay_s: float = 0.0
     facts: dict[str, str] = field(default_factory=dict)
     frame: int = 1
+    stamped: bool = False
 
 
 class Block(NamedTuple):

@@ -6,7 +6,15 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from emg2vsa.session_settings import PARTICIPANT_CODE, TRIGNO_SENSOR, EmgSourceSettings, SessionSettings
+from emg2vsa.session_settings import (
+    MOST_FORCE_N,
+    PARTICIPANT_CODE,
+    TRIGNO_EMG_PORT,
+    TRIGNO_OTHER_PORTS,
+    TRIGNO_SENSOR,
+    EmgSourceSettings,
+    SessionSettings,
+)
 from emg2vsa.settings import LABEL_CHARACTERS, ChannelSettings, WindowSettings
 from emg2vsa.study_file.problems import KeyPath, Problem, keys_of_choice, nearest, shown
 from emg2vsa.study_file.tables import RecordingsTable, SpecimenTable
@@ -80,6 +88,27 @@ def _times(session: SessionSettings, window: WindowSettings) -> Iterator[Problem
             yield Problem(("session", "limits", key), "the smaller number first", shown(list(pair)))
 
 
+def _plausible(session: SessionSettings) -> Iterator[Problem]:
+    """Values that no session has, which a slip of the pen or of the unit makes."""
+    emg, limits = session.emg, session.limits
+    if emg.kind == "trigno":
+        if emg.command_port == emg.emg_port:
+            yield Problem(("session", "emg", "emg_port"), "another port than command_port", str(emg.emg_port))
+        elif emg.emg_port in TRIGNO_OTHER_PORTS:
+            do = f"The EMG of every sensor is on port {TRIGNO_EMG_PORT}."
+            yield Problem(("session", "emg", "emg_port"), "no legacy or auxiliary port", str(emg.emg_port), do)
+    if session.force_n[1] > MOST_FORCE_N:
+        yield Problem(("session", "force_n", 1), f"at most {MOST_FORCE_N:g} N", f"{session.force_n[1]:g}")
+    if limits.early_s >= limits.reaction_s[0]:
+        wanted = f"less than the time of a reaction, {limits.reaction_s[0]:g}"
+        yield Problem(("session", "limits", "early_s"), wanted, f"{limits.early_s:g}")
+    if session.texts.start.strip().casefold() == session.texts.stop.strip().casefold():
+        yield Problem(("session", "texts", "stop"), "another text than that of start", repr(session.texts.stop))
+    if session.check_each_press and not session.checklist:
+        do = "Write what is confirmed before each press, or set check_each_press = false."
+        yield Problem(("session", "checklist"), "an item with check_each_press", "none", do)
+
+
 def _counts(session: SessionSettings, window: WindowSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
     yield from _of_width(session, raw["session"])
     expected = window.expected_trials
@@ -123,10 +152,17 @@ def _muscles(session: SessionSettings, channels: ChannelSettings) -> Iterator[Pr
             yield Problem((*at, role), f"the source's channel of the muscle {role!r}", "nothing")
     seen: dict[str, str] = {}
     for role, name in emg.channels.items():
-        if name in seen:
-            yield Problem((*at, role), "a channel of its own for each muscle", f"{name!r}, as for {seen[name]}")
-        seen.setdefault(name, role)
+        if (same := _same_name(emg, name)) in seen:
+            yield Problem((*at, role), "a channel of its own for each muscle", f"{name!r}, as for {seen[same]}")
+        seen.setdefault(same, role)
         yield from _source_name(emg, (*at, role), name)
+
+
+def _same_name(emg: EmgSourceSettings, name: str) -> str:
+    """One way of writing a channel: Trigno's "1" is "1.1", a card's Dev1/ai00 is dev1/ai0."""
+    if emg.kind == "trigno":
+        return name.removesuffix(".1")
+    return re.sub(r"/ai0+(?=[0-9])", "/ai", name).casefold() if emg.kind == "ni-daq" else name
 
 
 def _source_name(emg: EmgSourceSettings, at: KeyPath, name: str) -> Iterator[Problem]:
@@ -192,5 +228,5 @@ def _label(name: str, at: KeyPath) -> Iterator[Problem]:
 
 
 CHECKS = (
-    _codes, _training, _forces, _times, _counts, _sources, _muscles, _layout, _written_as_read,
+    _codes, _training, _forces, _times, _plausible, _counts, _sources, _muscles, _layout, _written_as_read,
 )  # fmt: skip

@@ -150,3 +150,60 @@ def test_before_the_first_block_and_after_few() -> None:
     assert clock.time_s(9) == pytest.approx(0.99)
     assert clock.time_s(np.array([0, 19])) == pytest.approx([0.981, 1.0])
     assert (clock.report().se_s, clock.problems()) == (None, ())
+
+
+@pytest.mark.parametrize(("shape", "mean_s"), [(1, 0.02), (4, 0.02)])
+def test_delays_that_scatter_are_no_losses(shape: int, mean_s: float) -> None:
+    fs_hz = 26 * FRAME_HZ
+    for seed in range(3):
+        true_s = np.arange(1, 9000) / FRAME_HZ
+        delays_s = np.random.default_rng(seed).gamma(shape, mean_s / shape, len(true_s))
+        arrived_s = np.maximum.accumulate(true_s + delays_s)
+        clock = clock_of([(26 * k, 26, float(at_s)) for k, at_s in enumerate(arrived_s)], fs_hz * (1 - 1e-4))
+        assert (clock.report().missing, clock.problems()) == (0, ())
+        off_s = clock.time_s(26 * np.arange(1, 9000) - 1) - true_s
+        assert np.abs(off_s).max() < 4e-3
+
+
+@pytest.mark.parametrize("jitter_s", [1e-4, 1e-3, 2e-3, 3e-3, 5e-3, 0.02])
+def test_stamps_that_are_early_and_late(jitter_s: float) -> None:
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        last = 10 * np.arange(1, 12_001) - 1
+        true_s = last / 1000.15
+        stamps_s = true_s + rng.normal(0, jitter_s, len(last))
+        stamps_s[3000] -= 5.0
+        stamps_s[30] -= 0.2
+        clock = SampleClock(1000.0, stamped=True)
+        for index, stamp_s in zip(last.tolist(), stamps_s.tolist(), strict=True):
+            clock.add(index - 9, 10, stamp_s)
+        assert (clock.report().missing, clock.problems()) == (0, ())
+        off_s = np.abs(clock.time_s(last) - true_s)[1000:].max()
+        assert off_s < 1e-4 + 0.1 * jitter_s
+
+
+def test_samples_lost_between_stamps_are_counted() -> None:
+    """Seven samples every 30 s; a jitter of 0.2 ms."""
+    rng = np.random.default_rng(1)
+    gone = (np.arange(24_000) // 3000) * 7
+    last = 10 * np.arange(1, 24_001) - 1
+    true_s = (last + gone) / 1000.0
+    clock = SampleClock(1000.0, stamped=True)
+    for index, stamp_s in zip(last.tolist(), (true_s + rng.normal(0, 2e-4, len(last))).tolist(), strict=True):
+        clock.add(index - 9, 10, stamp_s)
+    assert clock.report().missing == 49
+    off_s = np.abs(clock.time_s(last) - true_s)
+    assert np.median(off_s) < 2e-4
+    assert np.mean(off_s > 1e-3) < 0.01
+
+
+def test_a_rate_that_changes_is_in_the_uncertainty() -> None:
+    """From 0 to 40 ppm over 10 minutes."""
+    k = np.arange(1, 60_001)
+    true_s = k * 0.01
+    arrived_s = true_s + 20e-6 * true_s**2 / 600 + 1e-3
+    clock = SampleClock(1000.0)
+    for index, at_s in zip((10 * k - 1).tolist(), arrived_s.tolist(), strict=True):
+        clock.add(index - 9, 10, at_s)
+    off_s = np.abs(clock.time_s(10 * k - 1) - arrived_s)
+    assert np.abs(off_s).max() < 2 * (clock.report().se_s or 0)

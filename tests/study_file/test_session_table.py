@@ -30,6 +30,14 @@ CASES = [
     ("+", "emg.command_port = 70000", "session.emg.command_port", "<= 65535"),
     ("+", 'force.rig = "rig.toml"', "session.force.rig", "keys of this kind only"),
     ("+", 'force.channel = "x"', "session.force.channel", "keys of this kind only"),
+    ("+", "emg.delay_s = 48", "session.emg.delay_s", "<= 1"),
+    ("+", "bar_filter_hz = 0.5", "session.bar_filter_hz", ">= 1"),
+    ("+", "bar_n = 51", "session.bar_n", "<= 50"),
+    ("+", "most_repeats = 1001", "session.most_repeats", "<= 1000"),
+    ("+", "force_n = [0.5, 60]\nlimits.peak_n = 90", "session.force_n[1]", "at most 50 N"),
+    ("+", "limits.early_s = 1.5", "session.limits.early_s", "less than the time of a reaction"),
+    ("+", 'texts.start = "Go"\ntexts.stop = "go"', "session.texts.stop", "another text than that of start"),
+    ("+", "checklist = []\ncheck_each_press = true", "session.checklist", "an item with check_each_press"),
     ("+", "emg.delay_s = -1", "session.emg.delay_s", ">= 0"),
     # forces and times
     ("+", "force_n = [7, 0.5]", "session.force_n", "the smaller number first"),
@@ -73,13 +81,21 @@ CASES = [
     ('name = "Fz"', 'name = "Fz"\nnewtons_per_unit = 2', "channels.force.newtons_per_unit", "no such key"),
     ('name = "Fz"', 'name = "Fz"\ndelay_s = 0.1', "channels.force.delay_s", "delay in [session.force]"),
 ]
+OF_CARD = 'kind = "ni-daq"\nchannels = { EDC = "Dev1/ai0", FDS = "Dev1/ai1" }\ngain = 1000'
+OF_TRIGNO = 'kind = "trigno"\nchannels = { EDC = "1", FDS = "2" }'
 OF_NI = [
     ('EDC = "Dev1/ai0", ', "", "session.emg.channels.EDC", "channel of the muscle 'EDC'"),
     ('"Dev1/ai1"', '"Dev1/ai0"', "session.emg.channels.FDS", "as for EDC"),
     ("EDC =", "ECD =", "session.emg.channels.ECD", "Did you mean 'EDC'?"),
     ('"Dev1/ai1"', '"1"', "session.emg.channels.FDS", "'Dev1/ai0'"),
     ('"ni-daq"', '"trigno"', "session.emg.channels.EDC", "'1' to '16'"),
-    ("gain = 1000", "gain = 0", "session.emg.gain", "> 0"),
+    ("gain = 1000", "gain = 0", "session.emg.gain", ">= 0.1"),
+    ("gain = 1000", "fs_hz = 100", "session.emg.fs_hz", ">= 200"),
+    ("gain = 1000", "range_v = 1e6", "session.emg.range_v", "<= 100"),
+    ('"Dev1/ai1"', '"Dev1/ai00"', "session.emg.channels.FDS", "as for EDC"),
+    (OF_CARD, f"{OF_TRIGNO}\ncommand_port = 50043", "session.emg.emg_port", "another port"),
+    (OF_CARD, f"{OF_TRIGNO}\nemg_port = 50041", "session.emg.emg_port", "no legacy"),
+    (OF_CARD, OF_TRIGNO.replace('"2"', '"1.1"'), "session.emg.channels.FDS", "as for EDC"),
     ('rig = "rig.toml"', "", "session.force.rig", "a key 'rig'"),
     ('rig = "rig.toml"', 'rig = "rig.toml"\naxis = [0, 0, 0]', "session.force.axis", "a direction"),
     ('kind = "rig"', 'kind = "rig"\nstream = "x"', "session.force.stream", "keys of this kind only"),

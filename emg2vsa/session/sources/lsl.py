@@ -6,13 +6,16 @@ Samples carry the sender's time stamps, which are moved to the session's clock a
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import threading
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from emg2vsa.errors import DeviceError, SettingError
 from emg2vsa.rig.clock import Clock
@@ -28,6 +31,10 @@ REPLY_S, FIRST_S = 5.0, 5.0
 SILENT_S = 10.0
 "A stream that has sent nothing for so long is lost; a sender that was started anew is found again sooner."
 OFFSET_EVERY_S = 1.0
+AGES_S = (-0.1, 5.0)
+"Ages that a sample can have when it arrives; others come of stamps by a foreign clock."
+STRANGE_S = 1.0
+"Stamps with other ages for so long are no strays."
 _POLL_S = 2e-3
 _MOST_SAMPLES = 1 << 14
 
@@ -70,7 +77,9 @@ class LslSource:
         self._scales = np.ones(len(channels))
         self._samples = 0
         self._offset = Offset(0.0, 0.0)
-        self._offset_at_s = self._arrived_s = 0.0
+        self._arrived_s = self._sound_s = 0.0
+        self._first: tuple[Any, Any] | None = None
+        self._ended = threading.Event()
 
     @property
     def info(self) -> StreamInfo:
@@ -88,11 +97,15 @@ class LslSource:
             said = ElementTree.fromstring(self._inlet.info(REPLY_S).as_xml())
             self._info = self._described(found, said)
             self._inlet.open_stream(REPLY_S)
-            self._set_offset(self._clock.now_s())
+            self._set_offset(self._inlet)
             offset = f"{self._offset.offset_s:.6f} s ± {self._offset.uncertainty_s:.6f} s at the start"
             self._info.facts["clock offset"] = offset
             self._wait_for_first()
+            # the sender's answer may take seconds, which `read` must not wait
+            self._ended = threading.Event()
+            threading.Thread(target=self._follow_offset, args=(self._inlet, self._ended), daemon=True).start()
         except self._lost as error:
+            self.close()
             raise self._gone(str(error).rstrip(".")) from error
         except BaseException:
             self.close()
@@ -103,9 +116,8 @@ class LslSource:
             raise DeviceError(self._where, wanted="a started stream", found="none", do="Start the source first.")
         now_s = self._clock.now_s()
         try:
-            rows, stamps = self._inlet.pull_chunk(0.0, _MOST_SAMPLES)
-            if now_s - self._offset_at_s > OFFSET_EVERY_S:
-                self._set_offset(now_s)
+            rows, stamps = self._first or self._inlet.pull_chunk(0.0, _MOST_SAMPLES)
+            self._first = None
         except self._lost as error:
             raise self._gone(str(error).rstrip(".")) from error
         if not len(stamps):
@@ -114,7 +126,11 @@ class LslSource:
             return []
         self._arrived_s = now_s
         samples = np.array(rows, dtype=np.float64)[:, self._columns] * self._scales
-        ages_s = self._lsl.local_clock() - (np.array(stamps) + self._offset.offset_s)
+        ages_s = self._ages_s(stamps)
+        if AGES_S[0] <= (age_s := float(np.median(ages_s))) <= AGES_S[1]:
+            self._sound_s = now_s
+        elif now_s - self._sound_s > STRANGE_S:
+            raise self._foreign(age_s)
         stamps_s = self._clock.now_s() - ages_s
         first, self._samples = self._samples, self._samples + len(samples)
         return [Block(samples, first, float(stamps_s[-1]), stamps_s)]
@@ -123,6 +139,8 @@ class LslSource:
         return StreamCounts(self._samples)
 
     def close(self) -> None:
+        self._ended.set()
+        self._first = None
         if self._inlet is not None:
             self._inlet.close_stream()
             self._inlet = None
@@ -164,6 +182,10 @@ class LslSource:
         if found.channel_format() == self._lsl.cf_string:
             raise DeviceError(self._where, wanted="numbers", found="text", do=f"Correct {self._table}.stream.")
         described = said.findall("desc/channels/channel")
+        if described and len(described) != found.channel_count():
+            do = "Let the sender describe each channel once (desc/channels/channel)."
+            told = f"{len(described)} descriptions"
+            raise DeviceError(self._where, wanted=f"{found.channel_count()} channels", found=told, do=do)
         labels = [each.findtext("label", "") for each in described] or [""] * found.channel_count()
         self._columns = [self._column(name, label, labels) for name, label in self._channels.items()]
         units = [described[column].findtext("unit", "") if described else "" for column in self._columns]
@@ -172,7 +194,7 @@ class LslSource:
         facts |= {key: text for key in ("manufacturer", "model") if (text := said.findtext(f"desc/{key}"))}
         facts |= {f"{name}, unit sent": unit for name, unit in zip(self._channels, units, strict=True)}
         unit = "V" if self._kind == "emg" else "N"
-        return StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts)
+        return StreamInfo(self._kind, tuple(self._channels), unit, fs_hz, None, self._delay_s, facts, stamped=True)
 
     def _column(self, name: str, label: str | None, labels: Sequence[str]) -> int:
         wanted = f"one channel with the label {label!r}" if label else "one channel, or a label"
@@ -193,22 +215,46 @@ class LslSource:
 
     def _wait_for_first(self) -> None:
         end_s = self._clock.now_s() + FIRST_S
-        while not self._inlet.samples_available():
+        while True:
+            rows, stamps = self._inlet.pull_chunk(0.0, _MOST_SAMPLES)
+            if len(stamps):
+                break
             if self._clock.now_s() >= end_s:
                 raise self._gone(f"no sample for {FIRST_S:g} s")
             self._clock.sleep_until(self._clock.now_s() + _POLL_S)
-        self._arrived_s = self._clock.now_s()
+        age_s = float(np.median(self._ages_s(stamps)))
+        if not AGES_S[0] <= age_s <= AGES_S[1]:
+            raise self._foreign(age_s)
+        self._first = rows, stamps
+        self._arrived_s = self._sound_s = self._clock.now_s()
 
-    def _set_offset(self, now_s: float) -> None:
+    def _ages_s(self, stamps: Sequence[float]) -> NDArray[np.float64]:
+        return np.asarray(self._lsl.local_clock() - (np.array(stamps) + self._offset.offset_s), dtype=np.float64)
+
+    def _foreign(self, age_s: float) -> DeviceError:
+        return DeviceError(
+            self._where,
+            wanted=f"time stamps of the LSL clock: samples {AGES_S[0]:g} to {AGES_S[1]:g} s old",
+            found=f"samples {age_s:.3f} s old",
+            do="Let the sender stamp with local_clock() of LSL, or give no stamps.",
+        )
+
+    def _follow_offset(self, inlet: Any, ended: threading.Event) -> None:
+        while not ended.wait(OFFSET_EVERY_S):
+            with contextlib.suppress(*self._lost):
+                # the stream itself tells when it is gone; until then the last offset holds
+                self._set_offset(inlet)
+
+    def _set_offset(self, inlet: Any) -> None:
         remote_s, uncertainty_s, code = ctypes.c_double(), ctypes.c_double(), ctypes.c_int()
         function = self._lsl.lib.lib.lsl_time_correction_ex
         function.restype = ctypes.c_double
         offset_s = function(
-            self._inlet.obj, ctypes.byref(remote_s), ctypes.byref(uncertainty_s), ctypes.c_double(REPLY_S),
+            inlet.obj, ctypes.byref(remote_s), ctypes.byref(uncertainty_s), ctypes.c_double(REPLY_S),
             ctypes.byref(code),
         )  # fmt: skip
         self._lsl.util.handle_error(code)
-        self._offset, self._offset_at_s = Offset(float(offset_s), uncertainty_s.value), now_s
+        self._offset = Offset(float(offset_s), uncertainty_s.value)
 
     def _gone(self, found: str) -> DeviceError:
         do = "Start the sender again, and check the network."

@@ -7,6 +7,7 @@ Commands go to one TCP port. Samples come from another, in frames of 13.5 ms, wi
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 import socket
 from collections.abc import Mapping
@@ -182,7 +183,7 @@ class TrignoSource:
             return []
         rows = np.frombuffer(self._bytes[:whole], dtype="<f4").reshape(-1, SLOTS)[:, self._columns]
         self._bytes = self._bytes[whole:]
-        samples = self._zeros.take(rows.astype(np.float64))
+        samples = self._zeros.take(np.where(np.isfinite(rows), rows, np.nan).astype(np.float64))
         if not len(samples):
             return []
         first, self._next = self._next, self._next + len(samples)
@@ -213,18 +214,30 @@ class TrignoSource:
         facts = {"device": "Delsys Trigno", "protocol": commands.version}
         for name, command in _ABOUT.items():
             facts[name] = commands.ask(command)
+        for name, wanted, other in (
+            ("byte order", "LITTLE", ("BIG",)), ("backwards compatibility", "NO", ("YES", "ON")),
+        ):  # fmt: skip
+            if (found := facts[name]).upper() in other:
+                do = "Restart the Trigno Control Utility."
+                raise DeviceError(commands.where, wanted=f"{wanted} as its {name}", found=found, do=do)
         _check_present(commands, self._places)
         starts = {}
         for role, place in self._places.items():
             facts |= {f"{role}, {name}": value for name, value in _sensor_facts(commands, role, place).items()}
-            start = commands.ask(f"SENSOR {place.sensor} STARTINDEX?")
-            starts[role] = (int(start) if start.isdecimal() else place.sensor) + place.channel - 1
+            starts[role] = _slot(commands, role, place)
+            if starts[role] in list(starts.values())[:-1]:
+                raise DeviceError(
+                    f"{commands.where}, sensor {place.sensor} ({role})",
+                    wanted="a slot of its own for each muscle",
+                    found=f"slot {starts[role]} again",
+                    do="Restart the Trigno Control Utility, or correct session.emg.channels.",
+                )
         self._columns = [slot - 1 for slot in starts.values()]
         facts |= {f"{role}, slot": str(slot) for role, slot in starts.items()}
         fs_hz = port_rate_hz(commands)
         self._info = StreamInfo(
             "emg", tuple(self._places), "V", fs_hz,
-            range_max=min(RANGES_V.get(facts[f"{role}, range"], RANGES_V["HIGH"]) for role in self._places),
+            range_max=min(_range_v(facts[f"{role}, range"]) for role in self._places),
             delay_s=self._settings.delay_s, facts=facts, frame=max(1, round(fs_hz * _frame_s(facts))),
         )  # fmt: skip
 
@@ -310,9 +323,9 @@ def port_rate_hz(commands: TrignoCommands) -> float:
         if commands.ask(f"SENSOR {sensor} PAIRED?") == "YES":
             count = commands.ask(f"SENSOR {sensor} EMGCHANNELCOUNT?")
             for channel in range(1, 1 + (int(count) if count.isdecimal() else 1)):
-                with contextlib.suppress(ValueError):
-                    rates.append(float(commands.ask(f"SENSOR {sensor} CHANNEL {channel} RATE?")))
-    if not rates or max(rates) <= 0:
+                rates.append(_number(commands.ask(f"SENSOR {sensor} CHANNEL {channel} RATE?")))
+    rates = [rate for rate in rates if 0 < rate < math.inf]
+    if not rates:
         do = "Choose a mode with EMG for the sensors in the Trigno Control Utility."
         raise DeviceError(commands.where, wanted="the rate of an EMG channel", found="none", do=do)
     return max(rates)
@@ -331,11 +344,37 @@ _OF_SENSOR = {
 }  # fmt: skip
 
 
-def _frame_s(facts: Mapping[str, str]) -> float:
+def _number(reply: str) -> float:
+    """A number with a point or a comma; NaN for any other reply."""
     try:
-        return float(facts["frame interval"])
+        return float(reply.replace(",", "."))
     except ValueError:
-        return FRAME_S
+        return math.nan
+
+
+def _frame_s(facts: Mapping[str, str]) -> float:
+    frame_s = _number(facts["frame interval"])
+    return frame_s if 0 < frame_s < 1 else FRAME_S
+
+
+def _range_v(reply: str) -> float:
+    """Of RANGE?, in any case, with or without the word before it."""
+    return RANGES_V.get((reply.upper().split() or [""])[-1], RANGES_V["HIGH"])
+
+
+def _slot(commands: TrignoCommands, role: str, place: Place) -> int:
+    """Where a muscle's channel is in a sample, from 1. DeviceError where the server does not say a slot of 1 to 16."""
+    reply = commands.ask(f"SENSOR {place.sensor} STARTINDEX?")
+    said = reply.split()[-1] if reply.split() else ""
+    slot = int(said) + place.channel - 1 if said.isascii() and said.isdecimal() else 0
+    if said.startswith("0") or not 1 <= slot <= SLOTS:
+        raise DeviceError(
+            f"{commands.where}, sensor {place.sensor} ({role})",
+            wanted=f"a slot from 1 to {SLOTS} for channel {place.channel}",
+            found=f"STARTINDEX {reply!r}",
+            do="Restart the Trigno Control Utility, or correct session.emg.channels.",
+        )
+    return slot
 
 
 def _check_present(commands: TrignoCommands, places: Mapping[str, Place]) -> None:

@@ -186,3 +186,34 @@ def test_without_pylsl(clock: WallClock, monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setitem(sys.modules, "pylsl", None)
     with pytest.raises(DeviceError, match=r'session\.force\.kind = "lsl": expected the extra.*emg2vsa\[lsl\]'):
         LslSource("force", {"force": None}, clock, table="session.force")
+
+
+@pytest.mark.realtime
+def test_stamps_of_a_foreign_clock_are_refused(pylsl: Any, clock: WallClock) -> None:
+    sender = Sender(pylsl, "foreign", "Force", ("Fz",), ("N",))
+    push = sender.push
+    sender.push = lambda n: push(n, time.time())  # type: ignore[method-assign, assignment, misc]
+    source = LslSource("force", {"force": None}, clock, table="session.force", stream="foreign")
+    with pytest.raises(DeviceError, match="time stamps of the LSL clock"):
+        begun(source, sender)
+
+
+@pytest.mark.realtime
+def test_a_read_does_not_wait_for_the_sender_s_clock(
+    pylsl: Any, clock: WallClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sender = Sender(pylsl, "slow answer", "Force", ("Fz",), ("N",))
+    source = LslSource("force", {"force": None}, clock, table="session.force", stream="slow answer")
+    begun(source, sender)
+    asked = []
+    monkeypatch.setattr(source, "_set_offset", lambda inlet: (asked.append(1), time.sleep(1.0)))
+    longest_s, end_s = 0.0, time.monotonic() + 1.5
+    while time.monotonic() < end_s:
+        sender.push(10)
+        before_s = time.monotonic()
+        source.read()
+        longest_s = max(longest_s, time.monotonic() - before_s)
+        time.sleep(0.01)
+    source.close()
+    assert asked
+    assert longest_s < 0.5

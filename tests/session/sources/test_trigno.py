@@ -358,3 +358,37 @@ def test_the_emulated_server_is_cut_off_and_found_again(
     source.start()
     assert listened(source, clock, 1.0, SampleClock(source.info.fs_hz)) > 1000
     assert source.counts().samples > 1000
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"SENSOR 4 STARTINDEX?": "0"}, "a slot from 1 to 16"),
+        ({"SENSOR 4 STARTINDEX?": "17"}, "a slot from 1 to 16"),
+        ({"SENSOR 4 STARTINDEX?": "none"}, "a slot from 1 to 16"),
+        ({"SENSOR 4 STARTINDEX?": "1"}, "a slot of its own"),
+        ({"ENDIANNESS?": "BIG"}, "LITTLE as its byte order"),
+        ({"BACKWARDS COMPATIBILITY?": "YES"}, "NO as its backwards compatibility"),
+        ({f"SENSOR {n} CHANNEL 1 RATE?": "nan" for n in (1, 4)}, "the rate of an EMG channel"),
+        ({f"SENSOR {n} CHANNEL 1 RATE?": "inf" for n in (1, 4)}, "the rate of an EMG channel"),
+    ],
+)
+def test_replies_that_cannot_be_believed(changed: dict[str, str], said: str) -> None:
+    with WrittenServer(REPLIES | changed) as server, pytest.raises(DeviceError, match=said):
+        TrignoSource(server.settings, WallClock()).start()
+
+
+def test_a_decimal_comma_a_range_in_words_and_a_value_without_end() -> None:
+    commas = {f"SENSOR {n} CHANNEL 1 RATE?": "1925,92592592593" for n in (1, 4)} | {"FRAME INTERVAL?": "0,0135"}
+    worded = {"SENSOR 1 RANGE?": "RANGE low", "SENSOR 4 STARTINDEX?": "SENSOR 4 STARTINDEX 4"}
+    values = counter(52)
+    values[20] = np.inf
+    with WrittenServer(REPLIES | commas | worded, [values.tobytes()]) as server:
+        source = TrignoSource(server.settings, WallClock())
+        source.start()
+        blocks, _ = read_until_lost(source)
+        source.close()
+    assert (source.info.fs_hz, source.info.frame, source.info.range_max) == (pytest.approx(1925.9259), 26, 5.5e-3)
+    samples = samples_of(blocks)
+    assert np.isnan(samples[20]).all()
+    assert not np.isinf(samples).any()
