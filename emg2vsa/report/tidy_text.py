@@ -88,7 +88,7 @@ def _pairs_of_all(found: TidyTests, style: Style) -> Hypothesis:
             question,
             over_people_pair_rows(pairs, blocks, found.alpha, style),
             "LSD takes all rows as independent. Believe the pairs over blocks, paired t first: each pair has its own "
-            "scatter. The mixed model takes one for all pairs, and finds too many where the sphericity ε is far below 1.",
+            "scatter. The mixed model takes one for all; it finds too many where the sphericity ε is far below 1.",
         )
     floor = dunn_bounds(found.count)
     bound = f" With groups of this size Dunn's worst pair has p = {floor[1]:.2g} or more, untied." if floor else ""
