@@ -124,6 +124,8 @@ def _print(found: TidyTests, arguments: argparse.Namespace) -> None:
     for count, why in ((found.without_number, "without a number"), (found.without_name, "without a group or block")):
         if count:
             print(f"note: {count} row{'s' if count != 1 else ''} {why} left out")
+    for names in found.alike():
+        print(f"note: {names} differ in capitals or spaces only and are kept apart; write them alike if they are one")
     print()
     print(text(found, arguments.style, details=arguments.details))
 
@@ -140,6 +142,7 @@ def _as_json(found: TidyTests, arguments: argparse.Namespace) -> dict[str, objec
         "block": arguments.block,
         "alpha": found.alpha,
         "rows": found.n,
+        "alike": list(found.alike()),
         "left_out": {"without_number": found.without_number, "without_name": found.without_name},
         "groups": [
             {"name": name, "n": int(n), "mean": float(mean), "sd": float(sd)}

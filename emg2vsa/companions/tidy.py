@@ -38,6 +38,17 @@ class TidyTests:
     without_name: int
     alpha: float
 
+    def alike(self) -> tuple[str, ...]:
+        """Names of groups and of blocks that differ in capitals or spaces only: "'S1', 's1'"."""
+        return (*_alike(self.groups), *_alike(self.blocks))
+
+
+def _alike(names: Names) -> list[str]:
+    same: dict[str, list[str]] = {}
+    for name in names.tolist():
+        same.setdefault("".join(name.split()).casefold(), []).append(name)
+    return [", ".join(map(repr, of)) for of in same.values() if len(of) > 1]
+
 
 def tidy_tests(
     values: Sequence[Decimal | None],

@@ -40,8 +40,8 @@ def latex_text(text: str) -> str:
 
 
 def latex_number(shown: str) -> str:
-    """A number as people see it, with a minus sign and powers of ten; other text as text."""
-    if not (parts := re.fullmatch(r"(-?[0-9.]+)(?:e([-+]?[0-9]+))?", shown)):
+    """A number as people see it, with a minus sign (of either kind) and powers of ten; other text as text."""
+    if not (parts := re.fullmatch(r"(-?[0-9.]+)(?:e([-+]?[0-9]+))?", shown.replace("\N{MINUS SIGN}", "-"))):
         return latex_text(shown)
     mantissa, exponent = parts.groups()
     power = rf"\times10^{{{int(exponent)}}}" if exponent else ""

@@ -95,11 +95,16 @@ def _interval_said(
 ) -> str:
     """``95% CI [.08, .46]``."""
     ends = ", ".join(_value(end, style, at_most_one=at_most_one) for end in (low, high))
+    limits = f"$[{ends}]$" if style == "latex" else f"[{ends}]"
+    if math.isnan(high - low):  # NaN, or both ends infinite on one side
+        limits = "not defined"
+    elif math.isinf(low) and math.isinf(high):
+        limits = "not defined at this n"
     level = f"{100 * confidence:g}"
     if style == "latex":
-        return rf"{level}\,\% CI $[{ends}]$"
+        return rf"{level}\,\% CI {limits}"
     sign = "%" if style == "apa" else " %"
-    return f"{level}{sign} CI [{ends}]".replace(" ", " " if style == "plain" else NO_BREAK)
+    return f"{level}{sign} CI {limits}".replace(" ", " " if style == "plain" else NO_BREAK)
 
 
 def _undefined(outcome: Outcome) -> bool:
@@ -137,12 +142,14 @@ def _estimate(outcome: Outcome, style: Style) -> str:
     if name is None or outcome.estimate is None:
         return ""
     text = _named(name, outcome.estimate, style)
-    if outcome.interval is None or outcome.confidence is None:
+    if outcome.interval is None or outcome.confidence is None or math.isnan(outcome.estimate):
         return text
     return f"{text}, {_interval_said(*outcome.interval, outcome.confidence, style, at_most_one=_is_share(name))}"
 
 
 def _named(name: str, value: float, style: Style) -> str:
+    if math.isnan(value):
+        return f"{_symbol(name, style)} not defined"
     shown = _value(value, style, at_most_one=_is_share(name))
     if style == "latex":
         return f"{_symbol(name, style)} $= {shown}$" if name not in _SYMBOLS else f"${_SYMBOLS[name][1]} = {shown}$"

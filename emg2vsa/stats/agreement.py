@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.stats.moments import group_moments, shifted_doubles
+from emg2vsa.stats.moments import group_moments, shifted_doubles, without_rounding
 from emg2vsa.stats.outcome import Outcome
 
 KINDS = ("ICC(1,1)", "ICC(2,1)", "ICC(3,1)", "ICC(1,k)", "ICC(2,k)", "ICC(3,k)")
@@ -99,11 +99,20 @@ def _mean_squares(values: Floats, n: Ints, k: int) -> _MeanSquares:
     between = k * np.sum((groups.offset - mean[:, None]) ** 2, axis=1, where=there)
     rater = np.sum(groups.deviation, axis=1) / subjects[:, None]
     residual = groups.deviation - rater[:, None]
-    error = np.sum(residual**2, axis=(1, 2), where=groups.valid)
+    largest = np.ldexp(np.nanmax(np.abs(values), axis=(1, 2), initial=0.0), -groups.unit)
+    between, error, within, raters = (
+        without_rounding(squares, n * k, largest)
+        for squares in (
+            between,
+            np.sum(residual**2, axis=(1, 2), where=groups.valid),
+            np.sum(groups.squares, axis=1),
+            subjects * np.sum(rater**2, axis=1),
+        )
+    )
     return _MeanSquares(
         subjects=between / (subjects - 1),
-        within=np.sum(groups.squares, axis=1) / (subjects * (k - 1)),
-        raters=subjects * np.sum(rater**2, axis=1) / (k - 1),
+        within=within / (subjects * (k - 1)),
+        raters=raters / (k - 1),
         error=error / ((subjects - 1) * (k - 1)),
         n=subjects,
         k=k,

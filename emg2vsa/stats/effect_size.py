@@ -93,7 +93,10 @@ def hedges_g(t: ArrayLike, n1: ArrayLike, n2: ArrayLike, confidence: float = 0.9
 
 
 def paired_g(t: ArrayLike, n: ArrayLike, confidence: float = 0.95) -> tuple[Floats, Floats, Floats]:
-    """g_z and its interval from the paired t of n people: t / sqrt(n), in SDs of the differences (Lakens 2013)."""
+    """g_z and its interval from the paired t of n people: t / sqrt(n), in SDs of the differences (Lakens 2013).
+
+    NaN for two people: Hedges' correction takes two degrees of freedom.
+    """
     t, n = np.broadcast_arrays(_floats(t), _floats(n))
     return _corrected(t, n - 1, 1 / np.sqrt(n), confidence)
 
@@ -102,6 +105,7 @@ def _corrected(t: Floats, df: Floats, per_t: Floats, confidence: float) -> tuple
     """t times ``per_t`` and Hedges' correction for ``df``; the ends of its noncentrality likewise."""
     with np.errstate(divide="ignore", invalid="ignore"):
         correction = np.exp(special.gammaln(df / 2) - special.gammaln((df - 1) / 2)) / np.sqrt(df / 2)
+    correction = np.where(df > 1, correction, np.nan)  # the mean of t with one degree of freedom does not exist
     scale = correction * per_t
     tail = (1 - confidence) / 2
     size = np.abs(t)

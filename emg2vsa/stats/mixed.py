@@ -20,7 +20,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import DataError
-from emg2vsa.stats.moments import unmasked
+from emg2vsa.stats.moments import unmasked, without_rounding
 from emg2vsa.stats.outcome import Outcome
 from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
@@ -70,6 +70,9 @@ class MixedModel:
     def outcome(self, i: int = 0) -> Outcome:
         at_zero = [name for name, s2 in zip(_RANDOM, self.variance[i], strict=True) if s2 == 0]
         notes = (f"variance of {' and of '.join(at_zero)} estimated as 0",) if at_zero else ()
+        of_ratio = (
+            "interval of the ratio: Graybill and Wang's of the participants' variance, SD of repetitions as fixed"
+        )
         return Outcome(
             method="linear mixed model, balanced, exact REML",
             n=self.n,
@@ -83,7 +86,7 @@ class MixedModel:
             confidence=self.confidence,
             effect_name="ICC of participants",
             effect_size=float(self.icc[i]),
-            notes=("undefined: all values are equal",) if np.isnan(self.f[i]) else notes,
+            notes=("undefined: all values are equal",) if np.isnan(self.f[i]) else (*notes, of_ratio),
         )
 
 
@@ -97,7 +100,9 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
     """
     y, unit, origin = _checked(values)
     n_p, n_s, n_r = y.shape[1:]
-    cell = y.sum(axis=3) / n_r
+    # a cell is centred on its own first value: equal decimals then do not differ by the rounding of their mean
+    inner_mean = (y - y[..., :1]).sum(axis=3) / n_r
+    cell = y[..., 0] + inner_mean
     specimen, person = cell.sum(axis=1) / n_p, cell.sum(axis=2) / n_s
     grand = specimen.sum(axis=1) / n_s
     ms_specimen = n_p * n_r * ((specimen - grand[:, None]) ** 2).sum(axis=1) / (n_s - 1)
@@ -105,13 +110,16 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
     df = np.array([n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1])
     squares = np.stack(
         [
-            ((y - cell[..., None]) ** 2).sum(axis=(1, 2, 3)),
+            ((y - y[..., :1] - inner_mean[..., None]) ** 2).sum(axis=(1, 2, 3)),
             n_r * (inner**2).sum(axis=(1, 2)),
             n_s * n_r * ((person - grand[:, None]) ** 2).sum(axis=1),
         ],
         axis=1,
     )
-    ms = squares / df
+    n, largest = n_p * n_s * n_r, np.max(np.abs(y), axis=(1, 2, 3))
+    largest = np.fmax(largest, np.abs(np.ldexp(origin, -unit)))
+    ms = without_rounding(squares, n, largest[:, None]) / df
+    ms_specimen = without_rounding(ms_specimen * (n_s - 1), n, largest) / (n_s - 1)
     level = _in_order(ms, df)
     with np.errstate(divide="ignore", invalid="ignore"):
         f = ms_specimen / ms[:, 1]
@@ -144,7 +152,7 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         ratio_high=ratios[2],
         difference=difference,
         se_difference=se_difference,
-        n=n_p * n_s * n_r,
+        n=n,
         confidence=confidence,
     )
 

@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import DataError
 
+_ROUNDING = 8 * np.finfo(np.float64).eps
+"""Largest error of a difference of means, over the largest value they were taken of."""
+
 
 @dataclass(frozen=True)
 class GroupMoments:
@@ -82,6 +85,14 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
         return doubles, np.zeros(len(doubles))
     pairs = [_shift_design(list(design.flat)) for design in doubles]
     return np.array([row for row, _ in pairs]).reshape(doubles.shape), np.array([origin for _, origin in pairs])
+
+
+def without_rounding(squares: ArrayLike, n: ArrayLike, largest: ArrayLike) -> Floats:
+    """Sums of ``squares`` of ``n`` deviations, 0 where rounding alone can make them as large: below n (8 eps)^2 of the
+    ``largest`` value, squared, that the deviations were taken of. Decimals such as 0.1 are rounded before they differ.
+    """
+    floor = np.asarray(n, dtype=np.float64) * (_ROUNDING * np.asarray(largest, dtype=np.float64)) ** 2
+    return np.where(np.asarray(squares) > floor, squares, 0.0)
 
 
 def unmasked(values: ArrayLike) -> ArrayLike:

@@ -11,7 +11,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.stats.effect_size import paired_g
 from emg2vsa.stats.kruskal import midranks
-from emg2vsa.stats.moments import shifted_doubles, unmasked
+from emg2vsa.stats.moments import shifted_doubles, unmasked, without_rounding
 from emg2vsa.stats.post_hoc import PairDifferences, pair_numbers, student_pairs
 
 MOST_EXACT = 100
@@ -43,10 +43,12 @@ def paired_tests(values: ArrayLike, confidence: float = 0.95) -> PairedTests:
     there = np.isfinite(differences)
     unit = exponent_of(np.where(there, differences, 0.0))
     differences = np.ldexp(differences, -unit)
+    values = np.where(there, np.fmax(np.abs(doubles[0, first]), np.abs(doubles[0, second])), 0.0)
+    largest = np.ldexp(np.max(values, axis=1, initial=0.0), -unit[:, 0])
     n = np.count_nonzero(there, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.sum(differences, axis=1, where=there) / n
-        squares = np.sum((differences - mean[:, None]) ** 2, axis=1, where=there)
+        squares = without_rounding(np.sum((differences - mean[:, None]) ** 2, axis=1, where=there), n, largest)
         se = np.sqrt(squares / (n * (n - 1.0)))
     se = np.where(se > 0, se, np.nan)
     t = student_pairs(

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from emg2vsa.arrays import Floats, exponent_of
+from emg2vsa.stats.moments import without_rounding
 
 LARGEST = 1e12
 """Ratio of variances beyond which the search does not go."""
@@ -81,13 +82,21 @@ def cells_of(values: Floats) -> tuple[Cells, float, int, str]:
     shifted = np.where(there, values - origin, 0.0)
     unit = int(exponent_of(np.max(np.abs(shifted)))) if n else 0
     shifted = np.ldexp(shifted, -unit)
-    mean = shifted.sum(axis=2) / np.maximum(count, 1)
-    within = float(np.sum((shifted - mean[..., None]) ** 2, where=there))
-    cells = Cells(count, mean, within, n)
+    # a cell is centred on its own first value: equal decimals then do not differ by the rounding of their mean
+    start = np.take_along_axis(shifted, np.argmax(there, axis=2)[..., None], axis=2)
+    inner = np.where(there, shifted - start, 0.0)
+    inner_mean = inner.sum(axis=2) / np.maximum(count, 1)
+    squares = np.sum((inner - inner_mean[..., None]) ** 2, where=there)
+    largest = np.max(np.abs(shifted), initial=abs(np.ldexp(origin, -unit)))
+    within = float(without_rounding(squares, n, largest))
+    cells = Cells(count, start[..., 0] + inner_mean, within, n)
     if min(count.shape) < 2 or np.count_nonzero(count.sum(axis=1)) < 2:
         return cells, origin, unit, "undefined: fewer than two participants or specimens"
     if np.any(count.sum(axis=0) == 0):
         return cells, origin, unit, "undefined: a specimen has no values"
+    if np.count_nonzero(count, axis=1).max() < 2:
+        why = "undefined: every participant has values of one specimen only, people and specimens cannot be told apart"
+        return cells, origin, unit, why
     if count.max() < 2:
         return cells, origin, unit, "undefined: no participant has two values on one specimen"
     if not within > 0:
@@ -192,7 +201,10 @@ def _newton(cost: Cost, start: Floats, moving: NDArray[np.bool_]) -> Floats | No
         if not np.isfinite(curvature).all() or np.linalg.eigvalsh(curvature)[0] <= 0:
             return None
         step = np.zeros(x.size)
-        step[moves] = np.linalg.solve(curvature, -slope[moves])
+        try:
+            step[moves] = np.linalg.solve(curvature, -slope[moves])
+        except np.linalg.LinAlgError:  # a likelihood flat to the last digit
+            return None
         better = np.clip(x + step, 0.0, LARGEST)
         change = float(np.max(np.abs(better - x) / np.where(x > 0, x, 1.0)))
         x = better

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, exponent_of
-from emg2vsa.stats.moments import shifted_doubles
+from emg2vsa.stats.moments import shifted_doubles, without_rounding
 from emg2vsa.stats.outcome import Outcome
 
 
@@ -18,7 +18,7 @@ class RepeatedAnova:
     """d designs of k treatments; (d,) unless said, NaN where undefined.
 
     f, df1, df2, p : sphericity assumed. epsilon_gg, epsilon_hf : of Greenhouse and Geisser (1959) and Huynh and Feldt
-    (1976), at most 1; p_gg, p_hf : with both df times epsilon. mauchly_p : sphericity, NaN for k = 2 or
+    (1976), from 1 / (k - 1) to 1; p_gg, p_hf : with both df times epsilon. mauchly_p : sphericity, NaN for k = 2 or
     n < k. eta2_generalised (Olejnik and Algina 2003). n : people without a gap; left_out : the others.
     """
 
@@ -64,11 +64,14 @@ class RepeatedAnova:
 
 
 def rm_anova(values: ArrayLike) -> RepeatedAnova:
-    """Analysis of ``values`` (d, n people, k treatments), or one design (n, k); people with a NaN are left out."""
+    """Analysis of ``values`` (d, n people, k treatments), or one design (n, k); people with a NaN are left out.
+
+    An error that rounding alone can make (see `without_rounding`) is 0: F is then infinite, or NaN.
+    """
     doubles, _ = shifted_doubles(values)
     complete = np.all(np.isfinite(doubles), axis=2)
     n, k = np.count_nonzero(complete, axis=1), doubles.shape[2]
-    y = _scaled(doubles, complete)
+    y, largest = _scaled(doubles, complete)
     there = complete[..., None]
     with np.errstate(divide="ignore", invalid="ignore"):
         treatment = np.sum(y, axis=1) / n[:, None]
@@ -77,7 +80,11 @@ def rm_anova(values: ArrayLike) -> RepeatedAnova:
         ss_treatment = n * np.sum((treatment - grand[:, None]) ** 2, axis=1)
         ss_person = k * np.sum((person - grand[:, None]) ** 2, axis=1, where=complete)
         residual = np.where(there, y - treatment[:, None] - person[..., None] + grand[:, None, None], 0.0)
-        ss_error = np.sum(residual**2, axis=(1, 2))
+        ss_treatment, ss_person, ss_error = (
+            without_rounding(squares, n * k, largest)
+            for squares in (ss_treatment, ss_person, np.sum(residual**2, axis=(1, 2)))
+        )
+        residual = np.where(ss_error[:, None, None] > 0, residual, 0.0)
         df1, df2 = k - 1, (n - 1) * (k - 1)
         f = np.where(df2 > 0, ss_treatment / max(df1, 1) / (ss_error / df2), np.nan)
         gg, hf = _epsilons(residual, n, k)
@@ -90,20 +97,20 @@ def rm_anova(values: ArrayLike) -> RepeatedAnova:
     return RepeatedAnova(f, df1, df2, p_at(1.0), gg, hf, p_at(gg), p_at(hf), w_p, generalised, n, complete.shape[1] - n)
 
 
-def _scaled(doubles: Floats, complete: NDArray[np.bool_]) -> Floats:
-    """Values relative to the first of their design, scaled to below 1; 0 for people left out."""
+def _scaled(doubles: Floats, complete: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Values relative to the first of their design, scaled to below 1; 0 for people left out. The largest before."""
     filled = np.where(complete[..., None], doubles, 0.0)
     unit = exponent_of(np.max(np.abs(filled), axis=2, initial=0.0))[:, 0] + 1
     filled = np.ldexp(filled, -unit[:, None, None])
     start = np.take_along_axis(filled[..., 0], np.argmax(complete, axis=1)[:, None], axis=1)
-    return np.where(complete[..., None], filled - start[..., None], 0.0)
+    return np.where(complete[..., None], filled - start[..., None], 0.0), np.max(np.abs(filled), axis=(1, 2), initial=0)
 
 
 def _epsilons(residual: Floats, n: Ints, k: int) -> tuple[Floats, Floats]:
     """From the doubly centred covariance of the treatments: trace^2 over (k - 1) times its sum of squares."""
     covariance = np.swapaxes(residual, 1, 2) @ residual
     trace = np.trace(covariance, axis1=1, axis2=2)
-    gg = trace**2 / ((k - 1) * np.sum(covariance**2, axis=(1, 2)))
+    gg = np.clip(trace**2 / ((k - 1) * np.sum(covariance**2, axis=(1, 2))), 1 / max(k - 1, 1), 1.0)
     hf = (n * (k - 1) * gg - 2) / ((k - 1) * (n - 1 - (k - 1) * gg))
     # with few people the denominator of Huynh and Feldt turns negative: their estimate is then 1
     hf = np.where((n - 1 - (k - 1) * gg) > 0, hf, 1.0)

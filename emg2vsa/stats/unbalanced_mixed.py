@@ -67,7 +67,10 @@ class UnbalancedMixed:
             confidence=self.confidence,
             effect_name="ICC of participants",
             effect_size=self.icc,
-            notes=(f"variance of {' and of '.join(at_zero)} estimated as 0",) if at_zero else (),
+            notes=(
+                *((f"variance of {' and of '.join(at_zero)} estimated as 0",) if at_zero else ()),
+                "interval of the ratio: profile of the restricted likelihood",
+            ),
         )
 
 
@@ -97,7 +100,7 @@ def _described(cells: Cells, ratios: Floats, origin: float, unit: int, confidenc
     error = float(at.residual_squares) / free
     df_of = _satterthwaite(cells, ratios, at, error)
     s = cells.count.shape[1]
-    others = np.eye(s)[1:] - np.eye(s)[0]
+    others = _successive(cells.count.sum(axis=0))
     f, df2 = _specimens_differ(others, at.beta, error * at.inverse, df_of)
     variance = error * np.array([*ratios, 1.0])
     low, high = ratio_interval(cells, ratios, confidence)
@@ -142,13 +145,25 @@ def _satterthwaite(cells: Cells, ratios: Floats, at: At, error: float) -> Callab
     return df_of
 
 
+def _successive(count: Floats) -> Floats:
+    """The contrasts (S - 1, S) that lmerTest's anova() takes of specimens with ``count`` (S,) values.
+
+    They are those of type I: the rows below the intercept of the unit triangle of X'X (Goodnight 1978), X with the
+    first specimen as its reference.
+    """
+    from_first = np.eye(count.size)[1:] - np.eye(count.size)[0]
+    crossed = np.diag(np.concatenate([[count.sum()], count[1:]]))
+    crossed[0, 1:] = crossed[1:, 0] = count[1:]
+    lower = np.linalg.cholesky(crossed)
+    return np.asarray((lower / np.diag(lower)).T[1:, 1:] @ from_first)
+
+
 def _specimens_differ(
     contrasts: Floats, mean: Floats, covariance: Floats, df_of: Callable[[Floats], float]
 ) -> tuple[float, float]:
     """Wald's F of all ``contrasts`` (q, S) at once and its second df (Fai and Cornelius 1996).
 
-    F is the same whichever contrasts say "no difference", the df in the first four digits only: lmerTest's anova()
-    takes others than differences from the first specimen.
+    F is the same whichever contrasts say "no difference". The df is not: see `_successive`.
     """
     values, vectors = np.linalg.eigh(contrasts @ covariance @ contrasts.T)
     independent = vectors.T @ contrasts

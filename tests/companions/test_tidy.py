@@ -156,3 +156,53 @@ def test_a_level_that_no_test_takes_is_refused(alpha: str, tmp_path: Path, capsy
     path = blocked_table(tmp_path)
     assert main(["stats", str(path), "--value", "value", "--group", "group", "--alpha", alpha]) != 0
     assert "between 0 and 0.5" in capsys.readouterr().err
+
+
+def test_participants_of_one_group_each_have_no_mixed_model() -> None:
+    values, group, block = table(4)
+    found = tidy_tests(values, group, [f"{g}{b}" for g, b in zip(group, block, strict=True)], 0.05)
+    said = text(found, "plain", details=False)
+    assert "every participant has values of one specimen only" in said
+    assert "one-way ANOVA: F(2, 69)" in said
+
+
+def test_one_block_has_no_tests_over_blocks_and_says_so() -> None:
+    values, group, block = table(1)
+    said = text(tidy_tests(values, group, block, 0.05), "apa", details=True)
+    assert "There are no tests over blocks: they take two blocks or more" in " ".join(said.split())
+
+
+def test_constant_decimals_are_told_apart_without_an_error() -> None:
+    _, group, block = table(4)
+    found = tidy_tests([Decimal(g[1:]) / 10 for g in group], group, block, 0.05)
+    assert found.by_block is not None
+    assert found.by_block.blocks is not None
+    assert found.by_block.blocks.variances is None
+    said = text(found, "plain", details=True)
+    assert "F(2, 6) = inf" in said or "F(2, 6) = ∞" in said
+    assert "nan" not in said
+
+
+def test_paired_t_leads_the_pairs() -> None:
+    found = tidy_tests(*table(), 0.05)
+    assert found.by_block is not None
+    blocks = found.by_block.blocks
+    assert blocks is not None
+    assert list(blocks.pair_families) == ["Paired t", "Signed ranks", "Mixed-model contrasts"]
+    assert "intervals: paired t" in text(found, "apa", details=False)
+
+
+def test_two_people_have_no_g_and_are_told() -> None:
+    found = tidy_tests(*table(2), 0.05)
+    assert found.by_block is not None
+    assert found.by_block.blocks is not None
+    outcome = found.by_block.blocks.pair_outcomes(0)[0]
+    assert outcome.effect_size != outcome.effect_size
+    assert any("two blocks" in note for note in outcome.notes)
+
+
+def test_names_that_differ_in_capitals_are_kept_apart_and_told() -> None:
+    values, group, block = table()
+    found = tidy_tests(values, [g.lower() if b == "P2" else g for g, b in zip(group, block, strict=True)], block, 0.05)
+    assert found.groups.size == 6
+    assert found.alike() == ("'S1', 's1'", "'S2', 's2'", "'S3', 's3'")

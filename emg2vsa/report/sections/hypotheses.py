@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.special import stdtrit
 
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests
@@ -31,6 +32,7 @@ from emg2vsa.stats.clusters import Names
 from emg2vsa.stats.ks_exact import ks_survival
 from emg2vsa.stats.mixed import MixedModel
 from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.studentized_range import survival
 from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
 
 
@@ -79,7 +81,7 @@ def _design_quantities(name: str, designs: Names, tests: GroupTests, alpha: floa
 
 def _pair_quantities(found: Hypotheses) -> Items:
     pairs, name = found.tests.pairs, "hypotheses.pairs"
-    yield from _family(name, pairs.lsd.p, found.alpha)
+    yield from _family(name, pairs.lsd.p, found.alpha, _chance_of_any_pair(found))
     corrected = {
         "holm": pairs.p_holm, "tukey": pairs.tukey.p, "games_howell": pairs.games_howell.p, "fdr": pairs.p_fdr,
         "dunn": pairs.dunn.p, "mann_whitney": pairs.p_rank_holm,
@@ -129,12 +131,25 @@ def _plain(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def _family(name: str, p: Floats, alpha: float) -> Items:
-    """``chance_of_any``: that of at least one rejection where nothing differs and the tests are independent."""
+def _family(name: str, p: Floats, alpha: float, chance: float | None = None) -> Items:
+    """``chance_of_any``: that of at least one rejection where nothing differs; without one, of independent tests."""
     tested = int(np.count_nonzero(np.isfinite(p)))
     yield f"{name}.tested", tested
     yield f"{name}.significant", int(np.count_nonzero(p < alpha))
-    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested
+    yield f"{name}.chance_of_any", 1 - (1 - alpha) ** tested if chance is None else chance
+
+
+def _chance_of_any_pair(found: Hypotheses) -> float:
+    """Of Fisher's LSD without protection, independent participants: the pairs of one share their means and their SD.
+
+    All pairs of a participant stay below the critical t as long as the studentized range of his k groups does (exact
+    for groups of one size, a little too many otherwise).
+    """
+    anova = found.tests.between_groups.anova
+    tested = np.isfinite(anova.p) & (anova.df2 > 0)
+    df1, df2 = anova.df1[tested], anova.df2[tested]
+    some = survival(np.sqrt(2) * -stdtrit(df2, found.alpha / 2), df1 + 1, df2)
+    return float(1 - np.prod(1 - some))
 
 
 _ANOVA = (

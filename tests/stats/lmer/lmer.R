@@ -5,7 +5,7 @@ studies <- sapply(commandArgs(TRUE), function(file) {
   d <- read.csv(file, stringsAsFactors = TRUE)
   control <- lmerControl(optimizer = "bobyqa", optCtrl = list(rhoend = 1e-11, maxfun = 1e5), check.conv.singular = "ignore")
   m <- lmerTest::lmer(b ~ specimen + (1 | participant) + (1 | participant:specimen), d, control = control)
-  v <- as.data.frame(VarCorr(m)); a <- contestMD(m, diag(nlevels(d$specimen))[-1, ])
+  v <- as.data.frame(VarCorr(m)); a <- anova(m)
   pairs <- combn(nlevels(d$specimen), 2)
   rows <- apply(pairs, 2, function(pair) {
     contrast <- replace(numeric(nlevels(d$specimen)), pair, c(1, -1)); contrast[1] <- 0

@@ -1,0 +1,61 @@
+"""The rounding of decimals is no variance: decimals answer as the integers they are a multiple of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from emg2vsa.stats.agreement import icc
+from emg2vsa.stats.effect_size import hedges_g, paired_g
+from emg2vsa.stats.mixed import balanced_mixed
+from emg2vsa.stats.mixed_variances import mixed_variances
+from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.paired import paired_tests
+from emg2vsa.stats.repeated import rm_anova
+from emg2vsa.stats.unbalanced_mixed import unbalanced_mixed
+
+PERSON, SPECIMEN = np.indices((4, 3))
+ADDITIVE = (SPECIMEN + 1 + 3 * PERSON).astype(np.float64)
+DECIMALS = np.round(0.1 * ADDITIVE, 3)
+
+
+@pytest.mark.parametrize("table", [ADDITIVE, DECIMALS, DECIMALS + 1000.0])
+def test_additive_tables_have_no_error(table: np.ndarray) -> None:
+    found = rm_anova(table)
+    assert np.isinf(found.f[0])
+    assert found.p_gg[0] == 0
+    assert np.isinf(icc(table).f[0, 2])
+    pairs = paired_tests(table)
+    assert np.isnan(pairs.g).all()
+    assert np.isnan(pairs.t.p).all()
+
+
+def test_repetitions_that_are_alike_do_not_differ() -> None:
+    thrice = np.repeat(DECIMALS[..., None], 3, axis=2)
+    model = balanced_mixed(thrice)
+    assert np.isinf(model.f[0])
+    assert model.variance[0, 1] == model.variance[0, 2] == 0
+    assert mixed_variances(thrice) is None
+    thrice[0, 0, 0] = np.nan
+    found = unbalanced_mixed(thrice)
+    assert isinstance(found, Outcome)
+    assert found.notes == ("undefined: repetitions do not differ at all",)
+
+
+def test_small_scatter_that_was_measured_stays() -> None:
+    scatter = np.random.default_rng(0).standard_normal((6, 4))
+    wanted, found = rm_anova(scatter), rm_anova(1e6 + scatter * 2.0**-20)
+    assert found.f[0] == pytest.approx(wanted.f[0], rel=1e-3)
+
+
+def test_epsilon_stays_in_its_range() -> None:
+    y = np.random.default_rng(1).standard_normal((500, 3, 4)) * np.array([1e-9, 1e-9, 1.0, 3.0])
+    found = rm_anova(y)
+    assert found.epsilon_gg.min() >= 1 / 3
+    assert found.epsilon_gg.max() <= 1
+
+
+def test_two_people_have_no_standardised_difference() -> None:
+    assert np.isnan(paired_g(5.0, 2)).all()
+    assert np.isnan(hedges_g(5.0, 2, 1)).all()
+    assert np.isfinite(paired_g(5.0, 3)).all()
