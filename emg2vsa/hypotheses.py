@@ -85,7 +85,6 @@ class Hypotheses:
         equal = {} if tost is None else {"participants_equal": self._every(tost.p, self.missing_cells)}
         return {name: float(p) for name, p in (claims | equal).items()}
 
-
     def _every(self, p: Floats, missing: tuple[str, ...]) -> float:
         """Largest p of a claim that needs all of ``p``; NaN where one is missing and none of the others refutes it."""
         largest = float(np.fmax.reduce(p, axis=None, initial=np.nan))
@@ -94,7 +93,10 @@ class Hypotheses:
 
 
 def test_hypotheses(
-    fits: Fits, settings: HypothesisSettings, participants: Sequence[str] = (), specimens: Sequence[str] = ()
+    fits: Fits,
+    settings: HypothesisSettings,
+    participants: Sequence[str] = (),  # noqa: PT028 - a function of the package, not a test
+    specimens: Sequence[str] = (),  # noqa: PT028
 ) -> Hypotheses:
     """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study.
 
@@ -102,9 +104,9 @@ def test_hypotheses(
     """
     admitted = usable(fits, settings.use)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
-    specimens = list(dict.fromkeys((*specimens, *in_order(fits.specimen).tolist())))
-    participants = list(dict.fromkeys((*participants, *in_order(fits.participant).tolist())))
-    kept = settings.kept_specimens or tuple(specimens)
+    palpated = tuple(dict.fromkeys((*specimens, *in_order(fits.specimen).tolist())))
+    people = tuple(dict.fromkeys((*participants, *in_order(fits.participant).tolist())))
+    kept = settings.kept_specimens or palpated
     tests = table_tests(clusters, settings.alpha, settings.equivalence_margin_sd, "sd")
     worst = _worst(tests.pairs.lsd.p, clusters, kept)
     power, power_note = _power(clusters, settings.alpha)
@@ -117,8 +119,8 @@ def test_hypotheses(
         worst_pair=_pair_name(tests, clusters, worst),
         worst=worst,
         kept=kept,
-        missing_cells=_missing_cells(clusters, participants, specimens),
-        missing_pairs=_missing_pairs(tests, clusters, participants, kept),
+        missing_cells=_missing_cells(clusters, people, palpated),
+        missing_pairs=_missing_pairs(tests, clusters, people, kept),
         power=power,
         trend=trend(
             fits.participant[admitted],
@@ -146,9 +148,7 @@ def _worst(p: Floats, clusters: Clusters, kept: tuple[str, ...]) -> tuple[int, i
 
 
 def _missing_cells(clusters: Clusters, participants: Sequence[str], specimens: Sequence[str]) -> tuple[str, ...]:
-    there = {
-        (str(clusters.participants[i]), str(clusters.specimens[j])) for i, j in np.argwhere(clusters.count > 0)
-    }
+    there = {(str(clusters.participants[i]), str(clusters.specimens[j])) for i, j in np.argwhere(clusters.count > 0)}
     return tuple(f"{p} {s}" for p in participants for s in specimens if (p, s) not in there)
 
 
