@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -12,8 +11,6 @@ from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.record import Progress
 from emg2vsa.session.views import PressView
-
-_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 @dataclass
@@ -154,7 +151,7 @@ class PressList:
         for press in self.presses:
             own = [tried for tried in self.tried if tried.press.number == press.number]
             shown += [tried.view() for tried in own]
-            if not own or (own[-1].over and not self._progress.is_done(press.number) and not own[-1].undecided):
+            if not own or (own[-1].verdict and not self._progress.is_done(press.number) and not own[-1].undecided):
                 shown.append(Tried(press, len(own) + 1).view())
         return tuple(shown)
 
@@ -173,12 +170,3 @@ def judged_event(tried: Tried, judged: Judged) -> journal.Judged:
 
 def _rounded(value: float | None) -> float | None:
     return None if value is None else round(value, 4)
-
-
-def said_the_same(one: journal.Judged, tried: Tried) -> bool:
-    """Whether a verdict repeats what is known, the numbers in its words aside: each further press changes them."""
-    return one.verdict == tried.verdict and _words(one.problems) == _words(tried.problems)
-
-
-def _words(problems: tuple[Problem, ...]) -> list[str]:
-    return [_NUMBER.sub("", found) for found, _ in problems]
