@@ -34,7 +34,7 @@ def _missing(results: StudyResults, designs: Iterable[tuple[str, float]]) -> lis
         for run in results.pressed.scores
         if set(run.verdicts) - {"rejected"}
     }
-    pressed = {run.specimen for run in (*results.pressed.scores, *results.study.runs)}
+    pressed = {run.specimen for run in results.pressed.scores} | {run.specimen for run in results.study.runs}
     known = sorted(pressed & results.study.stiffness_n_per_mm.keys() - {results.study.profile.new_specimen})
     return [f"{name} {c} {angle:g}°" for c, angle in designs for name in known if (name, c, angle) not in accepted]
 

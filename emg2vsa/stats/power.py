@@ -68,7 +68,7 @@ def power_anova(groups: int, total: int, f: float, alpha: float) -> float:
     df1, df2 = groups - 1, total - groups
     if df1 < 1 or df2 < 1:
         return float("nan")
-    return float(1 - special.ncfdtr(df1, df2, f**2 * total, special.fdtri(df1, df2, 1 - alpha)))
+    return float(1 - special.ncfdtr(df1, df2, f**2 * total, float(special.fdtri(df1, df2, 1 - alpha))))
 
 
 def n_for_power(
