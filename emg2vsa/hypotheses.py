@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -11,7 +13,7 @@ from emg2vsa.companions.force_laws import ForceLaws, force_laws
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import HypothesisSettings
-from emg2vsa.stats.clusters import Clusters, Names, clusters_of
+from emg2vsa.stats.clusters import Clusters, Names, clusters_of, in_order
 from emg2vsa.stats.power import n_for_power, power_rm
 from emg2vsa.stats.trend import Trend, trend
 
@@ -50,6 +52,10 @@ class Hypotheses:
     worst: tuple[int, int]
     "Participant and pair of it, as numbers; (-1, -1) where there is none."
     kept: tuple[str, ...]
+    missing_cells: tuple[str, ...]
+    "Participant and specimen of which nothing usable was recorded, though it was asked for."
+    missing_pairs: tuple[str, ...]
+    "Participant and pair of kept specimens without a p of Fisher's LSD, though it was asked for."
     power: Powers
     trend: Trend
     "Of b over the number of the repetition."
@@ -66,27 +72,41 @@ class Hypotheses:
         kept_pairs_within_participants : every two kept specimens differ in every participant (LSD).
         specimens_over_participants : specimens differ over participants (repeated measures, Greenhouse-Geisser).
         participants_equal : every two participants are equal within the margin (TOST); only where there is a margin.
+
+        Where some of these tests are missing, their largest p can refute a claim (p >= alpha), but not confirm it.
         """
         blocks, tost = self.tests.blocks, self.tests.equality.tost
         over = np.nan if blocks is None else blocks.repeated.p_gg[0]
         claims = {
-            "specimens_within_participants": _largest(self.tests.between_groups.anova.p),
-            "kept_pairs_within_participants": self.worst_p,
+            "specimens_within_participants": self._every(self.tests.between_groups.anova.p, self.missing_cells),
+            "kept_pairs_within_participants": self._every(np.array([self.worst_p]), self.missing_pairs),
             "specimens_over_participants": over,
         }
-        equal = {} if tost is None else {"participants_equal": _largest(tost.p)}
+        equal = {} if tost is None else {"participants_equal": self._every(tost.p, self.missing_cells)}
         return {name: float(p) for name, p in (claims | equal).items()}
 
+    def _every(self, p: Floats, missing: tuple[str, ...]) -> float:
+        """Largest p of a claim that needs all of ``p``; NaN where one is missing and none of the others refutes it."""
+        largest = float(np.fmax.reduce(p, axis=None, initial=np.nan))
+        complete = not missing and np.isfinite(p).all()
+        return largest if complete or largest >= self.alpha else float("nan")
 
-def _largest(p: Floats) -> float:
-    return float(np.max(p)) if p.size else float("nan")
 
+def test_hypotheses(
+    fits: Fits,
+    settings: HypothesisSettings,
+    participants: Sequence[str] = (),  # noqa: PT028 - a function of the package, not a test
+    specimens: Sequence[str] = (),  # noqa: PT028
+) -> Hypotheses:
+    """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study.
 
-def test_hypotheses(fits: Fits, settings: HypothesisSettings) -> Hypotheses:
-    """Test b of the trials that ``settings.use`` admits. Never raises for a small or incomplete study."""
+    participants, specimens : who was asked to press what; those of ``fits`` count as asked in any case.
+    """
     admitted = usable(fits, settings.use)
     clusters = clusters_of(fits.participant, fits.specimen, fits.b_v, admitted)
-    kept = settings.kept_specimens or tuple(clusters.specimens.tolist())
+    palpated = tuple(dict.fromkeys((*specimens, *in_order(fits.specimen).tolist())))
+    people = tuple(dict.fromkeys((*participants, *in_order(fits.participant).tolist())))
+    kept = settings.kept_specimens or palpated
     tests = table_tests(clusters, settings.alpha, settings.equivalence_margin_sd, "sd")
     worst = _worst(tests.pairs.lsd.p, clusters, kept)
     power, power_note = _power(clusters, settings.alpha)
@@ -99,6 +119,8 @@ def test_hypotheses(fits: Fits, settings: HypothesisSettings) -> Hypotheses:
         worst_pair=_pair_name(tests, clusters, worst),
         worst=worst,
         kept=kept,
+        missing_cells=_missing_cells(clusters, people, palpated),
+        missing_pairs=_missing_pairs(tests, clusters, people, kept),
         power=power,
         trend=trend(
             fits.participant[admitted],
@@ -123,6 +145,27 @@ def _worst(p: Floats, clusters: Clusters, kept: tuple[str, ...]) -> tuple[int, i
         return -1, -1
     row, pair = np.unravel_index(np.argmax(np.where(candidates, p, -1.0)), p.shape)
     return int(row), int(pair)
+
+
+def _missing_cells(clusters: Clusters, participants: Sequence[str], specimens: Sequence[str]) -> tuple[str, ...]:
+    there = {(str(clusters.participants[i]), str(clusters.specimens[j])) for i, j in np.argwhere(clusters.count > 0)}
+    return tuple(f"{p} {s}" for p in participants for s in specimens if (p, s) not in there)
+
+
+def _missing_pairs(
+    tests: TableTests, clusters: Clusters, participants: Sequence[str], kept: Sequence[str]
+) -> tuple[str, ...]:
+    pairs, names = tests.pairs, clusters.specimens
+    tested = {
+        (str(clusters.participants[i]), frozenset((str(names[pairs.first[j]]), str(names[pairs.second[j]]))))
+        for i, j in np.argwhere(np.isfinite(pairs.lsd.p))
+    }
+    return tuple(
+        f"{who} {one}-{other}"
+        for who in participants
+        for one, other in combinations(kept, 2)
+        if (who, frozenset((one, other))) not in tested
+    )
 
 
 def _pair_name(tests: TableTests, clusters: Clusters, worst: tuple[int, int]) -> str:

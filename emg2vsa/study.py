@@ -141,6 +141,12 @@ class Study(StageSettings):
     "BIDS label of the task; a layout that is not BIDS has none."
 
     @property
+    def palpated(self) -> tuple[str, ...]:
+        """Specimens that every participant was asked to press: those of the recordings, lost ones included."""
+        asked = {recording.specimen for recording in self.recordings}
+        return tuple(specimen.name for specimen in self.specimens if specimen.name in asked)
+
+    @property
     def stiffness_n_per_mm(self) -> dict[str, float]:
         """Specimen name to stiffness, for the specimens whose stiffness is known."""
         return {s.name: s.stiffness_n_per_mm for s in self.specimens if s.stiffness_n_per_mm is not None}

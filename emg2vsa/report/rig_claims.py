@@ -6,13 +6,13 @@ hexagon: new) with its exponential law; the companion is the study's own choice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from emg2vsa.report import paper
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.section import Claim, Quantities, Verdict
+from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested
 from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, listed, p_text, percent, signed
 from emg2vsa.rig.force.moving_average import MovingAverage
 
@@ -25,6 +25,23 @@ _UNTESTED: Verdict = "cannot be tested here"
 
 def _verdict(known: bool, holds: bool) -> Verdict:
     return _UNTESTED if not known else "holds" if holds else "does not hold"
+
+
+def _missing(results: StudyResults, designs: Iterable[tuple[str, float]]) -> list[str]:
+    """Specimens of the rig, of known stiffness, of which a design has no press that was accepted, with that design."""
+    accepted = {
+        (run.specimen, run.condition, run.angle_deg)
+        for run in results.pressed.scores
+        if set(run.verdicts) - {"rejected"}
+    }
+    pressed = {run.specimen for run in results.pressed.scores} | {run.specimen for run in results.study.runs}
+    known = sorted(pressed & results.study.stiffness_n_per_mm.keys() - {results.study.profile.new_specimen})
+    return [f"{name} {c} {angle:g}°" for c, angle in designs for name in known if (name, c, angle) not in accepted]
+
+
+def _on_all(known: bool, holds: bool, missing: Sequence[str]) -> Verdict:
+    """A claim on all specimens can be refuted by some of them, and is confirmed by all of them only."""
+    return _verdict(known and not (holds and missing), holds)
 
 
 def _of(q: Quantities, keys: Sequence[str]) -> np.ndarray:
@@ -44,15 +61,16 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     p = _of(q, [f"runs.{_RIGID}.{angle:g}.area.specimens_p" for angle in angles])
     ratio = _of(q, [f"runs.{_RIGID}.{angle:g}.area.softest_over_stiffest" for angle in angles])
     known = bool(np.isfinite(p).all())
+    missing = _missing(results, [(_RIGID, angle) for angle in angles])
     yield Claim(
         "area_same_on_specimens",
         "the initial area is the same on all specimens (Kruskal-Wallis)",
         f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
         p_text(float(p.min())) if known else "not tested",
         float(p.min()),
-        _verdict(known, bool((p >= alpha).all())),
+        _on_all(known, bool((p >= alpha).all()), missing),
         companion=f"softest over stiffest: up to {ratio.max():.2f}" if known else "",
-        why="" if known else _NOT_PRESSED,
+        why=not_tested(missing) if known else _NOT_PRESSED,
     )
     worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
     alone = [key for key in q if key.startswith(f"runs.{_RIGID}.area.angles.") and key.endswith(".worst_p")]
@@ -63,9 +81,9 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         f"worst p = {_power(paper.AREA_ANGLES_WORST_P)}",
         p_text(worst) if worst == worst else "not tested",
         worst,
-        _verdict(worst == worst, worst < alpha),
+        _on_all(worst == worst, worst < alpha, missing),
         companion=f"each specimen alone: {p_text(_largest(_of(q, alone)))}" if alone else "",
-        why="Pooling mixes specimens." if worst == worst else _NOT_PRESSED,
+        why=(not_tested(missing) or "Pooling mixes specimens.") if worst == worst else _NOT_PRESSED,
     )
 
 
@@ -87,7 +105,7 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         designs = [design for design in paper.CASR_WORST_P if design[0] in conditions]
         names = [f"runs.{condition}.{angle:g}.casr.worst_p" for condition, angle in designs]
         p, holm = _of(q, names), _of(q, [f"{name}.holm" for name in names])
-        known = bool(np.isfinite(p).all())
+        known, missing = bool(np.isfinite(p).all()), _missing(results, designs)
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
         yield Claim(
             key,
@@ -95,9 +113,9 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             f"worst p = {', '.join(printed)}",
             p_text(_largest(p)) if known else "not tested",
             _largest(p),
-            _verdict(known, bool((p < alpha).all())),
+            _on_all(known, bool((p < alpha).all()), missing),
             companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
-            why="" if known else _NOT_PRESSED,
+            why=not_tested(missing) if known else _NOT_PRESSED,
         )
     yield from _new_specimen(results, q, alpha)
 
@@ -131,7 +149,7 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             [(conditions[0], angle) for angle in printed] if printed else [(condition, 0.0) for condition in conditions]
         )
         errors = list(printed.values()) if printed else list(paper.ERROR_CONSTANT.values())
-        yield _fit(q, key, what, designs, conditions, own)
+        yield _fit(q, key, what, designs, conditions, own, _missing(results, designs))
         yield _error(q, key, what, designs, errors, own)
     curves = "; ".join(f"{level:g} exp({rate:g} x)" for level, rate in paper.CURVES.values())
     yield Claim(
@@ -146,7 +164,13 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
 
 
 def _fit(
-    q: Quantities, key: str, what: str, designs: Sequence[tuple[str, float]], conditions: Sequence[str], own: str
+    q: Quantities,
+    key: str,
+    what: str,
+    designs: Sequence[tuple[str, float]],
+    conditions: Sequence[str],
+    own: str,
+    missing: Sequence[str],
 ) -> Claim:
     r2, companion = (
         _of(q, [f"runs.{c}.{angle:g}.{algorithm}.kappa.paper_law.adj_r2" for c, angle in designs])
@@ -160,9 +184,11 @@ def _fit(
         f"worst adjusted R² {bounded(printed, 4)}",
         bounded(float(r2.min())) if known else "not defined",
         float(r2.min()),
-        _verdict(known, float(r2.min()) >= printed),
+        _on_all(known, float(r2.min()) >= printed, missing),
         companion=f"by {own}: {bounded(float(companion.min()))}" if np.isfinite(companion).all() else "",
-        why="" if known else f"No law could be fitted to the scores by {_NEW} in every design.",
+        why=(not_tested(missing) or _undetermined(q, designs))
+        if known
+        else f"No law could be fitted to the scores by {_NEW} in every design.",
     )
 
 
@@ -182,8 +208,16 @@ def _error(
         companion=f"by {own}: {', '.join(signed(100 * error, '%') for error in mine)}"
         if np.isfinite(mine).all()
         else "",
-        why="" if known else "κ of the new specimen is not known, or the scores determine none.",
+        why=_undetermined(q, designs) if known else "κ of the new specimen is not known, or the scores determine none.",
     )
+
+
+def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
+    """Says so where the intervals of κ are wider than the range of the known stiffnesses: agreement may be chance."""
+    found = [bool(q.get(f"runs.{c}.{angle:g}.{_NEW}.kappa.determined", True)) for c, angle in designs]
+    if all(found):
+        return ""
+    return f"By its interval, κ is not determined in {found.count(False)} of {len(found)} designs."
 
 
 _ROUNDED = 0.005

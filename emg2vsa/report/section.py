@@ -45,6 +45,20 @@ class Claim:
             raise ValueError(f"claim {self.key} cannot be tested, and does not say why")
 
 
+def verdict_of_all(refuted: bool, complete: bool) -> Verdict:
+    """Of a claim on every member of a design: one that fails refutes it; only all of them together can confirm it."""
+    return "does not hold" if refuted else "holds" if complete else "cannot be tested here"
+
+
+_NAMED = 4
+
+
+def not_tested(missing: Sequence[str]) -> str:
+    """One sentence that names what a claim on every member lacks; "" where nothing is missing."""
+    more = f" and {len(missing) - _NAMED} more" if len(missing) > _NAMED else ""
+    return f"Not tested: {', '.join(missing[:_NAMED])}{more}." if missing else ""
+
+
 def _always(results: StudyResults) -> bool:
     return True
 

@@ -63,6 +63,14 @@ def power_rm(
     return np.asarray(1 - special.ncfdtr(df1, df2, noncentrality, critical))
 
 
+def power_anova(groups: int, total: int, f: float, alpha: float) -> float:
+    """Power of the one-way ANOVA of ``total`` values in ``groups`` equal groups at Cohen's f; NaN for too few."""
+    df1, df2 = groups - 1, total - groups
+    if df1 < 1 or df2 < 1:
+        return float("nan")
+    return float(1 - special.ncfdtr(df1, df2, f**2 * total, float(special.fdtri(df1, df2, 1 - alpha))))
+
+
 def n_for_power(
     m: int,
     f: float = 0.25,

@@ -16,12 +16,13 @@ import pytest
 from jinja2 import UndefinedError
 from scipy.stats import kstwo
 
+from emg2vsa import hypotheses
 from emg2vsa.profiles import build_profiles
 from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import Claim, rendered
-from emg2vsa.report.sections.claims import ADVANCING_FRONT_ERROR
+from emg2vsa.report.sections.claims import ADVANCING_FRONT_ERROR, CLAIMS, NOT_RESULTS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import TERMS
 from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
@@ -237,7 +238,10 @@ def test_plate_indentations_are_judged_where_the_study_says_how_straight_they_ar
     specimens = tuple(replace(s, plate_adjusted_r2=straight.get(s.name)) for s in results.study.specimens)
     told = contents(replace(results, study=replace(results.study, specimens=specimens))).quantities
     assert told["claims.plate_r2.ours"] == 0.9731
-    assert told["claims.plate_r2.verdict"] == "holds"
+    assert told["claims.plate_r2.verdict"] == "cannot be tested here"  # S2 and S5 say nothing
+    every = tuple(replace(s, plate_adjusted_r2=straight.get(s.name, 0.95)) for s in specimens)
+    told = contents(replace(results, study=replace(results.study, specimens=every))).quantities
+    assert (told["claims.plate_r2.ours"], told["claims.plate_r2.verdict"]) == (0.95, "holds")
 
 
 def test_every_claim_has_a_verdict_a_reason_where_it_cannot_be_tested_and_a_link(written, read_page):
@@ -245,8 +249,9 @@ def test_every_claim_has_a_verdict_a_reason_where_it_cannot_be_tested_and_a_link
     with (written / "tables/claims.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     found = json.loads((written / "results.json").read_text())
-    verdicts = [value for key, value in found.items() if re.fullmatch(r"claims\..*\.verdict", key)]
-    assert len(rows) == len(verdicts) == len([key for key in found if re.fullmatch(r"claims\..*\.ours", key)]) >= 11
+    judged = {key: value for key, value in found.items() if re.fullmatch(r"claims\..*\.verdict", key)}
+    verdicts = [value for key, value in judged.items() if key.split(".")[1] not in NOT_RESULTS]
+    assert len(rows) == len(judged) == len([key for key in found if re.fullmatch(r"claims\..*\.ours", key)]) >= 11
     assert {row["verdict"] for row in rows} <= {"holds", "does not hold", "cannot be tested here"}
     assert all(row["why"] for row in rows if row["verdict"] == "cannot be tested here")
     assert {"#power", "#fits", "#hypotheses", "#profiles", "#schedules"} <= set(page.addresses)
@@ -265,6 +270,39 @@ def test_a_claim_follows_the_numbers(results):
     unlike = replace(results.people.hypotheses, worst_p=0.2)
     changed = contents(replace(results, people=replace(results.people, hypotheses=unlike))).quantities
     assert changed["claims.specimens_differ.verdict"] == "does not hold"
+
+
+def test_lost_recordings_confirm_nothing(results, fits_of):
+    """P01 S3 and all of P03 are lost: the claims on every participant, press and cluster are not confirmed."""
+    trials = [
+        t for t in results.people.trials if t.participant != "P03" and (t.participant, t.specimen) != ("P01", "S3")
+    ]
+    fits, study = fits_of(trials, results.study), results.study
+    lost = hypotheses.test_hypotheses(fits, study.hypotheses, study.participants, study.palpated)
+    assert set(lost.missing_cells) == {"P01 S3", "P03 S1", "P03 S2", "P03 S3", "P03 S5"}
+    expected = {"P01 S1-S3", "P01 S3-S5", "P03 S1-S3", "P03 S1-S5", "P03 S3-S5"}
+    assert set(lost.missing_pairs) == expected
+    assert lost.worst_p < lost.alpha
+    assert np.isnan(lost.claims["kept_pairs_within_participants"])
+    content = contents(replace(results, people=replace(results.people, fits=fits, hypotheses=lost)))
+    for claim in ("specimens_differ", "equal_participants", "gaussian_clusters", "curves", "log_fit_r2", "power"):
+        assert content.quantities[f"claims.{claim}.verdict"] in {"cannot be tested here", "does not hold"}, claim
+    assert content.quantities["claims.specimens_differ.verdict"] == "cannot be tested here"
+    assert content.quantities["claims.curves.verdict"] == "cannot be tested here"
+    page = rendered(CLAIMS, results, content)
+    assert "was not tested for all of them" in page
+    assert "P01 S1-S3" in page
+
+
+@pytest.mark.parametrize(("sign", "way"), [(1, "rises"), (-1, "falls")])
+def test_the_order_of_the_slopes_is_told(results, sign, way):
+    fits = replace(results.people.fits, b_v=sign * results.people.fits.b_v)
+    content = contents(replace(results, people=replace(results.people, fits=fits)))
+    order = "S1, S2, S3, S5" if sign > 0 else "S5, S3, S2, S1"
+    assert content.quantities["hypotheses.b_order"] == order
+    page = rendered(CLAIMS, results, content)
+    assert f"slope b {way} with stiffness" in page
+    assert f"the specimens are {order};" in page
 
 
 def test_a_claim_that_cannot_be_tested_must_say_why():

@@ -12,14 +12,16 @@ if TYPE_CHECKING:
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    return {"hypotheses": campaign.study.hypotheses}
+    study = campaign.study
+    return {"hypotheses": study.hypotheses, "participants": study.participants, "palpated": study.palpated}
 
 
 def run(given: Given) -> Hypotheses:
     from emg2vsa.fits import concatenate
     from emg2vsa.hypotheses import test_hypotheses
 
-    return test_hypotheses(concatenate(given.all("fits")), given.settings["hypotheses"])
+    of = given.settings
+    return test_hypotheses(concatenate(given.all("fits")), of["hypotheses"], of["participants"], of["palpated"])
 
 
 STAGE = Stage(per="study", of="people", needs=("fits",), run=run, settings=settings, gives="The tests on people are")

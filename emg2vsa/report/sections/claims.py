@@ -15,6 +15,8 @@ from emg2vsa.report.wording import count, p_text, percent
 
 ADVANCING_FRONT_ERROR = 0.096
 """Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
+NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter"})
+"""Claims on settings and arithmetic: no data can change their verdicts, so they are not counted as results."""
 _KINDS = {"holds": "holds", "does not hold": "fails", "cannot be tested here": "untested"}
 
 
@@ -29,8 +31,8 @@ def claim_quantities(claims: Mapping[str, Sequence[Claim]]) -> Items:
 def claims_table(claims: Mapping[str, Sequence[Claim]]) -> Table:
     """All claims in the order of their sections, each with a link to its own."""
     columns = (
-        Column("says", "Claim of the paper"), Column("paper", "Paper"), Column("here", "Here, same test"),
-        Column("companion", "Companion test"), Column("verdict", "Verdict"), Column("why", "Why"),
+        Column("says", "Claim of the paper"), Column("verdict", "Verdict"), Column("paper", "Paper"),
+        Column("here", "Here, same test"), Column("companion", "Companion test"), Column("why", "Why"),
     )  # fmt: skip
     every = [(name, claim) for name, of_section in claims.items() for claim in of_section]
     rows: tuple[Row, ...] = tuple(
@@ -59,11 +61,16 @@ def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
         )
     if results.runs is None:
         yield "The study has no scored runs of the rig, so claims on the rig are left out."
-    verdicts = Counter(value for key, value in q.items() if key.startswith("claims.") and key.endswith(".verdict"))
-    if verdicts:
-        yield _counted(verdicts)
+    verdicts = {
+        key.removeprefix("claims.").removesuffix(".verdict"): value
+        for key, value in q.items()
+        if key.startswith("claims.") and key.endswith(".verdict")
+    }
+    if results_only := Counter(value for key, value in verdicts.items() if key not in NOT_RESULTS):
+        yield _counted(results_only, len(verdicts) - results_only.total())
     if "hypotheses.worst_p" in q:
         yield _people(q)
+        yield from _order(results, q)
     yield from _interpolation(results, q)
     if "runs.new.designs" in q:
         yield _rates(results, q)
@@ -71,22 +78,48 @@ def _summary(results: StudyResults, q: Quantities) -> Iterator[str]:
         yield _stiffness(results, q)
 
 
-def _counted(verdicts: Counter[Quantity]) -> str:
+def _counted(verdicts: Counter[Quantity], others: int) -> str:
     holds, fails, untested = (verdicts[kind] for kind in _KINDS)
+    uncounted = f"; {others} on settings and arithmetic are not counted" if others else ""
     return (
         f"Of {count(verdicts.total(), 'quantitative claim')} of the paper, {holds} hold in this study, {fails} do not, "
-        f"and {untested} cannot be tested here."
+        f"and {untested} cannot be tested here{uncounted}."
     )
 
 
 def _people(q: Quantities) -> str:
-    worst = float(q["hypotheses.worst_p"])
+    """Of pairs and of people, each as its claim has it; nothing tested, nothing found."""
+    worst, verdict = float(q["hypotheses.worst_p"]), q["claims.specimens_differ.verdict"]
     kept, name = str(q["hypotheses.kept"]), "hypotheses.between_participants"
-    differ = "differ" if worst < float(q["hypotheses.alpha"]) else "do not all differ"
-    return (
-        f"The slopes of co-contraction on {kept} {differ} pairwise for every participant (worst {p_text(worst)}); "
-        f"participants differ on {q[f'{name}.significant']} of {count(int(q[f'{name}.tested']), 'specimen')}."
+    if verdict == "cannot be tested here":
+        pairs = f"Whether the slopes of co-contraction on {kept} differ pairwise for every participant was not tested"
+        pairs += f" for all of them (worst {p_text(worst)} of those tested)" if worst == worst else ""
+    else:
+        differ = "differ" if verdict == "holds" else "do not all differ"
+        pairs = (
+            f"The slopes of co-contraction on {kept} {differ} pairwise for every participant (worst {p_text(worst)})"
+        )
+    tested = int(q[f"{name}.tested"])
+    people = (
+        f"participants differ on {q[f'{name}.significant']} of {count(tested, 'specimen')}"
+        if tested
+        else "participants were not compared"
     )
+    return f"{pairs}; {people}."
+
+
+def _order(results: StudyResults, q: Quantities) -> Iterator[str]:
+    """Whether b rises with stiffness as in the paper, and in which order the specimens come."""
+    name = "hypotheses.b_over_log_stiffness"
+    p, t = float(q[f"{name}.p"]), float(q[f"{name}.t"])
+    if p == p:
+        way = "does not change significantly" if p >= float(q["hypotheses.alpha"]) else "rises" if t > 0 else "falls"
+        stiffness = results.study.stiffness_n_per_mm
+        stiffest_first = ", ".join(sorted(stiffness, key=stiffness.__getitem__, reverse=True))
+        yield (
+            f"The slope b {way} with stiffness ({p_text(p)}). Steepest first, the specimens are "
+            f"{q['hypotheses.b_order']}; stiffest first, {stiffest_first}."
+        )
 
 
 def _interpolation(results: StudyResults, q: Quantities) -> Iterator[str]:

@@ -10,7 +10,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.companions.force_laws import LAWS, LEFT_OUT, ForceLaws
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, least
-from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_people, verdict_of_all
 from emg2vsa.report.table import Column, Table, activity_column, rows_of
 from emg2vsa.report.wording import bounded, number
 from emg2vsa.truth import Recovery, recover
@@ -201,6 +201,7 @@ def _recovery(results: StudyResults) -> Table:
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     straight = {s.name: s.plate_adjusted_r2 for s in results.study.specimens if s.plate_adjusted_r2 is not None}
+    unknown = [s.name for s in results.study.specimens if s.name not in straight]
     worst = min(straight.values(), default=np.nan)
     yield Claim(
         "plate_r2",
@@ -208,29 +209,50 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         "worst adjusted R² .882",
         bounded(worst),
         worst,
-        "holds" if worst >= 0.882 else "does not hold" if straight else "cannot be tested here",
-        why="" if straight else "The study file gives no R² of the plate tests.",
+        verdict_of_all(worst < 0.882, not unknown),
+        why=not_tested(unknown) if straight else "The study file gives no R² of the plate tests.",
     )
-    r2 = float(q["fit.adj_r2_samples.min"])
+    r2, used, curves, asked = (
+        float(q["fit.adj_r2_samples.min"]),
+        int(q["fit.used"]),
+        int(q["fit.curves"]),
+        _asked(results),
+    )
     yield Claim(
         "log_fit_r2",
         "the law a + b ln F describes every press",
         "worst adjusted R² .832",
         bounded(r2),
         r2,
-        "holds" if r2 >= 0.832 else "does not hold",
-        companion=f"on force bins {bounded(float(q['fit.adj_r2_bins.min']))}",
-        why=_SMOOTHNESS,
+        verdict_of_all(r2 < 0.832, used == asked),
+        companion=f"on force bins {bounded(float(q['fit.adj_r2_bins.min']))}" if used else "",
+        why=_SMOOTHNESS if r2 < 0.832 or used == asked else _short(used, asked, "entered"),
     )
-    curves = int(q["fit.curves"])
+    here = int(q["trials.total"])
     yield Claim(
         "curves",
         "every press of every participant gives a curve",
         "700 curves",
         number(curves),
         curves,
-        "holds" if curves == q["trials.total"] else "does not hold",
-    )
+        verdict_of_all(curves < here, here == asked),
+        why=f"{here - curves} of {here} presses give none." if curves < here
+        else "" if here == asked else _short(here, asked, "were recorded and read"),
+    )  # fmt: skip
+
+
+def _asked(results: StudyResults) -> int:
+    """Presses that the study asked for; 0 where recordings are missing and nothing says how many presses they had."""
+    fits, expected = results.recorded.fits, results.study.window.expected_trials
+    cells = [(who, specimen) for who in results.study.participants for specimen in results.study.palpated]
+    there = [int(np.count_nonzero((fits.participant == who) & (fits.specimen == what))) for who, what in cells]
+    if expected is None:
+        return sum(there) if all(there) else 0
+    return max(expected * len(cells), fits.verdict.size)
+
+
+def _short(n: int, asked: int, did: str) -> str:
+    return f"Only {n} of the {asked} presses asked for {did}." if asked else "Presses of some recordings are missing."
 
 
 _TEXT = """

@@ -10,7 +10,7 @@ from scipy.special import stdtrit
 from emg2vsa.arrays import Floats
 from emg2vsa.companions.groups import GroupTests
 from emg2vsa.figures.activity_scale import ActivityScale
-from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.hypotheses import EFFECT_F, Hypotheses
 from emg2vsa.report.companion_rows import (
     companion_table,
     equality_rows,
@@ -24,7 +24,7 @@ from emg2vsa.report.companion_rows import (
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, least, most
 from emg2vsa.report.outcome_text import STYLES, said
-from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_people, verdict_of_all
 from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
 from emg2vsa.report.verdicts import dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
@@ -32,7 +32,9 @@ from emg2vsa.stats.clusters import Names
 from emg2vsa.stats.ks_exact import ks_survival
 from emg2vsa.stats.mixed import MixedModel
 from emg2vsa.stats.outcome import Outcome
+from emg2vsa.stats.power import power_anova
 from emg2vsa.stats.studentized_range import survival
+from emg2vsa.stats.trend import trend
 from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
 
 
@@ -48,6 +50,21 @@ def _quantities(results: StudyResults) -> Items:
     yield from _design_quantities("between_specimens", found.participants, found.tests.between_groups, found.alpha)
     yield from _pair_quantities(found)
     yield from _over_people_quantities(found)
+    yield from _stiffness_quantities(results)
+
+
+def _stiffness_quantities(results: StudyResults) -> Items:
+    """Does b rise with stiffness? One slope of b over ln stiffness a participant, and Student's t of these slopes."""
+    fits, stiffness, used = results.recorded.fits, results.study.stiffness_n_per_mm, results.used
+    log = np.array([np.log(stiffness.get(name, np.nan)) for name in fits.specimen[used].tolist()])
+    one_group = np.zeros(log.size, dtype=np.str_)
+    found = trend(fits.participant[used], one_group, log, fits.b_v[used])
+    mean = {
+        name: float(np.mean(fits.b_v[used & (fits.specimen == name)])) for name in set(fits.specimen[used].tolist())
+    }
+    yield "hypotheses.b_order", ", ".join(sorted(mean, key=mean.__getitem__, reverse=True))
+    yield "hypotheses.b_over_log_stiffness.t", found.t
+    yield "hypotheses.b_over_log_stiffness.p", found.p
 
 
 def _normality_quantities(found: Hypotheses) -> Items:
@@ -322,7 +339,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     found = results.recorded.hypotheses
     if found is None:
         return
-    yield _gaussian(q)
+    yield _gaussian(found, q)
     yield _equal(found, q)
     yield from _different(found, q)
 
@@ -331,24 +348,28 @@ def _of_tested(q: Quantities, test: str) -> str:
     return f"{q[f'{test}.significant']} of {q[f'{test}.tested']}"
 
 
-def _gaussian(q: Quantities) -> Claim:
+def _gaussian(found: Hypotheses, q: Quantities) -> Claim:
     name = "hypotheses.normality"
-    deviate = int(q[f"{name}.standardised.significant"])
+    deviate, tested = int(q[f"{name}.standardised.significant"]), int(q[f"{name}.standardised.tested"])
+    small = int(np.count_nonzero(found.count)) - tested
+    complete = tested > 0 and not small and not found.missing_cells
+    lacks = not_tested(found.missing_cells) or f"Clusters too small for the test: {small}."
     return Claim(
         "gaussian_clusters",
         "every cluster of b is Gaussian (Kolmogorov-Smirnov)",
         "0 of 70 deviate",
         f"{_of_tested(q, f'{name}.standardised')} deviate",
-        deviate,
-        "holds" if deviate == 0 else "does not hold",
+        deviate if tested else np.nan,
+        verdict_of_all(deviate > 0, complete),
         companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}; against N(0, 1): {_of_tested(q, f'{name}.raw')}",
-        why="This form of the test is too lenient.",
+        why="This form of the test is too lenient." if complete or deviate else lacks,
     )
 
 
 def _equal(found: Hypotheses, q: Quantities) -> Claim:
     name = "hypotheses.between_participants"
     differ, tested = int(q[f"{name}.significant"]), int(q[f"{name}.tested"])
+    complete = tested > 0 and tested == found.specimens.size and not found.missing_cells
     shown = "hypotheses.equality.pairs_shown_equal"
     equality = f"; equality shown for {q[shown]} of {q['hypotheses.equality.pairs']} pairs" if shown in q else ""
     return Claim(
@@ -357,10 +378,22 @@ def _equal(found: Hypotheses, q: Quantities) -> Claim:
         "0 of 5 differ",
         f"{differ} of {tested} differ" if tested else "not tested",
         differ if tested else np.nan,
-        "cannot be tested here" if not tested else "holds" if differ == 0 else "does not hold",
+        verdict_of_all(differ > 0, complete),
         companion=f"Welch: {q[f'{name}.welch.significant']} of {tested}{equality}" if tested else "",
-        why="" if tested else "This takes two participants or more.",
+        why="This takes two participants or more."
+        if not tested
+        else ""
+        if differ
+        else f"Not rejected is not equal (power {bounded(_power_of_equality(found), 2)} at f = {EFFECT_F:g})."
+        if complete
+        else not_tested(found.missing_cells) or f"Tested on {tested} of {found.specimens.size} specimens.",
     )
+
+
+def _power_of_equality(found: Hypotheses) -> float:
+    """Power of the ANOVA between participants on the specimen with the fewest trials, at the paper's effect size."""
+    trials = int(found.count.sum(axis=0).min())
+    return power_anova(found.participants.size, trials, EFFECT_F, found.alpha)
 
 
 def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
@@ -372,10 +405,9 @@ def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
         "worst p = .0391",
         p_text(found.worst_p) if found.worst_pair else "not tested",
         found.worst_p,
-        "cannot be tested here" if np.isnan(found.worst_p) else "holds" if found.worst_p < found.alpha
-        else "does not hold",
-        companion=f"Holm: {p_text(holm)}",
-        why="" if tested else "This takes two specimens or more.",
+        verdict_of_all(found.worst_p >= found.alpha, found.worst_p == found.worst_p and not found.missing_pairs),
+        companion=f"Holm: {p_text(holm)}" if holm == holm else "",
+        why=not_tested(found.missing_pairs) if tested else "This takes two specimens or more.",
     )  # fmt: skip
     others = set(found.specimens.tolist()) - set(found.kept)
     if not others or not tested:
@@ -391,8 +423,11 @@ def _different(found: Hypotheses, q: Quantities) -> Iterator[Claim]:
         "no number",
         f"{same} of {n} pairs do not differ",
         same,
-        "holds" if same else "does not hold",
+        "holds" if same else verdict_of_all(n == p.size and not found.missing_cells, False),
         companion=f"Holm: {np.count_nonzero(holm_p >= found.alpha)} of {n}",
+        why=""
+        if same
+        else not_tested(found.missing_cells) or ("" if n == p.size else f"{p.size - n} pairs have no p."),
     )
 
 

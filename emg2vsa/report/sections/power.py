@@ -10,9 +10,9 @@ from emg2vsa.hypotheses import EFFECT_F, EPSILON, RHO, TARGET, Hypotheses
 from emg2vsa.report.companion_rows import CompanionRow, companion_table
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Claim, Quantities, Section, of_people
+from emg2vsa.report.section import Claim, Quantities, Section, of_people, verdict_of_all
 from emg2vsa.report.table import Column, Table
-from emg2vsa.report.wording import bounded
+from emg2vsa.report.wording import bounded, count
 from emg2vsa.stats.power import power_rm, power_table
 
 _PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
@@ -81,7 +81,11 @@ def _sensitivity(found: Hypotheses) -> Table:
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
-    planned = float(q[f"power.n{_PARTICIPANTS}"])
+    own = float(q.get("power.study", np.nan))
+    enough, found = own >= TARGET - _ROUNDED, results.recorded.hypotheses
+    people_here = 0 if found is None else found.participants.size
+    repetitions = int(np.median(found.count[found.count > 0])) if found is not None and found.count.any() else 0
+    as_planned = people_here >= _PARTICIPANTS and repetitions >= _REPETITIONS
     specimens = float(q.get("power.study_specimens", np.nan))
     people = q.get("power.people_for_specimens", 0)
     of_specimens = f"between specimens: {bounded(specimens)}" if specimens == specimens else ""
@@ -89,11 +93,13 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         "power",
         "14 participants with ten movements suffice (f = .25, α = .05)",
         "power about .80",
-        f"{bounded(planned)} between repetitions",
-        planned,
-        "holds" if planned >= TARGET - _ROUNDED else "does not hold",
+        f"{bounded(own)} between repetitions" if own == own else "not defined",
+        own,
+        verdict_of_all(as_planned and own < TARGET - _ROUNDED, enough),
         companion=f"{of_specimens}; {people} people needed" if of_specimens and people else of_specimens,
-        why="The study does not test repetitions.",
+        why="Arithmetic, not a result: the study does not test repetitions."
+        if as_planned or enough
+        else f"This study has {count(people_here, 'participant')} and {count(repetitions, 'repetition')}.",
     )
 
 
