@@ -1,21 +1,21 @@
-"""``kill -9`` at random moments of a session: what was recorded stays, and the session goes on to its end.
+"""``kill -9`` in every state of a session: what was recorded stays, and the session goes on to its end.
 
-A child runs a session of a small study (emulated participant and operator, six presses, faster than real time, with the
-disk's thread and fsync as in a real one), and tells every verdict that its page shows. The parent kills it at a random
-moment, looks at what lies on the disk, and resumes it, 50 times in all; a session that is complete is written as BIDS
-and begun anew with another order. Counted after every kill: verdicts that were shown and are not in the journal,
-presses that are interrupted, which is at most the one under way; bytes that belong to no whole line or block; files
-that cannot be read. Run: python -m benchmarks.session_kill
+A child runs a session of a small study (emulated participant and operator, six presses of which two are badly done,
+faster than real time, with the judge in its own process, and the disk's thread and fsync as in a real one). It tells
+every state that it comes to, and every verdict that its page shows. The parent waits for a state, kills the child a
+random time after it, looks at what lies on the disk, and resumes it, 50 times in all; a session that is complete is
+written as BIDS and begun anew with another order. Counted after every kill: verdicts that were shown and are not in the
+journal, presses that are interrupted, which is at most the one under way; bytes that belong to no whole line or block;
+files that cannot be read. Run: python -m benchmarks.session_kill
 """
 
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import random
 import shutil
-import subprocess
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -54,56 +54,90 @@ b_v = {{ S1 = 20e-6, S3 = 13e-6 }}
 """
 PRESSES = 6
 SPEED = 8.0
+MISTAKES = "dips@2", "aborted@5"
+AFTER_S = {
+    "opening": 1.0, "measuring": 1.0, "placing": 0.1, "rest": 0.2, "start": 0.05, "press": 0.25, "stop": 0.05,
+    "judging": 0.1, "writing": 0.005, "deciding": 0.03, "pause": 0.1,
+}  # fmt: skip
+"The states in which it is killed, and the longest time after their beginning, on the wall."
 RESULT = Path(__file__).parent / "results" / "session_kill.md"
 
 
-def child(study_file: Path, participant: str, resume: bool) -> None:
-    """A sitting; one line on the standard output for each command and each verdict that a page would show."""
+def child(study_file: Path, participant: str, resume: bool, measure: bool, out: int) -> None:
+    """A sitting; one line to ``out`` for each state and each verdict that a page would show."""
     from emg2vsa.rig.clock import FastClock
+    from emg2vsa.session.emulated.mistakes import parse_mistakes
     from emg2vsa.session.emulated.operator import EmulatedOperator
     from emg2vsa.session.emulated.simulated import simulate
     from emg2vsa.session.open_session import open_session
+    from emg2vsa.session.views import Request
     from emg2vsa.study_file import load_study
 
     study = load_study(study_file)
     clock = FastClock(SPEED)
     assert study.session is not None
-    person, emg, force = simulate(study, study.session, participant, clock)
+    planted = parse_mistakes(MISTAKES, {"EDC": 1.0, "FDS": 1.0})
+    person, emg, force = simulate(study, study.session, participant, clock, planted)
     told: set[tuple[int, int]] = set()
-    command = ""
+    state = ""
     with open_session(study, participant, clock, (lambda: emg, lambda: force), resume=resume) as desk:
         told |= {(press.number, press.attempt) for press in desk.operator()[1].presses if press.verdict}
         person.watch(desk)
         operator = EmulatedOperator(desk, person.place)
+        if not measure:
+            desk.ask(Request("continue"))
 
         def beside(now_s: float) -> None:
-            nonlocal command
+            nonlocal state
             operator.turn(now_s)
-            if desk.force().command != command:
-                command = desk.force().command
-                os.write(1, f"command {command}\n".encode())
+            if state_of(desk.session) != state:
+                state = state_of(desk.session)
+                os.write(out, f"state {state}\n".encode())
             for press in desk.operator()[1].presses:
                 if press.verdict and (press.number, press.attempt) not in told:
                     told.add((press.number, press.attempt))
-                    os.write(1, f"verdict {press.number} {press.attempt}\n".encode())
+                    os.write(out, f"verdict {press.number} {press.attempt}\n".encode())
 
         desk.run(clock, beside)
-        os.write(1, f"ended {desk.session.ended.how if desk.session.ended else ''}\n".encode())
+        os.write(out, f"ended {desk.session.ended.how if desk.session.ended else ''}\n".encode())
 
 
-def sitting(study_file: Path, participant: str, resume: bool, kill_after_s: float | None) -> tuple[list[str], float]:
-    """Lines that a child told, and its seconds; killed so long after its first line, or left to its end."""
-    words = [sys.executable, "-m", "benchmarks.session_kill", "--child", str(study_file), participant]
-    process = subprocess.Popen([*words, *(["--resume"] if resume else [])], stdout=subprocess.PIPE)
-    assert process.stdout is not None
-    lines = [process.stdout.readline().decode().strip()]
-    begun = time.perf_counter()
-    try:
-        rest, _ = process.communicate(timeout=kill_after_s)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        rest, _ = process.communicate()
-    return [*lines, *rest.decode().splitlines()], time.perf_counter() - begun
+def state_of(session: Any) -> str:
+    """One of those in which it is killed."""
+    if session.measuring is not None:
+        return "measuring"
+    if session.judging:
+        return "writing" if session.writing else "judging"
+    if session.presses.undecided is not None:
+        return "deciding"
+    if session.command in ("start", "press", "stop", "pause"):
+        return str(session.command)
+    return "rest" if session.placed else "placing"
+
+
+def sitting(
+    study_file: Path, participant: str, resume: bool, state: str, times: int, after_s: float
+) -> tuple[list[str], bool]:
+    """Lines that a child told, and whether it was killed: so long after it came to a state so many times."""
+    far, near = os.pipe()
+    how = (study_file, participant, resume, state == "measuring", near)
+    process = multiprocessing.get_context("fork").Process(target=child, args=how)
+    process.start()
+    os.close(near)
+    lines: list[str] = []
+    killed = state == "opening"
+    with os.fdopen(far, encoding="utf-8") as told:
+        if killed:
+            time.sleep(after_s)
+            process.kill()
+        for line in told:
+            lines.append(line.strip())
+            if not killed and lines.count(f"state {state}") == times:
+                time.sleep(after_s)
+                killed = True
+                process.kill()
+    process.join()
+    return lines, killed and not (lines and lines[-1].startswith("ended"))
 
 
 def look(folder: Path) -> dict[str, Any]:
@@ -168,21 +202,30 @@ def run(kills: int, seed: int, longest_s: float) -> str:
     ends: list[tuple[str, int]] = []
     person, resume, most_lost = 0, False, 0
     begun = time.perf_counter()
+    states: list[str] = []
     while (killing := sums["kills"] < kills and time.perf_counter() - begun < longest_s) or resume:
-        lines, _ = sitting(study_file, people[person], resume, rng.uniform(0.0, 6.0) if killing else None)
+        if not states:
+            states = list(AFTER_S)
+            rng.shuffle(states)
+        state = states.pop() if killing else ""
+        after_s = rng.uniform(0.0, AFTER_S.get(state, 0.0))
+        lines, killed = sitting(study_file, people[person], resume, state, rng.choice((1, 2)), after_s)
         folder = folder_of(study, people[person])
+        if not (folder / "plan.json").exists():
+            sums["before"] += 1
+            continue
         known = look(folder)
         shown = {tuple(map(int, line.split()[1:])) for line in lines if line.startswith("verdict")}
         lost = len(shown - known["judged"])
         sums["shown"] += len(shown)
         sums["lost"] += lost
         sums["unreadable"] += known["unreadable"]
-        if lines[-1].startswith("ended"):
+        if not killed:
             ends.append(finished(study_file, people[person], folder))
             person, resume = person + 1, False
             continue
-        commands = [line.split()[1] for line in lines if line.startswith("command")]
-        moments[commands[-1] if commands else "opening"] += 1
+        told = [line.split()[1] for line in lines if line.startswith("state")]
+        moments[told[-1] if told else "opening"] += 1
         sums["kills"] += 1
         sums["torn"] += known["torn"] > 0
         sums["running"] += known["running"]
@@ -199,7 +242,7 @@ def table(
     verdicts = ", ".join(f"{verdict} with {usable} of {PRESSES} presses" for verdict, usable in ends)
     rows = [
         ("kills", str(sums["kills"])),
-        ("what the participant was told at that moment", when),
+        ("the last state that it had told", when),
         ("verdicts that were shown before a kill or an end", str(sums["shown"])),
         ("of these not in the journal afterwards, so that the press is repeated", str(sums["lost"])),
         ("kills that interrupted a press", str(sums["running"])),
@@ -219,12 +262,7 @@ def main() -> None:
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=16)
     parser.add_argument("--seconds", type=float, default=3600.0, help="no further kill after so long")
-    parser.add_argument("--child", nargs=2, metavar=("STUDY", "PARTICIPANT"))
-    parser.add_argument("--resume", action="store_true")
     arguments = parser.parse_args()
-    if arguments.child:
-        child(Path(arguments.child[0]), arguments.child[1], arguments.resume)
-        return
     text = run(arguments.kills, arguments.seed, arguments.seconds)
     RESULT.write_text(text, encoding="utf-8")
     print(text)

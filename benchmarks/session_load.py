@@ -1,19 +1,25 @@
 """A session of 16 muscles at 2000 Hz and force at 200 Hz: samples lost, memory, processor, and time to a verdict.
 
 Once with the clock on the wall, pages' views and the judge beside it as in a real session; and once in virtual time,
-where each turn follows the last at once and presses are judged within the turn. The participant is emulated within the
+where each turn follows the last at once and presses are judged within the turn, until its time or a limit of time on
+the wall is over. Both run beside each other, the second with a lower priority. The participant is emulated within the
 same process; the share of its sensors is measured and told apart. The files are read back and compared with what the
-sources handed over: number of samples, and their sum. Run: python -m benchmarks.session_load
+sources handed over: number of samples, and their sum. The slope of the memory is that of a straight line through its
+size every 10 s from the third minute on; its standard error takes each minute as one value, for neighbours are alike.
+Run: python -m benchmarks.session_load
 """
 
 from __future__ import annotations
 
 import argparse
+import multiprocessing
+import os
 import resource
 import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -73,8 +79,9 @@ b_v = {{ {b_v} }}
 """
 
 
-def play(clock, minutes: float, at_once: bool) -> dict[str, object]:  # type: ignore[no-untyped-def]
-    """A session until so many minutes have passed on its clock."""
+def play(minutes: float, longest_s: float, at_once: bool) -> dict[str, str]:
+    """A session until so many minutes have passed on its clock, or so many seconds on the wall."""
+    from emg2vsa.rig.clock import Clock, VirtualClock, WallClock
     from emg2vsa.session.emulated.operator import EmulatedOperator
     from emg2vsa.session.emulated.participant import EmulatedParticipant
     from emg2vsa.session.emulated.person import person_of
@@ -83,6 +90,9 @@ def play(clock, minutes: float, at_once: bool) -> dict[str, object]:  # type: ig
     from emg2vsa.session.raw_files import SampleFile
     from emg2vsa.study_file import load_study
 
+    if at_once and hasattr(os, "nice"):
+        os.nice(10)
+    clock: Clock = VirtualClock() if at_once else WallClock()
     work = Path(tempfile.mkdtemp())
     path = work / "study.toml"
     path.write_text(study_text(), encoding="utf-8")
@@ -100,12 +110,13 @@ def play(clock, minutes: float, at_once: bool) -> dict[str, object]:  # type: ig
         def beside(now_s: float) -> None:
             operator.turn(now_s)
             desk.traces(0) if not at_once and int(now_s * 200) % 10 == 0 else None
-            if not memory or now_s >= memory[-1][0] + 30:
+            if not memory or now_s >= memory[-1][0] + 10:
                 memory.append((now_s, _memory_mb()))
-            if now_s >= 60 * minutes:
+            if now_s >= 60 * minutes or time.perf_counter() - begun > longest_s:
                 desk.session.end("ended", "the time is over")
 
         timing = _run(desk, clock, beside)
+        session_s = desk.session.now_s
         wall_s, used_s = time.perf_counter() - begun, time.process_time() - used
         lost = desk.session.emg.lost_samples + desk.session.force.lost_samples
         presses = sum(bool(press.verdict) for press in desk.operator()[1].presses)
@@ -121,10 +132,11 @@ def play(clock, minutes: float, at_once: bool) -> dict[str, object]:  # type: ig
             total, read = total + float(piece.sum()), read + len(piece)
         same &= read == source.samples and bool(np.isclose(total, source.total, rtol=1e-9, atol=1e-9))
     shutil.rmtree(work)
-    settled = [mb for at_s, mb in memory if at_s >= 120] or [mb for _, mb in memory]
+    settled = [(at_s, mb) for at_s, mb in memory if at_s >= 120] or memory
+    sizes_mb = [mb for _, mb in settled]
     emulator_s = emg.seconds + force.seconds
     return {
-        "minutes on its clock": f"{minutes:g}",
+        "minutes on its clock": f"{session_s / 60:.1f}",
         "seconds on the wall": f"{wall_s:.0f}",
         "samples of EMG x muscles": f"{emg.samples} x {len(MUSCLES)}",
         "samples of force": f"{force.samples}",
@@ -132,10 +144,11 @@ def play(clock, minutes: float, at_once: bool) -> dict[str, object]:  # type: ig
         "files hold exactly what the sources handed over": "yes" if same else "NO",
         "presses judged": f"{presses}",
         "end of a press to its verdict, median / longest": f"{_quantile(delays, 0.5)} / {_quantile(delays, 1)} s",
-        "memory after two minutes, smallest / largest": f"{min(settled):.0f} / {max(settled):.0f} MB",
-        "processor, of one core, per second on its clock": f"{100 * (used_s - emulator_s) / (60 * minutes):.0f} %",
-        "... of the emulated sensors, beside": f"{100 * emulator_s / (60 * minutes):.0f} %",
-        "... of the judge's process": f"{100 * children_s / (60 * minutes):.0f} %" if not at_once else "(within)",
+        "memory after two minutes, smallest / largest": f"{min(sizes_mb):.0f} / {max(sizes_mb):.0f} MB",
+        "slope of the memory then, with its standard error": _slope(settled),
+        "processor, of one core, per second on its clock": f"{100 * (used_s - emulator_s) / session_s:.0f} %",
+        "... of the emulated sensors, beside": f"{100 * emulator_s / session_s:.0f} %",
+        "... of the judge's process": f"{100 * children_s / session_s:.0f} %" if not at_once else "(within)",
         "turns begun half a period late or more": f"{100 * timing.late / timing.turns:.2f} %" if not at_once else "-",
         "turn late, longest": f"{1e3 * timing.latest_s:.0f} ms" if not at_once else "-",
     }
@@ -158,6 +171,20 @@ def _memory_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
+def _slope(memory: list[tuple[float, float]]) -> str:
+    """Of the memory, MB an hour."""
+    minutes = sorted({int(at_s // 60) for at_s, _ in memory})
+    if len(minutes) < 4:
+        return "-"
+    at_h = np.array(minutes) / 60
+    size_mb = np.array([np.mean([mb for at_s, mb in memory if int(at_s // 60) == minute]) for minute in minutes])
+    about_h = at_h - at_h.mean()
+    slope = float(about_h @ size_mb / (about_h @ about_h))
+    left = size_mb - size_mb.mean() - slope * about_h
+    error = float(np.sqrt(left @ left / (len(minutes) - 2) / (about_h @ about_h)))
+    return f"{slope:+.1f} +- {error:.1f} MB an hour"
+
+
 def _children_s() -> float:
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
@@ -168,14 +195,15 @@ def _quantile(values: list[float], share: float) -> str:
 
 
 def main() -> None:
-    from emg2vsa.rig.clock import VirtualClock, WallClock
-
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--real-minutes", type=float, default=10.0)
     parser.add_argument("--virtual-minutes", type=float, default=60.0)
+    parser.add_argument("--virtual-seconds", type=float, default=3600.0, help="on the wall, at most")
     arguments = parser.parse_args()
-    real = play(WallClock(), arguments.real_minutes, at_once=False)
-    virtual = play(VirtualClock(), arguments.virtual_minutes, at_once=True)
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        real_run = pool.submit(play, arguments.real_minutes, np.inf, False)
+        virtual_run = pool.submit(play, arguments.virtual_minutes, arguments.virtual_seconds, True)
+        real, virtual = real_run.result(), virtual_run.result()
     rows = "\n".join(f"| {name} | {value} | {virtual[name]} |" for name, value in real.items())
     head = " ".join((__doc__ or "").partition("Run:")[0].split())
     text = f"# The load of a session\n\n{head}\n\n| | on the wall | virtual |\n|---|---|---|\n{rows}\n"

@@ -262,11 +262,11 @@ class SessionDisk:
         try:
             for file in self._files:
                 file.write_pending(self._system)
+            if self._trouble:
+                self._seal_what_was_refused()
             while self._waiting:
-                if self._waiting[0].is_line:
-                    self._seal_line(self._waiting[0])
-                else:
-                    self._lay_samples()
+                self._lay_samples()
+                self._seal_lines()
             if self._closing:
                 for file in self._files:
                     file.seal(self._system)
@@ -278,30 +278,42 @@ class SessionDisk:
             self._changed.notify_all()
         return True
 
-    def _seal_line(self, line: _Piece) -> None:
+    def _seal_what_was_refused(self) -> None:
+        """Before more is taken: what waits is counted, and must not grow into the memory. A line comes in its turn."""
         for file in self._files:
-            if file is not line.file:
+            if not (self._waiting and self._waiting[0].is_line and self._waiting[0].file is file):
                 file.seal(self._system)
-        if not line.file.pending_bytes:  # else this line was refused before, and is there to be written again
-            line.file.add(line.content)
-        line.file.seal(self._system)
-        self.sealed_lines += 1
-        self._take(1)
+
+    def _seal_lines(self) -> None:
+        """The lines that wait before the next samples: the samples before them once, then each line by itself."""
+        with self._changed:
+            lines = list(itertools.takewhile(lambda piece: piece.is_line, self._waiting))
+        for line in lines:
+            for file in self._files:
+                if file is not line.file:
+                    file.seal(self._system)
+            if not line.file.pending_bytes:  # else this line was refused before, and is there to be written again
+                line.file.add(line.content)
+            line.file.seal(self._system)
+            self.sealed_lines += 1
+            with self._changed:
+                self._waiting_bytes -= len(self._waiting.popleft().content)
 
     def _lay_samples(self) -> None:
-        """The samples up to the next line, those of a file in one write."""
+        """The samples that wait, those of a file in one write, also before the lines among them.
+
+        A line may speak of fewer samples than have reached the disk, and never of more: so lines that wait together
+        share the time that samples take to reach the disk itself.
+        """
         with self._changed:
-            pieces = list(itertools.takewhile(lambda piece: not piece.is_line, self._waiting))
+            pieces = [piece for piece in self._waiting if not piece.is_line]
+            lines = [piece for piece in self._waiting if piece.is_line]
+            self._waiting = deque(lines)
+            self._waiting_bytes -= sum(len(piece.content) for piece in pieces)
         for piece in pieces:
             piece.file.add(piece.content)
-        self._take(len(pieces))
         for file in self._files:
             if file.pending_bytes >= _SEAL_BYTES:
                 file.seal(self._system)
             else:
                 file.write_pending(self._system)
-
-    def _take(self, n: int) -> None:
-        with self._changed:
-            for _ in range(n):
-                self._waiting_bytes -= len(self._waiting.popleft().content)

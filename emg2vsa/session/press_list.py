@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -12,8 +11,6 @@ from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.press_cycle import Attempt
 from emg2vsa.session.record import Progress
 from emg2vsa.session.views import PressView
-
-_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 @dataclass
@@ -173,12 +170,3 @@ def judged_event(tried: Tried, judged: Judged) -> journal.Judged:
 
 def _rounded(value: float | None) -> float | None:
     return None if value is None else round(value, 4)
-
-
-def said_the_same(one: journal.Judged, tried: Tried) -> bool:
-    """Whether a verdict repeats what is known, the numbers in its words aside: each further press changes them."""
-    return one.verdict == tried.verdict and _words(one.problems) == _words(tried.problems)
-
-
-def _words(problems: tuple[Problem, ...]) -> list[str]:
-    return [_NUMBER.sub("", found) for found, _ in problems]

@@ -184,9 +184,14 @@ class SessionRecord:
         return self._lines
 
     @property
+    def safe_lines(self) -> int:
+        """Lines that have reached the disk itself, of all sittings."""
+        return self._lines_before + self._disk.sealed_lines
+
+    @property
     def is_safe(self) -> bool:
         """Whether every line has reached the disk itself."""
-        return self._disk.sealed_lines == self._own_lines
+        return self.safe_lines == self._lines
 
     def wait(self, timeout_s: float = 30.0) -> bool:
         """Return when everything has reached the disk, or after the time; whether everything has."""
@@ -198,10 +203,6 @@ class SessionRecord:
             self._disk.close()
         finally:
             os.close(self._lock)
-
-    @property
-    def _own_lines(self) -> int:
-        return self._lines - self._lines_before
 
     def _read(self, path: Path) -> None:
         lines, whole = read_journal(path)

@@ -23,7 +23,7 @@ from emg2vsa.session.live_fit import specimen_fit
 from emg2vsa.session.live_press import Circumstances, HowJudged, StayJudged, judge_attempt
 from emg2vsa.session.plan import PlannedPress
 from emg2vsa.session.press_cycle import LIFTED_S, Attempt, PressCycle
-from emg2vsa.session.press_list import PressList, Tried, judged_event, said_the_same
+from emg2vsa.session.press_list import PressList, Tried, judged_event
 from emg2vsa.session.record import SessionRecord
 from emg2vsa.session.recorded_stream import Arrived, RecordedStream
 from emg2vsa.session.stay_judge import Begin, Judge, JudgeStay, MeasureSignals, Samples, Timing
@@ -41,14 +41,16 @@ from emg2vsa.study import Study
 TURN_S = 0.005
 SETTLE_S = 0.5
 "A press is judged with so much of the rest after it, without which its filters would end within it."
-JUDGED_VALUES = 500_000
-"The end of a stay with so many samples, over all muscles, is judged within a second; all of it when the stay is over."
+JUDGED_VALUES = 240_000
+"The end of a stay with so many samples, over all muscles, is judged within a second."
 FEED_S = 0.5
 "Samples go to the judge in pieces of this length."
 ZERO_S = 0.5
 "The zero of force is the mean over this time."
 CLOCK_TOLD_S, SCREEN_TOLD_S = 60.0, 10.0
 "How often the clocks of the devices, and a screen without news, are told to the journal."
+LAST_LINES_S = 2.0
+"At the end the disk has so long to take the last lines before the page shows how the session ended."
 _MOST_WARNINGS = 8
 
 
@@ -106,9 +108,9 @@ class Session:
         self.paused = ""
         self._judge_at_s: float | None = None
         self._asked: str = ""
-        self._judged_from_s = 0.0
-        self._unjudged = False
-        "A part of the stay has been judged last, and not the whole."
+        self._asked_of: tuple[Tried, ...] = ()
+        self._writing: deque[tuple[int, journal.Judged, float]] = deque()
+        "Verdicts that are not on the disk itself, which no page shows: line, event, end of the press."
         self.suggested: PlannedPress | None = None
         self.declined: set[str] = set()
         self.fits: dict[str, SpecimenFit] = {}
@@ -220,7 +222,7 @@ class Session:
             cycle.close(self._closed(now_s))
 
     def _closed(self, now_s: float) -> Command:
-        if self.wanted is None and self.quality_done and not self.presses.undecided and self._judge_at_s is None:
+        if self.wanted is None and self.quality_done and not self.presses.undecided and not self.judging:
             return "done"
         return "pause" if self.paused or now_s < self.pause_until_s else "wait"
 
@@ -247,8 +249,13 @@ class Session:
 
     @property
     def judging(self) -> bool:
-        """Whether a press, or the signal quality, waits for its judge."""
-        return bool(self._asked) or self._judge_at_s is not None
+        """Whether a press, or the signal quality, waits for its judge, or a verdict for the disk."""
+        return bool(self._asked) or self._judge_at_s is not None or self.writing
+
+    @property
+    def writing(self) -> bool:
+        """Whether a verdict is on its way to the disk."""
+        return bool(self._writing)
 
     @property
     def all_checked(self) -> bool:
@@ -316,9 +323,10 @@ class Session:
         if self._asked and (answer := self._judge.answer()) is not None:
             asked, self._asked = self._asked, ""
             if isinstance(answer, StayJudged):
-                self._take_verdicts(answer) if asked in ("stay", "whole stay") else self._say(answer.failed)
+                self._take_verdicts(answer) if asked == "stay" else self._say(answer.failed)
             else:
                 self._take_signals(asked, answer)
+        self._show_written()
         if now_s >= self._next_clock_s:
             self._next_clock_s = now_s + CLOCK_TOLD_S
             if now_s > 0:
@@ -329,27 +337,31 @@ class Session:
             self._say("The finger has not been lifted. Tell the participant to lift it, or abort the press.")
         self._overdue = overdue
 
-    def _ask_judge(self, whole: bool = False) -> None:
-        """About the stay so far, or as much of its end as can be judged within a second; ``whole``: all of it."""
+    def _ask_judge(self) -> None:
+        """About the press that has ended, with the stay before it, or as much of that as is judged within a second."""
         for stream in self._feeding:
             self._flush(stream)
-        longest_s = np.inf if whole else JUDGED_VALUES / (len(self._muscles) * self.emg.info.fs_hz)
-        self._judged_from_s = self._judge_from_s(longest_s)
+        stay = -1 if self.stay is None else self.stay.stay
+        self._asked_of = tuple(
+            tried
+            for tried in self.presses.of_stay(stay)
+            if tried.complete and not tried.verdict and tried.epochs == self._epochs
+        )
+        from_s = self._judge_from_s(JUDGED_VALUES / (len(self._muscles) * self.emg.info.fs_hz))
         timing = {}
         for own in (self.emg, self.force):
             start_s, fs_hz = own.timing(first := self._stay_first[own.name])
-            later = max(0, round((self._judged_from_s - start_s) * fs_hz)) if self._judged_from_s else 0
+            later = max(0, round((from_s - start_s) * fs_hz)) if from_s else 0
             timing[own.name] = Timing(first + later, *own.timing(first + later))
         self._judge.tell(JudgeStay(timing))
-        self._asked = "whole stay" if whole else "stay"
-        self._unjudged = self._judged_from_s > 0
+        self._asked = "stay"
 
     def _judge_from_s(self, longest_s: float) -> float:
         """The end of a press, after which no more than ``longest_s`` has passed; 0: all of the stay.
 
         What was badly done and is done again is left behind: a channel that was clipped once is no fault of the rest.
         """
-        if self.stay is None or not np.isfinite(longest_s):
+        if self.stay is None:
             return 0.0
         before = [tried for tried in self.presses.of_stay(self.stay.stay) if tried.epochs == self._epochs][:-1]
         ends = [(tried, tried.times.end_s + LIFTED_S) for tried in before if tried.times and tried.times.end_s]
@@ -360,27 +372,32 @@ class Session:
         return next((end_s for _, end_s in ends if self.now_s - end_s <= longest_s), ends[-1][1] if ends else 0.0)
 
     def _take_verdicts(self, judged: StayJudged) -> None:
-        """Of the press that has ended, and of those before it: the whole stay is judged, as its recording will be."""
-        if self.stay is None:
-            return
-        for tried in self.presses.of_stay(self.stay.stay):
-            here = tried.epochs == self._epochs
-            if tried.complete and tried.times is not None and here and tried.times.start_s >= self._judged_from_s:
-                self._tell_verdict(tried, judged)
+        """Of the press that has ended. A verdict stays: what comes later in a stay is no fault of an earlier press."""
+        for tried in self._asked_of:
+            self._tell_verdict(tried, judged)
         for said, do in judged.remarks:
             self._say(f"{said} -> {do}" if do else said)
-        self.renew_fits()
 
     def _tell_verdict(self, tried: Tried, stay: StayJudged) -> None:
+        """Write a verdict; the pages show it once it is on the disk itself."""
         assert tried.times is not None
         assert tried.times.end_s is not None
         judged = judge_attempt(tried.times, stay, tried.around, self.settings, self._how(tried.press.specimen).window)
         tried.found = judged.found
         event = judged_event(tried, judged)
-        if not tried.verdict:
-            self.verdict_delays_s.append(self.now_s - tried.times.end_s)
-        if not said_the_same(event, tried):
-            self.write(event)
+        line = self.record.append(event, self.now_s)
+        self._writing.append((line.number, event, tried.times.end_s))
+
+    def _show_written(self) -> None:
+        if not self._writing or self._writing[0][0] > self.record.safe_lines:
+            return
+        while self._writing and self._writing[0][0] <= self.record.safe_lines:
+            _, event, end_s = self._writing.popleft()
+            self.presses.take(event)
+            self.verdict_delays_s.append(self.now_s - end_s)
+        self.changes += 1
+        if self.stay is not None:
+            self.renew_fits()
 
     def renew_fits(self) -> None:
         """Of the specimens whose presses are done; what would be suggested then."""
@@ -455,7 +472,6 @@ class Session:
         columns = {muscle: at for at, muscle in enumerate(self._muscles)}
         self._judge.tell(Begin(self.participant, specimen, self._how(specimen), columns))
         self._stay_first = {own.name: own.next_index for own in (self.emg, self.force)}
-        self._unjudged = False
 
     def place(self) -> None:
         press = self.wanted
@@ -474,9 +490,6 @@ class Session:
             return
         wanted = self.wanted
         if self.placed and (wanted is None or wanted.stay != self.stay.stay) and not self.presses.undecided:
-            if self._unjudged:
-                self._ask_judge(whole=True)
-                return
             self.placed = False
             self.checklist = dict.fromkeys(self.settings.checklist, False)
             self.emg.tell_clock()
@@ -508,6 +521,8 @@ class Session:
             for stream in (self.emg, self.force):
                 stream.close()
             self.write(self.ended)
+            self.record.wait(LAST_LINES_S)
+            self._show_written()
             self._show(self.now_s)
             self._judge.close()
 

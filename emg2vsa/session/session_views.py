@@ -38,8 +38,10 @@ def _awaits(session: Session) -> tuple[str, str]:
         if "rest" not in session.measured:
             return "quality", "Ask the participant to relax the arm, then measure the rest."
         return "contraction", "Ask the participant to tense the forearm for 3 s, then measure."
-    if session.busy or session.judging:
-        return "", "A press is under way." if session.busy else "The press is being judged."
+    if session.busy:
+        return "", "A press is under way."
+    if session.judging:
+        return "", "The verdict is being written to the disk." if session.writing else "The press is being judged."
     if (tried := session.presses.undecided) is not None:
         return "verdict", f"Press {tried.press.number} is rejected: repeat, accept or skip it."
     if wanted is None:

@@ -121,23 +121,26 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
 
     hz : of the mains; None: whichever of both holds more.
     """
-    powers = np.zeros((len(channels), 1 if hz else len(MAINS_HZ)))
-    for k, mains_hz in enumerate((hz,) if hz else MAINS_HZ):
-        for order in range(1, HARMONICS + 1):
-            if order * mains_hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2:
-                powers[:, k] += _clear_powers(channels, order * mains_hz, fs_hz, start, stop)
-    return np.asarray(np.sqrt(powers[:, int(np.argmax(powers.sum(axis=0)))]))
+    powers = [
+        _clear_powers(channels, mains_hz * np.arange(1, HARMONICS + 1), fs_hz, start, stop)
+        for mains_hz in ((hz,) if hz else MAINS_HZ)
+    ]
+    return np.asarray(np.sqrt(max(powers, key=np.sum)))
 
 
-def _clear_powers(channels: tuple[Floats, ...], hz: float, fs_hz: float, start: Ints, stop: Ints) -> list[float]:
-    """Mean square (m,) of a sine of ``hz`` within the presses; 0 where it is not clear of its surroundings."""
+def _clear_powers(channels: tuple[Floats, ...], hz: Floats, fs_hz: float, start: Ints, stop: Ints) -> Floats:
+    """Mean square (m,) of sines (h,) within the presses, of those that are clear of their surroundings."""
     pieces = _touch_pieces(start, stop, fs_hz)
-    power = np.empty((len(channels), len(pieces), 1 + TOUCH_ASIDE_HZ.size))
+    hz = hz[hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2]
+    power = np.empty((len(channels), hz.size, len(pieces), 1 + TOUCH_ASIDE_HZ.size))
     for i, (a, b) in enumerate(pieces):
-        turning = _turning(b - a, np.append(hz, hz + TOUCH_ASIDE_HZ), a, fs_hz)
-        for own, samples in zip(power, channels, strict=True):
-            own[i] = np.abs(_sines(samples[a:b], turning)) ** 2
-    return [_clear_power(samples, own, pieces) for samples, own in zip(channels, power, strict=True)]
+        samples = np.stack([own[a:b] for own in channels])
+        aside = _turning(b - a, np.append(0.0, TOUCH_ASIDE_HZ), a, fs_hz)
+        for k, turning in enumerate(_turning(b - a, hz, a, fs_hz)):
+            power[:, k, i] = np.abs(_sines(samples, turning * aside)) ** 2
+    return np.array(
+        [sum(_clear_power(samples, each, pieces) for each in own) for samples, own in zip(channels, power, strict=True)]
+    )
 
 
 def _clear_power(samples: Floats, power: Floats, pieces: list[tuple[int, int]]) -> float:
@@ -186,9 +189,11 @@ def _turning(size: int, hz: Floats, begin: int, fs_hz: float) -> Phasors:
 
 
 def _sines(samples: Floats, turning: Phasors) -> Phasors:
-    """Amplitudes and phases (h,), at the first sample of the record, of sines in a piece (n,)."""
-    window = np.sin(np.pi * (np.arange(samples.size) + 0.5) / samples.size) ** 2
-    return np.asarray(2 / window.sum() * np.sum(turning * (window * samples), axis=-1))
+    """Amplitudes and phases (..., h), at the first sample of the record, of sines in pieces (..., n)."""
+    size = samples.shape[-1]
+    window = np.sin(np.pi * (np.arange(size) + 0.5) / size) ** 2
+    weighted = 2 / window.sum() * window * samples
+    return np.asarray(weighted @ turning.real.T + 1j * (weighted @ turning.imag.T))
 
 
 def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]:

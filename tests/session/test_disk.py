@@ -24,6 +24,7 @@ from emg2vsa.session.record import SessionRecord, new_session, resume_session
 from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 
+LINE_END = b"\n"
 SETTINGS = SessionSettings(emg=EmgSourceSettings(kind="simulated"), force=ForceSourceSettings(kind="simulated"))
 EMG = StreamInfo("emg", ("EDC",), "V", 1000.0)
 
@@ -73,7 +74,7 @@ def test_a_disk_that_refuses_is_told_and_nothing_is_lost_when_it_takes_again(tmp
         stream.append(Block(samples[100 * i : 100 * i + 100], 100 * i, 0.0))
     record.append(Noted("before"))
     assert record.wait()
-    system.room, system.broken = (system.room if fault == "broken" else 6_000), fault == "broken"
+    system.room, system.broken = (10**6 if fault == "broken" else 6_000), fault == "broken"
     for i in range(10, 30):
         stream.append(Block(samples[100 * i : 100 * i + 100], 100 * i, 0.0))
         record.append(Noted(f"during {i}"))
@@ -198,3 +199,38 @@ def test_a_killed_process_leaves_every_line_and_the_samples_before_it(tmp_path):
     file = SampleFile(folder / "sitting-1_emg.samples")
     samples = file.read(0, notes[-1])
     np.testing.assert_array_equal(samples[:, 0], np.repeat(np.arange(notes[-1] // 10), 10))
+
+
+def test_lines_that_wait_together_share_the_time_of_their_samples(tmp_path):
+    """One fsync for the samples of all, and one for each line: a line is on the disk before the next is written."""
+
+    class Slow(OperatingSystem):
+        def __init__(self) -> None:
+            self.calls: list[str] = []
+
+        def write(self, handle: int, offset: int, piece: bytes) -> None:
+            self.calls.append(f"write {handle} {piece.count(LINE_END)}")
+            super().write(handle, offset, piece)
+
+        def sync(self, handle: int) -> None:
+            self.calls.append(f"sync {handle}")
+            time.sleep(0.05)
+
+    system = Slow()
+    record = a_session(tmp_path, system, background=True)
+    stream = record.open_stream("emg", EMG)
+    assert record.wait()
+    record.append(Noted("first"))
+    time.sleep(0.02)  # it is being written
+    system.calls.clear()
+    for i in range(5):
+        stream.append(Block(np.zeros((100, 1)), 100 * i, 0.0))
+        record.append(Noted(f"{i}"))
+    assert record.wait()
+    syncs = [call for call in system.calls if call.startswith("sync")]
+    record.close()
+    journal = max(syncs, key=syncs.count)
+    assert syncs.count(journal) in (5, 6)  # the first line's may be among them
+    assert len(syncs) - syncs.count(journal) <= 2
+    of_journal = [call for call in system.calls if call.startswith(f"write {journal.split()[1]} ")]
+    assert all(call.endswith(" 1") for call in of_journal)
