@@ -43,6 +43,7 @@ from emg2vsa.session.journal import (
     PressBegun,
     PressEnded,
     ScreenTold,
+    gaps,
     read_journal,
 )
 from emg2vsa.session.plan import PLAN_FILE, PlannedPress, read_plan
@@ -507,6 +508,7 @@ def _merge(
 
 
 def _notes(lines: Sequence[Line], signals: Mapping[str, StaySignals]) -> Iterable[str]:
+    yield from gaps(lines)
     if any(isinstance(line.event, Noted) for line in lines):
         yield "The operator's notes are in the events files. See that no note names a person."
     for stem, own in signals.items():
