@@ -94,15 +94,17 @@ class Progress:
         return [attempt for attempt in self.attempts if attempt.press == press]
 
     def is_done(self, press: int) -> bool:
-        """Whether a press needs no further attempt: its last one was complete and judged, and is not to be repeated.
+        """Whether a press needs no further attempt: one counts, or the last one is skipped.
 
         A rejected one needs the operator's decision first.
         """
         own = self.attempts_of(press)
-        if not own or own[-1].state != "complete":
-            return bool(own) and own[-1].decision == "skip"
-        last = own[-1]
-        return last.counts or last.decision == "skip"
+        return any(attempt.counts for attempt in own) or (bool(own) and own[-1].decision == "skip")
+
+    @property
+    def counting(self) -> dict[int, int]:
+        """By press the attempt that stands for it: the last one that counts."""
+        return {own.press: own.attempt for own in self.attempts if own.counts}
 
     @property
     def next(self) -> PlannedPress | None:

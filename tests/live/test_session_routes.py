@@ -139,8 +139,11 @@ def test_the_screen_tells_how_well_it_draws(client, desk):
         ({"age_p50_ms": 10**400}, "age_p50_ms: expected a number"),
         ({"longest_frame_ms": float("nan")}, "expected finite numbers, but found NaN"),
         ({"hidden": 0}, "hidden: expected true or false, but found 0"),
-        ({"more": [1]}, "more: expected names and plain values"),
-        ({"more": {"a": {}}}, "more: expected names and plain values"),
+        ({"more": [1]}, "more: expected an object"),
+        ({"more": {"a": 1}}, "but found 'a'"),
+        ({"more": {"\ud800": 1}}, "expected width"),
+        ({"more": {"width": "\ud800"}}, "more, width: expected a number"),
+        ({"more": {"width": {}}}, "more, width: expected a number"),
         ({"name": "P03"}, "found 'name'"),
     ],
 )

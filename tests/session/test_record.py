@@ -324,12 +324,13 @@ def test_a_gap_in_the_numbers_is_passed_over_and_told_once(tmp_path):
     path.write_bytes(first + third)
     for _ in range(2):
         again = resumed(tmp_path)
-        assert again.wait() and again.is_safe
+        assert again.wait()
+        assert again.is_safe
         again.close()
     lines, _ = read_journal(path)
     assert [line.number for line in lines] == [1, 3, 4]
     assert "no line between 1 and 3" in lines[-1].event.text
-    path.write_bytes(third + first)
+    path.write_bytes(third + first + third)
     with pytest.raises(DataError, match="line 1 after line 3"):
         read_journal(path)
 
@@ -343,3 +344,15 @@ def test_every_attempt_without_a_verdict_was_interrupted(tmp_path):
     again = resumed(tmp_path)
     assert [attempt.state for attempt in again.progress.attempts] == ["interrupted", "interrupted"]
     again.close()
+
+
+def test_a_press_of_which_an_earlier_attempt_counts_is_done(tmp_path):
+    record = a_session(tmp_path)
+    begin(record, 1)
+    finish(record, 1)
+    begin(record, 1, 2)
+    finish(record, 1, 2, "rejected")
+    assert record.progress.is_done(1)
+    record.append(Decided(1, 2, "accept"))
+    assert record.progress.counting == {1: 2}
+    record.close()
