@@ -516,6 +516,8 @@ def _merge(
 
 def _notes(lines: Sequence[Line], signals: Mapping[str, StaySignals]) -> Iterable[str]:
     yield from gaps(lines)
+    if not stay_windows(lines):
+        yield "No complete press was recorded, so there is no recording to write."
     if any(isinstance(line.event, Noted) for line in lines):
         yield "The operator's notes are in the events files. See that no note names a person."
     for stem, own in signals.items():

@@ -112,6 +112,7 @@ def test_what_the_session_refuses_is_said(client):
         ('{"name": "repeat", "press": true}', "press: expected the number of a press, but found True"),
         ('{"name": "check", "item": 1}', "item: expected a text, but found 1"),
         ('{"name": "note", "text": null}', "text: expected a text, but found None"),
+        ('{"name": "note", "text": "\\ud83d"}', "text: expected a text in Unicode"),
         ('{"name": "start", "specimen": "S1"}', "expected name, press, item, text, but found 'specimen'"),
         (json.dumps({"name": "note", "text": "x" * 10_000}), "expected at most 10000 bytes"),
     ],

@@ -454,3 +454,12 @@ def test_of_two_attempts_that_count_the_last_one_stands_for_the_press(study):
     files = sorted(study.data.rglob("*_events.tsv"))
     rows = [row for file in files for row in rows_of(file) if row["trial_type"] == "press" and row["press"] == "3"]
     assert [(row["counts"], row["reason"]) for row in rows] == [("false", "superseded by attempt 2"), ("true", "n/a")]
+
+
+def test_a_session_without_a_complete_press(study):
+    record = begun(study)
+    pressed(study, record, [(1, "rejected", "abort")])
+    record.close()
+    written = write_dataset(record.folder, study)
+    assert written.files == written.left_out == ()
+    assert any("No complete press was recorded" in note for note in written.notes)
