@@ -63,9 +63,11 @@ footer{margin:2rem auto}
 margin:0;padding:1.2rem 0;font-size:.9rem}
 .side>nav ul{display:block}.side>nav li{margin:.25rem 0}.side>nav a{text-decoration:none}}
 .skip{position:absolute;left:-99rem}.skip:focus{left:1rem;top:.5rem;background:var(--page)}
-@media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible;background:none;break-inside:avoid}
-figure,tr,.say{break-inside:avoid}thead{display:table-header-group}caption,h2,h3,summary{break-after:avoid}
-.wide table{min-width:0;font-size:7.5pt}th,td{padding-right:.4rem}
+@page{size:A4;margin:14mm 12mm}
+@media print{nav,.skip{display:none}body{font-size:10pt}.wide{overflow:visible;background:none}
+figure,tr,.say{break-inside:avoid}thead{display:table-header-group}
+caption,h2,h3,summary,thead,tbody tr:first-child,tr:nth-last-child(2){break-after:avoid}p{orphans:3;widows:3}
+.wide table{min-width:0;font-size:7pt}th,td{padding-right:.3rem}td.n{white-space:nowrap}
 a{color:inherit;text-decoration:none}summary{list-style:none;color:inherit}
 details::details-content{content-visibility:visible;display:block;height:auto}}
 """

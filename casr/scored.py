@@ -122,7 +122,9 @@ class ScoreSettings:
         for key, known in choices.items():
             value = getattr(self, key)
             if value not in known:
-                raise SettingError(key, wanted=f"one of {', '.join(known)}", found=repr(value), do="Choose one.")
+                raise SettingError(
+                    key, wanted=f"one of {', '.join(known)}", found=repr(value), do="Choose one of these."
+                )
         if isinstance(self.region, str) and (self.region != WHOLE_IMAGE or self.flow.engine == "pin-affine"):
             raise SettingError(
                 "region",

@@ -165,7 +165,10 @@ def _new(
     stiffness = profile.new_stiffness_n_per_mm or stiffness_n_per_mm.get(name)
     if stiffness is None:
         raise DataError(
-            "profile.new_stiffness_n_per_mm", wanted=f"the stiffness of {name}", found="nothing", do="State it in N/mm."
+            "profile.new_stiffness_n_per_mm",
+            wanted=f"the stiffness of {name}",
+            found="none",
+            do="State the stiffness in N/mm.",
         )
     others = [p for p in exported if p.specimen != name and math.isfinite(p.stiffness_n_per_mm)]
     return _interpolate(others, name, stiffness, profile)

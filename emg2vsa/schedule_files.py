@@ -26,7 +26,10 @@ def write_schedule(folder: Path, schedule: Schedule) -> tuple[Path, Path]:
     stem = f"{schedule.specimen}_{schedule.condition}"
     if any(c in stem for c in '/\\:*?"<>|\0') or stem.startswith("."):
         raise ScheduleError(
-            "specimen", wanted="a name that can be part of a file name", found=repr(schedule.specimen), do="Rename it."
+            "specimen",
+            wanted="a name that can be part of a file name",
+            found=repr(schedule.specimen),
+            do="Rename the specimen.",
         )
     paths = folder / f"{stem}.csv", folder / f"{stem}.json"
     write_csv(paths[0], schedule)

@@ -150,8 +150,8 @@ _STUDY_HEAD = """\
 
 Written by `python scripts/file_reference.py`; do not edit.
 
-A study file is TOML. Every problem in it is reported at once, as `file:line: key: wanted ...; found ...`. Unknown keys
-are errors. Units are part of the names. Relative paths start at the folder of the study file; `~` and environment
+A study file is TOML. Every problem in it is reported at once, as `file:line: key: expected ..., but found ...`. Unknown
+keys are errors. Units are part of the names. Relative paths start at the folder of the study file; `~` and environment
 variables are not expanded. With `mode = "paper"` the keys with a value under *paper* take it, unless the file sets
 them. An editor that knows TOML schemas checks the file as you type, if its first line is
 `#:schema ../study.schema.json`."""
@@ -161,11 +161,11 @@ _RIG_HEAD = """\
 
 Written by `python scripts/file_reference.py`; do not edit.
 
-A rig file is TOML and lies beside the study file. Every problem in it is reported at once, as
-`file:line: key: wanted ...; found ...`. Unknown keys are errors. Units are part of the names. Relative paths start at
-the folder of the rig file; `~` and environment variables are not expanded. Ticks are those of the qbmove, 32768 to a
-turn of its shaft. What each guard means: [how-to/engineer.md](../how-to/engineer.md). An editor that knows TOML schemas
-checks the file as you type, if its first line is `#:schema ../rig.schema.json`."""
+A rig file is TOML and lies beside the study file. Every problem in it is reported at once, as `file:line: key:
+expected ..., but found ...`. Unknown keys are errors. Units are part of the names. Relative paths start at the folder
+of the rig file; `~` and environment variables are not expanded. Ticks are those of the qbmove, 32768 to a turn of its
+shaft. What each guard means: [how-to/engineer.md](../how-to/engineer.md). An editor that knows TOML schemas checks
+the file as you type, if its first line is `#:schema ../rig.schema.json`."""
 
 
 def _heading(name: str, many: bool) -> str:

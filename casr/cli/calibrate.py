@@ -118,9 +118,19 @@ def _check(arguments: argparse.Namespace) -> None:
     }  # fmt: skip
     for name, value in needed.items():
         if not value:
-            raise SettingError(name, wanted="it, with pictures of a board", found="none", do="Add it; see --help.")
+            raise SettingError(
+                name,
+                wanted="this option beside pictures of a board",
+                found="no such option",
+                do=f"Add {name}; casr calibrate --help explains it.",
+            )
     if arguments.domes:
-        raise SettingError("--domes", wanted="--plate with it", found="pictures of a board", do="Leave it out.")
+        raise SettingError(
+            "--domes",
+            wanted="--plate beside this option",
+            found="pictures of a board",
+            do="Leave --domes out.",
+        )
 
 
 def _board(arguments: argparse.Namespace) -> Board:
@@ -129,7 +139,10 @@ def _board(arguments: argparse.Namespace) -> Board:
     if arguments.charuco:
         if arguments.marker_mm is None:
             raise SettingError(
-                "--marker-mm", wanted="the size of the markers", found="none", do="Measure the black border of one."
+                "--marker-mm",
+                wanted="the size of the markers",
+                found="none",
+                do="Measure the outer edge of the black border of a marker.",
             )
         dictionary = (arguments.dictionary or "4X4_50").upper().removeprefix("DICT_")
         columns, rows = arguments.charuco
@@ -137,7 +150,10 @@ def _board(arguments: argparse.Namespace) -> Board:
     if arguments.marker_mm or arguments.dictionary:
         option = "--marker-mm" if arguments.marker_mm else "--dictionary"
         raise SettingError(
-            option, wanted="a ChArUco board", found="a chessboard", do="It has no markers; leave it out."
+            option,
+            wanted="a ChArUco board",
+            found="a chessboard",
+            do="A chessboard has no markers: leave this option out.",
         )
     columns, rows = arguments.chessboard
     return Chessboard(columns, rows, arguments.square_mm)
@@ -152,7 +168,10 @@ def _sensor_of(out: Path, overwrite: bool) -> Sensor:
         return Sensor()
     if not overwrite:
         raise CameraError(
-            out, wanted="a new file", found="one that is there", do="Choose another name, or replace it: --overwrite."
+            out,
+            wanted="a new file",
+            found="an existing file",
+            do="Choose another name, or replace the file with --overwrite.",
         )
     return read_camera(out).sensor
 

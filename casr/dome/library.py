@@ -214,7 +214,7 @@ def shipped(name: str = SHIPPED) -> Library:
     data = resources.files("casr.dome").joinpath(name).read_bytes()
     if hashlib.sha256(data).hexdigest() != DIGESTS[name]:
         raise SettingError(
-            name, wanted="the tables that casr was made with", found="others, or damaged ones", do="Install casr again."
+            name, wanted="the tables that casr was made with", found="other or damaged tables", do="Install casr again."
         )
     with np.load(io.BytesIO(data), allow_pickle=False) as kept:
         arrays = {key: kept[key] for key in kept.files}

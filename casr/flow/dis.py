@@ -39,7 +39,9 @@ def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np
     SettingError : no such preset.
     """
     if preset not in PRESETS:
-        raise SettingError("dis_preset", wanted=f"one of {', '.join(PRESETS)}", found=repr(preset), do="Choose one.")
+        raise SettingError(
+            "dis_preset", wanted=f"one of {', '.join(PRESETS)}", found=repr(preset), do="Choose one of these presets."
+        )
     before, after = _bytes(as_grey(first, where="first image")), _bytes(as_grey(second, where="second image"))
     if before.shape != after.shape:
         raise ImageError(

@@ -101,7 +101,9 @@ class FlowSettings:
 
     def __post_init__(self) -> None:
         if self.engine not in ENGINES:
-            raise SettingError("engine", wanted=" or ".join(ENGINES), found=repr(self.engine), do="Choose one.")
+            raise SettingError(
+                "engine", wanted=" or ".join(ENGINES), found=repr(self.engine), do="Choose one of these engines."
+            )
         if not 0 < self.core_fraction <= 1:
             found = repr(self.core_fraction)
             raise SettingError("core_fraction", wanted="above 0, at most 1", found=found, do="0.7 suits most presses.")

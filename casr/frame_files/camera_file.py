@@ -43,7 +43,7 @@ def read_camera(path: Path | str) -> Camera:
         raise CameraError(
             f"{path}, [camera]",
             wanted=f"the keys {', '.join(missing)}",
-            found="none of them" if len(missing) > 1 else "nothing",
+            found="none of them" if len(missing) > 1 else "none",
             do="Add them; millimetres cannot be told without.",
         )
     with said_of(path):

@@ -26,7 +26,7 @@ def picture_files(paths: Iterable[Path]) -> list[Path]:
         inside = folder_contents(path).pages if path.is_dir() else [path]
         if not inside:
             raise FramesError(
-                path, wanted=f"images ({', '.join(PAGE_KINDS)})", found="a folder without", do="Check the path."
+                path, wanted=f"images ({', '.join(PAGE_KINDS)})", found="a folder without images", do="Check the path."
             )
         found += inside
     return list(dict.fromkeys(found))

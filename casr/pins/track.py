@@ -110,7 +110,9 @@ class PinTracker:
         Raises PinsError before ``start`` or for a frame of another size, ImageError as ``as_grey``.
         """
         if not self._started:
-            raise PinsError("PinTracker", wanted="start(image) first", found="no first frame", do="Call start once.")
+            raise PinsError(
+                "PinTracker", wanted="a first frame", found="none", do="Call start(image) before the first update."
+            )
         grey = self._view.grey(image)
         if grey.shape != self._frame.shape or grey.dtype != self._frame.dtype:
             raise PinsError(

@@ -53,7 +53,9 @@ def _check_free(folder: Path, overwrite: bool) -> None:
     if not folder.exists():
         return
     if not overwrite:
-        raise FramesError(folder, wanted="a new folder", found="one that is there", do="Remove it or ask to overwrite.")
+        raise FramesError(
+            folder, wanted="a new folder", found="an existing folder", do="Remove the folder, or ask to overwrite."
+        )
     if not (folder / "truth.json").is_file():
         raise FramesError(
             folder,

@@ -120,7 +120,7 @@ def _files_of_earlier(folder: Path) -> set[str]:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(
             folder, wanted="an empty folder, or one that holds an earlier authors' package", found="other files",
-            do="Choose another with --out.",
+            do="Choose another folder with --out.",
         ) from error  # fmt: skip
     inside = folder.resolve()
     return {name for name in names if (folder / name).resolve().is_relative_to(inside)}

@@ -207,7 +207,10 @@ def _checked_kappa(kappa: ArrayLike, d: int, s: int) -> Floats:
     given = np.asarray(kappa, dtype=np.float64)
     if given.shape not in ((s,), (d, s)):
         raise DataError(
-            "calibration, kappa", wanted=f"one value for each of {s} specimens", found=str(given.shape), do="Pass it."
+            "calibration, kappa",
+            wanted=f"one value for each of {s} specimens",
+            found=str(given.shape),
+            do="Pass all of them.",
         )
     if not np.all((given > 0) & np.isfinite(given)):
         raise DataError("calibration, kappa", wanted="stiffness above 0", found=str(given.min()), do="Check the list.")

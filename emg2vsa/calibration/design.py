@@ -49,7 +49,7 @@ class Situation:
                 wanted="stiffnesses and noise above 0, a rising range, an error of kappa from 0 to below 1, "
                 "and a spread of mountings from 0 to below 0.5",
                 found=repr(self),
-                do="Correct them.",
+                do="Correct these values.",
             )
 
 
@@ -87,7 +87,10 @@ def try_designs(
     """
     if min(*specimens, *repetitions, experiments) < 2:
         raise SettingError(
-            "design", wanted="2 or more specimens, repetitions and experiments", found="fewer", do="Raise them."
+            "design",
+            wanted="2 or more specimens, repetitions and experiments",
+            found="fewer",
+            do="Raise these numbers.",
         )
     settings = settings or CalibrationSettings()
     return tuple(_tried(situation, s, r, settings, experiments) for s in specimens for r in repetitions)

@@ -81,7 +81,7 @@ def fit_law(law: Law, minimise: Minimise, casr: Floats, kappa: Floats) -> LawFit
             "calibration",
             wanted=" or ".join(map(repr, WAYS[law])) + f" for the {law} law",
             found=repr(minimise),
-            do="Choose one.",
+            do="Choose one of these laws.",
         )
     x = x_of(law, casr)
     lost = np.any(np.isnan(x) & ~np.isnan(casr), axis=1)

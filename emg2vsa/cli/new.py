@@ -63,10 +63,13 @@ def run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.folder
     out: Path = arguments.out or folder / "study.toml"
     if not folder.is_dir():
-        raise SettingError(folder, wanted="a folder of recordings", found="none", do="Check the path.")
+        raise SettingError(folder, wanted="a folder of recordings", found="no folder", do="Check the path.")
     if out.exists():
         raise SettingError(
-            out, wanted="no study file yet", found="one", do="Choose another with --out, or move it away."
+            out,
+            wanted="a new file",
+            found="an existing one",
+            do="Choose another name with --out, or move the file away.",
         )
     if arguments.fs is not None and not 0 < arguments.fs < math.inf:
         raise SettingError("--fs", wanted="a rate above 0 Hz", found=f"{arguments.fs:g}", do="Give the rate in hertz.")
@@ -74,7 +77,10 @@ def run(arguments: argparse.Namespace) -> int:
     usable, unread = _usable(recordings_in([folder]), reading_of(arguments, "new"))
     if not usable:
         raise SettingError(
-            folder, wanted="recordings", found="none that can be read", do=f"emg2vsa inspect {folder} tells why."
+            folder,
+            wanted="recordings",
+            found="none that can be read",
+            do=f"Run emg2vsa inspect {folder} for the reasons.",
         )
     files = [_relative(path, out.parent) for path in usable]
     naming, force_files = naming_of_pairs(files)
@@ -123,7 +129,7 @@ def _stiffness(given: Sequence[str]) -> dict[str, float]:
             found[name] = math.nan
         if not 0 < found[name] < math.inf:
             raise SettingError(
-                "--stiffness", wanted="NAME=NUMBER in N/mm, as S1=7.63", found=repr(one), do="Correct it."
+                "--stiffness", wanted="NAME=NUMBER in N/mm, such as S1=7.63", found=repr(one), do="Correct this option."
             )
     return found
 

@@ -1,4 +1,4 @@
-"""``emg2vsa report``: bring the report up to date and say where it is."""
+"""``emg2vsa report``: update the report and list its files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def add_to(commands: Commands) -> None:
-    summary = "Bring the report of a study up to date (runs what is stale) and say where its files are."
+    summary = "Update the report of a study and list its files. Only steps that are out of date run."
     parser = add_command(commands, "report", run, summary)
     add_study(parser)
     package = parser.add_argument_group("authors' package")
@@ -88,7 +88,10 @@ def _check_package(arguments: argparse.Namespace) -> None:
     for name in ("out", "published", "licence"):
         if getattr(arguments, name) and not arguments.paper:
             raise SettingError(
-                f"--{name}", wanted="--paper beside it", found="no --paper", do="It belongs to the authors' package."
+                f"--{name}",
+                wanted="--paper beside this option",
+                found="no --paper",
+                do=f"Add --paper: --{name} is an option of the authors' package.",
             )
 
 

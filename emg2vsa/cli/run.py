@@ -6,6 +6,7 @@ import argparse
 import time
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command, add_json, print_json
@@ -31,10 +32,14 @@ def add_to(commands: Commands) -> None:
     part = parser.add_mutually_exclusive_group()
     part.add_argument("--only", choices=ORDER, metavar="STAGE", help=f"stop after: {', '.join(ORDER)}")
     part.add_argument(
-        "--human-only", action="store_true", help="only the recordings of people, without the runs of the rig"
+        "--human-only",
+        action="store_true",
+        help="only the recordings of people, without the runs of the rig; the report goes to its subfolder people",
     )
     part.add_argument(
-        "--casr-only", action="store_true", help="only the runs of the rig, with the schedules that they need"
+        "--casr-only",
+        action="store_true",
+        help="only the runs of the rig, with the schedules that they need; the report goes to its subfolder rig",
     )
     parser.add_argument("--explain", action="store_true", help="say why each step runs")
     add_work(parser)
@@ -43,12 +48,12 @@ def add_to(commands: Commands) -> None:
     add_json(parser)
 
 
-def _stages(arguments: argparse.Namespace) -> tuple[str, ...]:
+def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
     from emg2vsa.pipeline.stage_order import stages_for, stages_of
 
     if arguments.human_only:
-        return stages_of("people")
-    return stages_of("rig") if arguments.casr_only else stages_for(arguments.only)
+        return stages_of("people", study)
+    return stages_of("rig", study) if arguments.casr_only else stages_for(arguments.only)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -60,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     _check_people(arguments, study)
     board = run_study(
         study,
-        stages=_stages(arguments),
+        stages=_stages(arguments, study),
         jobs=jobs_of(arguments),
         progress=progress(arguments.explain, arguments.json),
         wait=not arguments.no_wait,
@@ -80,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
                 "failures": [dict(zip(("item", "stage", "message"), failure, strict=True)) for failure in failures],
                 "notes": notes,
                 "rejected_presses": rejected,
-                "report": str(study.reports / "index.html"),
+                "report": str(_page(board)),
                 "seconds": round(time.monotonic() - start, 3),
             }
         )
@@ -99,17 +104,25 @@ def run(arguments: argparse.Namespace) -> int:
     return 1 if study_failed else 0
 
 
+def _page(board: Board) -> Path:
+    """The page of the report that the run made, or would make."""
+    from emg2vsa.pipeline.stage_order import REPORTS
+
+    name = next((step.stage for step in board.steps.values() if step.stage in REPORTS), "report")
+    return board.folder(name, "study") / "index.html"
+
+
 def _report_lines(board: Board) -> Iterator[str]:
     """Where the report is, and what is missing from it."""
-    if not any(step.stage == "report" for step in board.steps.values()):
-        return
-    from emg2vsa.pipeline.stage_order import stage
+    from emg2vsa.pipeline.stage_order import REPORTS, stage
 
-    page = board.study.reports / "index.html"
+    if not any(step.stage in REPORTS for step in board.steps.values()):
+        return
+    page = _page(board)
     why = {name: message for item, name, message in board.failures() if item == "study"}
-    if "report" in why:
-        before = " The one there is from an earlier run." if page.exists() else ""
-        yield f"Report: not written to {page}.{before} {why['report']}"
+    if found := why.keys() & set(REPORTS):
+        before = " The report in this place is from an earlier run." if page.exists() else ""
+        yield f"Report: not written to {page}.{before} {why[found.pop()]}"
         return
     yield f"Report: {page}"
     for name, message in why.items():
@@ -121,7 +134,7 @@ def _check_people(arguments: argparse.Namespace, study: Study) -> None:
 
     if arguments.human_only and not study.recordings:
         do = "Leave --human-only out, or add [participants], [recordings] and [channels]."
-        raise SettingError(study.path, wanted="recordings of people", found="runs alone", do=do)
+        raise SettingError(study.path, wanted="recordings of people", found="a study of runs only", do=do)
 
 
 def _notes(board: Board) -> list[str]:

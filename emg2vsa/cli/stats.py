@@ -79,11 +79,18 @@ def _check(arguments: argparse.Namespace) -> None:
         ("margin", arguments.margin is None or 0 < arguments.margin < float("inf"), "a number above 0"),
     ):
         if not good:
-            raise SettingError(f"--{name}", wanted=wanted, found=str(getattr(arguments, name)), do="Change it.")
+            raise SettingError(
+                f"--{name}", wanted=wanted, found=str(getattr(arguments, name)), do=f"Give --{name} such a value."
+            )
     columns = [c for c in (arguments.value, arguments.group, arguments.block) if c]
     if len(set(columns)) < len(columns):
         found = ", ".join(map(repr, columns))
-        raise SettingError("--value, --group, --block", wanted="different columns", found=found, do="Change one.")
+        raise SettingError(
+            "--value, --group, --block",
+            wanted="different columns",
+            found=found,
+            do="Name another column in one of these options.",
+        )
 
 
 def _list_columns(table: TidyTable, arguments: argparse.Namespace) -> int:

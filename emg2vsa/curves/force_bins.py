@@ -49,7 +49,10 @@ def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
     """Edges (B + 1,) from ``lowest_n`` in steps of ``bin_n``; a last, shorter bin is kept (0.5, 0.8, ... 6.8, 7)."""
     if not highest_n > lowest_n:
         raise SettingError(
-            "window.force_n", wanted="a lower and a higher force", found=f"{lowest_n}, {highest_n} N", do="Swap them."
+            "window.force_n",
+            wanted="a lower and a higher force",
+            found=f"{lowest_n}, {highest_n} N",
+            do="Write the lower force first.",
         )
     full = int(np.floor((highest_n - lowest_n) / bin_n * (1 + 1e-12)))
     edges = np.round(lowest_n + bin_n * np.arange(full + 1), 9)

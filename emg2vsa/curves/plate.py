@@ -126,7 +126,7 @@ def fit_plate(trials: Sequence[tuple[Floats, Floats]], window: int = PAPER_WINDO
     SettingError : a window below 1.
     """
     if window < 1:
-        raise SettingError("window", wanted="1 sample or more", found=str(window), do="The paper takes 5.")
+        raise SettingError("window", wanted="1 sample or more", found=str(window), do="Use 5, as in the paper.")
     loaded = [_loading(*trial) for trial in trials]
     smooth = [(_averaged(x, window), _averaged(y, window)) for x, y in loaded]
     longest = max((x.size for x, _ in smooth), default=0)

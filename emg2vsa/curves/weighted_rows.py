@@ -74,5 +74,8 @@ def check_rows(x: Floats, y: Floats, weights: Floats | None, where: str) -> None
     for name, array in (("x", x), ("weights", weights)):
         if array is not None and array.shape not in (y.shape, y.shape[1:]):
             raise DataError(
-                where, wanted=f"{name} of shape {y.shape} or {y.shape[1:]}", found=str(array.shape), do="Pad the rows."
+                where,
+                wanted=f"{name} of shape {y.shape} or {y.shape[1:]}",
+                found=str(array.shape),
+                do="Pad the rows to one length.",
             )

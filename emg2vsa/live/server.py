@@ -121,7 +121,7 @@ def _listening(host: str, port: int) -> socket.socket:
             do = "Name one IPv4 address of this computer, as its network settings show it."
             raise SettingError(f"--bind {host}", wanted="an address of this computer", found=found, do=do) from error
         raise SettingError(
-            f"port {port}", wanted="a free port", found=found, do="Choose another with --port."
+            f"port {port}", wanted="a free port", found=found, do="Choose another port with --port."
         ) from error
     return own
 

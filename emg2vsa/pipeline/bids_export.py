@@ -198,7 +198,12 @@ def _write(
 ) -> tuple[list[Path], list[str]]:  # fmt: skip
     """Data and side files of one recording; several where its rates share no data record."""
     if part.fault:
-        raise SettingError(part.emg_file.parent, wanted=f"one file of {entry.key}", found=part.fault, do="Name it.")
+        raise SettingError(
+            part.emg_file.parent,
+            wanted=f"one file of {entry.key}",
+            found=part.fault,
+            do="Name the file in the study file.",
+        )
     calibration = part.channels.force.cal_file
     roles = read_roles(
         part.emg_file, part.force_file, part.channels, reading, base / calibration if calibration else None

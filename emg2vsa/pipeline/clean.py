@@ -9,7 +9,7 @@ from emg2vsa.errors import DataError
 from emg2vsa.pipeline.campaign import left_virtual_runs
 from emg2vsa.pipeline.lock import study_lock
 from emg2vsa.pipeline.plan import survey
-from emg2vsa.pipeline.stage_order import ORDER
+from emg2vsa.pipeline.stage_order import ORDER, PART_REPORTS
 from emg2vsa.study import Study
 
 MOVED = "runs-virtual-0.1.0"
@@ -22,7 +22,7 @@ def clean(study: Study, *, wait: bool, say: Callable[[str], None]) -> tuple[int,
     never touched. Raises as ``survey`` and ``study_lock``.
     """
     with study_lock(study.results, wait=wait, say=say):
-        board = survey(study, ORDER, say)
+        board = survey(study, (*ORDER, *PART_REPORTS), say)
         board.store.sweep()
         removed = size = 0
         for step_id in list(board.store.stored_steps()):
@@ -48,8 +48,10 @@ def move_virtual_runs(study: Study) -> Path | None:
     found, target = left_virtual_runs(study), study.path.parent / MOVED
     for folder in found:
         if (target / folder.name).exists():
-            do = "Move or delete one of the two."
-            raise DataError(target / folder.name, wanted="no run of that name", found="one", do=do)
+            do = "Move or delete one of the two folders."
+            raise DataError(
+                target / folder.name, wanted="a name that no run has yet", found="a run of this name", do=do
+            )
     for folder in found:
         target.mkdir(exist_ok=True)
         folder.rename(target / folder.name)

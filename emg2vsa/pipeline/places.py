@@ -13,6 +13,7 @@ from pathlib import Path
 from casr.atomic import write_text_atomic
 from emg2vsa.errors import DataError, SettingError
 from emg2vsa.pipeline.lock import holder
+from emg2vsa.pipeline.stage_order import REPORTS
 from emg2vsa.study import Study
 
 OWNER_FILE = ".study.json"
@@ -65,7 +66,7 @@ def check_places(study: Study, stages: Sequence[str]) -> None:
     """
     written = {study.results}
     for name in stages:
-        if name in ("pages", "report"):
+        if name in ("pages", *REPORTS):
             written.add(study.reports)
         if name == "emulation" and study.runs_source is not None and study.runs_source.rig is not None:
             written.add(study.runs_source.root)

@@ -90,7 +90,7 @@ class Board:
         found = []
         for step in self._of.get(name, ()):
             if step.status in DONE and step.at is not None:
-                folder = self._folder(name, step.item)
+                folder = self.folder(name, step.item)
                 found += [folder / each for each in artifacts.load(step.at).names]
         return found
 
@@ -110,7 +110,7 @@ class Board:
             if one is not None and one.status in DONE and one.at is not None:
                 taken.setdefault(need, []).append(one.at)
                 if stage(need).folder is not None:
-                    folder = self._folder(need, item)
+                    folder = self.folder(need, item)
                     paths = [f"{folder}/{each}" for each in artifacts.load(one.at).names]
                     step.reads.update((path, state_of(path)) for path in paths)
         return Given(
@@ -138,7 +138,7 @@ class Board:
         if status == "done":
             if stage(step.stage).folder is not None:
                 old = sorted(self.store.path(step.id, step.key).parent.glob("*.result"))
-                remove_left_files(self._folder(step.stage, step.item), old, artifacts.load(unfinished))
+                remove_left_files(self.folder(step.stage, step.item), old, artifacts.load(unfinished))
             step.at = self.store.settle(unfinished, step.id, step.key)
             step.result = self.prints.file(step.at)
         step.status, step.message = status, message
@@ -153,7 +153,7 @@ class Board:
         for need, item in inputs(self.campaign, step.stage, step.item):
             one = self.steps.get(f"{need}/{item}")
             if one is not None and one.at is not None and stage(need).folder is not None:
-                trouble = artifacts.load(one.at).trouble(self._folder(need, item), self.prints)
+                trouble = artifacts.load(one.at).trouble(self.folder(need, item), self.prints)
                 if trouble:
                     return f"{one.id} changed ({trouble})"
         return ""
@@ -268,7 +268,8 @@ class Board:
         step.result, step.at, step.message = entry.result, path, self._here(entry.message)
         return True
 
-    def _folder(self, name: str, item: str) -> Path:
+    def folder(self, name: str, item: str) -> Path:
+        """Where a step of a stage that writes files writes them."""
         folder = stage(name).folder
         assert folder is not None
         return folder(self.campaign, item)

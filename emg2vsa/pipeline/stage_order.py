@@ -10,6 +10,7 @@ from emg2vsa.pipeline.stage import Input, Stage
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.study import Study
 
 ORDER = (
     "trials",
@@ -25,6 +26,9 @@ ORDER = (
     "report",
 )
 """Each is the file of that name in ``emg2vsa/pipeline/stages``."""
+PART_REPORTS = ("people_report", "rig_report")
+"""Reports of one part of a study that has both parts: results beside the whole report, which removes none of them."""
+REPORTS = ("report", *PART_REPORTS)
 
 
 def stage(name: str) -> Stage:
@@ -43,10 +47,14 @@ def stages_for(wanted: str | None) -> tuple[str, ...]:
     return ORDER if wanted is None else _with_needs({wanted})
 
 
-def stages_of(part: Literal["people", "rig"]) -> tuple[str, ...]:
-    """Everything about people, or the rig's runs with what they need; each with its report."""
+def stages_of(part: Literal["people", "rig"], study: Study) -> tuple[str, ...]:
+    """Everything about people, or the rig's runs with what they need; each with its report.
+
+    The only part that a study has is the whole study, so its report is the whole report.
+    """
     own = {name for name in ORDER if stage(name).of in ({"people"} if part == "people" else {"emulated rig", "runs"})}
-    return (*(name for name in _with_needs(own) if name != "report"), "report")
+    both = study.recordings and study.runs_source is not None
+    return (*(name for name in _with_needs(own) if name != "report"), f"{part}_report" if both else "report")
 
 
 def needs_runs(stages: Sequence[str]) -> bool:

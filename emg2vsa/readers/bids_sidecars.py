@@ -192,7 +192,7 @@ def _side_channel(path: Path, line: int, row: Mapping[str, str | None]) -> SideC
             f"{path}, line {line}, column 'sampling_frequency'",
             wanted="a number or n/a",
             found=repr(fs),
-            do="Correct it.",
+            do="Correct this cell.",
         ) from error
     return SideChannel(canonical(unit) if unit else None, fs_hz, cell("status"), cell("status_description"))
 

@@ -113,16 +113,14 @@ def _incomplete(path: Path, n: int) -> tuple[str, ...]:
 def _read(path: Path) -> Any:
     with path.open("rb") as file:
         if file.read(2)[1:] != b"\x50":
-            raise RecordingError(
-                path, wanted="a C3D file", found="another content", do="Export or copy the file again."
-            )
+            raise RecordingError(path, wanted="a C3D file", found="other content", do="Export or copy the file again.")
     try:
         with _readable(path) as file_for_ezc3d:
             return ezc3d.c3d(str(file_for_ezc3d))
     except (OSError, RuntimeError, ValueError, IndexError) as error:
         reason = str(error).partition(". If you want to ignore")[0]
         raise UnsupportedError(
-            path, wanted="a C3D file that ezc3d reads", found=f"a refusal ({reason})",
+            path, wanted="a C3D file", found=f"a file that ezc3d refuses ({reason})",
             do="Open it in the program that wrote it and export it again.",
         ) from error  # fmt: skip
 

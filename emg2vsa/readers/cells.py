@@ -113,7 +113,9 @@ class Body:
             if bad.size and (first is None or bad[0] < first[0]):
                 first = int(bad[0]), column
         if first is None:
-            return RecordingError(self.path, wanted="numbers", found="cells that are none", do="Export the file again.")
+            return RecordingError(
+                self.path, wanted="numbers", found="cells that are not numbers", do="Export the file again."
+            )
         row, column = first
         return RecordingError(
             f"{self.path}, {self.line(row)}, column {names[column]!r}", wanted="a number",

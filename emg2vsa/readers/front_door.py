@@ -45,7 +45,9 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
             path, wanted="a readable file", found=found, do="Check the path in the study file."
         ) from error
     if head is None:  # reading it may never end
-        raise RecordingError(path, wanted="a file", found="a pipe or a device", do="Copy what it gives into a file.")
+        raise RecordingError(
+            path, wanted="a file", found="a pipe or a device", do="Save its data in a file, and name this file."
+        )
     if not head:
         raise RecordingError(path, wanted="a recording", found="an empty file", do="Export or copy it again.")
     if (not_read := refused(path, head)) is not None:

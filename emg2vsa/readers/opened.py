@@ -85,7 +85,7 @@ def usable(path: Path, name: str, channel: StoredChannel, fs_hz: float | None = 
     """
     where = f"{path}, channel {name!r}"
     if channel.samples.size == 0:
-        raise RecordingError(where, wanted="samples", found="none", do="Choose another channel.")
+        raise RecordingError(where, wanted="samples", found="none", do="Choose a channel with samples.")
     if fs_hz is not None and channel.fs_hz > 0 and abs(fs_hz - channel.fs_hz) > _RATE_TOLERANCE * channel.fs_hz:
         raise RecordingError(
             where, wanted=f"the rate that the study states, {fs_hz:g} Hz", found=f"{channel.fs_hz:.6g} Hz by the file",

@@ -36,7 +36,10 @@ def even_clock(
     missing = np.flatnonzero(~np.isfinite(time_s))
     if missing.size:
         raise RecordingError(
-            f"{where}, {place(int(missing[0]))}", wanted="a time stamp", found="none", do="Fill it or cut the row."
+            f"{where}, {place(int(missing[0]))}",
+            wanted="a time stamp",
+            found="none",
+            do="Add the time stamp, or remove the row.",
         )
     step = np.diff(time_s)
     interval = float(np.median(step))

@@ -67,6 +67,8 @@ class StudyResults:
     failures: tuple[Failure, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict)
     "Versions and digests by name."
+    pages: str = "participants"
+    'Folder of the participants\' pages, as the report links to it; "" for no links.'
 
     @property
     def recorded(self) -> People:

@@ -1,4 +1,4 @@
-"""The page of recordings that were looked at: a table of their channels, and each over time and frequency."""
+"""The page of ``emg2vsa inspect``: a table of the channels, and each channel over time and frequency."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _percent(share: float) -> str:
 
 
 def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
-    """The whole page. refused : why files could not be read, a sentence each."""
+    """The whole page. refused : one sentence for each file that could not be read."""
     one = len(files) == 1
     title = files[0].path.name if one else f"{len(files)} recordings"
     header = f"<h1>{escape(title)}</h1>"
@@ -54,7 +54,7 @@ def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
         _section(number, "Channels" if one else file.path.name, file) for number, file in enumerate(files, 1)
     )
     if refused:
-        body += section("refused", "Not read", bullets(refused))
+        body += section("refused", "Files that could not be read", bullets(refused))
     nav = [] if one else [(f"#file{number}", file.path.name) for number, file in enumerate(files, 1)]
     return page(title, header, nav, body, paragraph(f"Made by emg2vsa {__version__}.", "small"))
 
@@ -62,7 +62,7 @@ def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
 def _section(number: int, title: str, file: FileFacts) -> str:
     rows = [(f"{name}: {guess}", *numbers) for name, *numbers, guess in map(cells, file.channels)]
     parts = [
-        paragraph(f"{file.format}, {len(file.channels)} channels. Values are in the unit that the file states."),
+        paragraph(f"{file.format}, {len(file.channels)} channels. Values have the unit that the file states."),
         table(f"Channels of {file.path.name}", HEADS[:-1], rows),
     ]
     if file.notes:
@@ -82,7 +82,7 @@ def _pictures(number: int, index: int, facts: ChannelFacts, channel: StoredChann
     name = f"f{number}c{index}"
     shown = [figure(_trace(facts, channel, f"{name}t"), f"{facts.name} over time: {facts.guess}.")]
     if facts.role == "EMG" and channel.samples.size >= 2 * channel.fs_hz:
-        caption = f"{facts.name}: power by frequency. Hum would stand out at 50 or 60 Hz and their multiples."
+        caption = f"Spectrum of {facts.name}. Mains hum shows as peaks at multiples of 50 or 60 Hz."
         shown.append(figure(_spectrum(facts, channel, f"{name}s"), caption))
     return f'<div class="pictures">{"".join(shown)}</div>\n'
 
@@ -96,7 +96,7 @@ def _trace(facts: ChannelFacts, channel: StoredChannel, name: str) -> str:
 
 
 def _spectrum(facts: ChannelFacts, channel: StoredChannel, name: str) -> str:
-    """Mean power of seconds, in decibels of the largest."""
+    """Mean power of pieces of one second, in decibels of the largest."""
     size = round(channel.fs_hz)
     samples = np.nan_to_num(channel.samples - np.nanmean(channel.samples))
     blocks = samples[: samples.size // size * size].reshape(-1, size) * np.hanning(size)
@@ -104,13 +104,13 @@ def _spectrum(facts: ChannelFacts, channel: StoredChannel, name: str) -> str:
     decibels = 10 * np.log10(np.maximum(power / power.max(), 1e-8))
     frequency: Floats = np.asarray(np.fft.rfftfreq(size, 1 / channel.fs_hz)[1:], dtype=np.float64)
     return _drawing(
-        frequency, decibels, _COLOURS["EMG"], "frequency (Hz)", "power (dB of the largest)", name,
+        frequency, decibels, _COLOURS["EMG"], "frequency (Hz)", "power relative to the largest (dB)", name,
         f"Spectrum of {facts.name}",
     )  # fmt: skip
 
 
 def _readable(facts: ChannelFacts) -> tuple[float, str]:
-    """A factor and unit with which the axis has numbers a person reads."""
+    """A factor and unit that give the axis readable numbers."""
     size = max(abs(facts.low), abs(facts.high))
     if facts.unit == "V" and size < 0.1:
         return (1e6, "uV") if size < 0.01 else (1e3, "mV")
@@ -122,5 +122,5 @@ def _drawing(x: Floats, y: Floats, colour: str, x_label: str, y_label: str, name
     margin = 0.05 * (high - low) or max(abs(high), 1.0) * 0.05
     area = PlotArea((float(x[0]), float(x[-1])), (low - margin, high + margin), 960, 360, left=110)
     line = f'<path d="{area.line(x, y)}" stroke="{colour}"/>'
-    told = f"From {low:.3g} to {high:.3g}; {x_label} from {x[0]:.3g} to {x[-1]:.3g}."
+    told = f"Values from {low:.3g} to {high:.3g}, with {x_label} from {x[0]:.3g} to {x[-1]:.3g}."
     return area.svg(area.axes(x_label, y_label) + line, name, title, told)

@@ -1,4 +1,4 @@
-"""The page of one participant: is the session good, and what every press looked like."""
+"""The page of one participant: whether the session is good, and what every press looks like."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from emg2vsa.trials import Trials
 from emg2vsa.trials.remedies import remedy_of
 
 VERDICT_TEXT = {
-    "good": "Every press is as wanted.",
-    "usable": "The session can be used; read the remarks.",
-    "repeat": "Record again what is listed, while the participant is there.",
-    "unreadable": "A recording cannot be used as it is: read why, and mend the file or the study file.",
+    "good": "Every press can be used.",
+    "usable": "The session can be used. Read the remarks below.",
+    "repeat": "Repeat the recordings listed below while the participant is still here.",
+    "unreadable": "A recording cannot be used. Read the reason below, then correct the recording or the study file.",
 }
 
 
@@ -118,7 +118,7 @@ def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
     traces = [force_trace(trials, window_n, f"{name}f")]
     if trials.overviews:
         traces += [emg_trace(trials, m, f"{name}e{m}") for m in range(len(trials.muscles))]
-    raw = " Grey: raw EMG; red: its mean rectified value." if trials.overviews else ""
+    raw = " Grey is raw EMG; red is the mean of rectified EMG." if trials.overviews else ""
     body += html.figure(
         "".join(traces), f"{trials.specimen}: force and EMG over time. Loading phases are shaded and numbered.{raw}"
     )
@@ -133,12 +133,12 @@ def _signals(trials: Trials, window_n: tuple[float, float], name: str) -> str:
 def _recording(trials: Trials, own: Fits | None, scale: ActivityScale, name: str) -> str:
     body = ""
     if own is None or not np.isfinite(own.bin_v).any():
-        body += html.paragraph("No press has co-contraction within the force window, so there is no curve to show.")
+        body += html.paragraph("No press has co-contraction within the force window, so no curve can be drawn.")
     else:
-        dashed = "solid: ok; dashed: warned (!); dotted: rejected (×); thick: odd beside the others"
+        dashed = "solid = ok, dashed = warned (!), dotted = rejected (×), thick = unlike the other presses"
         body += html.figure(
             activity_plot(own, scale, f"{name}v"),
-            f"{trials.specimen}: force bins and fits v = a + b ln F of each press, by its number. Curves: {dashed}.",
+            f"{trials.specimen}: means of the force bins, and the fit v = a + b ln F of each press. Curves: {dashed}.",
         )
     if own is not None and own.b_v.size:
         body += _table(trials, own, scale).html()
@@ -147,8 +147,8 @@ def _recording(trials: Trials, own: Fits | None, scale: ActivityScale, name: str
 
 def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
     columns = (
-        Column("repetition", "Press"), Column("start_s", "Start (s)", digits=4), Column("duration_s", "Lasts (s)"),
-        Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling (%)", 100.0, 2),
+        Column("repetition", "Press"), Column("start_s", "Start (s)", digits=4), Column("duration_s", "Duration (s)"),
+        Column("peak_force_n", "Peak (N)"), Column("falling_share", "Falling force (%)", 100.0, 2),
         Column("snr_db", "SNR (dB)"), activity_column("a_v", "a", scale), activity_column("b_v", "b", scale),
         activity_column("b_lo_v", "b low", scale), activity_column("b_hi_v", "b high", scale),
         Column("adj_r2_bins", "adj. R², bins"),
@@ -157,21 +157,22 @@ def _table(trials: Trials, fits: Fits, scale: ActivityScale) -> Table:
     keys = [column.key for column in columns]
     rows = rows_of({key: np.asarray(getattr(fits if hasattr(fits, key) else trials, key)) for key in keys})
     interval = f"{100 * fits.confidence:g}{NO_BREAK}%"
-    caption = f"Presses on {trials.specimen}; b low and b high are the ends of its {interval} interval"
+    caption = f"Presses on {trials.specimen}; b low and b high are the limits of the {interval} interval of b"
     return Table("presses", caption, columns, rows)
 
 
 def _quality(trials: Trials) -> list[str]:
     said = [
-        f"{muscle}: rest {number(rest * 1e6)} µV, mains {percent(mains, 2)} of power, clipped {percent(clip, 2)}"
+        f"{muscle}: {number(rest * 1e6)} µV at rest, {percent(mains, 2)} of the power from mains, "
+        f"{percent(clip, 2)} of the samples clipped"
         for muscle, rest, mains, clip in zip(
             trials.muscles, trials.rest_envelope_v.tolist(), trials.mains_ratio.tolist(), trials.clip_share.tolist(),
             strict=True,
         )
     ]  # fmt: skip
-    said.append(f"force at rest: {number(trials.rest_force_n)} N, subtracted")
+    said.append(f"Force: {number(trials.rest_force_n)} N at rest, subtracted")
     if np.isfinite(trials.lag_s) and trials.repetition.size:
         known = np.isfinite(trials.lag_se_s)
-        error = f"standard error {1e3 * trials.lag_se_s:.0f} ms" if known else "by one press"
-        said.append(f"force follows EMG by {1e3 * trials.lag_s:.0f} ms ({error})")
+        error = f"standard error {1e3 * trials.lag_se_s:.0f} ms" if known else "from one press"
+        said.append(f"Force follows EMG by {1e3 * trials.lag_s:.0f} ms ({error})")
     return said

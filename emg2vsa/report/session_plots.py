@@ -1,4 +1,4 @@
-"""The drawings of a recording on its page, by hand and light, in the colours of the page by day and by night."""
+"""The drawings of a recording on its page: small SVG in the colours of the page, light or dark."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from emg2vsa.trials import Trials
 INK, MUTED, GRID, BLUE = "var(--ink)", "var(--muted)", "var(--line)", "var(--link)"
 _TEXT = 24
 _SHOWN = 0.56
-"Pixels a unit, at most: drawings are made fine and shown at about half their size."
+"Pixels per unit, at most: drawings are shown at about half the size at which they are made."
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class PlotArea:
         return np.rint(self.height - self.bottom - (np.asarray(values) - low) / (high - low) * inner)
 
     def line(self, x: Floats, y: Floats) -> str:
-        """Path data of a polyline, in relative steps; points that are not numbers are left out."""
+        """Path data of a polyline, in relative steps; points that are not finite are left out."""
         known = np.isfinite(x) & np.isfinite(y)
         if not known.any():
             return ""
@@ -80,7 +80,7 @@ class PlotArea:
         )
 
     def svg(self, body: str, name: str, title: str, description: str) -> str:
-        """The drawing, with a name and words for those who do not see it."""
+        """The drawing, with a title and a description for screen readers."""
         return (
             f'<svg viewBox="0 0 {self.width} {self.height}" style="max-width:{self.width * _SHOWN:.0f}px;'
             f'min-width:{self.width * _SHOWN * (0.7 if self.width > 1000 else 0.5):.0f}px;background:none" role="img" '
@@ -232,12 +232,12 @@ def spectra(trials: Trials, muscle: int, name: str) -> str:
         area.width - 30, 90, "at rest, dashed", "end", BLUE
     )
     return area.svg(
-        body, name, f"Spectrum of {trials.muscles[muscle]}", "Amplitude density at rest and while pressing."
+        body, name, f"Spectrum of {trials.muscles[muscle]}", "Amplitude density at rest and during presses."
     )
 
 
 def median_frequencies(trials: Trials, name: str) -> str:
-    """Median frequency of every press and muscle, in time order: it falls where a muscle tires."""
+    """Median frequency of every press and muscle, in time order. The median frequency of a tired muscle falls."""
     median_hz = np.concatenate([o.median_hz for o in trials.overviews], axis=1)
     known = median_hz[np.isfinite(median_hz)]
     if known.size == 0:
@@ -263,7 +263,7 @@ _LINES = ("", ' stroke-dasharray="12 6"', ' stroke-dasharray="4 6"', ' stroke-da
 
 
 def activity_plot(fits: Fits, scale: ActivityScale, name: str) -> str:
-    """Bin means and fitted curves of every press, each in a colour of its own and numbered where it ends."""
+    """Bin means and the fitted curve of every press, in one colour per press, with its number at the end."""
     low, high = float(fits.bin_edges_n[0]), float(fits.bin_edges_n[-1])
     v = fits.bin_v * scale.factor
     shown = v[np.isfinite(v)]

@@ -1,4 +1,4 @@
-"""What ``emg2vsa stats`` says of a table: one table per hypothesis, the pairs, then every result in one line."""
+"""The answer of ``emg2vsa stats``: one table per hypothesis, the pairs, then one line per result."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from emg2vsa.stats.post_hoc import PairDifferences
 
 _WIDTHS = (28, 36, 30, 22)
 _SUMMARY = frozenset({"groups", "groups over blocks"})
-"""What results are of that are always printed."""
+"""Names whose results are always printed."""
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A question, the rows that answer it, and what to mind."""
+    """A question, the rows that answer it, and ``mind``: what limits the answer."""
 
     question: str
     rows: Sequence[CompanionRow]
@@ -55,38 +55,46 @@ def _together(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
     yield Hypothesis(
         "Is each group Gaussian?" if cells is None else "Is each group of each block Gaussian?",
         normality_rows(cells or tests.normality, alpha, "groups" if cells is None else "cells", style),
-        "Standardised KS has p far too large; raw KS tests location and scale too. Small groups have little power. Do "
-        "not choose the next test by the outcome of these.",
+        "The p of standardised KS is far too large. Raw KS also tests location and scale. Small groups have little "
+        "power. Do not choose the next test by the outcome of these tests.",
     )
     paper = f"One-way ANOVA: {decided([groups.anova_outcome()], alpha, '', style)}"
     over = over_people_rows(paper, groups.anova.p, blocks.blocks, alpha, style) if blocks and blocks.blocks else []
     yield Hypothesis(
         "Do groups differ?",
         [*over, *group_rows(groups, alpha, "", style), variance_row(groups, alpha, "", style)],
-        "The first column takes all rows as independent; rows of one block are not. Believe the tests over blocks."
+        "The paper's test takes all rows as independent, but rows of a block are not. Trust the tests over blocks."
         if blocks
-        else "All rows are taken as independent. If several come from one person or object, name it with --block.",
+        else "All rows are taken as independent. If a person gave several rows, name the column of people: --block.",
     )
     yield _pairs_of_all(found, style)
     equal = equality_rows(paper, found.equality, None, 1.0, "", style)
-    yield Hypothesis("Are groups equal?", equal, "A difference that was not found is no equality: state a --margin.")
+    yield Hypothesis(
+        "Are groups equal?",
+        equal,
+        "A test that finds no difference does not show equality. State a margin with --margin.",
+    )
 
 
 def _pairs_of_all(found: TidyTests, style: Style) -> Hypothesis:
-    """With blocks the tests whose sample is the blocks: rows of one block are no independent values."""
+    """With blocks, the tests over blocks: rows of one block are not independent."""
     question, pairs, blocks = "Which groups differ?", found.together.pairs, _over_blocks(found)
     if blocks is not None:
         return Hypothesis(
             question,
             over_people_pair_rows(pairs, blocks, found.alpha, style),
-            "LSD takes all rows as independent. Believe the pairs over blocks: their errors are those of the blocks.",
+            "LSD takes all rows as independent. Trust the pairs over blocks: their errors come from the blocks.",
         )
     floor = dunn_bounds(found.count)
-    bound = f" With groups of this size Dunn's worst pair has p = {floor[1]:.2g} or more, untied." if floor else ""
+    bound = (
+        f" With groups of this size and no ties, the largest p of Dunn's pairs is {floor[1]:.2g} or more."
+        if floor
+        else ""
+    )
     return Hypothesis(
         question,
         pair_rows(pairs, found.alpha, style),
-        f"{pairs.first.size} pairs; LSD does not hold the error of the family beyond three groups.{bound}",
+        f"{pairs.first.size} pairs. With more than three groups, LSD does not control the familywise error.{bound}",
     )
 
 
@@ -102,7 +110,7 @@ def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
         yield Hypothesis(
             "Do groups differ within each block?",
             [*group_rows(tests.between_groups, alpha, "blocks", style), *pair_rows(tests.pairs, alpha, style)],
-            "One analysis a block: each speaks of that block only.",
+            "One analysis per block. The result of a block holds for this block only.",
         )
     if np.isfinite(tests.between_blocks.anova.p).any():
         paper = f"One-way ANOVA: {how_many(tests.between_blocks.anova.p, alpha, 'groups', style)}"
@@ -112,12 +120,12 @@ def _by_block(found: TidyTests, style: Style) -> Iterator[Hypothesis]:
                 *group_rows(tests.between_blocks, alpha, "groups", style),
                 *equality_rows(paper, tests.equality, tests.blocks, 1.0, "", style),
             ],
-            "One analysis a group. A difference that was not found is no equality.",
+            "One analysis per group. A test that finds no difference does not show equality.",
         )
 
 
 def outcomes(found: TidyTests) -> Iterator[tuple[str, Outcome]]:
-    """Every test, and what it is of."""
+    """Every test with the name of the group, pair or block that it tests."""
     tests, blocks = found.together, _over_blocks(found)
     if blocks is not None:
         yield from (("groups over blocks", outcome) for outcome in blocks.outcomes())
@@ -168,7 +176,7 @@ def _groups(found: TidyTests) -> str:
 
 
 def _mean(mean: float, sd: float) -> str:
-    """As many digits as its SD has a use for."""
+    """The mean with the digits that its SD supports."""
     digits = 3 + math.ceil(math.log10(abs(mean) / sd)) if mean and sd > 0 else 3
     return f"{mean:.{min(max(digits, 3), 17)}g}"
 
@@ -207,13 +215,13 @@ def _families(found: TidyTests) -> tuple[dict[str, Floats], Floats]:
 
 
 def _p(p: float, style: Style) -> str:
-    """Without the letter: a column says it."""
+    """p without its letter, which the head of the column has."""
     shown = p_said(p, style).replace("$", "").replace(NO_BREAK, " ")
     return shown.removeprefix("p ").removeprefix("= ").replace("not defined", UNDEFINED)
 
 
 def _grid(rows: Sequence[CompanionRow]) -> Iterator[str]:
-    """Four columns of wrapped text; what the row above says in the first is not repeated."""
+    """Four columns of wrapped text. The first column does not repeat the text of the row above."""
     heads = [column.head for column in COLUMNS]
     above = ""
     for cells in (heads, *((row.paper, row.companion, row.effect, row.changes) for row in rows)):

@@ -98,7 +98,7 @@ def board_settings(settings: DeviceSettings, condition: Condition) -> ActuatorSe
         return settings.actuator
     if settings.motor is None:
         do = "Add it to the rig file, or choose another condition."
-        raise SettingError("motor", wanted=f"a table [motor] for {RIGID}", found="nothing", do=do)
+        raise SettingError("motor", wanted=f"a table [motor] for {RIGID}", found="none", do=do)
     return settings.motor
 
 
@@ -127,7 +127,7 @@ def open_board(
         )
         if not board.ping():
             do = "Check power, cable, id and generation; emg2vsa rig scan lists who answers."
-            raise DeviceError(board.where, wanted="a device that answers", found="silence", do=do)
+            raise DeviceError(board.where, wanted="a device that answers", found="no answer", do=do)
         yield board
     finally:
         line.close()
@@ -171,7 +171,7 @@ def open_force(settings: ForceSettings, guards: GuardSettings, clock: Clock) -> 
 
 def _no_address(key: str, wanted: str, do: str) -> SettingError:
     do = f"Write it into the rig file, or use the emulated rig (--virtual). {do}"
-    return SettingError(key, wanted=wanted, found="nothing", do=do)
+    return SettingError(key, wanted=wanted, found="none", do=do)
 
 
 def open_camera(settings: CameraSettings, guards: GuardSettings, clock: Clock) -> OpenCvCamera:

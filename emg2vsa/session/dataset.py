@@ -498,7 +498,7 @@ def _merge(
                 rows = [row for row in csv.reader(lines, delimiter="\t") if row]
         except (ValueError, csv.Error) as error:
             raise DataError(
-                path, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct it, or move it away."
+                path, wanted="a tab-separated table in UTF-8", found=str(error), do="Correct the file, or move it away."
             ) from error
     head = rows[0] if rows else list(columns)
     if head[0] != columns[0] or not set(columns) <= set(head):

@@ -119,12 +119,12 @@ def _rig_force(settings: ForceSourceSettings, force: ForceSettings | None, input
     unit_axis(settings.axis)
     if force is None:
         do = "Name the rig file whose [force] table describes the sensor."
-        raise SettingError("session.force.rig", wanted="a rig file", found="nothing", do=do)
+        raise SettingError("session.force.rig", wanted="a rig file", found="none", do=do)
     bias = force.bias
     if force.kind == "net-ft":
         if (host := force.host) is None:
             do = "Write it into the rig file; it leaves the factory with 192.168.1.1."
-            raise SettingError("force.host", wanted="the address of the box", found="nothing", do=do)
+            raise SettingError("force.host", wanted="the address of the box", found="none", do=do)
         ports = {"rdt_port": force.rdt_port, "http_port": force.http_port}
 
         def box() -> Source:

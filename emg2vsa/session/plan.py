@@ -106,6 +106,9 @@ def read_plan(path: Path) -> Plan:
         presses = tuple(PlannedPress(**press) for press in content["presses"])
         return Plan(**{each.name: content[each.name] for each in fields(Plan)} | {"presses": presses})
     except (OSError, ValueError, KeyError, TypeError) as error:
+        if not path.parent.exists():
+            do = "Check the participant's code, or run the session first."
+            raise DataError(path.parent, wanted="the folder of a session", found="none", do=do) from error
         found = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
         raise DataError(
             path, wanted="the plan of a session", found=found,

@@ -151,7 +151,7 @@ class PressList:
         for press in self.presses:
             own = [tried for tried in self.tried if tried.press.number == press.number]
             shown += [tried.view() for tried in own]
-            if not own or (own[-1].over and not self._progress.is_done(press.number) and not own[-1].undecided):
+            if not own or (own[-1].verdict and not self._progress.is_done(press.number) and not own[-1].undecided):
                 shown.append(Tried(press, len(own) + 1).view())
         return tuple(shown)
 

@@ -55,6 +55,8 @@ CLOCK_TOLD_S, SCREEN_TOLD_S = 60.0, 10.0
 "How often the clocks of the devices, and a screen without news, are told to the journal."
 SCREEN_NEWS_S = 1.0
 "A screen with news is told no more often."
+MENDED_S = 0.9
+"A press after a rejected one is judged from so long before its START: what was wrong has been mended by then."
 LAST_LINES_S = 2.0
 "At the end the disk has so long to take the last lines before the page shows how the session ended."
 _MOST_WARNINGS = 8
@@ -374,17 +376,22 @@ class Session:
     def _judge_from_s(self, longest_s: float) -> float:
         """The end of a press, after which no more than ``longest_s`` has passed; 0: all of the stay.
 
-        What was badly done and is done again is left behind: a channel that was clipped once is no fault of the rest.
+        What was badly done and is done again is left behind, with the rest in which its cause was mended: an electrode
+        that was off once, or a channel that was clipped, is no fault of what follows.
         """
         if self.stay is None:
             return 0.0
-        before = [tried for tried in self.presses.of_stay(self.stay.stay) if tried.epochs == self._epochs][:-1]
-        ends = [(tried, tried.times.end_s + LIFTED_S) for tried in before if tried.times and tried.times.end_s]
-        from_s = max((end_s for tried, end_s in ends if tried.verdict == "rejected"), default=0.0)
+        own = [each for each in self.presses.of_stay(self.stay.stay) if each.epochs == self._epochs and each.times]
+        times = [(each.times.start_s, each.times.end_s + LIFTED_S) for each in own if each.times and each.times.end_s]
+        from_s = 0.0
+        for tried, (_, end_s), (next_s, _) in zip(own[:-1], times[:-1], times[1:], strict=True):
+            if tried.verdict == "rejected":
+                from_s = max(end_s, next_s - MENDED_S)
         start_s, _ = self.emg.timing(self._stay_first["emg"])
         if self.now_s - max(from_s, start_s) <= longest_s:
             return from_s
-        return next((end_s for _, end_s in ends if self.now_s - end_s <= longest_s), ends[-1][1] if ends else 0.0)
+        ends = [end_s for _, end_s in times[:-1]]
+        return max(from_s, next((end_s for end_s in ends if self.now_s - end_s <= longest_s), max(ends, default=0.0)))
 
     def _take_verdicts(self, judged: StayJudged) -> None:
         """Of the press that has ended. A verdict stays: what comes later in a stay is no fault of an earlier press."""

@@ -67,7 +67,7 @@ def operator_state(session: Session) -> OperatorState:
     )  # fmt: skip
     possible = [name for name in names if not refusal(session, Request(name))] + ["check", "note"]
     running = session.running.view() if session.running else None
-    safe = "everything is on the disk" if session.record.is_safe else "the disk is behind"
+    safe = "everything is on the disk" if session.record.is_safe else "the last events are being written"
     return OperatorState(
         participant=session.participant,
         study=session.study.title or session.study.name,

@@ -46,7 +46,7 @@ def smoother(filters: FilterSettings, fs_hz: float, step: int) -> Smoother:
         raise SettingError("filters.fir_order", wanted="an even order", found=str(filters.fir_order), do=do)
     if filters.fir_cutoff_hz >= fs_hz / 2:
         wanted, found = f"less than half the EMG rate, {fs_hz / 2:g} Hz", f"{filters.fir_cutoff_hz:g} Hz"
-        raise SettingError("filters.fir_cutoff_hz", wanted=wanted, found=found, do="Lower it.")
+        raise SettingError("filters.fir_cutoff_hz", wanted=wanted, found=found, do="Lower the cut-off.")
     return _smoother("EMG envelope FIR", filters.fir_order + 1, filters.fir_cutoff_hz, centred, fs_hz, step)
 
 

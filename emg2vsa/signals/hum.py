@@ -122,7 +122,7 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
     hz : of the mains; None: whichever of both holds more.
     """
     powers = [
-        _clear_powers(channels, mains_hz * np.arange(1, HARMONICS + 1), fs_hz, start, stop)
+        _clear_powers(channels, np.asarray(mains_hz * np.arange(1.0, HARMONICS + 1)), fs_hz, start, stop)
         for mains_hz in ((hz,) if hz else MAINS_HZ)
     ]
     return np.asarray(np.sqrt(max(powers, key=np.sum)))

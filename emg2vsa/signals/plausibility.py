@@ -181,7 +181,9 @@ def force_unit_doubt(force_n: Floats, window_n: tuple[float, float]) -> str:
 
 def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
     for muscle, row, rest_v in zip(signals.muscles, signals.envelopes_v, signals.rest_v.tolist(), strict=True):
-        level_v = float(np.quantile(row, 0.8)) if row.size else 0.0
+        # a unit is wrong in every press, and a press that was clipped or lost its electrode says nothing of it
+        each_v = [np.quantile(one, 0.8) for one in np.split(row, signals.offsets[1:-1]) if one.size]
+        level_v = float(np.quantile(each_v, 0.5, method="lower")) if each_v else 0.0
         # a channel that shows nothing of the press is an electrode's matter, not a unit's
         if muscle in besides or level_v <= 0 or level_v < 2 * rest_v or LEVEL_V[0] <= level_v <= LEVEL_V[1]:
             continue

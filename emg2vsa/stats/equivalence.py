@@ -145,9 +145,13 @@ def _paired(values: Floats) -> Contrasts:
 
 def _decide(of: Contrasts, variant: str, margin: float, unit: MarginUnit, alpha: float) -> Equivalence:
     if not (np.isfinite(margin) and margin > 0):
-        raise SettingError("equivalence, margin", wanted="a positive number", found=str(margin), do="Change it.")
+        raise SettingError(
+            "equivalence, margin", wanted="a positive number", found=str(margin), do="Give such a margin."
+        )
     if not 0 < alpha < 0.5:
-        raise SettingError("equivalence, alpha", wanted="a level between 0 and 1/2", found=str(alpha), do="Change it.")
+        raise SettingError(
+            "equivalence, alpha", wanted="a level between 0 and 1/2", found=str(alpha), do="Give such a level."
+        )
     se = np.where(of.se > 0, of.se, np.nan)
     width = margin * of.sd if unit == "sd" else np.where(np.isnan(of.sd), np.nan, margin)
     # the side the difference leans to is the harder one to reject

@@ -36,7 +36,7 @@ def claim_family(claims: Mapping[str, float], alpha: float = 0.05) -> ClaimFamil
     p: it is wrong as soon as one of them is. SettingError for a p outside 0 to 1, or an alpha outside 0 to 1.
     """
     if not 0 < alpha < 1:
-        raise SettingError("claims, alpha", wanted="a level between 0 and 1", found=str(alpha), do="Change it.")
+        raise SettingError("claims, alpha", wanted="a level between 0 and 1", found=str(alpha), do="Give such a level.")
     p = np.array(list(claims.values()), dtype=np.float64)
     wrong = [name for name, value in claims.items() if not (np.isnan(value) or 0 <= value <= 1)]
     if wrong:

@@ -79,7 +79,9 @@ def n_for_power(
 def fewest_people(power_of: Callable[[int], Floats], target: float) -> int:
     """Fewest people, two or more, for whom ``power_of`` reaches ``target``, or 0 where a million do not."""
     if not 0 < target < 1:
-        raise SettingError("power, target", wanted="a power between 0 and 1", found=str(target), do="Change it.")
+        raise SettingError(
+            "power, target", wanted="a power between 0 and 1", found=str(target), do="Give such a power."
+        )
 
     def enough(n: int) -> bool:
         return bool(power_of(n) >= target)
@@ -128,4 +130,4 @@ def _check(n: Floats, m: Floats, f: Floats, rho: Floats, epsilon: Floats, alpha:
         ("alpha", (alpha > 0) & (alpha < 1), "a level between 0 and 1", alpha),
     ):
         if not np.all(good):
-            raise SettingError(f"power, {name}", wanted=wanted, found=str(value), do="Change it.")
+            raise SettingError(f"power, {name}", wanted=wanted, found=str(value), do=f"Give such a value of {name}.")

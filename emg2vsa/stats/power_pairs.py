@@ -76,7 +76,7 @@ def effect_for_power(power: float, n: ArrayLike, alpha: ArrayLike = 0.05) -> Flo
 def _least(power_of: Callable[[Floats], Floats], power: float, shape: tuple[int, ...]) -> Floats:
     """Smallest argument, 0 or more, at which ``power_of``, which rises in it, reaches ``power``."""
     if not 0 < power < 1:
-        raise SettingError("power, target", wanted="a power between 0 and 1", found=str(power), do="Change it.")
+        raise SettingError("power, target", wanted="a power between 0 and 1", found=str(power), do="Give such a power.")
     high = np.ones(shape)
     while np.any(short := power_of(high) < power):
         high = np.where(short, 2 * high, high)
@@ -104,7 +104,9 @@ def _check_tost(margin: Floats, delta: Floats, alpha: Floats, n1: Floats, n2: Fl
         ("n", (n1 >= 1) & (n2 >= 1) & (df >= 1), "one degree of freedom or more", df),
     ):
         if not np.all(good):
-            raise SettingError(f"equivalence power, {name}", wanted=wanted, found=str(value), do="Change it.")
+            raise SettingError(
+                f"equivalence power, {name}", wanted=wanted, found=str(value), do=f"Give such a value of {name}."
+            )
 
 
 def _check_paired(effect: Floats, n: Floats, alpha: Floats) -> None:
@@ -114,4 +116,6 @@ def _check_paired(effect: Floats, n: Floats, alpha: Floats) -> None:
         ("n", (n >= 2) & np.isfinite(n), "two people or more", n),
     ):
         if not np.all(good):
-            raise SettingError(f"paired power, {name}", wanted=wanted, found=str(value), do="Change it.")
+            raise SettingError(
+                f"paired power, {name}", wanted=wanted, found=str(value), do=f"Give such a value of {name}."
+            )

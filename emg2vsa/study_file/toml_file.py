@@ -31,7 +31,9 @@ def read_toml(path: Path, what: str) -> tuple[str, dict[str, Any]]:
         # line ends as TOML counts them and no byte order mark, whatever the editor wrote
         text = path.read_bytes().removeprefix(codecs.BOM_UTF8).decode("utf-8").replace("\r\n", "\n")
     except OSError as error:
-        raise StudyError((f"{path}: expected {what}, but found none to read ({error.strerror}).",)) from None
+        kind = what.removeprefix("a ")
+        found = f"a folder. Name the {kind} in it" if path.is_dir() else f"no file that can be read ({error.strerror})"
+        raise StudyError((f"{path}: expected {what}, but found {found}.",)) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise StudyError(

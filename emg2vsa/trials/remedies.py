@@ -75,7 +75,7 @@ REMEDIES = (
            "a gauge of the force transducer was overloaded somewhere in the recording",
            "use a larger range, or unload the transducer's mount; record again", False),
     Remedy(r".* clips in .* of samples", "FDS clips in 16 % of samples",
-           "the amplifier was at its end (`clip_share`, 0.1 %)", "lower the gain, check the electrode, record again",
+           "the amplifier was saturated (`clip_share`, 0.1 %)", "lower the gain, check the electrode, record again",
            True),
     Remedy(r"force .*is its sign -?1\?", "force rises while EMG is below its rest; is its sign -1?",
            "releases look like presses; every press of the recording is rejected",

@@ -61,7 +61,7 @@ def test_an_existing_study_file_is_never_replaced(
 ) -> None:
     before = drafted.read_text()
     assert main(["new", str(folder), "--out", str(drafted)]) == 2
-    assert "expected no study file yet, but found one" in capsys.readouterr().err
+    assert "expected a new file, but found an existing one" in capsys.readouterr().err
     assert drafted.read_text() == before
 
 
@@ -104,7 +104,7 @@ def test_force_in_files_of_its_own(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["none"], "expected a folder of recordings, but found none"),
+        (["none"], "expected a folder of recordings, but found no folder"),
         (["empty"], "found a folder without any"),
         (["texts"], "found none that can be read"),
         (["raw", "--stiffness", "hard"], "--stiffness: expected NAME=NUMBER"),

@@ -48,6 +48,7 @@ def study_file(tmp_path):
         (["--participant", "P03", "--virtual", "--speed", "1000"], "0.1 to 100"),
         (["--participant", "P03", "--virtual", "--seed", "-1"], "--seed"),
         (["--participant", "P03", "--virtual", "--no-page", "--mistake", "sneeze@1"], "--mistake"),
+        (["--participant", "P03", "--virtual", "--no-page", "--truth", "no/such/folder/truth.json"], "no such folder"),
         (["--participant", "P03", "--virtual", "--no-page", "--resume"], "a session to resume"),
         (["--participant", "P03", "--virtual", "--bind", "everywhere"], "--bind"),
     ],
@@ -71,7 +72,15 @@ def test_a_study_without_the_table_is_refused(tmp_path, capsys):
 
 def test_there_is_nothing_to_finish_before_a_session(study_file, capsys):
     assert main(["session", "finish", str(study_file), "--participant", "P03"]) == 2
-    assert "plan" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "expected the folder of a session, but found none" in said
+    assert "run the session first" in said
+
+
+def test_a_misspelt_command_is_told_from_a_study_file(study_file, capsys):
+    with pytest.raises(SystemExit):
+        main(["session", "rnu", str(study_file), "--participant", "P03"])
+    assert "invalid choice: 'rnu'" in capsys.readouterr().err
 
 
 def test_a_session_of_one_press_without_a_page(study_file, capsys):

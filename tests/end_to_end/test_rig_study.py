@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -41,6 +42,7 @@ modular = [0]
 stiffness_n_per_mm = { S1 = 7.63, S3 = 3.35, S5 = 1.11, S_new = 5.32 }
 """
 SPECIMENS = ("S1", "S3", "S5", "S_new")
+PARTS = ("people", "rig")
 RUNS = [f"{s}_0_{c}" for c in ("high-stiffness", "modular") for s in SPECIMENS]
 
 
@@ -117,7 +119,31 @@ def test_a_setting_of_the_scores_presses_nothing_again(copy, capsys):
     assert {p: p.stat().st_mtime_ns for p in copy.parent.glob("runs-virtual/*/log.csv")} == before
 
 
-def test_people_only_and_rig_only(copy, capsys):
+def test_people_only_and_rig_only_have_reports_of_their_own(copy, capsys):
+    """They stand beside the whole report: switching between the three runs no step and removes no file."""
+    reports = copy.parents[2] / "reports" / "small"
+    people, rig = run(copy, capsys, "--human-only"), run(copy, capsys, "--casr-only")
+    assert people["ran"] == ["people_report/study"]
+    assert people["report"] == str(reports / "people" / "index.html")
+    assert rig["ran"] == ["rig_report/study"]
+    assert rig["report"] == str(reports / "rig" / "index.html")
+    state = {path: path.stat().st_mtime_ns for path in reports.rglob("*") if path.is_file()}
+    assert {reports / name / "results.json" for name in ("", *PARTS)} <= set(state)
+    for part in ("--human-only", "--casr-only", "--only=report", "--human-only"):
+        assert run(copy, capsys, part)["ran"] == []
+    assert main(["clean", str(copy)]) == 0
+    capsys.readouterr()
+    assert run(copy, capsys, "--human-only")["ran"] == []
+    assert {path: path.stat().st_mtime_ns for path in reports.rglob("*") if path.is_file()} == state
+    found = json.loads((reports / "people" / "results.json").read_text())
+    assert not any(key.startswith("runs.") for key in found)
+    linked = {name: re.findall(r'href="([^"#]+[.]html)', (reports / name / "index.html").read_text()) for name in PARTS}
+    assert linked["people"]
+    assert all((reports / "people" / page).is_file() for page in linked["people"])
+    assert linked["rig"] == []
+
+
+def test_people_only_and_rig_only_from_nothing(copy, capsys):
     shutil.rmtree(copy.parent / ".emg2vsa")
     ran = run(copy, capsys, "--human-only")["ran"]
     assert not any(str(step).startswith(("runs", "discrimination", "calibration")) for step in ran)
@@ -156,7 +182,7 @@ def test_measured_runs_without_any_hint_give_the_same_scores(pressed, simulated,
         assert not found[name].simulated
         np.testing.assert_allclose(found[name].casr["front"], emulated[name].casr["front"], rtol=1e-12)
         assert np.isnan(found[name].indent_n_per_mm).all()
-    page = (tmp_path / "reports" / "small" / "index.html").read_text()
+    page = (tmp_path / "reports" / "small" / "rig" / "index.html").read_text()
     assert "emulated rig" not in page
 
 
@@ -278,7 +304,7 @@ def test_a_measured_run_is_never_overwritten(copy, capsys):
     (copy.parent / "runs-virtual" / "S1_0_modular" / "emulated.json").unlink()
     shutil.rmtree(copy.parent / ".emg2vsa")
     (failure,) = [f for f in run(copy, capsys, "--casr-only")["failures"] if f["item"] == "S1_0_modular"]
-    assert "no measured run where an emulated one goes" in failure["message"]
+    assert "expected a free folder for an emulated run, but found a measured run" in failure["message"]
     assert (copy.parent / "runs-virtual" / "S1_0_modular" / "log.csv").is_file()
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.live.browser import CHROMIUM, running
+from benchmarks.browser import CHROMIUM, running
 
 pytestmark = [
     pytest.mark.realtime,

@@ -100,5 +100,5 @@ def test_a_description_longer_than_its_parameter_is_refused_at_once(shared_data,
 
 
 def test_a_file_that_ezc3d_refuses(shared_data) -> None:
-    with pytest.raises(RecordingError, match=r"a refusal .The format is not standard"):
+    with pytest.raises(RecordingError, match=r"a file that ezc3d refuses .The format is not standard"):
         inspect(shared_data("emg/c3d/btk_badParameterOffset.c3d"))

@@ -51,6 +51,18 @@ def test_tables_hold_every_effect_claim_and_residual(whole, content: Content) ->
     assert [row["participant"] for row in content.tables["trend"].rows] == ["P01", "P02", "P03"]
 
 
+def test_the_figure_shows_every_residual_against_its_quantile_and_its_fitted_value(whole, content: Content) -> None:
+    found = whole.people.hypotheses.tests.blocks.residuals
+    normal, level = content.drawings["mixed_residuals"].figure.axes
+    np.testing.assert_array_equal(normal.lines[-1].get_xydata(), np.column_stack([found.quantile, found.residual]))
+    fitted = found.fitted * whole.scale.factor
+    np.testing.assert_array_equal(level.lines[-1].get_xydata(), np.column_stack([fitted, found.residual]))
+    assert whole.scale.label("Fitted b") == level.get_xlabel()
+    text = rendered(MODELS, whole, content)
+    assert "<summary>Residuals of the mixed model</summary>" in text
+    assert text.count('role="img"') == 1
+
+
 def test_the_text_says_what_survives(whole, content: Content) -> None:
     text = rendered(MODELS, whole, content)
     survive = sum(bool(row["survives"]) for row in content.tables["claims_together"].rows)
@@ -62,6 +74,6 @@ def test_the_text_says_what_survives(whole, content: Content) -> None:
 def test_a_study_of_one_half_has_the_models_of_that_half(whole, part: str) -> None:
     half = dataclasses.replace(whole, people=None) if part == "runs" else dataclasses.replace(whole, runs=None)
     content = contents(half)
-    assert ("mixed_sd" in content.tables) == (part == "people")
+    assert ("mixed_sd" in content.tables) == ("mixed_residuals" in content.drawings) == (part == "people")
     assert bool(content.tables["factors"].rows) == (part == "runs")
     assert rendered(MODELS, half, content)

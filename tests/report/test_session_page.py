@@ -29,7 +29,7 @@ def write(results, fits_of, tmp_path):
 def test_one_verdict_and_every_press(write, read_page):
     path = write("P02")
     page = read_page(path)
-    assert "Good. Every press is as wanted." in page.text
+    assert "Good. Every press can be used." in page.text
     assert page.text.count("Presses on") == 4
     assert path.stat().st_size < LIGHT_PAGE_BYTES
     assert "../index.html" in page.addresses
@@ -73,7 +73,7 @@ def test_a_recording_without_presses_is_not_an_exception(write, results, read_pa
     )  # fmt: skip
     trials = [empty, *(t for t in results.people.trials if t.participant == "P02" and t.specimen != "S1")]
     page = read_page(write("P02", trials))
-    assert "no curve to show" in page.text
+    assert "no curve can be drawn" in page.text
     assert "0 presses: 0 ok" in page.text
 
 

@@ -100,7 +100,7 @@ def test_high_stiffness_takes_the_rigid_motor(settings: DeviceSettings) -> None:
         assert isinstance(opened.devices.actuator, RigidMotor)
         assert opened.devices.camera is None
     with (
-        pytest.raises(SettingError, match=r"expected a table \[motor\] for high-stiffness, but found nothing"),
+        pytest.raises(SettingError, match=r"expected a table \[motor\] for high-stiffness, but found none"),
         open_rig(replace(settings, motor=None), PATIENT, "high-stiffness", WallClock()),
     ):
         pass
@@ -120,7 +120,7 @@ def test_what_was_open_is_closed_when_something_is_absent(
     wanted = {"camera": "frames a second", "force": "the box's configuration", "actuator": "a serial port"}
     with (
         pytest.raises(
-            DeviceError, match=wanted.get(absent, "qbmove 7: expected a device that answers, but found silence")
+            DeviceError, match=wanted.get(absent, "qbmove 7: expected a device that answers, but found no answer")
         ),
         open_rig(wrong, PATIENT, "modular", WallClock()),
     ):
@@ -136,7 +136,7 @@ def test_an_address_that_is_not_written_is_not_guessed(key: str, settings: Devic
     with (
         pytest.raises(
             SettingError,
-            match=rf"{key}: expected the .*, but found nothing\. Write it into the rig file, "
+            match=rf"{key}: expected the .*, but found none\. Write it into the rig file, "
             r"or use",
         ),
         open_rig(bare, PATIENT, "modular", WallClock()),

@@ -210,5 +210,5 @@ def test_problems_of_all_tables_at_once(small: str, problems: Problems) -> None:
 def test_a_file_that_is_no_toml_or_not_there(tmp_path: Path, problems: Problems) -> None:
     (line,) = problems("[rig\n")
     assert line.startswith("1:5: expected valid TOML, but the parser says: ")
-    with pytest.raises(StudyError, match=r"none\.toml: expected a rig file, but found none to read"):
+    with pytest.raises(StudyError, match=r"none\.toml: expected a rig file, but found no file that can be read"):
         load_rig(tmp_path / "none.toml")

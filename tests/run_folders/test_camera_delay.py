@@ -86,7 +86,7 @@ def test_pins_that_do_not_move_tell_nothing():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda path: None, "expected the folder of a run, or a rig file, but found nothing"),
+        (lambda path: None, "expected the folder of a run, or a rig file, but found neither"),
         (lambda path: path.mkdir(), "expected the plan of a run"),
         (lambda path: path.write_text("[rig]\nspeed = 1\n"), "rig.speed"),
     ],

@@ -11,6 +11,7 @@ from emg2vsa.cli.check import of_participants
 from emg2vsa.cli.progress import progress
 from emg2vsa.pipeline.run import run_study
 from emg2vsa.session.dataset import write_dataset
+from emg2vsa.session.journal import JOURNAL_FILE, Judged, read_journal
 from emg2vsa.session.views import Request
 from emg2vsa.study_file import load_study
 
@@ -145,3 +146,34 @@ def test_start_needs_signals_specimen_checklist_and_rest(play):
     assert "'start'" in said[11]
     assert "abort it first" in said[12]
     assert played.state.ended == "ended"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", ["electrode-off:FDS@2", "electrode-off:EDC@2", "clipping@3", "mains@3"])
+def test_a_good_press_stays_good_whatever_comes_later_in_its_stay(play, mistake):
+    seen: dict[tuple[int, int], list[str]] = {}
+
+    def look(desk, now_s):
+        for press in desk.operator()[1].presses:
+            own = seen.setdefault((press.number, press.attempt), [])
+            if press.verdict and own[-1:] != [press.verdict]:
+                own.append(press.verdict)
+
+    played = play(mistake, beside=look)
+    assert all(len(verdicts) == 1 for verdicts in seen.values()), seen
+    events = [line.event for line in read_journal(played.folder / JOURNAL_FILE)[0]]
+    judged = [(event.press, event.attempt) for event in events if isinstance(event, Judged)]
+    assert len(judged) == len(set(judged)) == len(seen)
+    number = int(mistake[-1])
+    good = {key: value for key, value in played.verdicts.items() if key != (number, 1)}
+    assert {verdict for verdict, _ in good.values()} == {"ok"}, good
+    assert not any("lag" in found for _, problems in good.values() for found in problems)
+    write_dataset(played.folder, played.study)
+    own = of_participants(load_study(played.study_file), ["P03"])
+    board = run_study(own, stages=("trials",), jobs=1, progress=progress(quiet=True))
+    for entry in own.recordings:
+        (path,) = board.done("trials", (entry.key,))
+        trials = artifacts.load(path)
+        tried = [press for press in played.state.presses if press.specimen == entry.specimen and press.verdict]
+        for press, checked in zip(tried, trials.verdict.tolist(), strict=True):
+            assert (checked == "rejected") == (press.decision == "repeat"), (press.number, trials.reasons)

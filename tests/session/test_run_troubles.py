@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 
+import numpy as np
 import pytest
 
 from emg2vsa.errors import DataError, DeviceError
@@ -247,3 +248,56 @@ def test_the_page_of_the_participant_cannot_flood_the_journal(play):
     played = play(session=FEW, operator=False, beside=toggle)
     lines, _ = read_journal(played.folder / JOURNAL_FILE)
     assert 4 <= sum(isinstance(line.event, ScreenTold) for line in lines) <= 6
+
+
+@pytest.mark.realtime
+def test_a_server_that_drops_at_press_7_pauses_the_session_and_the_press_is_repeated(study_file):
+    from emg2vsa.rig.clock import FastClock
+    from emg2vsa.session.emulated.operator import EmulatedOperator
+    from emg2vsa.session.emulated.simulated import simulate
+    from emg2vsa.session.emulated.trigno_server import TrignoServer
+    from emg2vsa.session.journal import Judged, PressEnded
+    from emg2vsa.session.open_session import folder_of
+    from emg2vsa.session.raw_files import SampleFile
+    from emg2vsa.session.sources.trigno import TrignoSource
+    from emg2vsa.session_settings import EmgSourceSettings
+    from emg2vsa.study_file import load_study
+
+    study = load_study(study_file("repetitions = 4"))
+    clock = FastClock(4.0)
+    person, _, force = simulate(study, study.session, "P03", clock)
+    seen = {"dropped": 0, "told": 0}
+    with TrignoServer(person, {1: "EDC", 5: "FDS"}, clock, start_delay_s=0.3) as server:
+        ports = {"command_port": server.ports.command, "emg_port": server.ports.emg}
+        settings = EmgSourceSettings(kind="trigno", channels={"EDC": "1", "FDS": "5"}, **ports)
+        sources = (lambda: TrignoSource(settings, clock), lambda: force)
+        with open_session(study, "P03", clock, sources) as desk:
+            person.watch(desk)
+            operator = EmulatedOperator(desk, person.place)
+            desk.ask(Request("continue"))
+
+            def beside(now_s):
+                operator.turn(now_s)
+                running = desk.session.running
+                if not seen["dropped"] and running and running.press.number == 7 and desk.force().command == "press":
+                    seen["dropped"] = 1
+                    server.disconnect()
+                seen["told"] |= desk.operator()[1].message == "A device is lost."
+                assert now_s < 400.0, desk.operator()[1].message
+
+            desk.run(clock, beside)
+        state = desk.operator()[1]
+    assert seen == {"dropped": 1, "told": 1}
+    assert state.ended == "completed"
+    folder = folder_of(study, "P03")
+    events = [line.event for line in read_journal(folder / JOURNAL_FILE)[0]]
+    assert Paused("device") in events
+    ended = {(each.press, each.attempt): each.how for each in events if isinstance(each, PressEnded)}
+    judged = {(each.press, each.attempt): each for each in events if isinstance(each, Judged)}
+    assert ended[7, 1] == "aborted"
+    assert judged[7, 1].problems[0][0] == "interrupted: EMG lost"
+    assert ended[7, 2] == "complete"
+    assert {each.press for each in judged.values() if each.verdict != "rejected"} == set(range(1, 9))
+    files = [SampleFile(path) for path in sorted(folder.glob("*_emg*.samples"))]
+    assert len(files) == 2
+    assert all(file.passed_over == 0 and np.isfinite(file.read(0, file.stop)).all() for file in files)

@@ -111,8 +111,10 @@ def test_windows_line_ends_and_bytes_that_are_not_utf8(tmp_path: Path, small: st
 
 
 def test_no_such_file(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match="expected a study file, but found none to read"):
+    with pytest.raises(StudyError, match="expected a study file, but found no file that can be read"):
         load_study(tmp_path / "study.toml")
+    with pytest.raises(StudyError, match=r"expected a study file, but found a folder\. Name the study file in it\."):
+        load_study(tmp_path)
 
 
 @pytest.mark.parametrize(

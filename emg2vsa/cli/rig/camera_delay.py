@@ -54,7 +54,7 @@ def _folders(path: Path) -> list[Path]:
     if path.is_dir():
         return [path]
     if not path.exists():
-        raise SettingError(path, wanted="the folder of a run, or a rig file", found="nothing", do="Check the path.")
+        raise SettingError(path, wanted="the folder of a run, or a rig file", found="neither", do="Check the path.")
     runs = load_rig(path).runs
     if not (folders := sorted(plan.parent for plan in runs.glob(f"*/{PLAN_FILE}"))):
         do = "Press first: emg2vsa rig run."

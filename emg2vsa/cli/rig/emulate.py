@@ -79,7 +79,7 @@ def _served(file: RigFile, arguments: argparse.Namespace) -> Iterator[EmulatedSe
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
     if not 0 <= arguments.angle < 90:
         raise SettingError(
-            "--angle", wanted="0 to below 90 degrees", found=f"{arguments.angle:g}", do="Choose another."
+            "--angle", wanted="0 to below 90 degrees", found=f"{arguments.angle:g}", do="Choose an angle in this range."
         )
     specimen = arguments.specimen or file.experiment.specimens[0]
     bench = EmulatedRig(file.emulated, specimen, arguments.angle, arguments.rigid, WallClock(), rig=file.rig)

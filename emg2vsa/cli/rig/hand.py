@@ -110,4 +110,4 @@ def answer(question: str) -> str:
         return input().strip()
     except EOFError:
         do = "Run it in a terminal, or add --yes."
-        raise SettingError("standard input", wanted="an answer", found="its end", do=do) from None
+        raise SettingError("standard input", wanted="an answer", found="the end of the input", do=do) from None

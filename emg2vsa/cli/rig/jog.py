@@ -67,4 +67,6 @@ def _check(name: str, value: float, most: float) -> None:
     from emg2vsa.errors import SettingError
 
     if not 0 < value <= most:
-        raise SettingError(name, wanted=f"above 0 and at most {most:g}", found=f"{value:g}", do="Choose another.")
+        raise SettingError(
+            name, wanted=f"above 0 and at most {most:g}", found=f"{value:g}", do="Choose a value in this range."
+        )

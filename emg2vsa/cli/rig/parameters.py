@@ -78,7 +78,7 @@ def _write(path: Path, info: QbmoveInfo, parameters: dict[int, Parameter]) -> No
 
     if path.exists():
         do = "Choose another name for --backup."
-        raise SettingError(path, wanted="a new file", found="one that is there", do=do)
+        raise SettingError(path, wanted="a new file", found="an existing file", do=do)
     write_text_atomic(path, json.dumps(_document(info, parameters), indent=2) + "\n")
 
 

@@ -102,7 +102,9 @@ def end_user(rig_file: Path, say: Callable[[str], None]) -> None:
         return
     except PermissionError as error:
         do = "Ask its owner, or the administrator; else switch the power off."
-        raise DeviceError(f"process {user.pid}", wanted="a process of yours", found="another's", do=do) from error
+        raise DeviceError(
+            f"process {user.pid}", wanted="a process of yours", found="a process of another user", do=do
+        ) from error
     until_s = time.monotonic() + _CLOSING_S
     while rig_user(rig_file) == user and time.monotonic() < until_s:
         time.sleep(_LOOK_S)

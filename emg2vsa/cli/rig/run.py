@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("order", "seed"):
         if getattr(arguments, name) is not None and not arguments.all:
             do = "Add --all, or leave it out."
-            raise SettingError(f"--{name}", wanted="--all beside it", found="one run", do=do)
+            raise SettingError(f"--{name}", wanted="--all beside this option", found="one run", do=do)
     if arguments.seed is not None and (arguments.order == "file" or arguments.seed < 0):
         do = "Choose --order random and a seed from 0."
         raise SettingError("--seed", wanted="a seed for a random order", found=str(arguments.seed), do=do)

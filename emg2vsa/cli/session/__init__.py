@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+from pathlib import Path
 from typing import Any
 
 from casr.command_line import Commands, add_subcommands
@@ -22,8 +24,22 @@ def add_to(commands: Commands) -> None:
     parse = parser.parse_known_args
 
     def parse_known_args(words: Any = None, namespace: Any = None) -> Any:
-        """A study file in the place of a command is run."""
-        named = words and (words[0] in SUBCOMMANDS or words[0].startswith("-"))
-        return parse(words if named or not words else ["run", *words], namespace)
+        """A study file in the place of a command is run; a bare word is a command, if a misspelt one."""
+        word = words[0] if words else "-"
+        known = word in SUBCOMMANDS or word.startswith("-")
+        is_study = not known and (Path(word).suffix or Path(word).exists())
+        return parse(["run", *words] if is_study else words, namespace)
 
     parser.parse_known_args = parse_known_args
+
+
+def check_emulated(arguments: argparse.Namespace) -> None:
+    """--speed and --truth, before anything runs. SettingError for values that cannot be."""
+    from emg2vsa.errors import SettingError
+
+    if arguments.speed is not None and not 0.1 <= arguments.speed <= 100:
+        found = f"{arguments.speed:g}"
+        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
+    if arguments.truth and not arguments.truth.absolute().parent.is_dir():
+        do = "Make the folder."
+        raise SettingError(f"--truth {arguments.truth}", wanted="a file in a folder", found="no such folder", do=do)

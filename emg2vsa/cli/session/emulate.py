@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Self
 
 from casr.command_line import Commands, add_command
 from emg2vsa.cli.arguments import add_study
+from emg2vsa.cli.session import check_emulated
 
 if TYPE_CHECKING:
     from emg2vsa.rig.clock import Clock
@@ -109,17 +110,10 @@ def run(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace) -> None:
     from emg2vsa.errors import SettingError
 
-    if not 0.1 <= arguments.speed <= 100:
-        found = f"{arguments.speed:g}"
-        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
+    check_emulated(arguments)
     if not 0 <= arguments.start_delay <= 60:
         found = f"{arguments.start_delay:g}"
-        raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose another.")
-    if arguments.truth and not arguments.truth.absolute().parent.is_dir():
-        found = "no such folder"
-        raise SettingError(
-            f"--truth {arguments.truth}", wanted="a file in a folder", found=found, do="Make the folder."
-        )
+        raise SettingError("--start-delay", wanted="0 to 60 s", found=found, do="Choose a delay in this range.")
 
 
 def _settings(study: Study) -> SessionSettings:

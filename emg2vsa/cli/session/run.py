@@ -6,10 +6,12 @@ import argparse
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command
 from emg2vsa.cli.arguments import add_study
+from emg2vsa.cli.session import check_emulated
 
 if TYPE_CHECKING:
     from emg2vsa.live.server import Listening
@@ -48,13 +50,14 @@ def add_to(commands: Commands) -> None:
     virtual.add_argument("--virtual", action="store_true", help="an emulated participant behind emulated sensors")
     virtual.add_argument(
         "--mistake", action="append", default=[], metavar="WORDS",
-        help="of the participant: dips@12, early@training-1, electrode-off:FDS@21-30; may be given again",
+        help="of the participant: dips@12, early@training-1, electrode-off:FDS@21-30; may be given again; kinds: "
+        "emg2vsa session emulate --help",
     )  # fmt: skip
     virtual.add_argument(
         "--speed", type=float, metavar="X", help="times as fast as real time (default: 1; with --no-page: at once)"
     )
     virtual.add_argument("--seed", type=int, metavar="N", help="of the participant (default: that of [simulation])")
-    virtual.add_argument("--truth", metavar="FILE", help="at the end, write what is true of every press")
+    virtual.add_argument("--truth", type=Path, metavar="FILE", help="at the end, write what is true of every press")
 
 
 def _port(text: str) -> int:
@@ -64,8 +67,6 @@ def _port(text: str) -> int:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from pathlib import Path
-
     from emg2vsa.cli.session.finish import finish
     from emg2vsa.rig.clock import VirtualClock
     from emg2vsa.session.open_session import folder_of, open_session, settings_of
@@ -87,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
             _with_pages(desk, clock, person, at)
         ended = desk.session.ended
     if person is not None and arguments.truth:
-        person.write_truth(Path(arguments.truth))
+        person.write_truth(arguments.truth)
     assert ended is not None
     print(f"{ended.how}{': ' if ended.why else ''}{ended.why}; recorded in {folder_of(study, arguments.participant)}")
     if ended.how != "completed":
@@ -104,12 +105,14 @@ def _check(arguments: argparse.Namespace) -> None:
                     "--seed": arguments.seed is not None, "--truth": arguments.truth}  # fmt: skip
     for name, value in virtual_only.items():
         if value and not arguments.virtual:
-            raise SettingError(name, wanted="--virtual with it", found="real devices", do=f"Leave {name} out.")
-    if arguments.speed is not None and not 0.1 <= arguments.speed <= 100:
-        found = f"{arguments.speed:g}"
-        raise SettingError("--speed", wanted="0.1 to 100 times real time", found=found, do="Choose another.")
+            raise SettingError(
+                name, wanted="--virtual beside this option", found="real devices", do=f"Leave {name} out."
+            )
+    check_emulated(arguments)
     if arguments.seed is not None and arguments.seed < 0:
-        raise SettingError("--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose another.")
+        raise SettingError(
+            "--seed", wanted="a whole number from 0", found=str(arguments.seed), do="Choose a whole number."
+        )
 
 
 def _clock(arguments: argparse.Namespace) -> Clock:

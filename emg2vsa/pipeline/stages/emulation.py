@@ -59,7 +59,7 @@ def run(given: Given) -> list[Path]:
     made, unfinished = given.folder / given.item, given.folder / f".{given.item}.{os.getpid()}.unfinished"
     if made.exists() and not (made / EMULATED_FILE).is_file():
         do = "Choose another root under [runs], or leave rig out of it to score measured runs."
-        raise DataError(made, wanted="no measured run where an emulated one goes", found="one", do=do)
+        raise DataError(made, wanted="a free folder for an emulated run", found="a measured run", do=do)
     used = given.settings
     specimen, angle_deg, condition = used["run"]
     known = used["emulated"].stiffness_n_per_mm

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -81,7 +82,15 @@ def results_of(given: Given) -> StudyResults:
     if scores:
         runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
     failures = tuple(Failure(*failure) for failure in given.failures)
-    return StudyResults(given.settings["study"], people, runs, failures, _provenance(given))
+    return StudyResults(given.settings["study"], people, runs, failures, _provenance(given), _pages(given))
+
+
+def _pages(given: Given) -> str:
+    """Where the participants' pages are, as the report sees them; a report without them links to none."""
+    reports: Path = given.settings["study"].reports
+    if given.folder is None or "pages" not in given.inputs:
+        return ""
+    return Path(os.path.relpath(reports / "participants", given.folder)).as_posix()
 
 
 def _provenance(given: Given) -> dict[str, str]:

@@ -23,7 +23,7 @@ def run(given: Given) -> tuple[Schedule, ...]:
 
     profiles = given.one("profiles")
     if profiles is None:
-        raise DataError("schedules", wanted="profiles", found="none", do="Mend what the profiles step reports.")
+        raise DataError("schedules", wanted="profiles", found="none", do="Correct what the step profiles complains of.")
     provenance = {
         "study": given.settings["study"],
         "mode": given.settings["mode"],

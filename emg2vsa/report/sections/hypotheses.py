@@ -443,7 +443,7 @@ mean and SD, its p is far too large; Lilliefors' test corrects this. {{ raw_boun
 
 <h3>Equal participants</h3>
 {% if q['hypotheses.between_participants.tested'] %}
-<p>An ANOVA cannot show equality; the table bounds the difference that it may have missed.
+<p>An ANOVA cannot show equality. The table bounds the difference that it may have missed.
 {% if chance.between_participants %}Without any real difference, {{ chance.between_participants }} of studies would
 find a significant one among {{ q['hypotheses.between_participants.tested'] }} tests.{% endif %}</p>
 {{ folded("verdict_participants", "Tests of equal participants compared") }}

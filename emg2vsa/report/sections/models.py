@@ -6,11 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from emg2vsa.figures.mixed_residuals import draw_mixed_residuals
 from emg2vsa.hypotheses import Hypotheses
+from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
+from emg2vsa.report.wording import number
 from emg2vsa.stats.factorial import Factorial
 from emg2vsa.stats.mixed_variances import SOURCES, MixedResiduals, MixedVariances
 from emg2vsa.stats.multiplicity import ClaimFamily, claim_family
@@ -144,6 +147,8 @@ def _residual_table(results: StudyResults, residuals: MixedResiduals) -> Table:
     return Table("mixed_residuals", caption, columns, rows)
 
 
+_FAR = 3
+"""Of 370 normal residuals, one lies farther from zero than so many SDs."""
 _SCORES = {"start_area": "area", "casr": "CASR"}
 
 
@@ -184,14 +189,32 @@ def _claim_table(family: ClaimFamily) -> Table:
     return Table("claims_together", "Claims that rest on a p, corrected together by Holm", columns, rows)
 
 
+def _drawings(results: StudyResults) -> Iterator[Drawing]:
+    _, found = _variances(results)
+    if found is None:
+        return
+    outside = int(np.count_nonzero(np.abs(found.residual) > _FAR))
+    yield Drawing(
+        "mixed_residuals",
+        "Residuals of the mixed model",
+        "Residuals of the mixed model, in SDs of repetitions: (a) against normal quantiles, where normal residuals lie "
+        "near the dashed line; (b) against fitted b, where an equal scatter fills a band of one width.",
+        f"{found.residual.size} residuals from {number(float(found.residual.min()))} to "
+        f"{number(float(found.residual.max()))} SDs of repetitions; {outside} lie farther than {_FAR} SDs from zero.",
+        draw_mixed_residuals(found.fitted, found.residual, found.quantile, results.scale),
+        None,
+    )
+
+
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    variances, _ = _variances(results)
+    variances, residuals = _variances(results)
     family = _family(results)
     return {
         "zero": [source for source, sd in zip(SOURCES, variances.sd, strict=True) if sd == 0] if variances else [],
         "tested": sum(each is not None for each in family.survives),
         "survive": sum(each is True for each in family.survives),
         "trend": found.trend if (found := _hypotheses(results)) else None,
+        "residuals": residuals is not None,
         "factors": bool(_factors(results)),
     }
 
@@ -202,6 +225,12 @@ _TEXT = """
 boundary, so only the upper limit is informative.{% endif %}</p>
 {{ folded("claims_together", "Claims corrected together") }}
 {{ folded("mixed_sd", "Standard deviations between people and between repetitions") }}
+{% if residuals %}
+<p>The model assumes normal residuals with the same scatter at every level (Shapiro–Wilk test:
+{{ q["hypotheses.over_people.mixed.residuals.shapiro_p"] | p }}; rank correlation of size and level:
+{{ q["hypotheses.over_people.mixed.residuals.level_p"] | p }}).</p>
+{{ folded("mixed_residuals", "Residuals of the mixed model") }}
+{% endif %}
 {% if trend is not none and trend.p == trend.p %}
 <p>From one repetition to the next, b changes by {{ trend.per_mean | percent(2) }} of its mean ({{ trend.p | p }};
 {{ "t test over participants" if trend.over_blocks else "regression within one participant" }}).</p>
@@ -213,4 +242,4 @@ boundary, so only the upper limit is informative.{% endif %}</p>
 {% endif %}
 """
 
-MODELS = Section("models", "All data together", _TEXT, _applies, _quantities, _tables, words=_words)
+MODELS = Section("models", "All data together", _TEXT, _applies, _quantities, _tables, _drawings, words=_words)

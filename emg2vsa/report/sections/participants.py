@@ -57,7 +57,7 @@ def _sessions(results: StudyResults) -> Table:
         session = session_verdict(name, entries[name], trials, fits, failures, doubts)
         row: dict[str, Cell] = {"participant": name, "session": session.verdict, "recordings": len(session.specimens)}
         rows.append(row | {key: sum(getattr(each, key) for each in session.specimens) for key in _COUNTS})
-        links.append("" if name in without_page else f"participants/{name}.html")
+        links.append(f"{results.pages}/{name}.html" if results.pages and name not in without_page else "")
     columns = (
         Column("participant", "Participant"), Column("session", "Session"), Column("recordings", "Recordings"),
         *(Column(key, head) for key, head in _COUNTS.items()),

@@ -88,7 +88,7 @@ class EmulatedCamera:
                 self.name,
                 wanted=f"a camera that gives {self._rate_hz:g} frames a second",
                 found=f"no frame for {silent_s:.1f} s",
-                do="End the fault.",
+                do="End the fault of the camera.",
             )
         return frames
 

@@ -207,7 +207,7 @@ class ControlCycle:
         begins = wanted.repetition != self.motion.repetition
         self.motion = wanted
         if begins:
-            # taken for contact, a wrong zero would press that much harder than the plan
+            # a zero error above the contact threshold would be mistaken for contact, and add to the press force
             self._free("before the press")
             with ending("recording"):
                 self._pressed = True

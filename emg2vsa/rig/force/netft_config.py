@@ -51,7 +51,10 @@ def fetch_config(host: str, port: int = 80, timeout_s: float = 2.0) -> NetFtConf
         connection.close()
     if answer.status != http.client.OK:
         raise DeviceError(
-            where, wanted="the box's configuration", found=f"HTTP status {answer.status}", do="Is it a Net F/T?"
+            where,
+            wanted="the box's configuration",
+            found=f"HTTP status {answer.status}",
+            do="Check that the address is that of a Net F/T box.",
         )
     return parse_config(page, where)
 
@@ -62,7 +65,10 @@ def parse_config(page: bytes, where: object = PATH) -> NetFtConfig:
         tags = {element.tag: (element.text or "").strip() for element in ElementTree.fromstring(page).iter()}
     except ElementTree.ParseError as error:
         raise DeviceError(
-            where, wanted="the box's configuration as XML", found=str(error), do="Is it a Net F/T?"
+            where,
+            wanted="the box's configuration as XML",
+            found=str(error),
+            do="Check that the address is that of a Net F/T box.",
         ) from (error)
     if tags.get("comrdte", "Enabled") in ("Disabled", "0"):
         raise DeviceError(

@@ -261,7 +261,7 @@ class Qbmove:
         reply = self._talk.ask(request, expected, timeout_s=max(_LONG_REPLY_S, self._reply_s), attempts=1)
         done = reply is not None and (reply.payload[0] if self.generation == "v7" else reply.command) == 1
         if not done:
-            found = "silence" if reply is None else "a refusal"
+            found = "no answer" if reply is None else "a refusal"
             raise self._trouble(f"{command.name} done", found, "Read the device again: emg2vsa rig info.")
 
     def _check_off(self, what: str) -> None:

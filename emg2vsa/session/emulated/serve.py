@@ -95,7 +95,7 @@ def _check(settings: SessionSettings, force: ForceSettings | None, clock: FastCl
         raise _elsewhere("force.kind and force.host of the rig file", where)
     if "lsl" in kinds and not isinstance(clock, WallClock):
         do = "Leave --speed out; LSL stamps samples with the computer's own clock."
-        raise SettingError("--speed", wanted="1 with streams of LSL", found="another", do=do)
+        raise SettingError("--speed", wanted="1 with streams of LSL", found="another speed", do=do)
 
 
 def _elsewhere(where: str, found: str) -> SettingError:

@@ -159,7 +159,9 @@ class TrignoServer:
                 self._selector.register(each, selectors.EVENT_READ, name)
             self._listening += bound
             return int(bound[0].getsockname()[1])
-        raise DeviceError("127.0.0.1 and ::1", wanted="a port free on both", found="none", do="Choose ports.")
+        raise DeviceError(
+            "127.0.0.1 and ::1", wanted="a port free on both", found="none", do="Choose the ports yourself."
+        )
 
     def _serve(self) -> None:
         while not self._ended.is_set():

@@ -73,7 +73,7 @@ def test_overwriting_keeps_what_is_known_of_the_sensor(folder, tmp_path, capsys)
     out.write_text(first + "[sensor]\npin_length_mm = 1.5\n", encoding="utf-8")
     capsys.readouterr()
     assert main(words) == 2
-    assert "camera.toml: expected a new file, but found one that is there" in capsys.readouterr().err
+    assert "camera.toml: expected a new file, but found an existing file" in capsys.readouterr().err
     assert main([*words, "--overwrite"]) == 0
     assert read_camera(out).sensor == Sensor(pin_length_mm=1.5)
     out.write_text("no camera", encoding="utf-8")

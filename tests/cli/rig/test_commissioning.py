@@ -150,7 +150,9 @@ def test_a_question_that_nobody_can_answer_is_refused(
     monkeypatch.setattr("builtins.input", lambda: (_ for _ in ()).throw(EOFError))
     status, _, err = rig("zero", served.path)
     assert status == 2
-    assert "standard input: expected an answer, but found its end. Run it in a terminal, or add --yes." in err
+    assert (
+        "standard input: expected an answer, but found the end of the input. Run it in a terminal, or add --yes." in err
+    )
 
 
 def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: Path) -> None:
@@ -175,7 +177,7 @@ def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: P
     assert json.loads(out)["parameters"]["13"]["values"] == [1200]
     status, _, err = rig("parameters", served.path, "--backup", backup)
     assert status == 2
-    assert f"{backup}: expected a new file, but found one that is there." in err
+    assert f"{backup}: expected a new file, but found an existing file." in err
 
 
 def test_the_watchdog_is_proven_and_the_proof_kept(rig: Rig, served: SimpleNamespace) -> None:

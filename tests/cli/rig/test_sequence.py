@@ -72,8 +72,8 @@ def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[...
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--order", "random"), "--order: expected --all beside it, but found one run."),
-        (("--seed", 1), "--seed: expected --all beside it, but found one run."),
+        (("--order", "random"), "--order: expected --all beside this option, but found one run."),
+        (("--seed", 1), "--seed: expected --all beside this option, but found one run."),
         (("--all", "--order", "file", "--seed", 1), "--seed: expected a seed for a random order, but found 1."),
         (("--all", "--repetitions", 3), "--repetitions: expected one run, but found --all."),
         (

@@ -94,7 +94,7 @@ def test_nobody_in_place_of_a_device() -> None:
             "session.emg.channels.FDS: expected a channel of its own for each muscle, but found '4', as for EDC",
         ),
         (settings(replace(TRIGNO, channels={"EDC": "x", "FDS": "2"})), SettingError, "the number of a Trigno sensor"),
-        (settings(TRIGNO, RIG), SettingError, "session.force.rig: expected a rig file, but found nothing"),
+        (settings(TRIGNO, RIG), SettingError, "session.force.rig: expected a rig file, but found none"),
         (settings(TRIGNO, replace(RIG, axis=(0.0, 0.0, 0.0))), SettingError, "session.force.axis: expected a "
                     "direction"),
     ],

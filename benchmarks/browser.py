@@ -6,6 +6,7 @@ import base64
 import json
 import shutil
 import subprocess
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,10 +23,11 @@ _ARGUMENTS = (
 
 
 class Browser:
-    """Windows of one browser."""
+    """Windows of one browser, for any thread."""
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection, self._count = connection, 0
+        self._lock = threading.Lock()
 
     def open(self, address: str, width: int = 1280, height: int = 800) -> Window:
         """A window of its own: a page in a hidden tab is not drawn."""
@@ -37,15 +39,16 @@ class Browser:
         return window
 
     def call(self, method: str, session: str | None = None, **parameters: Any) -> dict[str, Any]:
-        self._count += 1
-        message = {"id": self._count, "method": method, "params": parameters}
-        self._connection.send(json.dumps(message | ({"sessionId": session} if session else {})))
-        while True:
-            answer = json.loads(self._connection.recv(timeout=60))
-            if answer.get("id") == self._count:
-                assert "error" not in answer, answer
-                result: dict[str, Any] = answer["result"]
-                return result
+        with self._lock:
+            self._count += 1
+            message = {"id": self._count, "method": method, "params": parameters}
+            self._connection.send(json.dumps(message | ({"sessionId": session} if session else {})))
+            while True:
+                answer = json.loads(self._connection.recv(timeout=60))
+                if answer.get("id") == self._count:
+                    assert "error" not in answer, answer
+                    result: dict[str, Any] = answer["result"]
+                    return result
 
 
 class Window:

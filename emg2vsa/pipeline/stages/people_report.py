@@ -1,0 +1,25 @@
+"""Report of ``emg2vsa run --human-only``, in a folder of its own: what people do, without the runs of a rig."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from emg2vsa.pipeline.stages import report
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.campaign import Campaign
+
+FOLDER = "people"
+
+
+def folder(campaign: Campaign, item: str) -> Path:
+    return campaign.study.reports / FOLDER
+
+
+STAGE = replace(
+    report.STAGE,
+    needs=("trials", "fits", "pages", "hypotheses", "profiles", "schedules"),
+    folder=folder,
+)

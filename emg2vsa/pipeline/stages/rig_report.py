@@ -1,0 +1,25 @@
+"""Report of ``emg2vsa run --casr-only``, in a folder of its own: the rig's runs, and the schedules behind them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from emg2vsa.pipeline.stages import report
+
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.campaign import Campaign
+
+FOLDER = "rig"
+
+
+def folder(campaign: Campaign, item: str) -> Path:
+    return campaign.study.reports / FOLDER
+
+
+STAGE = replace(
+    report.STAGE,
+    needs=("trials", "fits", "profiles", "schedules", "emulation", "runs", "discrimination", "calibration"),
+    folder=folder,
+)
