@@ -27,6 +27,8 @@ MOST_VIEWERS = 6
 """Of each page at once. A page that is opened again leaves its place; further ones are refused."""
 _LARGEST_BODY = 10_000
 _LARGEST_FIGURE = 1e9
+_MORE = ("width", "height", "pixel_ratio", "messages", "full_screen")
+"""What the participant's page may say of its screen beyond its figures."""
 _PAGES = Path(__file__).parent / "page"
 
 
@@ -183,6 +185,8 @@ def operator_request(document: dict[str, Any]) -> Request:
     for key, value in (("item", item), ("text", text)):
         if not isinstance(value, str):
             raise ValueError(f"{key}: expected a text, but found {value!r}")
+        if any("\ud800" <= sign <= "\udfff" for sign in value):
+            raise ValueError(f"{key}: expected a text in Unicode, but found half of a surrogate pair")
     return Request(name, press, item, text)
 
 
@@ -199,8 +203,12 @@ def screen_report(document: dict[str, Any]) -> ScreenReport:
     hidden, more = document.get("hidden"), document.get("more", {})
     if not isinstance(hidden, bool):
         raise ValueError(f"hidden: expected true or false, but found {hidden!r}")
-    if not isinstance(more, dict) or not all(isinstance(value, int | float | str | bool) for value in more.values()):
-        raise ValueError("more: expected names and plain values")
+    if not isinstance(more, dict):
+        raise ValueError(f"more: expected an object, but found {type(more).__name__}")
+    _only(more, _MORE)
+    for key, value in more.items():
+        if not isinstance(value, int | float) or not abs(value) < _LARGEST_FIGURE:
+            raise ValueError(f"more, {key}: expected a number, true or false, but found {str(value)[:40]!r}")
     return ScreenReport(**values, hidden=hidden, more=more)
 
 

@@ -43,6 +43,7 @@ from emg2vsa.session.journal import (
     PressBegun,
     PressEnded,
     ScreenTold,
+    gaps,
     read_journal,
 )
 from emg2vsa.session.plan import PLAN_FILE, PlannedPress, read_plan
@@ -125,6 +126,8 @@ class _Press:
     judged: Judged | None = None
     decided: Decided | None = None
     counts: bool = False
+    superseded_by: int | None = None
+    "A later attempt that counts."
     notes: list[str] = field(default_factory=list)
 
 
@@ -234,7 +237,10 @@ def _presses(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[t
             else:
                 own.notes.append(event.text)
     for attempt in progress.attempts:
-        found[attempt.press, attempt.attempt].counts = attempt.counts
+        own = found[attempt.press, attempt.attempt]
+        last = progress.counting.get(attempt.press)
+        own.counts = attempt.attempt == last
+        own.superseded_by = last if attempt.counts and not own.counts else None
     return found
 
 
@@ -424,6 +430,8 @@ def _press_cells(press: _Press) -> dict[str, object]:
         reason = "interrupted before its verdict"
     elif press.ended.how == "aborted":
         reason = ": ".join(filter(None, ("aborted", problems)))
+    elif press.superseded_by is not None:
+        reason = "; ".join(filter(None, (f"superseded by attempt {press.superseded_by}", problems)))
     elif decided and decided.decision in ("repeat", "skip"):
         reason = ": ".join(filter(None, (decided.by, decided.decision, decided.reason or problems)))
     else:
@@ -507,6 +515,9 @@ def _merge(
 
 
 def _notes(lines: Sequence[Line], signals: Mapping[str, StaySignals]) -> Iterable[str]:
+    yield from gaps(lines)
+    if not stay_windows(lines):
+        yield "No complete press was recorded, so there is no recording to write."
     if any(isinstance(line.event, Noted) for line in lines):
         yield "The operator's notes are in the events files. See that no note names a person."
     for stem, own in signals.items():

@@ -10,9 +10,10 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
@@ -246,7 +247,7 @@ class Line:
 
 
 def line_bytes(line: Line) -> bytes:
-    """A line as it stands in the journal."""
+    """A line as it stands in the journal. UnicodeEncodeError : one of its texts cannot be written."""
     content = {
         "line": line.number, "sitting": line.sitting, "time_s": round(line.time_s, 6), "at": line.at,
         "kind": _NAMES[type(line.event)], "event": asdict(line.event),
@@ -272,7 +273,8 @@ def now_text() -> str:
 def read_journal(path: Path) -> tuple[tuple[Line, ...], int]:
     """All whole lines, and how many bytes they are: what follows them is a torn last line.
 
-    DataError : a line before the last is damaged, or of a kind that this version does not know.
+    A number that no line has is passed over, for `gaps` to tell.
+    DataError : a line before the last is damaged, out of order, or of a kind that this version does not know.
     """
     try:
         content = path.read_bytes()
@@ -284,7 +286,7 @@ def read_journal(path: Path) -> tuple[tuple[Line, ...], int]:
     lines: list[Line] = []
     at = 0
     while (end := content.find(b"\n", at) + 1) > 0:
-        line = _line(content[at : end - 1], len(lines) + 1)
+        line = _line(content[at : end - 1], lines[-1].number if lines else 0)
         if isinstance(line, str):
             if b"\n" not in content[end:]:
                 break
@@ -297,19 +299,29 @@ def read_journal(path: Path) -> tuple[tuple[Line, ...], int]:
     return tuple(lines), at
 
 
-def _line(content: bytes, number: int) -> Line | str:
-    """The line with a number, or what is wrong with it."""
+def gaps(lines: Sequence[Line]) -> list[str]:
+    """Numbers that no line of the journal has, each gap in a sentence."""
+    numbers = [0, *(line.number for line in lines)]
+    return [
+        f"The journal has no line between {then} and {number}. All its other lines fit their checksums."
+        for then, number in pairwise(numbers)
+        if number != then + 1
+    ]
+
+
+def _line(content: bytes, before: int) -> Line | str:
+    """The line after one with a number, or what is wrong with it."""
     text, seal, checksum = content.rpartition(_SEAL.encode())
     if not seal or checksum != f'{zlib.crc32(text):08x}"}}'.encode():
         return f"{content[:40]!r}..., which does not"
     try:
         stated: dict[str, Any] = json.loads(text + b"}")
-        number_stated, sitting, time_s, at = (stated[key] for key in ("line", "sitting", "time_s", "at"))
+        number, sitting, time_s, at = (stated[key] for key in ("line", "sitting", "time_s", "at"))
         event = KINDS[stated["kind"]](**{key: _as_tuple(value) for key, value in stated["event"].items()})
     except (ValueError, KeyError, TypeError) as error:
         return f"one that this version does not know ({error})"
-    if number_stated != number:
-        return f"line {number_stated}, with a gap before it"
+    if type(number) is not int or number <= before:
+        return f"line {number} after line {before}"
     return Line(number, sitting, time_s, at, event)
 
 

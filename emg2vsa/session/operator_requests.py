@@ -41,7 +41,7 @@ def refusal(session: Session, request: Request) -> str:
         case "accept" | "repeat" | "skip":
             return _refuses_decision(session, request)
         case "note":
-            return "" if request.text.strip() else "The note is empty."
+            return _refuses_note(session, request)
         case "pause":
             if session.paused:
                 return "The session is paused already."
@@ -102,6 +102,8 @@ def _refuses_start(session: Session) -> str:
 
 
 def _refuses_decision(session: Session, request: Request) -> str:
+    if unfit := _unfit(request.text) or _not_begun(session, request):
+        return unfit
     tried = _meant(session, request)
     if tried is None and request.name == "skip":
         return (
@@ -125,6 +127,25 @@ def _refuses_decision(session: Session, request: Request) -> str:
             most = session.settings.most_repeats
             return f"{most} presses on this specimen were repeated, which is the most: accept or skip it."
     return ""
+
+
+def _refuses_note(session: Session, request: Request) -> str:
+    if not request.text.strip():
+        return "The note is empty."
+    return _unfit(request.text) or _not_begun(session, request)
+
+
+def _unfit(text: str) -> str:
+    """Why a text of the operator cannot be kept, or ""."""
+    if all(sign.isprintable() or sign in "\t\n\r" for sign in text):
+        return ""
+    return "The text has signs that cannot be written. Type it again."
+
+
+def _not_begun(session: Session, request: Request) -> str:
+    if request.press is None or session.presses.find(request.press) is not None:
+        return ""
+    return f"Press {request.press} has not begun."
 
 
 def _refuses_continuing(session: Session) -> str:

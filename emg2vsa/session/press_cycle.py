@@ -56,6 +56,8 @@ class PressCycle:
         self.attempt: Attempt | None = None
         self.hold = False
         "The rest goes on: the operator has something to do first."
+        self.between = False
+        "The specimen has been pressed while the operator has something to do first: no attempt, until it is let go."
         self._rest_until_s = 0.0
         self._low_since_s: float | None = None
 
@@ -85,7 +87,7 @@ class PressCycle:
 
     def start(self, now_s: float, zero_n: float) -> None:
         """START. Ask `refuses_start` first."""
-        self.command = "start"
+        self.command, self.between = "start", False
         self.attempt = Attempt(now_s, zero_n=zero_n, peak_n=zero_n)
         self._low_since_s = None
 
@@ -120,7 +122,9 @@ class PressCycle:
         return None
 
     def _waiting(self, now_s: float, force_n: float) -> None:
-        if force_n >= self._settings.force_n[0]:
+        pressed = force_n >= self._settings.force_n[0]
+        self.between = (pressed and (self.hold or self.between)) or (self.between and force_n >= self._settings.ready_n)
+        if pressed and not self.between:
             self.attempt = Attempt(now_s, early=True, begun_s=now_s, stop_s=now_s, peak_n=force_n)
             self.command = "stop"
         else:

@@ -30,6 +30,7 @@ from emg2vsa.session.journal import (
     PressEnded,
     StreamOpened,
     Told,
+    gaps,
     line_bytes,
     now_text,
     read_journal,
@@ -93,15 +94,17 @@ class Progress:
         return [attempt for attempt in self.attempts if attempt.press == press]
 
     def is_done(self, press: int) -> bool:
-        """Whether a press needs no further attempt: its last one was complete and judged, and is not to be repeated.
+        """Whether a press needs no further attempt: one counts, or the last one is skipped.
 
         A rejected one needs the operator's decision first.
         """
         own = self.attempts_of(press)
-        if not own or own[-1].state != "complete":
-            return bool(own) and own[-1].decision == "skip"
-        last = own[-1]
-        return last.counts or last.decision == "skip"
+        return any(attempt.counts for attempt in own) or (bool(own) and own[-1].decision == "skip")
+
+    @property
+    def counting(self) -> dict[int, int]:
+        """By press the attempt that stands for it: the last one that counts."""
+        return {own.press: own.attempt for own in self.attempts if own.counts}
 
     @property
     def next(self) -> PlannedPress | None:
@@ -110,9 +113,9 @@ class Progress:
         return next((press for press in in_order if not self.is_done(press.number)), None)
 
     @property
-    def running(self) -> Attempt | None:
-        """The attempt that has no end, or no verdict yet; on resume the one that was interrupted."""
-        return next((own for own in self.attempts if own.state in ("running", "complete") and not own.verdict), None)
+    def without_verdict(self) -> list[Attempt]:
+        """The attempts that have no end, or no verdict yet; on resume those that were interrupted."""
+        return [own for own in self.attempts if own.state in ("running", "complete") and not own.verdict]
 
 
 def _after(known: Attempt, event: PressEnded | Judged | Decided | Interrupted) -> Attempt:
@@ -149,12 +152,16 @@ class SessionRecord:
         self._resume()
 
     def append(self, event: Event, time_s: float | None = None) -> Line:
-        """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now."""
-        self._lines += 1
+        """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now.
+
+        UnicodeEncodeError : a text of the event cannot be written; no line is used up, and nothing is counted.
+        """
         time_s = self._now_s() if time_s is None else time_s
-        line = Line(self._lines, self.sitting, time_s, now_text(), event)
+        line = Line(self._lines + 1, self.sitting, time_s, now_text(), event)
+        content = line_bytes(line)
         self.progress.take(line)
-        self._disk.seal(self._journal, line_bytes(line))
+        self._lines = line.number
+        self._disk.seal(self._journal, content)
         return line
 
     def open_stream(self, name: str, info: StreamInfo) -> SampleWriter:
@@ -214,7 +221,7 @@ class SessionRecord:
         for line in lines:
             self.progress.take(line)
         self.past = list(lines)
-        self._lines = len(lines)
+        self._lines = lines[-1].number if lines else 0
         self.sitting = max((line.sitting for line in lines), default=0) + 1
 
     def _resume(self) -> None:
@@ -223,8 +230,12 @@ class SessionRecord:
             self.past.append(
                 self.append(Told(f"An unfinished line of {self.repaired_bytes} bytes was cut off the journal."))
             )
-        if (running := self.progress.running) is not None:
-            self.past.append(self.append(Interrupted(running.press, running.attempt)))
+        known = {line.event.text for line in self.past if isinstance(line.event, Told)}
+        for said in gaps(self.past):
+            if said not in known:
+                self.past.append(self.append(Told(said)))
+        for open_ in self.progress.without_verdict:
+            self.past.append(self.append(Interrupted(open_.press, open_.attempt)))
 
 
 def new_session(

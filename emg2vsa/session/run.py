@@ -47,8 +47,14 @@ FEED_S = 0.5
 "Samples go to the judge in pieces of this length."
 ZERO_S = 0.5
 "The zero of force is the mean over this time."
+WRONG_SIGN = (
+    "The force falls while the specimen is pressed: its sign is wrong. End the session, turn the sign of "
+    "session.force.axis (or of the stream that is sent) round, and resume."
+)
 CLOCK_TOLD_S, SCREEN_TOLD_S = 60.0, 10.0
 "How often the clocks of the devices, and a screen without news, are told to the journal."
+SCREEN_NEWS_S = 1.0
+"A screen with news is told no more often."
 MENDED_S = 0.9
 "A press after a rejected one is judged from so long before its START: what was wrong has been mended by then."
 LAST_LINES_S = 2.0
@@ -122,6 +128,7 @@ class Session:
         self._screens: list[ScreenReport] = []
         self._screen: ScreenReport | None = None
         self._screen_told_s = -SCREEN_TOLD_S
+        self._screen_news = False
         self.verdict_delays_s: list[float] = []
         "From the end of each press to its verdict."
         # what is shown
@@ -150,8 +157,14 @@ class Session:
                 self._take_emg(arrived)
             self._watch(now_s)
             self._open_or_close(now_s)
+            between = self.cycle.between
             if (attempt := self.cycle.turn(now_s, self.bar.force_n)) is not None:
                 self.over(attempt)
+            elif self.cycle.between and not between:
+                self._say(
+                    "The specimen was pressed between presses. It counts as no press. Ask to wait for START.",
+                    again=True,
+                )
             elif self.cycle.attempt is not None and self.running is None:
                 self.press_begun(self.cycle.attempt)
             self._work(now_s)
@@ -334,6 +347,8 @@ class Session:
             if now_s > 0:
                 self.emg.tell_clock()
                 self.force.tell_clock()
+        if self.cycle.command == "start" and self.bar.force_n <= -self.settings.force_n[0]:
+            self._say(WRONG_SIGN)
         overdue = self.cycle.overdue_s(now_s) > 0
         if overdue and not self._overdue:
             self._say("The finger has not been lifted. Tell the participant to lift it, or abort the press.")
@@ -413,7 +428,9 @@ class Session:
         self.suggested = None
         if self.stay.phase != "main" or not self.presses.done(specimen):
             return
+        counting = self.record.progress.counting
         own = [tried for tried in self.presses.tried if tried.press.specimen == specimen]
+        own = [tried for tried in own if counting.get(tried.press.number) == tried.attempt]
         found = [press for tried in own if (press := tried.usable) is not None]
         all_presses = [press for press in self.presses.presses if (press.phase, press.specimen) == ("main", specimen)]
         fit = specimen_fit(specimen, found, self.study.fit.confidence, self.settings, len(all_presses))
@@ -546,8 +563,9 @@ class Session:
             news = before is None or before.hidden != report.hidden
             if report.hidden and news:
                 self._say("The participant's page is hidden. Bring it to the front, full screen.")
-            if news or self.now_s - self._screen_told_s >= SCREEN_TOLD_S:
-                self._screen_told_s = self.now_s
+            self._screen_news |= news
+            if self.now_s - self._screen_told_s >= (SCREEN_NEWS_S if self._screen_news else SCREEN_TOLD_S):
+                self._screen_told_s, self._screen_news = self.now_s, False
                 self.write(
                     journal.ScreenTold(
                         report.frames_per_s, report.age_p50_ms, report.age_p95_ms, report.longest_frame_ms,
@@ -573,9 +591,12 @@ class Session:
         self.presses.take(event)
         self.changes += 1
 
-    def _say(self, text: str) -> None:
-        if text and text not in self.warnings:
+    def _say(self, text: str, again: bool = False) -> None:
+        """again : written each time, though it is shown already."""
+        shown = text in self.warnings
+        if text and not shown:
             self.warnings.append(text)
+        if text and (again or not shown):
             self.write(journal.Told(text))
 
     def _show(self, now_s: float) -> None:

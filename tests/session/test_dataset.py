@@ -443,3 +443,23 @@ def test_data_records_keep_the_ratio_of_the_rates_and_end_soon_after_the_stay():
                 assert -(-stay_s // length_s) * length_s - stay_s < 1.51
                 assert len(f"{length_s:g}") <= 8
     assert data_record(1000.0, 1000.0, 60.0) == (1.0, 1000, 1000)
+
+
+def test_of_two_attempts_that_count_the_last_one_stands_for_the_press(study):
+    record = begun(study)
+    pressed(study, record, [(1, "ok", ""), (2, "ok", ""), (3, "ok", ""), (3, "warned", ""), (4, "ok", "")])
+    record.append(Ended("completed"), 60)
+    record.close()
+    write_dataset(record.folder, study)
+    files = sorted(study.data.rglob("*_events.tsv"))
+    rows = [row for file in files for row in rows_of(file) if row["trial_type"] == "press" and row["press"] == "3"]
+    assert [(row["counts"], row["reason"]) for row in rows] == [("false", "superseded by attempt 2"), ("true", "n/a")]
+
+
+def test_a_session_without_a_complete_press(study):
+    record = begun(study)
+    pressed(study, record, [(1, "rejected", "abort")])
+    record.close()
+    written = write_dataset(record.folder, study)
+    assert written.files == written.left_out == ()
+    assert any("No complete press was recorded" in note for note in written.notes)

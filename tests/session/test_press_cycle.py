@@ -136,3 +136,20 @@ def test_the_bar_is_late_by_eleven_milliseconds_and_keeps_its_force_over_samples
     before = bar.force_n
     bar.take(np.full(5, np.nan), 1000.0, 2.005)
     assert bar.force_n == before
+
+
+def test_a_press_while_the_operator_has_something_to_do_is_no_attempt_until_it_is_let_go():
+    cycle = PressCycle(SETTINGS, 20.0)
+    cycle.open(0.0)
+    cycle.hold = True
+    cycle.turn(1.0, 4.0)
+    assert cycle.between
+    cycle.hold = False
+    cycle.turn(1.1, 4.0)
+    cycle.turn(1.2, 0.4)
+    assert cycle.attempt is None
+    cycle.turn(1.3, 0.0)
+    assert not cycle.between
+    cycle.turn(1.4, 4.0)
+    assert cycle.attempt is not None
+    assert cycle.attempt.early

@@ -299,3 +299,60 @@ def test_a_folder_that_cannot_be_written_to(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(DeviceError, match="a folder to record to"):
         new_session(tmp_path / "file" / "sub-P03", a_plan(), lambda: 0.0)
+
+
+def test_a_text_that_cannot_be_written_uses_up_no_line(tmp_path):
+    record = a_session(tmp_path)
+    begin(record, 1)
+    for event in (Noted("\ud83d", 1, 1), Told("\udcff")):
+        with pytest.raises(UnicodeEncodeError):
+            record.append(event)
+    finish(record, 1)
+    record.close()
+    lines, _ = read_journal(tmp_path / "sub-P03" / "journal.jsonl")
+    assert [line.number for line in lines] == [1, 2, 3]
+    assert record.is_safe
+
+
+def test_a_gap_in_the_numbers_is_passed_over_and_told_once(tmp_path):
+    record = a_session(tmp_path)
+    for text in ("one", "two", "three"):
+        record.append(Told(text))
+    record.close()
+    path = tmp_path / "sub-P03" / "journal.jsonl"
+    first, _, third = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(first + third)
+    for _ in range(2):
+        again = resumed(tmp_path)
+        assert again.wait()
+        assert again.is_safe
+        again.close()
+    lines, _ = read_journal(path)
+    assert [line.number for line in lines] == [1, 3, 4]
+    assert "no line between 1 and 3" in lines[-1].event.text
+    path.write_bytes(third + first + third)
+    with pytest.raises(DataError, match="line 1 after line 3"):
+        read_journal(path)
+
+
+def test_every_attempt_without_a_verdict_was_interrupted(tmp_path):
+    record = a_session(tmp_path)
+    begin(record, 1)
+    record.append(PressEnded(1, 1, 1.0, 2.0))
+    begin(record, 1, 2)
+    record.close()
+    again = resumed(tmp_path)
+    assert [attempt.state for attempt in again.progress.attempts] == ["interrupted", "interrupted"]
+    again.close()
+
+
+def test_a_press_of_which_an_earlier_attempt_counts_is_done(tmp_path):
+    record = a_session(tmp_path)
+    begin(record, 1)
+    finish(record, 1)
+    begin(record, 1, 2)
+    finish(record, 1, 2, "rejected")
+    assert record.progress.is_done(1)
+    record.append(Decided(1, 2, "accept"))
+    assert record.progress.counting == {1: 2}
+    record.close()

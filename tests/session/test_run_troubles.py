@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DataError, DeviceError
-from emg2vsa.session.journal import JOURNAL_FILE, Commanded, Interrupted, Paused, PressBegun, read_journal
+from emg2vsa.session.journal import (
+    JOURNAL_FILE,
+    Commanded,
+    Interrupted,
+    Paused,
+    PressBegun,
+    ScreenTold,
+    Told,
+    read_journal,
+)
 from emg2vsa.session.open_session import open_session
 from emg2vsa.session.views import Request, ScreenReport
 
@@ -183,6 +192,62 @@ def test_a_further_press_is_suggested_by_width_and_written_as_such(play):
     lines, _ = read_journal(played.folder / JOURNAL_FILE)
     assert not any(isinstance(line.event, Interrupted) for line in lines)
     assert Commanded("done") in [line.event for line in lines]
+
+
+class Altered(Failing):
+    """A source whose samples are changed by ``change`` while it is set."""
+
+    change = staticmethod(lambda samples: samples)
+
+    def read(self):
+        return [block._replace(samples=self.change(block.samples)) for block in self._source.read()]
+
+
+def test_a_tap_while_the_last_press_is_judged_begins_no_attempt(play):
+    force = []
+
+    def altered(emg, own):
+        force.append(Altered(own))
+        return emg, force[0]
+
+    def tap(desk, now_s):
+        tapped = desk.session.judging and desk.force().command == "rest"
+        force[0].change = (lambda samples: samples + 3.0) if tapped else Altered.change
+
+    played = play(source=altered, session=FEW, beside=tap)
+    assert played.state.ended == "completed"
+    attempts = played.session.record.progress.attempts
+    assert [own.attempt for own in attempts] == [1] * 4
+    told = [line.event.text for line in read_journal(played.folder / JOURNAL_FILE)[0] if isinstance(line.event, Told)]
+    assert sum("pressed between presses" in text for text in told) == 4
+
+
+def test_a_force_of_the_wrong_sign_is_told_with_its_remedy(play):
+    force = []
+
+    def turned(emg, own):
+        force.append(Altered(own))
+        force[0].change = lambda samples: -samples
+        return emg, force[0]
+
+    def end(desk, now_s):
+        if any("session.force.axis" in text for text in desk.session.warnings):
+            desk.ask(Request("abort"))
+            desk.ask(Request("end"))
+
+    played = play(source=turned, session=FEW, beside=end)
+    assert any("its sign is wrong" in text for text in played.state.warnings)
+
+
+def test_the_page_of_the_participant_cannot_flood_the_journal(play):
+    def toggle(desk, now_s):
+        desk.screen(ScreenReport(60.0, 10.0, 20.0, 17.0, round(now_s * 200) % 2 == 0))
+        if now_s > 5:
+            desk.ask(Request("end"))
+
+    played = play(session=FEW, operator=False, beside=toggle)
+    lines, _ = read_journal(played.folder / JOURNAL_FILE)
+    assert 4 <= sum(isinstance(line.event, ScreenTold) for line in lines) <= 6
 
 
 @pytest.mark.realtime
