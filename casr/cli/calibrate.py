@@ -120,8 +120,8 @@ def _check(arguments: argparse.Namespace) -> None:
         if not value:
             raise SettingError(
                 name,
-                wanted="this option beside pictures of a board",
-                found="no such option",
+                wanted="a value for a calibration from pictures",
+                found="none",
                 do=f"Add {name}; casr calibrate --help explains it.",
             )
     if arguments.domes:

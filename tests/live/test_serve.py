@@ -76,7 +76,7 @@ def test_only_this_computer_is_served():
 def test_a_port_that_is_taken(taken):
     with (
         pytest.raises(
-            SettingError, match=f"port {taken}: expected a free port, but found .+ Choose another with --port"
+            SettingError, match=f"port {taken}: expected a free port, but found .+ Choose another port with --port"
         ),
         listening(taken),
     ):

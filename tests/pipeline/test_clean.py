@@ -69,5 +69,5 @@ def test_virtual_runs_of_0_1_0_are_moved_and_measured_ones_stay(
     assert len(list(virtual.glob("[!.]*"))) == 8
     shutil.copytree(virtual / "S1_0_modular", runs / "S1_0_modular")
     assert main(["clean", str(study), "--move-virtual"]) == 2
-    assert "Move or delete one of the two." in capsys.readouterr().err
+    assert "Move or delete one of the two folders." in capsys.readouterr().err
     assert (runs / "S1_0_modular").is_dir()

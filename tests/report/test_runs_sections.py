@@ -91,7 +91,7 @@ def test_every_figure_of_section_six_is_there(written):
 
 def test_the_page_is_whole_and_says_that_the_rig_is_simulated(written, read_page):
     page = read_page(written / "index.html")
-    assert page.tags.count("svg") == 10
+    assert page.tags.count("svg") == 11
     assert "These runs come from a simulated rig" in page.text
     assert page.text.count("Simulated rig.") >= 7
     for title in ("Presses of the rig", "Initial contact area", "Stiffness of the new specimen"):

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from jinja2 import UndefinedError
-from scipy.stats import kstwo
+from scipy.stats import kstwo, studentized_range
+from scipy.stats import t as student
 
 from emg2vsa import hypotheses
 from emg2vsa.profiles import build_profiles
@@ -66,7 +67,7 @@ def test_everything_the_issue_names_is_there(written):
 
 def test_the_page_is_whole_self_contained_and_speaks(written, read_page):
     page = read_page(written / "index.html")
-    assert page.tags.count("svg") == 3
+    assert page.tags.count("svg") == 4
     assert "These data are simulated." in page.text
     assert "EDC clipped <3 %>" in page.text
     assert [f"participants/P0{i}.html" for i in (1, 2, 3)] == [
@@ -170,8 +171,14 @@ def test_an_unmeasured_new_specimen_is_shown_without_error(results, tmp_path, re
 
 def test_chances_of_a_family_of_tests_stand_beside_their_result(written, results, read_page):
     text = read_page(written / "index.html").text.replace("\N{NO-BREAK SPACE}", " ")
+    anova = results.people.hypotheses.tests.between_groups.anova
     assert f"{100 * (1 - 0.95**4):.1f} % of studies would find a significant one among 4 tests" in text
-    assert f"{100 * (1 - 0.95**18):.1f} % of studies would find a significant pair among 18" in text
+    chances = [  # the pairs of a participant share their means: the largest of them is the studentized range
+        studentized_range.sf(np.sqrt(2) * student.isf(0.025, df2), df1 + 1, df2)
+        for df1, df2 in zip(anova.df1.tolist(), anova.df2.tolist(), strict=True)
+    ]
+    chance = 100 * (1 - np.prod(1 - np.array(chances)))
+    assert f"{chance:.1f} % of studies would find a significant pair among 18" in text
 
 
 def test_the_bound_of_the_raw_test_is_that_of_the_clusters_at_hand(written, read_page):

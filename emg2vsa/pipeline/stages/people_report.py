@@ -10,6 +10,7 @@ from emg2vsa.pipeline.stages import report
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.pipeline.stage import Given
 
 FOLDER = "people"
 
@@ -18,8 +19,13 @@ def folder(campaign: Campaign, item: str) -> Path:
     return campaign.study.reports / FOLDER
 
 
+def run(given: Given) -> list[Path]:
+    return report.write(given, "../participants")
+
+
 STAGE = replace(
     report.STAGE,
+    run=run,
     needs=("trials", "fits", "pages", "hypotheses", "profiles", "schedules"),
     folder=folder,
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -48,19 +47,24 @@ def folder(campaign: Campaign, item: str) -> Path:
 
 
 def run(given: Given) -> list[Path]:
+    return write(given, "participants")
+
+
+def write(given: Given, pages: str) -> list[Path]:
+    """Write the report; ``pages``: folder of the participants' pages, from that of the report."""
     from emg2vsa.report.study_report import write_study_report
     from emg2vsa.schedule_files import write_schedule
 
     assert given.folder is not None
-    results = results_of(given)
+    results = results_of(given, pages)
     written = write_study_report(results, given.folder)
     for schedule in results.people.schedules if results.people else ():
         written += write_schedule(given.folder / "schedules", schedule)
     return written
 
 
-def results_of(given: Given) -> StudyResults:
-    """All products of the study; of stages that failed none."""
+def results_of(given: Given, pages: str = "") -> StudyResults:
+    """All products of the study; of stages that failed none. pages : as for ``write``; "" links to none."""
     from emg2vsa import artifacts
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
@@ -82,15 +86,7 @@ def results_of(given: Given) -> StudyResults:
     if scores:
         runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
     failures = tuple(Failure(*failure) for failure in given.failures)
-    return StudyResults(given.settings["study"], people, runs, failures, _provenance(given), _pages(given))
-
-
-def _pages(given: Given) -> str:
-    """Where the participants' pages are, as the report sees them; a report without them links to none."""
-    reports: Path = given.settings["study"].reports
-    if given.folder is None or "pages" not in given.inputs:
-        return ""
-    return Path(os.path.relpath(reports / "participants", given.folder)).as_posix()
+    return StudyResults(given.settings["study"], people, runs, failures, _provenance(given), pages)
 
 
 def _provenance(given: Given) -> dict[str, str]:

@@ -45,12 +45,18 @@ def test_the_length_of_the_pins_must_be_known(plate: Path, tmp_path: Path, capsy
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--charuco", "9x7"], "PICTURES: expected it, with pictures of a board"),
-        (["board.png", "--charuco", "9x7", "-o", "c.toml", "--depth-mm", "50"], "--square-mm: expected it"),
+        (
+            ["--charuco", "9x7"],
+            "PICTURES: expected a value for a calibration from pictures, but found none. Add PICTURES",
+        ),
+        (
+            ["board.png", "--charuco", "9x7", "-o", "c.toml", "--depth-mm", "50"],
+            "--square-mm: expected a value for a calibration from pictures",
+        ),
         (["board.png", "--charuco", "9x7", "-o", "c.toml", "--square-mm", "5"], "--depth-mm or --depth-from"),
         (
             ["b.png", "--charuco", "9x7", "-o", "c.toml", "--square-mm", "5", "--depth-mm", "9", "--domes", "d"],
-            "--domes: expected --plate with it",
+            "--domes: expected --plate beside this option",
         ),
         (["--plate", "nowhere"], "nowhere"),
     ],

@@ -70,7 +70,7 @@ def test_overwrites_only_when_asked_and_only_presses(press: SimulatedPress, tmp_
     folder = write_press(press, tmp_path / "p")
     before = (folder / "frames.tif").read_bytes()
     other = simulate_press(PressSettings(timeline=SHORT, repetition=1))
-    with pytest.raises(FramesError, match="is there"):
+    with pytest.raises(FramesError, match="expected a new folder, but found an existing folder"):
         write_press(other, folder)
     assert (folder / "frames.tif").read_bytes() == before
     write_press(other, folder, overwrite=True)
