@@ -22,36 +22,8 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-STUDY = """\
-[study]
-name = "kill"
-title = "A session that is killed"
-[participants]
-ids = [{ids}]
-[[specimens]]
-name = "S1"
-[[specimens]]
-name = "S3"
-[recordings]
-layout = "bids"
-root = "data"
-task = "press"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-[session]
-emg.kind = "simulated"
-force.kind = "simulated"
-repetitions = 3
-pause_s = 1.0
-[simulation]
-seed = 7
-a_v = {{ S1 = 42e-6, S3 = 28e-6 }}
-b_v = {{ S1 = 20e-6, S3 = 13e-6 }}
-"""
+from benchmarks.small_study import SIMULATED_SESSION, small_study
+
 PRESSES = 6
 SPEED = 8.0
 MISTAKES = "dips@2", "aborted@5"
@@ -195,7 +167,12 @@ def run(kills: int, seed: int, longest_s: float) -> str:
     work = Path(tempfile.mkdtemp())
     people = [f"P{n:02d}" for n in range(1, 60)]
     study_file = work / "study.toml"
-    study_file.write_text(STUDY.format(ids=", ".join(f'"{p}"' for p in people)), encoding="utf-8")
+    study_file.write_text(
+        small_study(
+            name="kill", participants=people, specimens=["S1", "S3"], task="press", simulation="seed = 7\n",
+            tables=f"[session]\n{SIMULATED_SESSION}repetitions = 3\npause_s = 1.0\n",
+        ), encoding="utf-8",
+    )  # fmt: skip
     study = load_study(study_file)
     sums: Counter[str] = Counter()
     moments: Counter[str] = Counter()

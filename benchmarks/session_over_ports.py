@@ -23,46 +23,29 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
 
+from benchmarks.small_study import small_study
+
 PALPATION = Path(__file__).parents[1] / "studies" / "palpation"
 MISTAKES = "too-fast@2", "aborted@3", "electrode-off:FDS@5"
 PARTICIPANT, MOST_S = "P03", 240.0
-_STUDY = """
-[study]
-name = "ports"
-title = "A session over ports"
-[participants]
-ids = ["P01", "P02", "P03"]
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S5"
-stiffness_n_per_mm = 1.11
-[recordings]
-layout = "bids"
-root = "data"
-task = "palpation"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-sign = -1
+_STUDY = small_study(
+    name="ports",
+    title="A session over ports",
+    participants=["P01", "P02", "P03"],
+    specimens=["S1", "S5"],
+    simulation="seed = 11\n",
+    tables="""
 [window]
 force_n = [0.5, 7.0]
 expected_trials = 3
-[simulation]
-seed = 11
-a_v = { S1 = 42e-6, S5 = 16e-6 }
-b_v = { S1 = 20e-6, S5 = 7e-6 }
 [session]
 training_specimens = ["T1"]
 training_repetitions = 1
 repetitions = 3
 pause_s = 1.0
 rest_s = 1.0
-"""
+""",
+)
 _TRIGNO = """
 emg.kind = "trigno"
 emg.command_port = {command}

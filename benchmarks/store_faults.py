@@ -21,69 +21,14 @@ import time
 from collections import Counter
 from pathlib import Path
 
+from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
 from emg2vsa.cli import main as emg2vsa
 from emg2vsa.pipeline.plan import survey
 from emg2vsa.pipeline.stage_order import ORDER
 from emg2vsa.study_file import load_study
 
-STUDY = """
-[study]
-name = "small"
-[participants]
-ids = ["P01", "P02"]
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[[specimens]]
-name = "S5"
-stiffness_n_per_mm = 1.11
-[recordings]
-layout = "bids"
-root = "data"
-task = "palpation"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-sign = -1
-[window]
-expected_trials = 3
-[profile]
-participant = "P02"
-new_specimen = "S_new"
-new_stiffness_n_per_mm = 5.32
-[runs]
-rig = "rig.toml"
-[simulation]
-seed = 3
-repetitions = 3
-a_v = { S1 = 42e-6, S3 = 28e-6, S5 = 16e-6 }
-b_v = { S1 = 20e-6, S3 = 13e-6, S5 = 7e-6 }
-"""
-RIG = """
-[actuator]
-port = "/dev/ttyUSB0"
-[motor]
-port = "/dev/ttyUSB1"
-[force]
-kind = "net-ft"
-host = "192.168.1.1"
-[camera]
-source = 0
-[experiment]
-specimens = ["S1", "S3", "S5", "S_new"]
-repetitions = 2
-pause_s = 0.1
-[experiment.angles_deg]
-modular = [0]
-[emulated]
-stiffness_n_per_mm = { S1 = 7.63, S3 = 3.35, S5 = 1.11, S_new = 5.32 }
-"""
+STUDY = small_study(tables=WITH_A_RIG)
+RIG = small_rig()
 APART_S = 0.3
 
 

@@ -7,51 +7,19 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.small_study import small_study
 from emg2vsa.cli import main
 
-STUDY = """
-[study]
-name = "small"
-
-[participants]
-ids = ["P01", "P02"]
-
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[[specimens]]
-name = "S5"
-stiffness_n_per_mm = 1.11
-
-[recordings]
-layout = "bids"
-root = "data"
-task = "palpation"
-
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-sign = -1
-
+STUDY = small_study(
+    simulation="seed = 3\nrepetitions = 4\n",
+    tables="""
 [window]
 expected_trials = 4
-
 [profile]
 new_specimen = "S_new"
 new_stiffness_n_per_mm = 5.32
-
-[simulation]
-seed = 3
-repetitions = 4
-a_v = { S1 = 42e-6, S3 = 28e-6, S5 = 16e-6 }
-b_v = { S1 = 20e-6, S3 = 13e-6, S5 = 7e-6 }
-"""
+""",
+)
 
 
 @pytest.fixture(scope="session")

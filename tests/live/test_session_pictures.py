@@ -15,38 +15,19 @@ from pathlib import Path
 import pytest
 
 from benchmarks.browser import CHROMIUM, running
+from benchmarks.small_study import SIMULATED_SESSION, small_study
 
 pytestmark = [
     pytest.mark.realtime,
     pytest.mark.slow,
     pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
 ]
-STUDY = """
-[study]
-name = "palpation"
-title = "Softness study"
-[participants]
-ids = ["P03"]
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[[specimens]]
-name = "S5"
-stiffness_n_per_mm = 1.11
-[recordings]
-layout = "bids"
-root = "data"
-task = "palpation"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-sign = -1
+STUDY = small_study(
+    name="palpation",
+    title="Softness study",
+    participants=["P03"],
+    simulation="seed = 1\n",
+    tables=f"""
 [window]
 force_n = [0.5, 7.0]
 expected_trials = 2
@@ -55,18 +36,14 @@ kept_specimens = ["S1", "S5"]
 [profile]
 participant = "P03"
 specimens = ["S1", "S3", "S5"]
-[simulation]
-seed = 1
-a_v = { S1 = 42e-6, S3 = 28e-6, S5 = 16e-6 }
-b_v = { S1 = 20e-6, S3 = 13e-6, S5 = 7e-6 }
 [session]
+{SIMULATED_SESSION}
 training_specimens = ["T1"]
 training_repetitions = 1
 repetitions = 2
 pause_s = 2
-emg.kind = "simulated"
-force.kind = "simulated"
-"""
+""",
+)
 LABEL = "document.querySelector('#primary b').textContent"
 READY = "!document.querySelector('#primary').matches(':disabled, .early')"
 WORD = "document.querySelector('#word').textContent"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.session.emulated.mistakes import parse_mistakes
 from emg2vsa.session.emulated.operator import EmulatedOperator
@@ -17,39 +18,10 @@ from emg2vsa.session.views import OperatorState
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
-STUDY = """\
-[study]
-name = "small"
-title = "A small study"
-[participants]
-ids = ["P01", "P03"]
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[recordings]
-layout = "bids"
-root = "data"
-task = "press"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-sign = -1
-[session]
-emg.kind = "simulated"
-force.kind = "simulated"
-pause_s = 1.0
-{session}
-[simulation]
-seed = 5
-a_v = {{ S1 = 42e-6, S3 = 28e-6 }}
-b_v = {{ S1 = 20e-6, S3 = 13e-6 }}
-"""
+STUDY = small_study(
+    participants=["P01", "P03"], specimens=["S1", "S3"], task="press", simulation="seed = 5\n",
+    tables=f"[session]\n{SIMULATED_SESSION}pause_s = 1.0\n",
+)  # fmt: skip
 LONGEST_S = 900.0
 
 
@@ -78,7 +50,7 @@ def study_file(tmp_path):
         path = tmp_path / "study.toml"
         if not session.startswith("repetitions"):
             session = f"repetitions = 3\n{session}"
-        path.write_text(STUDY.format(session=session), encoding="utf-8")
+        path.write_text(STUDY + session, encoding="utf-8")
         return path
 
     return write

@@ -14,6 +14,7 @@ import edfio
 import numpy as np
 import pytest
 
+from benchmarks.small_study import SIMULATED_SESSION, small_study
 from emg2vsa.errors import DataError, RecordingError, SettingError
 from emg2vsa.pipeline.stages.trials import trials_of
 from emg2vsa.readers.bids_sidecars import session_events
@@ -39,38 +40,19 @@ from emg2vsa.session.streams import Block, StreamInfo
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study
 
-STUDY = """\
-[study]
-name = "small"
-title = "A small study"
-[participants]
-ids = ["P01", "P02"]
-[[specimens]]
-name = "S1"
-stiffness_n_per_mm = 7.63
-[[specimens]]
-name = "S3"
-stiffness_n_per_mm = 3.35
-[recordings]
-layout = "bids"
-root = "data"
-task = "press"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS right"
-[channels.force]
-name = "Fz"
-sign = -1
+STUDY = small_study(
+    specimens=["S1", "S3"],
+    task="press",
+    tables=f"""
 [session]
-emg.kind = "simulated"
-force.kind = "simulated"
+{SIMULATED_SESSION}
 training_specimens = ["T1"]
 training_repetitions = 1
 repetitions = 3
 ethics = "2026-7"
-about = { power_line_hz = 50, electrode_mm = 10, skin_preparation = "alcohol" }
-"""
+about = {{ power_line_hz = 50, electrode_mm = 10, skin_preparation = "alcohol" }}
+""",
+).replace('name = "FDS"', 'name = "FDS right"')
 PRESS_S, LOAD_S = 5.0, 2.5
 
 
@@ -400,7 +382,8 @@ def test_a_stay_whose_samples_are_gone_is_left_out_and_told(made):
 
 
 def test_a_muscle_that_was_not_recorded(made):
-    made.study.path.write_text(STUDY.replace("FDS]", "FCR]"))
+    shares = "[simulation]\nmuscle_share = { EDC = 0.4, FCR = 0.6 }\n"
+    made.study.path.write_text(STUDY.replace("FDS]", "FCR]").replace("[simulation]\n", shares))
     written = write_dataset(made.folder, load_study(made.study.path))
     assert written.files == ()
     assert all("expected the muscle FCR of [channels.emg], but found EDC, FDS" in why for _, why in written.left_out)
