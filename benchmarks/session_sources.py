@@ -121,9 +121,9 @@ def clocks(tries: int, duration_s: float = 70.0) -> None:
 def serve(pipe: Connection) -> None:
     """The emulated devices: 16 sensors and a box, until the pipe says so."""
     from emg2vsa.rig.emulated.rdt_server import RdtServer
-    from emg2vsa.session.emulated.net_ft import force_box
     from emg2vsa.session.emulated.participant import EmulatedParticipant
     from emg2vsa.session.emulated.person import Person, Response
+    from emg2vsa.session.emulated.serve import force_box
     from emg2vsa.session.emulated.trigno_server import TrignoServer
 
     clock = WallClock()

@@ -15,12 +15,11 @@ from emg2vsa.rig.clock import FastClock, VirtualClock, WallClock
 from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.rig.force.net_ft import open_net_ft
-from emg2vsa.session.emulated.net_ft import force_box
 from emg2vsa.session.emulated.ni_task import EmulatedNi
 from emg2vsa.session.emulated.page_follower import FollowedOperator, FollowedPage
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.person import Person, Response
-from emg2vsa.session.emulated.serve import serve
+from emg2vsa.session.emulated.serve import force_box, serve
 from emg2vsa.session.views import ForceMessage, OperatorState, ParticipantState, PressView, Request, TraceMessage
 from emg2vsa.session_settings import EmgSourceSettings, ForceSourceSettings, SessionSettings
 

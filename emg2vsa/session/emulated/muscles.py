@@ -43,7 +43,30 @@ def carrier_filter(fs_hz: float) -> FloatArray:
     return sos
 
 
-class EmgSampler:
+class Sampler:
+    """Takes samples of the participant at ``fs_hz``, the first at ``start_s``. taken : samples so far."""
+
+    def __init__(self, participant: EmulatedParticipant, fs_hz: float, start_s: float, stream: int) -> None:
+        self._participant, self.fs_hz, self._start_s, self.taken = participant, fs_hz, start_s, 0
+        seed, *key = participant.person.seed
+        self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(*key, stream)))
+
+    def due(self, time_s: float) -> int:
+        """Samples measured by a time and not yet taken."""
+        return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
+
+    @property
+    def newest_s(self) -> float:
+        """When the last sample taken was measured."""
+        return self._start_s + (self.taken - 1) / self.fs_hz
+
+    def _next_times_s(self, n: int) -> FloatArray:
+        times_s: FloatArray = self._start_s + (self.taken + np.arange(n)) / self.fs_hz
+        self.taken += n
+        return times_s
+
+
+class EmgSampler(Sampler):
     """The EMG of some muscles, sample by sample; the same however many are taken at a time.
 
     muscles : name of each channel's muscle; a channel of an unknown one has nothing but noise and hum.
@@ -59,30 +82,16 @@ class EmgSampler:
         range_v: float = 11e-3,
         start_s: float = 0.0,
     ) -> None:
-        self._participant, self._muscles = participant, tuple(muscles)
+        super().__init__(participant, fs_hz, start_s, _EMG)
+        self._muscles, self._range_v = tuple(muscles), range_v
         self._shares = np.array([participant.person.muscle_share.get(muscle, 0.0) for muscle in muscles])
-        self.fs_hz, self._range_v, self._start_s = fs_hz, range_v, start_s
-        person = participant.person
-        self._rng = np.random.default_rng(np.random.SeedSequence(person.seed[0], spawn_key=(*person.seed[1:], _EMG)))
         self._sos = carrier_filter(fs_hz)
         self._state = np.zeros((len(self._sos), 2, len(muscles)))
         self._phases = math.tau * np.arange(len(muscles)) / 7
-        self.taken = 0
-        "Samples so far."
-
-    def due(self, time_s: float) -> int:
-        """Samples measured by a time and not yet taken."""
-        return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
-
-    @property
-    def newest_s(self) -> float:
-        """When the last sample taken was measured."""
-        return self._start_s + (self.taken - 1) / self.fs_hz
 
     def take(self, n: int) -> FloatArray:
         """(n, muscles) the next samples, V."""
-        times_s = self._start_s + (self.taken + np.arange(n)) / self.fs_hz
-        self.taken += n
+        times_s = self._next_times_s(n)
         if not n:
             return np.zeros((0, len(self._muscles)))
         person = self._participant.person
@@ -107,28 +116,15 @@ class EmgSampler:
         return emg_v
 
 
-class ForceSampler:
+class ForceSampler(Sampler):
     """The force sensor under the specimen, sample by sample; pressing is positive."""
 
     def __init__(self, participant: EmulatedParticipant, fs_hz: float, *, start_s: float = 0.0) -> None:
-        self._participant, self.fs_hz, self._start_s = participant, fs_hz, start_s
-        person = participant.person
-        self._rng = np.random.default_rng(np.random.SeedSequence(person.seed[0], spawn_key=(*person.seed[1:], _FORCE)))
-        self.taken = 0
-
-    def due(self, time_s: float) -> int:
-        """As `EmgSampler`."""
-        return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
-
-    @property
-    def newest_s(self) -> float:
-        """When the last sample taken was measured."""
-        return self._start_s + (self.taken - 1) / self.fs_hz
+        super().__init__(participant, fs_hz, start_s, _FORCE)
 
     def take(self, n: int) -> FloatArray:
         """(n, 1) the next samples, N."""
-        times_s = self._start_s + (self.taken + np.arange(n)) / self.fs_hz
-        self.taken += n
+        times_s = self._next_times_s(n)
         force_n = felt_n(self._participant, times_s)
         return (force_n + self._participant.person.force_noise_n * self._rng.standard_normal(n))[:, None]
 

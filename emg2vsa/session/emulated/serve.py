@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+
+import numpy as np
 
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.clock import FastClock, WallClock
 from emg2vsa.rig.device_settings import ForceSettings
+from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox
 from emg2vsa.rig.emulated.rdt_server import RdtServer
 from emg2vsa.session.emulated.lsl_outlets import LslOutlets
-from emg2vsa.session.emulated.net_ft import force_box
+from emg2vsa.session.emulated.muscles import felt_n
 from emg2vsa.session.emulated.participant import EmulatedParticipant
 from emg2vsa.session.emulated.trigno_server import Ports, TrignoServer
 from emg2vsa.session.sources.trigno import places_of
 from emg2vsa.session_settings import TRIGNO_COMMAND_PORT, EmgSourceSettings, SessionSettings
 
+TORQUE_NOISE_NM = 1e-4
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
@@ -101,3 +105,15 @@ def _check(settings: SessionSettings, force: ForceSettings | None, clock: FastCl
 def _elsewhere(where: str, found: str) -> SettingError:
     do = 'Emulate with a copy of the file that has host = "127.0.0.1" (of a box: kind = "net-ft", http_port = 8080).'
     return SettingError(where, wanted="a network device on this computer", found=found, do=do)
+
+
+def force_box(participant: EmulatedParticipant, axis: tuple[float, float, float], rate_hz: float = 1000.0) -> RdtBox:
+    """The box under the specimen. axis : direction, in the sensor's axes, in which a pressing finger pushes."""
+    direction = np.array(axis) / np.linalg.norm(axis)
+
+    def wrench(time_s: float) -> Sequence[float]:
+        force_n = float(felt_n(participant, np.array([time_s]))[0])
+        return [*(force_n * direction).tolist(), 0.0, 0.0, 0.0]
+
+    noise = participant.person.force_noise_n, TORQUE_NOISE_NM
+    return RdtBox(wrench, BoxSettings(rate_hz=rate_hz, noise=noise, seed=participant.person.seed[0]))
