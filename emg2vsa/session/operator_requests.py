@@ -155,7 +155,11 @@ def _refuses_continuing(session: Session) -> str:
         return "The disk does not take the recording. Free some disk space."
     if session.paused or session.suggested is not None:
         return ""
-    return "" if not session.quality_done and session.measuring is None and not session._asked else "Nothing is paused."
+    return (
+        ""
+        if not session.quality_done and session.measuring is None and not session.judge.asked
+        else "Nothing is paused."
+    )
 
 
 def _meant(session: Session, request: Request) -> Tried | None:

@@ -19,6 +19,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
 from emg2vsa.session import journal, quality
 from emg2vsa.session.bar_force import BarForce
+from emg2vsa.session.judge_feed import JudgeFeed
 from emg2vsa.session.live_fit import specimen_fit
 from emg2vsa.session.live_press import Circumstances, HowJudged, StayJudged, judge_attempt
 from emg2vsa.session.plan import PlannedPress
@@ -26,7 +27,7 @@ from emg2vsa.session.press_cycle import LIFTED_S, Attempt, PressCycle
 from emg2vsa.session.press_list import PressList, Tried, judged_event
 from emg2vsa.session.record import SessionRecord
 from emg2vsa.session.recorded_stream import Arrived, RecordedStream
-from emg2vsa.session.stay_judge import Begin, Judge, JudgeStay, MeasureSignals, Samples, Timing
+from emg2vsa.session.stay_judge import Judge
 from emg2vsa.session.traces import Traces
 from emg2vsa.session.views import (
     Command,
@@ -43,8 +44,6 @@ SETTLE_S = 0.5
 "A press is judged with so much of the rest after it, without which its filters would end within it."
 JUDGED_VALUES = 240_000
 "The end of a stay with so many samples, over all muscles, is judged within a second."
-FEED_S = 0.5
-"Samples go to the judge in pieces of this length."
 ZERO_S = 0.5
 "The zero of force is the mean over this time."
 WRONG_SIGN = (
@@ -86,7 +85,7 @@ class Session:
         changes: tuple[str, ...] = (),
     ) -> None:
         """streams : of EMG and force, open. judge : closed by the session. changes : of the study file on resume."""
-        self.study, self.settings, self.record, self._judge = study, settings, record, judge
+        self.study, self.settings, self.record = study, settings, record
         self.emg, self.force = streams
         self.lock = threading.RLock()
         self.now_s = now_s
@@ -99,8 +98,8 @@ class Session:
             self.presses.take(line.event)
         self.traces = Traces(self._muscles)
         self.recent: deque[tuple[float, Floats]] = deque()
-        self._feeding: dict[str, list[Arrived]] = {"emg": [], "force": []}
-        self._next_feed_s = 0.0
+        self.judge = JudgeFeed(judge, streams, self._muscles)
+        self._newest_force_s = now_s
         # of the time before the first press
         self.measuring: _Measurement | None = None
         self.measured: dict[str, tuple[int, int]] = {}
@@ -110,12 +109,10 @@ class Session:
         self.stay: PlannedPress | None = None
         self.placed = False
         self.checklist = dict.fromkeys(settings.checklist, False)
-        self._stay_first = {"emg": 0, "force": 0}
         self._epochs = (0, 0)
         self.pause_until_s = 0.0
         self.paused = ""
         self._judge_at_s: float | None = None
-        self._asked: str = ""
         self._asked_of: tuple[Tried, ...] = ()
         self._writing: deque[tuple[int, journal.Judged, float]] = deque()
         "Verdicts that are not on the disk itself, which no page shows: line, event, end of the press."
@@ -177,24 +174,12 @@ class Session:
         self.recent.append((self.now_s, newton))
         while self.recent and self.recent[0][0] < self.now_s - ZERO_S:
             self.recent.popleft()
-        self._feed("force", arrived)
+        self.judge.take("force", arrived)
 
     def _take_emg(self, arrived: Arrived) -> None:
         columns = [self.emg.info.channels.index(muscle) for muscle in self._muscles]
         self.traces.emg(arrived.samples[:, columns], self.emg.info.fs_hz)
-        self._feed("emg", arrived._replace(samples=arrived.samples[:, columns]))
-
-    def _feed(self, stream: str, arrived: Arrived) -> None:
-        waiting = self._feeding[stream]
-        if waiting and waiting[-1].first + len(waiting[-1].samples) != arrived.first:
-            self._flush(stream)
-        self._feeding[stream].append(arrived)
-
-    def _flush(self, stream: str) -> None:
-        if waiting := self._feeding[stream]:
-            samples = np.concatenate([each.samples for each in waiting]).astype(np.float32)
-            self._judge.tell(Samples(stream, waiting[0].first, samples))
-            self._feeding[stream] = []
+        self.judge.take("emg", arrived._replace(samples=arrived.samples[:, columns]))
 
     def _watch(self, now_s: float) -> None:
         """Devices and disk: what is lost pauses the session, and a press under way is interrupted."""
@@ -216,8 +201,7 @@ class Session:
             self._begin_stay()
 
     def _interrupt(self, now_s: float, why: str) -> None:
-        if self.measuring is not None:
-            self.measuring = None
+        self.measuring = None
         if (attempt := self.cycle.give_up(now_s, "interrupted", why)) is not None:
             self.over(attempt)
 
@@ -265,7 +249,7 @@ class Session:
     @property
     def judging(self) -> bool:
         """Whether a press, or the signal quality, waits for its judge, or a verdict for the disk."""
-        return bool(self._asked) or self._judge_at_s is not None or self.writing
+        return bool(self.judge.asked) or self._judge_at_s is not None or self.writing
 
     @property
     def writing(self) -> bool:
@@ -326,17 +310,14 @@ class Session:
 
     def _work(self, now_s: float) -> None:
         """What waits for a time, or for the judge."""
-        if now_s >= self._next_feed_s:
-            self._next_feed_s = now_s + FEED_S
-            for stream in self._feeding:
-                self._flush(stream)
+        self.judge.turn(now_s)
         if self.measuring is not None and now_s >= self.measuring.until_s:
             self._measured_now(self.measuring)
-        if self._judge_at_s is not None and now_s >= self._judge_at_s and not self._asked:
+        if self._judge_at_s is not None and now_s >= self._judge_at_s and not self.judge.asked:
             self._judge_at_s = None
             self._ask_judge()
-        if self._asked and (answer := self._judge.answer()) is not None:
-            asked, self._asked = self._asked, ""
+        if (answered := self.judge.answer()) is not None:
+            asked, answer = answered
             if isinstance(answer, StayJudged):
                 self._take_verdicts(answer) if asked == "stay" else self._say(answer.failed)
             else:
@@ -356,22 +337,13 @@ class Session:
 
     def _ask_judge(self) -> None:
         """About the press that has ended, with the stay before it, or as much of that as is judged within a second."""
-        for stream in self._feeding:
-            self._flush(stream)
         stay = -1 if self.stay is None else self.stay.stay
         self._asked_of = tuple(
             tried
             for tried in self.presses.of_stay(stay)
             if tried.complete and not tried.verdict and tried.epochs == self._epochs
         )
-        from_s = self._judge_from_s(JUDGED_VALUES / (len(self._muscles) * self.emg.info.fs_hz))
-        timing = {}
-        for own in (self.emg, self.force):
-            start_s, fs_hz = own.timing(first := self._stay_first[own.name])
-            later = max(0, round((from_s - start_s) * fs_hz)) if from_s else 0
-            timing[own.name] = Timing(first + later, *own.timing(first + later))
-        self._judge.tell(JudgeStay(timing))
-        self._asked = "stay"
+        self.judge.ask_stay(self._judge_from_s(JUDGED_VALUES / (len(self._muscles) * self.emg.info.fs_hz)))
 
     def _judge_from_s(self, longest_s: float) -> float:
         """The end of a press, after which no more than ``longest_s`` has passed; 0: all of the stay.
@@ -387,8 +359,7 @@ class Session:
         for tried, (_, end_s), (next_s, _) in zip(own[:-1], times[:-1], times[1:], strict=True):
             if tried.verdict == "rejected":
                 from_s = max(end_s, next_s - MENDED_S)
-        start_s, _ = self.emg.timing(self._stay_first["emg"])
-        if self.now_s - max(from_s, start_s) <= longest_s:
+        if self.now_s - max(from_s, self.judge.start_s) <= longest_s:
             return from_s
         ends = [end_s for _, end_s in times[:-1]]
         return max(from_s, next((end_s for end_s in ends if self.now_s - end_s <= longest_s), max(ends, default=0.0)))
@@ -457,16 +428,7 @@ class Session:
     def _measured_now(self, measuring: _Measurement) -> None:
         self.measuring = None
         self.measured[measuring.step] = (measuring.first, self.emg.next_index)
-        for stream in self._feeding:
-            self._flush(stream)
-        info = self.emg.info
-        self._judge.tell(
-            MeasureSignals(
-                self.measured.get("rest"), self.measured.get("contraction"), info.fs_hz, self.study.filters,
-                info.range_max,
-            )
-        )  # fmt: skip
-        self._asked = measuring.step
+        self.judge.ask_signals(measuring.step, self.measured, self.study.filters)
 
     def _take_signals(self, step: str, signals: tuple[SignalView, ...]) -> None:
         self.signals = signals
@@ -490,12 +452,8 @@ class Session:
 
     def _begin_stay(self) -> None:
         """What the judge knows of the stay begins now."""
-        for stream in self._feeding:
-            self._flush(stream)
         specimen = "" if self.stay is None else self.stay.specimen
-        columns = {muscle: at for at, muscle in enumerate(self._muscles)}
-        self._judge.tell(Begin(self.participant, specimen, self._how(specimen), columns))
-        self._stay_first = {own.name: own.next_index for own in (self.emg, self.force)}
+        self.judge.begin(self.participant, specimen, self._how(specimen))
 
     def place(self) -> None:
         press = self.wanted
@@ -548,7 +506,7 @@ class Session:
             self.record.wait(LAST_LINES_S)
             self._show_written()
             self._show(self.now_s)
-            self._judge.close()
+            self.judge.close()
 
     # what the participant's page says
 
@@ -614,9 +572,8 @@ class Session:
         self._sequence += 1
         force_n = self.bar.force_n
         speed = cycle.speed(now_s, force_n)
-        newest_s = getattr(self, "_newest_force_s", now_s)
         self.force_message = ForceMessage(
-            self._sequence, newest_s, round(force_n, 4), self.bar.direction, speed, self.command
+            self._sequence, self._newest_force_s, round(force_n, 4), self.bar.direction, speed, self.command
         )
         self.traces.turn(now_s, force_n)
 
