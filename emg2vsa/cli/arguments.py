@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -165,3 +167,31 @@ def say_not_used(board: Board) -> None:
     """One line on the error stream for every step that was refused or failed, in this run or before it."""
     for item, stage, message in board.failures():
         print(f"not used: {item} ({stage}): {message}", file=sys.stderr)
+
+
+def add_port(group: argparse._ActionsContainer, default: int) -> None:
+    """Port of a page."""
+    group.add_argument(
+        "--port", type=_port, default=default, metavar="N", help=f"port (default: {default}; 0: any free port)"
+    )
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, but found {text!r}")
+    return int(text)
+
+
+@contextmanager
+def web_pages(command: str) -> Iterator[None]:
+    """For the imports of a command that serves pages: SettingError where the extra for web pages is not installed."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        from emg2vsa.errors import SettingError
+
+        library = str(error.name).partition(".")[0]
+        if library not in ("starlette", "uvicorn"):
+            raise
+        do = 'Install it: pip install "emg2vsa[web]".'
+        raise SettingError(command, wanted="the extra for web pages", found=f"no {library}", do=do) from error

@@ -11,13 +11,13 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
 
 from casr.atomic import write_bytes_atomic, write_text_atomic
 from emg2vsa import __version__
-from emg2vsa.arrays import bridge_gaps, runs_of
+from emg2vsa.arrays import bridge_gaps
 from emg2vsa.bids import (
     CHANNEL_COLUMNS,
     BdfChannel,
@@ -30,24 +30,22 @@ from emg2vsa.bids import (
     write_tsv,
 )
 from emg2vsa.errors import DataError, Emg2vsaError, SettingError
+from emg2vsa.session.dataset_events import (
+    EVENT_COLUMNS,
+    EVENTS_JSON,
+    event_rows,
+    press_attempts,
+)
 from emg2vsa.session.journal import (
     JOURNAL_FILE,
     Begun,
-    Commanded,
-    Continued,
-    Decided,
-    Judged,
     Line,
     Noted,
-    Paused,
-    PressBegun,
-    PressEnded,
     ScreenTold,
     gaps,
     read_journal,
 )
-from emg2vsa.session.plan import PLAN_FILE, PlannedPress, read_plan
-from emg2vsa.session.record import Progress
+from emg2vsa.session.plan import PLAN_FILE, read_plan
 from emg2vsa.session.stays import StaySignals, StayWindow, cut, in_sitting, stay_windows, stored_streams
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import ChannelSettings
@@ -55,47 +53,6 @@ from emg2vsa.study import Study
 
 TRAINING_TASK = "training"
 WRITTEN_FILE = "written.json"
-EVENT_COLUMNS = (
-    "onset", "duration", "trial_type", "specimen", "phase", "press", "repetition", "attempt", "verdict", "decision",
-    "counts", "reason", "peak_force", "load_time", "note",
-)  # fmt: skip
-_EVENTS: Json = {
-    "onset": {"Description": "From the first sample of the recording.", "Units": "s"},
-    "duration": {"Description": "Its length; n/a for what has none.", "Units": "s"},
-    "trial_type": {
-        "Description": "What the row is of.",
-        "Levels": {
-            "command_start": "The screen tells the participant to press.",
-            "command_stop": "The screen tells the participant to lift the finger.",
-            "press": "One attempt at a press, from the first touch until the finger is lifted.",
-            "rest": "Rest between presses.",
-            "pause": "The session is paused.",
-            "gap": "Samples that did not come; interpolated linearly here.",
-            "operator_note": "A note of the operator, in the column note.",
-        },
-    },
-    "specimen": {"Description": "The specimen that was pressed."},
-    "phase": {"Description": "Practice or not.", "Levels": {"training": "Practice.", "main": "Counts."}},
-    "press": {"Description": "Number of the press in the session's order, from 1."},
-    "repetition": {"Description": "Number of the press on this specimen, from 1."},
-    "attempt": {"Description": "From 1; a press that was not well done is done again."},
-    "verdict": {
-        "Description": "Verdict on the execution of the press, given within a second of its end.",
-        "Levels": {"ok": "As asked.", "warned": "With a remark.", "rejected": "Not as asked; see reason."},
-    },
-    "decision": {
-        "Description": "What the operator decided; n/a where nothing was to be decided.",
-        "Levels": {"accept": "Keep it.", "repeat": "Do it again.", "skip": "Go on without it."},
-    },
-    "counts": {
-        "Description": "Whether the press is one of the study's, by its execution alone.",
-        "Levels": {"true": "It is analysed.", "false": "It is not analysed, for the reason that is given."},
-    },
-    "reason": {"Description": "Reasons of verdict and decision."},
-    "peak_force": {"Description": "Largest force of the press.", "Units": "N"},
-    "load_time": {"Description": "Time from the lower to the upper force.", "Units": "s"},
-    "note": {"Description": "What the operator wrote."},
-}  # fmt: skip
 _README = """\
 # {name}
 
@@ -116,21 +73,6 @@ class Written:
     notes: tuple[str, ...] = ()
 
 
-@dataclass
-class _Press:
-    """One attempt, as the journal has it."""
-
-    begun: PressBegun
-    begun_s: float
-    ended: PressEnded | None = None
-    judged: Judged | None = None
-    decided: Decided | None = None
-    counts: bool = False
-    superseded_by: int | None = None
-    "A later attempt that counts."
-    notes: list[str] = field(default_factory=list)
-
-
 def write_dataset(folder: Path, study: Study) -> Written:
     """The session in ``folder`` into the data set of ``study``, whose recordings it becomes.
 
@@ -147,7 +89,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
         )
     plan = read_plan(folder / PLAN_FILE)
     lines, _ = read_journal(folder / JOURNAL_FILE)
-    presses = _presses(lines, plan.presses)
+    presses = press_attempts(lines, plan.presses)
     streams, faults = stored_streams(folder, lines)
     windows = stay_windows(lines)
     stems = _stems(windows, plan.participant, study.task)
@@ -166,7 +108,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
         scans = []
         for (stem, own), target in zip(signals.items(), targets, strict=True):
             window = windows[stems.index(stem)]
-            rows = _events(window, own, list(in_sitting(lines, window.sitting)), presses)
+            rows = event_rows(window, own, list(in_sitting(lines, window.sitting)), presses)
             channels = _channels(study, plan.participant, window.specimen)
             _write_recording(target, window, own, rows, channels, settings, study, lines)
             scans.append((target.relative_to(subject).as_posix(), _at(lines, window.sitting, own.start_s)))
@@ -213,35 +155,6 @@ def _foreign(path: Path) -> DataError:
         path, wanted="no recording of that name in the data set", found="one that this session did not write",
         do="Move it away, or run the session with another participant's code.",
     )  # fmt: skip
-
-
-def _presses(lines: Sequence[Line], planned: tuple[PlannedPress, ...]) -> dict[tuple[int, int], _Press]:
-    """Every attempt by press and attempt."""
-    found: dict[tuple[int, int], _Press] = {}
-    progress = Progress(planned)
-    for line in lines:
-        progress.take(line)
-        event = line.event
-        if isinstance(event, PressBegun):
-            found[event.press, event.attempt] = _Press(event, line.time_s)
-        if isinstance(event, (PressEnded, Judged, Decided, Noted)):
-            own = found.get((event.press, event.attempt))
-            if own is None:
-                continue
-            if isinstance(event, PressEnded):
-                own.ended = event
-            elif isinstance(event, Judged):
-                own.judged = event
-            elif isinstance(event, Decided):
-                own.decided = event
-            else:
-                own.notes.append(event.text)
-    for attempt in progress.attempts:
-        own = found[attempt.press, attempt.attempt]
-        last = progress.counting.get(attempt.press)
-        own.counts = attempt.attempt == last
-        own.superseded_by = last if attempt.counts and not own.counts else None
-    return found
 
 
 def _channels(study: Study, participant: str, specimen: str) -> ChannelSettings:
@@ -292,7 +205,7 @@ def _make_room(folder: Path, root: Path, targets: Sequence[Path]) -> None:
     write_text_atomic(known, json.dumps(sorted({*before, *new}), indent=2) + "\n")
     for name in before:
         if name not in new:
-            for ending in ("_emg.bdf", "_emg.json", "_channels.tsv", "_events.tsv", "_events.json"):
+            for ending in ("_emg.bdf", "_emg.json", "_channels.tsv", "event_rows.tsv", "event_rows.json"):
                 (root / f"{name.removesuffix('_emg.bdf')}{ending}").unlink(missing_ok=True)
     write_text_atomic(known, json.dumps(sorted(new), indent=2) + "\n")
 
@@ -336,9 +249,11 @@ def _write_recording(
     write_json(target.with_name(f"{stem}_emg.json"), own | {key: text for key, text in more.items() if text})
     write_tsv(target.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, cells)
     write_tsv(
-        target.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
+        target.with_name(f"{stem}event_rows.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
     )
-    write_json(target.with_name(f"{stem}_events.json"), {**_EVENTS, "StimulusPresentation": _screen(lines, window)})
+    write_json(
+        target.with_name(f"{stem}event_rows.json"), {**EVENTS_JSON, "StimulusPresentation": _screen(lines, window)}
+    )
     write_bytes_atomic(target, content)  # last: who waits for the recording finds what belongs to it
 
 
@@ -375,81 +290,6 @@ def _screen(lines: Sequence[Line], window: StayWindow) -> Json:
     if told and {"width", "height"} <= told.more.keys():
         made["ScreenResolution"] = [told.more["width"], told.more["height"]]
     return made
-
-
-def _events(
-    window: StayWindow, signals: StaySignals, lines: Sequence[Line], presses: Mapping[tuple[int, int], _Press]
-) -> list[dict[str, object]]:
-    """Rows in time order, all within the recording."""
-    last_s = signals.duration_s
-    rows: list[dict[str, object]] = []
-
-    def add(kind: str, start_s: float, stop_s: float | None, **cells: object) -> None:
-        onset = signals.onset_s(start_s)
-        if not 0 <= onset < last_s:
-            return
-        length = "n/a" if stop_s is None else f"{min(signals.onset_s(stop_s), last_s) - onset:.6f}"
-        row: dict[str, object] = dict.fromkeys(EVENT_COLUMNS, "n/a")
-        rows.append(row | {"onset": f"{onset:.6f}", "duration": length, "trial_type": kind} | cells)
-
-    for key in window.presses:
-        own = presses[key]
-        ended = own.ended
-        start_s, stop_s = (own.begun_s, None) if ended is None else (ended.start_s, ended.stop_s)
-        add("press", start_s, stop_s, **_press_cells(own))
-    named = {"start": "command_start", "stop": "command_stop", "rest": "rest"}
-    commands = [line for line in lines if isinstance(line.event, Commanded)]
-    for i, line in enumerate(commands):
-        assert isinstance(line.event, Commanded)
-        if line.event.command in named:
-            rests = line.event.command == "rest"
-            until_s = commands[i + 1].time_s if rests and i + 1 < len(commands) else None
-            add(named[line.event.command], line.time_s, until_s, specimen=window.specimen, phase=window.phase)
-    for i, line in enumerate(lines):
-        if isinstance(line.event, Paused):
-            ends = (after.time_s for after in lines[i:] if isinstance(after.event, Continued))
-            add("pause", line.time_s, next(ends, None), reason=_cell(line.event.why))
-        elif isinstance(line.event, Noted):
-            number = line.event.press or "n/a"
-            add("operator_note", line.time_s, None, press=number, note=_cell(line.event.text))
-    for samples, fs_hz in ((signals.emg_v[:, 0], signals.emg_fs_hz), (signals.force_n, signals.force_fs_hz)):
-        firsts, stops = runs_of(samples != samples)
-        for first, stop in zip(firsts.tolist(), stops.tolist(), strict=True):
-            row: dict[str, object] = dict.fromkeys(EVENT_COLUMNS, "n/a")
-            cells = {"onset": f"{first / fs_hz:.6f}", "duration": f"{(stop - first) / fs_hz:.6f}", "trial_type": "gap"}
-            rows.append(row | cells)
-    return sorted(rows, key=lambda row: float(str(row["onset"])))
-
-
-def _press_cells(press: _Press) -> dict[str, object]:
-    begun, judged, decided = press.begun, press.judged, press.decided
-    problems = "; ".join(found for found, _ in judged.problems) if judged else ""
-    if press.ended is None:
-        reason = "interrupted"
-    elif judged is None:
-        reason = "interrupted before its verdict"
-    elif press.ended.how == "aborted":
-        reason = ": ".join(filter(None, ("aborted", problems)))
-    elif press.superseded_by is not None:
-        reason = "; ".join(filter(None, (f"superseded by attempt {press.superseded_by}", problems)))
-    elif decided and decided.decision in ("repeat", "skip"):
-        reason = ": ".join(filter(None, (decided.by, decided.decision, decided.reason or problems)))
-    else:
-        reason = problems
-    load_s = judged.values.get("load_s") if judged else None
-    peak_n = press.ended.peak_n if press.ended else None
-    return {
-        "specimen": begun.specimen, "phase": begun.phase, "press": begun.press, "repetition": begun.repetition,
-        "attempt": begun.attempt, "verdict": (judged.verdict if judged else "") or "n/a",
-        "decision": (decided.decision if decided else "") or "n/a", "counts": "true" if press.counts else "false",
-        "reason": _cell(reason), "peak_force": "n/a" if peak_n is None else f"{peak_n:.4g}",
-        "load_time": "n/a" if load_s is None else f"{load_s:.4g}", "note": _cell("; ".join(press.notes)),
-    }  # fmt: skip
-
-
-def _cell(text: str) -> str:
-    """A text as a cell of a table: no tab and no line feed in it."""
-    return " ".join(text.split()) or "n/a"
 
 
 def _number(cell: object) -> float | None:

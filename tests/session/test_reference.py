@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from emg2vsa.session.dataset import EVENT_COLUMNS, WRITTEN_FILE
+from emg2vsa.session.dataset import WRITTEN_FILE
+from emg2vsa.session.dataset_events import EVENT_COLUMNS
 from emg2vsa.session.journal import JOURNAL_FILE, KINDS
 from emg2vsa.session.plan import PLAN_FILE
 from emg2vsa.session.record import LOCK_FILE

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from casr.command_line import Commands, add_command
+from emg2vsa.cli.arguments import add_port, web_pages
 from emg2vsa.errors import SettingError
 
 _PORT = 8420
@@ -22,7 +23,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "folder", type=Path, metavar="FOLDER", help="folder of a run, or a folder of runs, of which the newest is shown"
     )
-    parser.add_argument("--port", type=_port, default=_PORT, metavar="N", help=f"port (default: {_PORT}; 0: any free)")
+    add_port(parser, _PORT)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -30,15 +31,9 @@ def run(arguments: argparse.Namespace) -> int:
     if folder.exists() and not folder.is_dir():
         do = "Choose the folder of a run, or of runs."
         raise SettingError(folder, wanted="a folder", found="a file", do=do)
-    try:
+    with web_pages("rig watch"):
         from emg2vsa.live.server import listening, serve
         from emg2vsa.live.watch_routes import watch_routes
-    except ModuleNotFoundError as error:
-        library = str(error.name).partition(".")[0]
-        if library not in ("starlette", "uvicorn"):
-            raise
-        do = 'Install it: pip install "emg2vsa[web]".'
-        raise SettingError("rig watch", wanted="the extra for web pages", found=f"no {library}", do=do) from error
 
     def ready(address: str) -> None:
         print(f"Watching {folder}" + ("" if folder.exists() else ", which is not there yet"))
@@ -50,9 +45,3 @@ def run(arguments: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print()
     return 0
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, but found {text!r}")
-    return int(text)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command
-from emg2vsa.cli.arguments import add_study
+from emg2vsa.cli.arguments import add_port, add_study, web_pages
 from emg2vsa.cli.session import check_emulated
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--participant", required=True, metavar="CODE", help="a code of [participants]: P03")
     parser.add_argument("--resume", action="store_true", help="go on with the session that was interrupted")
     pages = parser.add_argument_group("pages")
-    pages.add_argument("--port", type=_port, default=_PORT, metavar="N", help=f"port (default: {_PORT}; 0: any free)")
+    add_port(pages, _PORT)
     pages.add_argument(
         "--bind", metavar="ADDRESS", help="a further address of this computer, for a second screen or a tablet"
     )
@@ -58,12 +58,6 @@ def add_to(commands: Commands) -> None:
     )
     virtual.add_argument("--seed", type=int, metavar="N", help="of the participant (default: that of [simulation])")
     virtual.add_argument("--truth", type=Path, metavar="FILE", help="at the end, write what is true of every press")
-
-
-def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > 65535:
-        raise argparse.ArgumentTypeError(f"expected a port from 0 to 65535, but found {text!r}")
-    return int(text)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -219,16 +213,8 @@ def _placing(desk: SessionDesk, person: EmulatedParticipant | None) -> Callable[
 
 def _port_taken(arguments: argparse.Namespace) -> AbstractContextManager[Listening | None]:
     """Before the session begins, for it ends nothing that has begun. SettingError without the extra for web pages."""
-    from emg2vsa.errors import SettingError
-
     if arguments.no_page:
         return nullcontext()
-    try:
+    with web_pages("session"):
         from emg2vsa.live.server import listening
-    except ModuleNotFoundError as error:
-        library = str(error.name).partition(".")[0]
-        if library not in ("starlette", "uvicorn"):
-            raise
-        do = 'Install it: pip install "emg2vsa[web]".'
-        raise SettingError("session", wanted="the extra for web pages", found=f"no {library}", do=do) from error
     return listening(arguments.port, arguments.bind)
