@@ -205,7 +205,7 @@ def _make_room(folder: Path, root: Path, targets: Sequence[Path]) -> None:
     write_text_atomic(known, json.dumps(sorted({*before, *new}), indent=2) + "\n")
     for name in before:
         if name not in new:
-            for ending in ("_emg.bdf", "_emg.json", "_channels.tsv", "event_rows.tsv", "event_rows.json"):
+            for ending in ("_emg.bdf", "_emg.json", "_channels.tsv", "_events.tsv", "_events.json"):
                 (root / f"{name.removesuffix('_emg.bdf')}{ending}").unlink(missing_ok=True)
     write_text_atomic(known, json.dumps(sorted(new), indent=2) + "\n")
 
@@ -249,11 +249,9 @@ def _write_recording(
     write_json(target.with_name(f"{stem}_emg.json"), own | {key: text for key, text in more.items() if text})
     write_tsv(target.with_name(f"{stem}_channels.tsv"), CHANNEL_COLUMNS, cells)
     write_tsv(
-        target.with_name(f"{stem}event_rows.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
+        target.with_name(f"{stem}_events.tsv"), EVENT_COLUMNS, [[row[key] for key in EVENT_COLUMNS] for row in rows]
     )
-    write_json(
-        target.with_name(f"{stem}event_rows.json"), {**EVENTS_JSON, "StimulusPresentation": _screen(lines, window)}
-    )
+    write_json(target.with_name(f"{stem}_events.json"), {**EVENTS_JSON, "StimulusPresentation": _screen(lines, window)})
     write_bytes_atomic(target, content)  # last: who waits for the recording finds what belongs to it
 
 
