@@ -243,13 +243,14 @@ class TrignoSource:
 
     def _wait_for_first(self) -> None:
         end_s = self._clock.now_s() + FIRST_S
+        self._bytes = self._received()
         while len(self._bytes) < SAMPLE_BYTES:
-            self._bytes += self._received()
             if self._ended or self._clock.now_s() >= end_s:
                 found = self._ended or f"none for {FIRST_S:g} s after START"
                 do = "Switch off the start trigger of the utility; check session.emg.emg_port."
                 raise DeviceError(self._where, wanted="first samples", found=found, do=do)
             self._clock.sleep_until(self._clock.now_s() + _POLL_S)
+            self._bytes += self._received()
 
     def _received(self) -> bytes:
         if self._data is None:

@@ -392,3 +392,20 @@ def test_a_decimal_comma_a_range_in_words_and_a_value_without_end() -> None:
     samples = samples_of(blocks)
     assert np.isnan(samples[20]).all()
     assert not np.isinf(samples).any()
+
+
+def test_samples_that_come_together_with_the_end_of_the_connection_count() -> None:
+    class Late(WallClock):
+        """Looks at the port only after the server has sent all and closed it."""
+
+        def now_s(self) -> float:
+            if any(command == "START" for command in server.asked):
+                time.sleep(0.1)
+            return super().now_s()
+
+    with WrittenServer(REPLIES, [counter(52).tobytes()]) as server:
+        source = TrignoSource(server.settings, Late())
+        source.start()
+        blocks, _ = read_until_lost(source)
+        source.close()
+    assert len(samples_of(blocks)) == 52
