@@ -25,9 +25,9 @@ _NUMBER = re.compile(r"\d+(\.\d+)?")
 class PressCurve:
     """The loading phase of one press.
 
-    force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm, area law and force rule; area in
-    px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first frame of
-    the loading phase, determined or not. Equation (2) puts 0 in place of the first force.
+    force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm, its area law and force rule;
+    area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
+    frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force.
     """
 
     force_n: Floats
@@ -57,11 +57,11 @@ class RunScores:
     number, from 1, of the folder that a press comes from: the presses between two mountings of the sensor. verdicts :
     "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired one to one
     in the first frame of the loading phase; -1 where it is not determined.
-    a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N; by rate "paper" casr
-    is a sum over frames. a_c0 is the area of the first frame of the loading phase, whose force differs from press to
-    press (front: on the power law of the frames in which it is determined); start_area is the area at the force where
-    the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area is above
-    that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
+    a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N; by rate "paper"
+    casr is a sum over frames. a_c0 is the area of the first frame of the loading phase, whose force differs from press
+    to press (front: on the power law of the frames in which it is determined); start_area is the area at the force
+    where the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area
+    is above that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
     simulated : the run was emulated. notes : once each.
     """
