@@ -335,6 +335,8 @@ RECIPES: dict[str, Recipe] = {
     "paper": Recipe("horn-schunck", "mean", "paper", "paper", "paper"),
 }
 """What an algorithm sets of the keys that a study leaves out (paper: sections III.A, IV.A and VI.A)."""
+PAPER_BESIDE = RECIPES["paper"]._replace(engine="pin-affine")
+"""The paper's beside another algorithm: with the flow of the pins, as dense flow needs numba, which is an extra."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from casr.press_forces import press_forces
 from casr.score import score, score_skin
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from emg2vsa.arrays import Floats
-from emg2vsa.settings import RECIPES, Recipe, RunSettings
+from emg2vsa.settings import PAPER_BESIDE, RECIPES, Recipe, RunSettings
 
 _REACH = 0.8
 """At 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."""
@@ -115,7 +115,7 @@ class Measured:
         """By which skin is measured for an algorithm: those of one rule of the initial area share a measurement."""
         own = self._settings.recipe
         if algorithm == "paper":
-            return own if self._settings.algorithm == "paper" else RECIPES["paper"]
+            return own if self._settings.algorithm == "paper" else PAPER_BESIDE
         return (self._by_pins if self._settings.algorithm == "front" else own)._replace(area_rule=algorithm)
 
     def _front(self) -> Numbers:
