@@ -30,6 +30,7 @@ from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import GLOSSARY
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
+from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.methods import METHODS
 from emg2vsa.report.sections.models import MODELS
@@ -56,6 +57,7 @@ SECTIONS: tuple[Section, ...] = (
     VISION,
     ACTUATORS,
     KAPPA,
+    IMPLIED,
     MODELS,
     METHODS,
     GLOSSARY,

@@ -15,7 +15,7 @@ from emg2vsa.report.wording import count, p_text, percent
 
 ADVANCING_FRONT_ERROR = 0.096
 """Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
-NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter"})
+NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter", "kappa_curves"})
 """Claims on settings and arithmetic: no data can change their verdicts, so they are not counted as results."""
 _KINDS = {"holds": "holds", "does not hold": "fails", "cannot be tested here": "untested"}
 
