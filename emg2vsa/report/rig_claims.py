@@ -269,7 +269,7 @@ def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
     found = [bool(q.get(f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.determined", True)) for c, angle in designs]
     if all(found):
         return ""
-    return f"By its interval, κ is not determined in {found.count(False)} of {len(found)} designs."
+    return f"Not determined in {found.count(False)} of {len(found)} designs."
 
 
 _ROUNDED = 0.005
@@ -280,11 +280,11 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """The Discussion: by how many percentage points each step makes the error of κ smaller."""
     own = results.study.scoring.algorithm
     steps = (
-        ("vision", "the hexagon in place of the circle reduces the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
+        ("vision", "hexagons in place of the circle cut the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
          "18 and 15 points"),
-        ("human_like", "human-like stiffness reduces it further", (_RIGID, _NEW), (_HUMAN_LIKE, _NEW), (30.0, 45.0),
+        ("human_like", "human-like stiffness cuts it further", (_RIGID, _NEW), (_HUMAN_LIKE, _NEW), (30.0, 45.0),
          "4 and 9 points"),
-        ("both", "both together reduce it", (_RIGID, _OLD), (_HUMAN_LIKE, _NEW), (0.0, 30.0, 45.0),
+        ("both", "both together cut it", (_RIGID, _OLD), (_HUMAN_LIKE, _NEW), (0.0, 30.0, 45.0),
          f"3 (50{NO_BREAK}%), 22 and 24 points"),
     )  # fmt: skip
     for key, says, before, after, angles, printed in steps:

@@ -15,7 +15,7 @@ from casr.score import score
 from casr.scored import Score, ScoreSettings
 from casr.spread import contact_areas, spread_rate
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, FirstContact, PressCurve
 
 OF_SKIN = tuple(name for name in ALGORITHMS if name != "front")
 _REACH = 0.8
@@ -143,6 +143,24 @@ def picture_of(press: Press, scored: ScoredPress, algorithm: str) -> ContactPict
         force_n=float(found.force_n[i]),
         outline_px=np.asarray(outlines[i], dtype=np.float64),
         area_mm2=float(area[i]),
+    )
+
+
+def first_contact_of(press: Press, scored: ScoredPress) -> FirstContact | None:
+    """What Algorithm 1 sees of a press; None where it finds no pin."""
+    found = scored.scored
+    if scored.pins_selected < 1 or found.frames.size < 2 or found.force_n is None:
+        return None
+    assert press.frames is not None
+    area = initial_area(found.rest, found.contact_px, rule="paper", threshold_px=found.settings.threshold_px)
+    frames = [np.asarray(press.frames[int(i)]).astype(np.uint8) for i in (found.rest_frame, *found.frames[:2])]
+    return FirstContact(
+        repetition=press.repetition,
+        frames=np.stack(frames),
+        force_n=found.force_n[:2].copy(),
+        rest_px=found.rest.centroids_px,
+        contact_px=found.contact_px.copy(),
+        selected=area.selected.astype(np.int64),
     )
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from casr.errors import CasrError
 from casr.scored import ScoreSettings
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve, RunScores
+from emg2vsa.runs.press import Press, ScoredPress, first_contact_of, picture_of, score_press
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, FirstContact, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
 _AREA_RULES = {"paper": "hexagon", "front": "edge"}
@@ -48,9 +48,12 @@ def score_run(
     scored: list[ScoredPress | None] = []
     unit_of_rejected = "mm2"
     pictures: list[ContactPicture | None] = []
+    first_contact: FirstContact | None = None
     for press in presses:
         found, reason = _tried(press, how)
         pictures.append(picture_of(press, found, settings.algorithm) if found else None)
+        if found and first_contact is None:
+            first_contact = first_contact_of(press, found)
         if not found:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
@@ -76,6 +79,7 @@ def score_run(
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
         curves=tuple(found.curve if found else _NOTHING for found in scored),
         picture=min(filter(None, pictures), key=lambda picture: abs(picture.force_n - PICTURED_N), default=None),
+        first_contact=first_contact,
         notes=tuple(dict.fromkeys((*notes, *(note for found in scored if found for note in found.notes)))),
     )
 

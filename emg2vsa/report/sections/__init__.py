@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from emg2vsa.report.section import Section
 from emg2vsa.report.sections.actuators import ACTUATORS
+from emg2vsa.report.sections.algorithm_1 import ALGORITHM_1
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.fits import FITS
@@ -53,6 +54,7 @@ SECTIONS: tuple[Section, ...] = (
     SCHEDULES,
     RUNS,
     AREA,
+    ALGORITHM_1,
     RATES,
     VISION,
     ACTUATORS,

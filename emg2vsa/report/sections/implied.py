@@ -52,7 +52,11 @@ def _ratio_here(results: StudyResults, angle_deg: float) -> float:
     """Mean CASR of the softest over that of the stiffest of the paper's specimens; NaN where one was not pressed."""
     table, ends = tested(results).table, {name: paper.KAPPA_N_PER_MM[name] for name in (_STIFFEST, _SOFTEST)}
     design = table.design(HUMAN_LIKE, angle_deg)
-    if design < 0 or not ends.items() <= results.study.stiffness_n_per_mm.items() or not ends.keys() <= {*table.specimens}:
+    if (
+        design < 0
+        or not ends.items() <= results.study.stiffness_n_per_mm.items()
+        or not ends.keys() <= {*table.specimens}
+    ):
         return np.nan
     scores = table.casr[table.algorithm][design]
     softest, stiffest = (scores[table.specimens.index(name)] for name in (_SOFTEST, _STIFFEST))

@@ -17,7 +17,7 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section
 from emg2vsa.report.table import Cell, Column, Table
-from emg2vsa.report.wording import SIMULATED, UNDEFINED, interval, number
+from emg2vsa.report.wording import SIMULATED, UNDEFINED, interval, number, signed
 
 ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
 """Condition, key and head of the two halves of Table I."""
@@ -28,9 +28,9 @@ PRINTED = {
 }
 """Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
 ALGORITHM_NAMES = {
-    "circle": "circle (previous work)",
-    "paper": "hexagon (the paper's)",
-    "hexagon": "hexagon, filled (ours)",
+    "circle": "circle (previous)",
+    "paper": "hexagon (paper)",
+    "hexagon": "filled hexagon (ours)",
     "edge": "edge (ours)",
     "front": "front (ours)",
 }
@@ -133,7 +133,9 @@ def _table_one(found: CalibrationResults, designs: _Designs) -> Table:
             row[f"{key}_paper"] = of_people[f"{key}_paper"] = printed.get(angle, np.nan)
             for place, law in ((f"{key}_same", of and of.paper), (key, of and of.chosen)):
                 row[place] = law.error if law else np.nan
-                of_people[place] = _NOT_DETERMINED if law and not law.determined else row[place]
+                of_people[place] = (
+                    signed(100 * law.error) if law and law.determined else _NOT_DETERMINED if law else None
+                )
     caption = (
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
         "for too stiff. Not determined: the interval is wider than the range of the known stiffnesses. –: not in the "
