@@ -163,7 +163,7 @@ def _stiffness(results: StudyResults, q: Quantities) -> str:
     median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
     shared = (
         f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
-        f"which shares nothing: {percent(ADVANCING_FRONT_ERROR, 2)})"
+        f"which shares the law alone: {percent(ADVANCING_FRONT_ERROR, 2)})"
         if q["runs.simulated"]
         else ""
     )

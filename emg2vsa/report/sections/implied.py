@@ -74,13 +74,12 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _TEXT = """
-<p>Each curve is solved for CASR at the five stiffnesses. Contact mechanics bounds the ratio of the softest to the
-stiffest specimen, whatever the unit: Hertz's contact grows as (F/E)<sup>2/3</sup>, and a sensor that yields makes the
-ratio smaller.</p>
+<p>Each curve is solved for CASR at the five stiffnesses. Whatever the unit, Hertz's contact bounds the ratio of the
+softest to the stiffest specimen, and a sensor that yields makes it smaller.</p>
 {{ folded("casr_implied", "CASR that the paper's curves imply") }}
 <p>From {{ first | number(1) }}° to {{ last | number(2) }}° the implied CASR falls {{ least_fall | number(2) }} to
-{{ largest_fall | number(2) }} times, so no unit of area explains it. A mean divergence over the whole image has such
-magnitudes. This origin is a hypothesis; <code>region = "image"</code> under <code>[runs]</code> tests it.</p>
+{{ largest_fall | number(2) }} times, which no unit explains. Divergence averaged over the whole image would (a
+hypothesis; test it with <code>region = "image"</code> under <code>[runs]</code>).</p>
 """
 
 IMPLIED = Section("implied", "What the paper's curves imply", _TEXT, of_kappa, _quantities, _tables, words=_words)
