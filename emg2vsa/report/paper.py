@@ -56,4 +56,4 @@ def largest_ratio() -> float:
     has the largest ratio; stiffness by plate indentation is proportional to E.
     """
     stiffest, *_, softest = KAPPA_N_PER_MM.values()
-    return (stiffest / softest) ** (2 / 3)
+    return math.cbrt(stiffest / softest) ** 2

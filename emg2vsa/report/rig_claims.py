@@ -313,15 +313,11 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             float(here.min()),
             _verdict(known, bool((here > 0).all())),
             companion=f"by {own}: {_points(mine)}" if np.isfinite(mine).all() else "",
-            why=_same_world(q, key) if known else "κ of the new specimen is not known, or the scores determine none.",
+            why=_undetermined(q, [(c, angle) for c in {before[0], after[0]} for angle in angles])
+            if known
+            else "κ of the new specimen is not known, or the scores determine none.",
         )
     yield _levels(q)
-
-
-def _same_world(q: Quantities, key: str) -> str:
-    if key != "human_like" or not q.get("runs.simulated"):
-        return ""
-    return "In this world, area follows from force alone."
 
 
 def _reduction(

@@ -159,8 +159,8 @@ def _flow(seen: FirstContact, engine: str) -> tuple[NDArray[np.floating[Any]], s
 
 _TEXT = """
 <p>Algorithm 1 counts pins that moved in the first frame in contact, and pins move further as the force rises. From
-frame to frame it rises by {{ q['runs.algorithm_1.step_n.median'] | number(2) }} N (median), so the count tells when the frame
-was taken. A_c0 needs a first frame within about 0.1 N of contact.</p>
+frame to frame it rises by {{ q['runs.algorithm_1.step_n.median'] | number(2) }} N (median), so the count tells when the
+frame was taken. A_c0 needs a first frame within about 0.1 N of contact.</p>
 {{ folded("algorithm_1", "Pins counted, by specimen") }}
 {{ folded("figa1_pins_by_force", "Figure A1: pins counted against the force of the first frame") }}
 {{ folded("fig02_algorithm_1", "Figure 2: steps of Algorithm 1") }}

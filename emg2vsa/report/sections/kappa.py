@@ -16,8 +16,9 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section
-from emg2vsa.report.table import Cell, Column, Table
+from emg2vsa.report.table import Cell, Column, Row, Table
 from emg2vsa.report.wording import SIMULATED, UNDEFINED, interval, number, signed
+from emg2vsa.settings import Recipe, RunSettings
 
 ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
 """Condition, key and head of the two halves of Table I."""
@@ -106,6 +107,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     designs = [(angle, name) for angle in sorted(ours | set(paper.ANGLES_DEG)) for name in compared]
     yield _table_one(found, designs)
     yield _table_one_intervals(found, designs)
+    yield _recipes(results.study.scoring, compared)
     yield _every(found, algorithm, own)
     yield _laws(own)
 
@@ -158,6 +160,39 @@ def _table_one_intervals(found: CalibrationResults, designs: _Designs) -> Table:
                 of = _at(found, angle, condition, name)
                 row[columns[-1].key] = span(of.paper if suffix else of.chosen) if of else UNDEFINED
     return Table("table_one_laws", "κ and its interval behind Table I (N/mm)", tuple(columns), tuple(rows))
+
+
+_STEPS = {
+    "edge": "edge of the contact", "hexagon": "hexagons, filled", "circle": "circle",
+    "pin-affine": "motion of the pins", "horn-schunck": "dense, Horn and Schunck", "dis": "dense, DIS",
+    "exposure": "at exposure", "mean": "mean of its rows", "ode": "A_c0 exp(Σ growth)",
+    "power": "mean slope of a power law", "slope": "slope of a line",
+}  # fmt: skip
+_AS_PRINTED = {"area_rule": "hexagons of Algorithm 1", "law": "equation (1)", "rate": "equation (2)"}
+
+
+def _recipes(settings: RunSettings, algorithms: Sequence[str]) -> Table:
+    """Every step of the algorithms that are compared, by the name of its setting."""
+    columns = (
+        Column("algorithm", "Vision algorithm"), Column("area_rule", "Initial area"), Column("engine", "Growth"),
+        Column("force_rule", "Force of a frame"), Column("law", "Area"), Column("rate", "CASR"),
+        Column("force_low_n", "From (N)"), Column("force_high_n", "To (N)"),
+    )  # fmt: skip
+    rows: list[Row] = []
+    for name in algorithms:
+        recipe = settings.recipe_of(name)
+        steps = {key: _AS_PRINTED[key] if step == "paper" else _STEPS[step] for key, step in _steps(recipe)}
+        if recipe.region == "image":
+            steps["engine"] += ", whole image"
+        if name == "front":
+            steps |= {"area_rule": "front in every frame", "engine": UNDEFINED, "law": UNDEFINED}
+        low, high = settings.force_n
+        rows.append({"algorithm": ALGORITHM_NAMES[name], **steps, "force_low_n": low, "force_high_n": high})
+    return Table("recipes", "How each vision algorithm scores a press", columns, tuple(rows))
+
+
+def _steps(recipe: Recipe) -> list[tuple[str, str]]:
+    return [(key, step) for key, step in recipe._asdict().items() if key != "region"]
 
 
 def span(law: LawResult) -> str:
@@ -302,6 +337,7 @@ for that law. By the true CASR of other simulated sensors it is {{ law_errors[0]
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because each specimen was mounted
 once.</p>
 {{ folded("table_one_laws", "Intervals of κ behind Table I") }}
+{{ folded("recipes", "How each algorithm scores a press") }}
 {{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
 {{ folded("figcal_calibration", "Figure C1: calibration of every design") }}

@@ -36,6 +36,7 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Table, rows_of
 from emg2vsa.report.verdicts import change, dunn_bounds, how_many
 from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value
+from emg2vsa.runs import PressCurve
 
 _RAW = (
     "Left: raw dA/dF from frame to frame of all presses, a part of them, and its fit, the derivative of a power law "
@@ -184,12 +185,20 @@ def _series(results: StudyResults, look: Mapping[str, Look], design: int) -> Seq
     table = tested(results).table
     of = (table.conditions[design], float(table.angles_deg[design]))
     runs = {run.specimen: run for run in results.pressed.scores if (run.condition, run.angle_deg) == of}
+    as_printed = results.study.scoring.recipe.rate == "paper"
     series = []
     for specimen, scores in zip(table.specimens, table.casr[table.algorithm][design], strict=True):
         if specimen in runs:
-            presses = [(curve.force_n, curve.area_mm2) for curve in runs[specimen].curves]
+            presses = [_points(curve, as_printed) for curve in runs[specimen].curves]
             series.append(RateSeries(specimen, look[specimen], presses, finite(scores)))
     return series
+
+
+def _points(curve: PressCurve, as_printed: bool) -> tuple[Floats, Floats]:
+    """Forces and areas of a press; the first force is 0 in equation (2) as printed."""
+    force_n = curve.force_n.copy()
+    force_n[:1] = 0.0 if as_printed else force_n[:1]
+    return force_n, curve.area_mm2
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
