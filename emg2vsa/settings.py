@@ -374,6 +374,14 @@ class RunSettings:
         given = {name: getattr(self, name) for name in Recipe._fields}
         return RECIPES[self.algorithm]._replace(**{name: value for name, value in given.items() if value is not None})
 
+    def recipe_of(self, algorithm: str) -> Recipe:
+        """That of an algorithm on the same presses: one of the skin differs from the chosen one by its initial area."""
+        if algorithm == self.algorithm:
+            return self.recipe
+        if algorithm in ("front", "paper"):
+            return RECIPES[algorithm]
+        return self.recipe._replace(area_rule=algorithm)
+
 
 @dataclass(frozen=True, kw_only=True)
 class DiscriminationSettings:

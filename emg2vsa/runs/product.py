@@ -50,6 +50,23 @@ class ContactPicture:
 
 
 @dataclass(frozen=True, eq=False)
+class FirstContact:
+    """What Algorithm 1 sees of one press, for people to look at.
+
+    repetition : of the press. frames : (3, H, W) uint8, at rest, the first in contact and the next. force_n : (2,) of
+    the last two. rest_px, contact_px : (N, 2) pins of the first two, NaN where lost. selected : (n,) rows of those that
+    it counts.
+    """
+
+    repetition: int
+    frames: NDArray[np.uint8]
+    force_n: Floats
+    rest_px: Floats
+    contact_px: Floats
+    selected: Ints
+
+
+@dataclass(frozen=True, eq=False)
 class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
@@ -63,7 +80,8 @@ class RunScores:
     where the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area
     is above that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
-    simulated : the run was emulated. notes : once each.
+    simulated : the run was emulated. first_contact : of the first press in which Algorithm 1 finds pins. notes : once
+    each.
     """
 
     specimen: str
@@ -84,6 +102,7 @@ class RunScores:
     indent_n_per_mm: Floats
     curves: tuple[PressCurve, ...]
     picture: ContactPicture | None
+    first_contact: FirstContact | None
     notes: tuple[str, ...]
 
     @property
