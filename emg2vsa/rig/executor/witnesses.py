@@ -23,7 +23,7 @@ _AT_REST_S = 0.55
 """Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20
-_DEAD_S = 0.02
+DEAD_S = 0.02
 """From a command until a motor begins to follow, at most: bus and firmware."""
 
 
@@ -116,9 +116,10 @@ def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
 class SlowMotors:
     """Where each motor may be: between a slow follower of its commands and the commands themselves.
 
-    The follower is of first order and of limited speed, and begins `_DEAD_S` after a command. Where it is set slower than usual, the usual one bounds as
-    well: where commands turn back, a quicker motor is still beyond them. A motor that is quicker is between
-    them; one that stands still falls behind the follower, and one that runs away is beyond the commands.
+    The follower is of first order and of limited speed, and begins `DEAD_S` after a command. Where it is set slower
+    than usual, the usual one bounds as well: where commands turn back, a quicker motor is still beyond them. A motor
+    that is quicker is between them; one that stands still falls behind the follower, and one that runs away is beyond
+    the commands.
     """
 
     def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
@@ -141,7 +142,7 @@ class SlowMotors:
                     slow[motor] += max(-most, min(most, share * (command - slow[motor])))
         new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
         self._before, self._sent = self._sent or self._slow[0], list(map(float, new))
-        self._on_their_way.append((self._now_s + _DEAD_S, self._sent))
+        self._on_their_way.append((self._now_s + DEAD_S, self._sent))
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
             self._obeyed = self._on_their_way.popleft()[1]
 
