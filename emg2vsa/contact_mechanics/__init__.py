@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from emg2vsa.contact_mechanics.geometry import ElasticContact, PowerLaw, adhesive_force_n
+from emg2vsa.contact_mechanics.press_path import Drive, PressPaths, StiffnessSteps, Tilt, simulate_presses
 from emg2vsa.contact_mechanics.relaxation import ELASTIC, ConvolvedForce, Relaxation, in_series
-from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n
+from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n, mean_slope
 
 __all__ = [
     "ELASTIC",
     "ConvolvedForce",
+    "Drive",
     "ElasticContact",
     "PowerLaw",
+    "PressPaths",
     "Relaxation",
     "Shear",
+    "StiffnessSteps",
+    "Tilt",
     "adhesive_force_n",
     "area_share",
     "forces_n",
     "in_series",
+    "mean_slope",
+    "simulate_presses",
 ]
