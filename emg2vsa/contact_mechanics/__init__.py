@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from emg2vsa.contact_mechanics.geometry import ElasticContact, PowerLaw, adhesive_force_n
+from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
 from emg2vsa.contact_mechanics.press_path import Drive, PressPaths, StiffnessSteps, Tilt, simulate_presses
 from emg2vsa.contact_mechanics.relaxation import ELASTIC, ConvolvedForce, Relaxation, in_series
-from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n, mean_slope
+from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n
 
 __all__ = [
     "ELASTIC",
     "ConvolvedForce",
     "Drive",
-    "ElasticContact",
     "PowerLaw",
     "PressPaths",
     "Relaxation",
@@ -22,6 +21,5 @@ __all__ = [
     "area_share",
     "forces_n",
     "in_series",
-    "mean_slope",
     "simulate_presses",
 ]

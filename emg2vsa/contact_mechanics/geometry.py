@@ -6,24 +6,12 @@ With relaxation or adhesion the same curves hold at another force: the convolved
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
-
-
-class ElasticContact(Protocol):
-    """Force along the surface's normal, N, over the indentation along it, mm. A power law, a plate and the tables of
-    finite elements serve alike."""
-
-    def force_n(self, depth_mm: float) -> float:
-        """Exactly 0 without an indentation."""
-
-    def resistance(self, depth_mm: float) -> tuple[float, float]:
-        """Force, N, and its growth per indentation, N/mm."""
 
 
 class PowerLaw:

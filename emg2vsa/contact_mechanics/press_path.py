@@ -17,11 +17,12 @@ from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
 from emg2vsa.contact_mechanics.relaxation import ConvolvedForce, Relaxation
-from emg2vsa.contact_mechanics.tilt import RESTING_MM, Shear, area_share
+from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n
 from emg2vsa.errors import DataError
 
 _NEWTON = 40
 _SOLVED_MM = 1e-12
+_RESTING_MM = 1e-9
 _GRID = 260
 "Forces to which a straight line of area on force is fitted, the middles of even steps."
 
@@ -60,8 +61,15 @@ class StiffnessSteps:
 
     def preset_rad(self, force_n: float) -> float:
         """Preset at a force; below the first edge that of the first step, above the last that of the last."""
-        step = int(self.edges_n.searchsorted(force_n, side="right")) - 1
-        return float(self.preset_ticks[min(max(step, 0), self.preset_ticks.size - 1)]) * RAD_PER_TICK
+        return float(self.preset_ticks[self._step(force_n)]) * RAD_PER_TICK
+
+    def next_n(self, force_n: float) -> float:
+        """Force at which the next step begins; infinite in the last one."""
+        step = self._step(force_n) + 1
+        return float(self.edges_n[step]) if step < self.preset_ticks.size else math.inf
+
+    def _step(self, force_n: float) -> int:
+        return min(max(int(self.edges_n.searchsorted(force_n, side="right")) - 1, 0), self.preset_ticks.size - 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +179,8 @@ class _Presses:
         self.drive, self.tilt, self._step_s, self._steps = drive, tilt, step_s, steps
         self._tables = _Tables(contacts)
         self._mm_per_rad = math.degrees(drive.mm_per_degree)
-        self.cosine, self._sine = math.cos(math.radians(tilt.angle_deg)), math.sin(math.radians(tilt.angle_deg))
+        self._tilt_rad = math.radians(tilt.angle_deg)
+        self.cosine, self._sine = math.cos(self._tilt_rad), math.sin(self._tilt_rad)
         zero = np.zeros(len(contacts))
         self._normal = ConvolvedForce(relaxation, zero)
         self._shear = Shear(
@@ -181,6 +190,8 @@ class _Presses:
         self.force_n, self._way_mm, self._convolved_n, self._count = zero, zero, zero, 0
         self._preset_rad = np.array([step.preset_rad(0.0) for step in steps]) if drive.springs else zero * np.nan
         self._commanded = [self._preset_rad]
+        self._next_n = np.array([step.next_n(0.0) for step in steps])
+        self._last_mm = np.full(zero.shape, drive.speed_mm_per_s * step_s)
         self._start_rad = self._balanced_rad()
 
     def row(self) -> tuple[Floats, ...]:
@@ -195,14 +206,14 @@ class _Presses:
         self._shear.advance(self._step_s, shear_way_mm, slope, normal_n)
         self._convolved_n = self._normal.advance(self._step_s, normal_n)
         self._way_mm = way_mm
-        self.force_n = normal_n * self.cosine + self._shear.force_n * self._sine
+        self.force_n = forces_n(normal_n, self._shear.force_n, self._tilt_rad)[1]
 
     def _contact(self, way_mm: Floats) -> tuple[Floats, Floats, Floats]:
         """Normal force at a way of the probe along its axis, its way along the surface, slope of the elastic force."""
         alpha, beta = self._normal.alpha_beta(self._step_s)
         elastic_n, slope = self._tables.resistance(way_mm * self.cosine)
         deeper_mm = (way_mm - self._way_mm) * self.cosine
-        rests = np.abs(deeper_mm) <= RESTING_MM
+        rests = np.abs(deeper_mm) <= _RESTING_MM
         slope = np.where(rests, slope, (elastic_n - self._convolved_n) / np.where(rests, 1.0, deeper_mm))
         return (elastic_n - alpha) / beta, (way_mm - self._way_mm) * self._sine, slope
 
@@ -211,7 +222,7 @@ class _Presses:
         if not self._sine:
             return normal_n
         shear_n = self._shear.after(self._step_s, shear_way_mm, slope, normal_n)
-        return np.asarray(normal_n * self.cosine + shear_n * self._sine)
+        return forces_n(normal_n, shear_n, self._tilt_rad)[1]
 
     def _probe_mm(self, drive_mm: float) -> Floats:
         """Where springs and contact are in balance, by secants."""
@@ -224,7 +235,8 @@ class _Presses:
             pull_nm = self._pull_nm(angle_rad - way_mm / self._mm_per_rad)
             return pull_nm - self.drive.friction_nm - self._axis_n(way_mm) * self._mm_per_rad / 1000
 
-        before_mm, way_mm = self._way_mm, self._way_mm + 0.5 * self.drive.speed_mm_per_s * self._step_s
+        # from where an even motion would have it, and from a little before
+        way_mm, before_mm = self._way_mm + self._last_mm, self._way_mm + 0.9 * self._last_mm
         before_nm = missing_nm(before_mm)
         for _ in range(_NEWTON):
             now_nm = missing_nm(way_mm)
@@ -233,7 +245,8 @@ class _Presses:
             before_mm, before_nm, way_mm = way_mm, now_nm, way_mm + change_mm
             if np.abs(change_mm).max() < _SOLVED_MM:
                 break
-        return way_mm
+        self._last_mm = way_mm - self._way_mm
+        return np.asarray(way_mm)
 
     def _pull_nm(self, ahead_rad: Floats) -> Floats:
         """Torque of the springs on the shaft, with the middle of the motors so far ahead of it."""
@@ -259,8 +272,13 @@ class _Presses:
 
     def _set_presets(self) -> None:
         """Commands of the force so far, and what the motors have made of older ones."""
-        asked = [step.preset_rad(force) for step, force in zip(self._steps, self.force_n.tolist(), strict=True)]
-        self._commanded.append(np.maximum(self._commanded[-1], asked))
+        commanded = self._commanded[-1]
+        if (stepped := np.flatnonzero(self.force_n >= self._next_n)).size:
+            commanded = commanded.copy()
+            for p in stepped.tolist():
+                force_n = float(self.force_n[p])
+                commanded[p], self._next_n[p] = self._steps[p].preset_rad(force_n), self._steps[p].next_n(force_n)
+        self._commanded.append(commanded)
         late = round(self.drive.preset_latency_s / self._step_s)
         wanted = self._commanded[max(0, len(self._commanded) - 1 - late)]
         most = self.drive.motor_rad_per_s * self._step_s

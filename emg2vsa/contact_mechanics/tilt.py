@@ -21,7 +21,6 @@ SHEAR_OVER_NORMAL = 2 / 3
 SHRINK_AT_SLIDING = 0.1
 "Share of the area that is lost when the contact begins to slide (assumption; up to 0.3: Sahli 2018, PNAS 115, 471)."
 
-RESTING_MM = 1e-9
 _TINY_N_PER_MM = 1e-300
 
 
@@ -76,7 +75,7 @@ class Shear(Generic[Number]):
     def after(self, step_s: float, way_mm: Number, slope_n_per_mm: Number, normal_n: Number) -> Number:
         """Q after a step on which the probe goes ``way_mm`` along the surface, without going there.
 
-        ``slope_n_per_mm`` : of the elastic force over the depth on this step (`mean_slope`). ``normal_n`` : at its end.
+        ``slope_n_per_mm`` : growth of the elastic force per depth on this step. ``normal_n`` : at its end.
         """
         convolved = self._convolved
         alpha, beta = convolved.alpha_beta(step_s)
@@ -103,12 +102,7 @@ class Shear(Generic[Number]):
         return np.where(slides, np.copysign(self._after_slip * limit_n, shear_n), shear_n)
 
 
-def mean_slope(grown_n: float, deeper_mm: float, slope_n_per_mm: float) -> float:
-    """Slope of the elastic force over a step: its growth per depth, or ``slope_n_per_mm`` where the depth rests."""
-    return grown_n / deeper_mm if abs(deeper_mm) > RESTING_MM else slope_n_per_mm
-
-
-def forces_n(normal_n: float, shear_n: float, tilt_rad: float) -> tuple[float, float]:
+def forces_n(normal_n: Number, shear_n: Number, tilt_rad: float) -> tuple[Number, Number]:
     """Force across the probe's axis, the way the surface falls off, and along it, down."""
     sine, cosine = math.sin(tilt_rad), math.cos(tilt_rad)
     return normal_n * sine - shear_n * cosine, normal_n * cosine + shear_n * sine
