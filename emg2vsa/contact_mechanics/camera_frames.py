@@ -36,7 +36,7 @@ def frames_of(
     rate_hz: float = 20.0,
     window_n: tuple[float, float] = (0.5, 7.0),
 ) -> tuple[Floats, Floats]:
-    """(T,) forces and (T,) areas of the frames whose force lies in the window, the first ``first_s`` after contact or later.
+    """(T,) forces and (T,) areas of the frames whose force lies in the window; the first is ``first_s`` after contact.
 
     A frame shows the contact as it was before its time stamp by the delay.
     """

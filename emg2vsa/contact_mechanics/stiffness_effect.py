@@ -91,6 +91,7 @@ class StiffnessEffect:
     M materials. frame_sum : (K, C) equation (2) as printed, elastic bodies; frame_sum_swapped, slope_swapped : (K, C)
     the same and the slope with the schedules of the specimens in reverse order.
     timing_cv : (2, C) CV of the spread rate of the pair with errors of timing; timing_d : (C,) d' of the pair.
+    specimen_share : (K,) of the compliance of specimen and sensor. area_power : (K,) ln of area per ln of force.
     """
 
     specimens: tuple[str, ...]
@@ -104,6 +105,16 @@ class StiffnessEffect:
     slope_swapped: Floats
     timing_cv: Floats
     timing_d: Floats
+    specimen_share: Floats
+    area_power: Floats
+
+    def creep_exponent(self, share: float, condition: int) -> float:
+        """n of a creep t^n of the softest specimen alone that would raise its contrast to the stiffest by ``share``
+        under a condition against the rigid motor: ln A grows by its power of force, times its share of the compliance,
+        times n, with ln of the duration. Infinite where a press does not last longer."""
+        longer = float(np.log(self.duration_s[-1, condition] / self.duration_s[-1, 0]))
+        per_n = self.area_power[-1] * self.specimen_share[-1] * longer
+        return float(np.log1p(share) / per_n) if per_n > 0 else np.inf
 
     def contrast(self, slopes: Floats, specimen: int = -1) -> Floats:
         """(..., C) logarithm of the ratio of a specimen, the softest unless said, to the stiffest; of (..., K, C)."""
@@ -142,8 +153,15 @@ def stiffness_effect(bench: Bench, materials: Sequence[Material], errors: FrameE
         frame_sum_swapped=_table(swapped, lambda each: _frame_sums(each, bench)),
         slope_swapped=_table(swapped, lambda each: each.slope_mm2_per_n(*bench.window_n)),
         timing_cv=spread,
+        specimen_share=np.array([specimen_share(each, bench.sensor_mpa) for each in bench.stiffness_mpa.values()]),
+        area_power=np.array([_area_power(bench, name) for name in names]),
         timing_d=(rates[1].mean(axis=1) - rates[0].mean(axis=1)) / np.sqrt((spread**2).mean(axis=0)),
     )
+
+
+def _area_power(bench: Bench, name: str) -> float:
+    low, high = bench.area_mm2(name, np.array(bench.window_n))
+    return float(np.log(high / low) / np.log(bench.window_n[1] / bench.window_n[0]))
 
 
 def _pressed(

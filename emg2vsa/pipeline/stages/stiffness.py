@@ -58,7 +58,7 @@ def run(given: Given) -> StiffnessEffect | None:
         return None
     for percent in used["percent"]:
         ticks = float(ticks_of_percent(percent, used["max_preset_ticks"]))
-        steps[f"{percent:g} % for all"] = dict.fromkeys(stiffness, StiffnessSteps.constant(ticks))
+        steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(ticks))
     skin = TabulatedWorld() if used["skin"] == "finite-elements" else world
     bench = Bench(
         stiffness_mpa={name: each / (2 * world.punch_radius_mm) for name, each in stiffness.items()},
