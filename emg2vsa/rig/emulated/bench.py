@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
+from emg2vsa.rig.emulated.off_contact import OffContactNetFt, OffContactQbmove
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
@@ -55,6 +56,9 @@ def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmwa
 
 DEVICE_ID = 1
 _AWAY_MM = 1e6
+_NEAR_MM = 0.5
+"""Off the specimen; more than the probe goes in a turn of the loop."""
+_NO_WRENCH = (0.0,) * 6
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
@@ -114,7 +118,8 @@ class EmulatedRig:
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
         self._mounting = _turned_to(self.rig.push_axis)
-        self.box = RdtBox(self._wrench, box)
+        self._rotation = self._mounting.tolist()
+        self.box = RdtBox(self._wrenches, box)
         self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
         self.camera = EmulatedCamera(self._draws.scene(0), self._normal_force_n, clock)
 
@@ -142,30 +147,51 @@ class EmulatedRig:
         with self._lock:
             self.wire.reset()
 
-    def devices(self) -> Devices:
-        """The real drivers on lines within this process, force sensor and camera started."""
-        board = Qbmove(
-            WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock),
-            DEVICE_ID,
-            model="maker-pro" if self.rigid else self.model,
-            clock=self.clock,
-            stiffness_percent=self.rig.stiffness_percent,
-        )
-        line = LoopbackDatagrams("emulated box", self.box, self.clock)
-        force = NetFt(line, parse_config(configuration_page(self.box)), self.clock)
+    def devices(self, *, exact: bool = True) -> Devices:
+        """The real drivers on lines within this process, force sensor and camera started.
+
+        exact : every turn of the loop is a conversation byte for byte, also off contact. Faults of the wire and of the
+        box are part of the conversation.
+        """
+        line = WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock)
+        box_line = LoopbackDatagrams("emulated box", self.box, self.clock)
+        page = parse_config(configuration_page(self.box))
+        model = "maker-pro" if self.rigid else self.model
+        percent = self.rig.stiffness_percent
+        board: Qbmove
+        force: NetFt
+        if exact:
+            board = Qbmove(line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent)
+            force = NetFt(box_line, page, self.clock)
+        else:
+            board = OffContactQbmove(
+                line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent,
+                firmware=self.firmware, near=self._near,
+            )  # fmt: skip
+            force = OffContactNetFt(box_line, page, self.clock, box=self.box, near=self._near)
         force.start()
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
+
+    def _near(self) -> bool:
+        return self.world.above_mm < _NEAR_MM
 
     def _advance(self) -> None:
         self.firmware.advance()
         self.plan.look(self.clock.now_s(), self.world.normal_force_n)
 
-    def _wrench(self, time_s: float) -> tuple[float, ...]:
+    def _wrenches(self, times_s: Sequence[float]) -> list[Sequence[float]]:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            return (*(self._mounting @ self.world.force_n(time_s)).tolist(), 0.0, 0.0, 0.0)
+            return [self._turned(self.world.force_n(time_s).tolist()) for time_s in times_s]
+
+    def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
+        x, y, z = force_n
+        if not (x or y or z):
+            return _NO_WRENCH
+        # plain numbers: three at a time are too few for arrays to pay
+        return [a * x + b * y + c * z for a, b, c in self._rotation] + [0.0, 0.0, 0.0]
 
     def _normal_force_n(self, time_s: float) -> float:
         with self._lock:

@@ -10,8 +10,9 @@ from __future__ import annotations
 import copy
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -54,6 +55,10 @@ class QbmoveFirmware:
         self._stored = memory or switches.factory()
         self._default = copy.deepcopy(self._stored)
         self._loop = Loop(switches, shaft, clock, motors_rad, loads)
+        self._asked: dict[Command, Callable[[], Sequence[int]]] = {
+            Command.GET_MEASUREMENTS: self._measured,
+            Command.GET_CURRENTS: self._loop.motors.currents_ma,
+        }
         self._handlers = self._commands()
         self._start()
 
@@ -65,6 +70,19 @@ class QbmoveFirmware:
         if data:
             self._loop.feed_watchdog(self._watchdog_counts)
         return b"".join(map(self._answer, self._parser.feed(data)))
+
+    def ask(self, command: Command) -> tuple[int, ...]:
+        """The words that answer GET_MEASUREMENTS or GET_CURRENTS, as if a frame had come, for who needs no bytes."""
+        self.advance()
+        self._loop.feed_watchdog(self._watchdog_counts)
+        return tuple(map(_word, self._asked[command]()))
+
+    def tell(self, command: Command, first: int, second: int) -> None:
+        """SET_POS_STIFF or SET_INPUTS with two words, as if a frame had come."""
+        self.advance()
+        self._loop.feed_watchdog(self._watchdog_counts)
+        struct.pack_into(">Bhh", self._buffer, 0, command, first, second)
+        self._handlers[command]()
 
     def advance(self) -> None:
         """Run the control loop up to the clock, for those who look at the world and not at the line."""
@@ -122,8 +140,7 @@ class QbmoveFirmware:
             Command.GET_ACTIVATE: lambda: self._reply(Command.GET_ACTIVATE, bytes((self._loop.current.on,))),
             Command.SET_INPUTS: self._set_inputs,
             Command.GET_INPUTS: self._get_inputs,
-            Command.GET_MEASUREMENTS: lambda: self._reply_words(Command.GET_MEASUREMENTS, *self._measured()),
-            Command.GET_CURRENTS: lambda: self._reply_words(Command.GET_CURRENTS, *self._loop.motors.currents_ma()),
+            **{command: partial(self._answer_words, command) for command in self._asked},
             Command.GET_CURR_AND_MEAS: self._currents_and_measurements,
             Command.SET_POS_STIFF: self._set_position_stiffness,
             Command.GET_VELOCITIES: lambda: self._reply_words(Command.GET_VELOCITIES, 0, 0, 0),
@@ -140,6 +157,9 @@ class QbmoveFirmware:
     def _reply(self, command: int, payload: bytes) -> bytes:
         # listens to the stored id, answers with the one that has been set
         return frame(self._shadow.device_id, command, payload)
+
+    def _answer_words(self, command: Command) -> bytes:
+        return self._reply_words(command, *self._asked[command]())
 
     def _reply_words(self, command: int, *values: int) -> bytes:
         return self._reply(command, struct.pack(f">{len(values)}h", *map(_word, values)))

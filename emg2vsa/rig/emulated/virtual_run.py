@@ -45,7 +45,7 @@ def run_virtual(
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
-    devices = bench.devices()
+    devices = bench.devices(exact=emulated.exact)
     if plan.plate:
         devices = replace(devices, camera=None)
     else:
