@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from casr.synthetic.appearance import Surface, draw_surface
 from casr.synthetic.draws import Draws
 from casr.synthetic.region import ContactEllipse, Points, Rim
-from casr.synthetic.render import render
+from casr.synthetic.render import drawn, exposed
 from casr.synthetic.settings import PressSettings
 from casr.synthetic.world import Pressing
 
@@ -48,6 +48,8 @@ class Scene:
             area_factor=drawn.area,
         )
         self.skin = settings.world.press(pressing)
+        self._still: tuple[float, NDArray[np.float32]] | None = None
+        "Force and grey levels of the newest image, which off contact is many frames long the same."
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property
@@ -70,14 +72,11 @@ class Scene:
 
     def image(self, force_n: float, frame: int) -> NDArray[np.uint8]:
         """(H, W) frame number ``frame``, taken at ``force_n``; the number chooses the noise only."""
-        return render(
-            self.pins_px(force_n),
-            self.surface,
-            self.settings.skin,
-            speckle_px=self._texture_px(force_n),
-            noise_grey=self.settings.appearance.noise_grey,
-            rng=self.draws.of("frame", frame),
-        )
+        still = self._still
+        if still is None or still[0] != force_n:
+            grey = drawn(self.pins_px(force_n), self.surface, self.settings.skin, self._texture_px(force_n))
+            still = self._still = force_n, grey
+        return exposed(still[1], self.settings.appearance.noise_grey, self.draws.of("frame", frame))
 
     def skin_growth(self, before_n: float, after_n: float) -> float:
         """ln of how much larger the skin of the first contact becomes in the image between two forces."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +18,14 @@ from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
-from emg2vsa.rig.emulated.off_contact import OffContactNetFt, OffContactQbmove
+from emg2vsa.rig.emulated.off_contact import OffContactCycle, OffContactNetFt, OffContactQbmove
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
 from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world import World
+from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.force.datagrams import LoopbackDatagrams
 from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.force.netft_config import parse_config
@@ -56,7 +58,7 @@ def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmwa
 
 DEVICE_ID = 1
 _AWAY_MM = 1e6
-_NEAR_MM = 0.5
+_NEAR_MM = 0.1
 """Off the specimen; more than the probe goes in a turn of the loop."""
 _NO_WRENCH = (0.0,) * 6
 TORQUE_NOISE_NM_PER_N = 0.02
@@ -173,7 +175,12 @@ class EmulatedRig:
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
 
+    def loop(self, *given: Any) -> ControlCycle:
+        """The control loop of a run on `devices` that are not exact."""
+        return OffContactCycle(*given, near=self._near)
+
     def _near(self) -> bool:
+        self._advance()
         return self.world.above_mm < _NEAR_MM
 
     def _advance(self) -> None:

@@ -130,8 +130,10 @@ class RdtBox:
             self._send(stream, stream.last_s)
         self._post.deliver(time_s)
 
-    def records_until(self, time_s: float) -> list[tuple[Record, float]]:
-        """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them."""
+    def records_until(self, time_s: float, *, free: bool = False) -> list[tuple[Record, float]]:
+        """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them.
+
+        free : nothing loads the sensor, which is known without asking for the wrenches."""
         if (stream := self._stream) is None:
             return []
         times_s = []
@@ -144,7 +146,7 @@ class RdtBox:
         stream.last_s = times_s[-1]
         if not stream.left:
             self._stream = None
-        loads = self._loads(times_s)
+        loads = [_NO_LOAD] * len(times_s) if free else self._loads(times_s)
         return [(self._measured(stream, at_s, load), at_s) for at_s, load in zip(times_s, loads, strict=True)]
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:

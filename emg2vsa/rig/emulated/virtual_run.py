@@ -14,6 +14,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
@@ -50,4 +51,5 @@ def run_virtual(
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    return execute(plan, rig, devices, folder, clock, started=started)
+    cycle = ControlCycle if emulated.exact else bench.loop
+    return execute(plan, rig, devices, folder, clock, started=started, cycle=cycle)

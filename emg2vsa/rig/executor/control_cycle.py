@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.executor.expected import most_past_contact_mm
-from emg2vsa.rig.executor.guards import Moment, size, tripped
+from emg2vsa.rig.executor.guards import AFTER_READING, GUARDS, Check, Moment, size, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.executor.safe_end import Start
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
@@ -33,7 +33,8 @@ _PRESET_TICKS_PER_S = 8000
 GAINS = 0.74, 1.2
 """Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
 springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
-_UNREAD: Readings = (None, None, None, None, None)
+UNREAD: Readings = (None, None, None, None, None)
+"""Of a turn that did not come so far."""
 
 
 class Force(NamedTuple):
@@ -84,7 +85,7 @@ class ControlCycle:
         assert self.motion is not None
         before = self.motion
         force = self._feel()
-        readings = _UNREAD
+        readings = UNREAD
         try:
             self._look(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
@@ -103,7 +104,7 @@ class ControlCycle:
             if (wanted.phase, before.phase) == ("retract", "load"):
                 self._compare()
             self._ask(now_s)
-            self._judge(force, wanted, now_s, late_s)
+            self._judge(force, wanted, now_s, late_s, AFTER_READING)
         finally:
             self._log(now_s, late_s, force, readings)
         return self.motion
@@ -146,7 +147,7 @@ class ControlCycle:
             self._note_peak(sample)
         row = Row(
             self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_ticks, preset_ticks,
-            *_UNREAD, self._record.frame_index,
+            *UNREAD, self._record.frame_index,
         )  # fmt: skip
         try:
             self._record.row(row._replace(**full_force(sample)) if sample else row)
@@ -163,6 +164,9 @@ class ControlCycle:
     def _feel(self) -> Force:
         with ending("stale sensor"):
             sample = self._devices.force.read()
+        return self._felt(sample)
+
+    def _felt(self, sample: ForceSample) -> Force:
         assert self.motion is not None
         self._note_peak(sample)
         self._witnesses.feel(sample, self.motion.phase)
@@ -189,7 +193,9 @@ class ControlCycle:
                 self._active = self._devices.actuator.is_active()
             self._asked_s = now_s
 
-    def _judge(self, force: Force, wanted: Motion, now_s: float, late_s: float) -> None:
+    def _judge(
+        self, force: Force, wanted: Motion, now_s: float, late_s: float, guards: Mapping[str, Check] = GUARDS
+    ) -> None:
         before = self._before or force
         moment = Moment(
             now_s=now_s, late_s=late_s, period_s=self._rig.period_s,
@@ -199,7 +205,7 @@ class ControlCycle:
             depth_mm=wanted.depth_mm, travel_mm=self._plan.travel_mm, active=self._active,
             seen=self._witnesses.seen, contact_n=self._plan.f_contact_n,
         )  # fmt: skip
-        if found := tripped(moment, self._limits):
+        if found := tripped(moment, self._limits, guards):
             raise EndRun("guard", *found)
 
     def _enter(self, wanted: Motion, force: Force) -> None:

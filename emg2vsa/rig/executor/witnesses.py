@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Collection
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,9 +65,8 @@ class Witnesses:
         if phase == "home":
             self._lowest_n = min(self._lowest_n, felt_n)
             rise_n = felt_n - self._lowest_n
-        self.seen = replace(
-            self.seen, still_mm=self._stillness.still_mm, still_s=self._stillness.still_s, rise_n=rise_n
-        )
+        seen = self.seen
+        seen.still_mm, seen.still_s, seen.rise_n = self._stillness.still_mm, self._stillness.still_s, rise_n
 
     def send(self, position_ticks: int, preset_ticks: int, now_s: float) -> None:
         """What is commanded now."""
@@ -88,16 +86,13 @@ class Witnesses:
         shaft_mm = self._rig.depth_at(at.shaft)
         if motion.phase == "contact" and begins:
             self._contact_mm = shaft_mm
-        self.seen = replace(
-            self.seen,
-            astray_ticks=self._motors.astray_ticks(at),
-            spring_n=spring_n,
-            spring_rest_n=spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None,
-            felt_n=felt_n,
-            current_ma=self._current.see(currents_ma),
-            approach_mm=shaft_mm if motion.phase == "approach" else None,
-            past_contact_mm=shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None,
-        )
+        seen = self.seen
+        seen.astray_ticks = self._motors.astray_ticks(at)
+        seen.spring_n, seen.felt_n = spring_n, felt_n
+        seen.spring_rest_n = spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None
+        seen.current_ma = self._current.see(currents_ma)
+        seen.approach_mm = shaft_mm if motion.phase == "approach" else None
+        seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
 
 
 def at_rest(motion: Motion, now_s: float) -> bool:
@@ -107,8 +102,9 @@ def at_rest(motion: Motion, now_s: float) -> bool:
 
 def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
     """Length of the mean of (3,) vectors."""
-    mean: NDArray[np.float64] = sum(vectors, np.zeros(3)) / len(vectors)
-    return float(size(mean))
+    # plain numbers: three at a time are too few for arrays to pay
+    x, y, z = (sum(parts) / len(vectors) for parts in zip(*(vector.tolist() for vector in vectors), strict=True))
+    return math.sqrt(x * x + y * y + z * z)
 
 
 class SlowMotors:

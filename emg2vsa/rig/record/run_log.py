@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -78,7 +79,7 @@ class RunLog:
 
     def append(self, row: Row) -> None:
         """Write one row."""
-        self._file.append((",".join(map(_text, row)) + "\n").encode())
+        self._file.append((_form(tuple(map(type, row))) % row).encode())
         self.rows += 1
 
     def close(self) -> None:
@@ -118,6 +119,13 @@ class ForceFile:
     def close(self) -> None:
         """Give the file back."""
         self._file.close()
+
+
+@lru_cache
+def _form(types: tuple[type, ...]) -> str:
+    """What makes a line of a row of values of these types."""
+    parts = ("%.6f" if issubclass(each, float) else "%.0s" if each is type(None) else "%s" for each in types)
+    return ",".join(parts) + "\n"
 
 
 def _value(name: str, text: str) -> str | float | int | None:
