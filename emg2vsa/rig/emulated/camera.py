@@ -79,6 +79,11 @@ class EmulatedCamera:
         self._started_s = self._newest_s = self._clock.now_s()
         self._exposed = self._missing = 0
 
+    @property
+    def due_s(self) -> float:
+        """Time of the next frame."""
+        return self._started_s + self._exposed / self._rate_hz - 1e-9
+
     def frames(self) -> list[Frame]:
         """Frames since the last call, oldest first. DeviceError when there was none for too long."""
         frames = self.exposed()

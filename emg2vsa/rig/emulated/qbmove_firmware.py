@@ -11,8 +11,7 @@ import copy
 import math
 import struct
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -195,15 +194,15 @@ class QbmoveFirmware:
         if not backwards or self._shadow.control_mode in _LIMITED_MODES_OF_ADVANCED:
             sign = -1 if backwards else 1
             ticks = [sign * limited(sign * value, motor, self._current) for motor, value in enumerate(ticks)]
-        self._loop.new = replace(self._loop.new, ticks=(ticks[0], ticks[1]))
+        self._loop.new = References((ticks[0], ticks[1]), self._loop.new.on)
         return b""
 
     def _set_position_stiffness(self) -> bytes:
         position, stiffness = self._words(2)
         low, high, most = self._current.limits[0], self._current.limits[1], self._current.max_stiffness
         at = max(min(position << self._shadow.resolutions[0], high - most), low + most)
-        preset = int(np.float32(most) / np.float32(32768) * np.float32(stiffness))
-        self._loop.new = replace(self._loop.new, ticks=(at + preset, at - preset))
+        preset = _preset(most, stiffness)
+        self._loop.new = References((at + preset, at - preset), self._loop.new.on)
         return b""
 
     def _activate(self) -> bytes:
@@ -260,7 +259,7 @@ class QbmoveFirmware:
                 limited(at + by, k, self._current)
                 for k, (at, by) in enumerate(zip(self._loop.new.ticks, moved, strict=False))
             ]
-            self._loop.new = replace(self._loop.new, ticks=(ticks[0], ticks[1]))
+            self._loop.new = References((ticks[0], ticks[1]), self._loop.new.on)
         self._keep()
         return self._acknowledge(Command.STORE_PARAMS, old_id)
 
@@ -290,6 +289,12 @@ class QbmoveFirmware:
         on = self._loop.current.on
         now = Now(self._references(), tuple(self._measured()), motors.currents_ma(), on, supply_mv)
         return info_text(self._current, self._shadow, now, self._switches)
+
+
+@lru_cache(maxsize=256)
+def _preset(most: int, stiffness: int) -> int:
+    """In single precision, as the firmware computes it."""
+    return int(np.float32(most) / np.float32(32768) * np.float32(stiffness))
 
 
 def _word(value: int) -> int:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.qbmove_memory import Memory
@@ -29,8 +28,7 @@ class Shaft(Protocol):
         """Angle of the shaft, rad, with the motors there since ``time_s``; times never go back."""
 
 
-@dataclass(frozen=True)
-class References:
+class References(NamedTuple):
     """Where the motors are to go, internal ticks, and whether they are on."""
 
     ticks: Pair = (0, 0)
@@ -60,7 +58,7 @@ class Loop:
         while self._now_ms < until_ms:
             if self._now_ms >= self._watchdog_ms:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
-                self.new, self._watchdog_ms = replace(self.new, on=0), _NEVER_MS
+                self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
             # nothing else is on its way: only the watchdog, or a load that may stall a motor, can change that
             settled = self.old is self.current is self.new
             alike = settled and not current.input_mode and not self.motors.strained

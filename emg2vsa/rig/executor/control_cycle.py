@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.clock import Beat, Clock
 from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.executor.expected import most_past_contact_mm
 from emg2vsa.rig.executor.guards import AFTER_READING, GUARDS, Check, Moment, size, tripped
@@ -79,6 +79,11 @@ class ControlCycle:
         self._turned_s = self._asked_s = self._frame_s = self._clock.now_s()
         self._active = True
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
+
+    def go_on(self, beat: Beat) -> tuple[Motion, float]:
+        """The turn at the next due time; the motion after it, and when it began."""
+        now_s, late_s = beat.wait()
+        return self.turn(now_s, late_s), now_s
 
     def turn(self, now_s: float, late_s: float) -> Motion:
         """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""
@@ -256,13 +261,23 @@ class ControlCycle:
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None
-        position, preset = self._sent or (None, None)
-        row = Row(
-            now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            position, preset, *readings, self._record.frame_index, late_s,
-        )._replace(**full_force(force.sample))  # fmt: skip
+        row = self._row(now_s, late_s, force, readings, self.motion, self._sent or (None, None))
         with ending("recording"):
             self._record.row(row)
+
+    def _row(
+        self,
+        now_s: float,
+        late_s: float,
+        force: Force,
+        readings: Readings,
+        motion: Motion,
+        sent: tuple[int | None, int | None],
+    ) -> Row:
+        return Row(
+            now_s, motion.repetition, motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
+            *sent, *readings, self._record.frame_index, late_s, *full_force(force.sample).values(),
+        )  # fmt: skip
 
 
 @contextmanager

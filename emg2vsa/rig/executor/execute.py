@@ -93,8 +93,7 @@ def _press_all(cycle: ControlCycle, beat: Beat, record: RunRecord, stop: Callabl
     while True:
         if reason := stop():
             raise EndRun("stopped", reason, "asked to stop")
-        now_s, late_s = beat.wait()
-        motion = cycle.turn(now_s, late_s)
+        motion, now_s = cycle.go_on(beat)
         if motion.phase == "done":
             return
         if motion.since_s == now_s and motion.phase == "retract":

@@ -14,7 +14,7 @@ from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
-_GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
+GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
 """Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
 _STEEPEST_RAD = math.radians(85)
 _LOADS = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
@@ -131,7 +131,7 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     larger_n = max(abs(moment.seen.spring_n), abs(moment.seen.felt_n))
     limit_n = limits.spring_gap_n
     if moment.phase in _INWARDS:
-        limit_n = min(limit_n, _GAP_AT_REST_N + _GAP_SHARE * larger_n)
+        limit_n = min(limit_n, GAP_AT_REST_N + _GAP_SHARE * larger_n)
     # the skin's friction holds probe and shaft, and the sensor feels it
     limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))
     text = f"N between {moment.seen.spring_n:.1f} N by the springs and {moment.seen.felt_n:.1f} N felt"
@@ -255,9 +255,7 @@ AFTER_READING = {
 """Those that may speak anew when the actuator has been read in a turn in which none has spoken before."""
 
 
-def tripped(
-    moment: Moment, limits: GuardSettings, guards: Mapping[str, Check] = GUARDS
-) -> tuple[str, str] | None:
+def tripped(moment: Moment, limits: GuardSettings, guards: Mapping[str, Check] = GUARDS) -> tuple[str, str] | None:
     """Name and words of the first of ``guards`` that speaks."""
     for name, check in guards.items():
         if found := check(moment, limits):
