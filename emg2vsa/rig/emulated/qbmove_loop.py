@@ -59,12 +59,11 @@ class Loop:
             if self._now_ms >= self._watchdog_ms:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
                 self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
-            # nothing else is on its way: only the watchdog, or a load that may stall a motor, can change that
-            settled = self.old is self.current is self.new
-            alike = settled and not current.input_mode and not self.motors.strained
-            turns = min(until_ms, self._watchdog_ms) - self._now_ms if alike else 1
-            resting = self._turns(max(1, turns), current, shadow) and settled
-            self._now_ms = max(self._now_ms + max(1, turns), min(until_ms, self._watchdog_ms) if resting else 0)
+            # only the watchdog, or a load that may stall a motor, comes between
+            plain = not (current.input_mode or self.motors.strained or self.current.on != self.new.on)
+            turns = max(1, min(until_ms, self._watchdog_ms) - self._now_ms) if plain else 1
+            self._turns(turns, current, shadow)
+            self._now_ms += turns
             if self.motors.strained:
                 self._turn_shaft()
         self._turn_shaft()
@@ -84,17 +83,16 @@ class Loop:
         self.motors.turn_shaft(self._shaft.shaft_rad(self._now_ms / 1000, angles_rad))
         self.motors.loads_nm = self._loads(angles_rad)
 
-    def _turns(self, turns: int, current: Memory, shadow: Memory) -> bool:
-        """So many turns with the same references; whether the motors stand still."""
+    def _turns(self, turns: int, current: Memory, shadow: Memory) -> None:
+        """So many turns: the motors follow the newest references from the second on."""
         ticks = self.current.ticks
         if current.input_mode:
             shaft = self.motors.measured(shadow)[2]
             ticks = limited(shaft, 0, current), limited(shaft, 1, current)
         on = self.current.on if self.bridge_on is None else self.bridge_on
         powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
-        still = self.motors.run(turns, ticks, current, shadow, powered)
-        self.old, self.current = self.current, self.new
-        return still
+        self.motors.run([(1, ticks), (turns - 1, self.new.ticks)], current, shadow, powered)
+        self.old, self.current = self.current if turns == 1 else self.new, self.new
 
 
 def limited(ticks: int, motor: int, memory: Memory) -> int:
