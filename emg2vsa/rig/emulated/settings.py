@@ -92,6 +92,9 @@ class EmulatedSettings:
     "Relative standard deviation of the sensor's modulus from mounting to mounting (guess: batch, 1 K)."
     seed: Annotated[int, Ge(0)] = 0
     "Same seed, same bytes."
+    exact: bool = False
+    """true: in virtual time devices and drivers speak byte for byte also while nothing touches the probe. The same run
+    comes out, in three times the time; a test compares the two."""
     behind_ports: bool = False
     "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
 
