@@ -25,7 +25,6 @@ from emg2vsa.rig.force.rdt import Record
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.qbmove.driver import Qbmove
 from emg2vsa.rig.qbmove.packets import Command
-from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
@@ -39,8 +40,15 @@ class Loop:
     """Motors and references of one device."""
 
     def __init__(
-        self, switches: Switches, shaft: Shaft, clock: Clock, motors_rad: tuple[float, float], loads: Loads
+        self,
+        switches: Switches,
+        shaft: Shaft,
+        clock: Clock,
+        motors_rad: tuple[float, float],
+        loads: Loads,
+        latency_s: float = 0.0,
     ) -> None:
+        """``latency_s``: from a command until the loop knows of it."""
         self._switches, self._shaft, self._clock, self._loads = switches, shaft, clock, loads
         start_s = clock.now_s()
         self.motors = Motors(switches, (*motors_rad, shaft.shaft_rad(start_s, motors_rad)))
@@ -49,6 +57,20 @@ class Loop:
         self.bridge_on: int | None = None
         "What the motors go by after a watchdog that has cleared no more than the flag, until the next ACTIVATE."
         self._watchdog_ms = _NEVER_MS
+        self._latency_ms = round(latency_s * 1000)
+        self._commanded: deque[tuple[int, Pair]] = deque()
+
+    def command(self, ticks: Pair) -> None:
+        """Where the motors are to go, once that is known here."""
+        if self._latency_ms:
+            self._commanded.append((self._now_ms + self._latency_ms, ticks))
+        else:
+            self.new = self.new._replace(ticks=ticks)
+
+    def activate(self, references: References) -> None:
+        """At once, and instead of what has been commanded before."""
+        self._commanded.clear()
+        self.new = references
 
     def advance(self, current: Memory, shadow: Memory) -> None:
         """Run up to the clock. ``current`` settings move the motors, ``shadow`` ones scale and shift the encoders."""
@@ -59,9 +81,12 @@ class Loop:
             if self._now_ms >= self._watchdog_ms:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
                 self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
-            # only the watchdog, or a load that may stall a motor, comes between
+            while self._commanded and self._commanded[0][0] <= self._now_ms:
+                self.new = self.new._replace(ticks=self._commanded.popleft()[1])
+            # only the watchdog, a command, or a load that may stall a motor, comes between
             plain = not (current.input_mode or self.motors.strained or self.current.on != self.new.on)
-            turns = max(1, min(until_ms, self._watchdog_ms) - self._now_ms) if plain else 1
+            next_ms = self._commanded[0][0] if self._commanded else until_ms
+            turns = max(1, min(until_ms, self._watchdog_ms, next_ms) - self._now_ms) if plain else 1
             self._turns(turns, current, shadow)
             self._now_ms += turns
             if self.motors.strained:
@@ -74,6 +99,7 @@ class Loop:
 
     def restart(self, on: int) -> None:
         """Power comes back: references 0."""
+        self._commanded.clear()
         self.new = self.current = self.old = References(on=on)
         self.bridge_on = None
         self.motors.pwm = [0, 0]

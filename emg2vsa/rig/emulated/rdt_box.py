@@ -133,7 +133,7 @@ class RdtBox:
     def records_until(self, time_s: float, *, free: bool = False) -> list[tuple[Record, float]]:
         """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them.
 
-        free : nothing loads the sensor, which is known without asking for the wrenches."""
+        free : nothing has touched the probe since the records before, so that one load stands for all."""
         if (stream := self._stream) is None:
             return []
         times_s = []
@@ -146,7 +146,7 @@ class RdtBox:
         stream.last_s = times_s[-1]
         if not stream.left:
             self._stream = None
-        loads = [_NO_LOAD] * len(times_s) if free else self._loads(times_s)
+        loads = self._loads(times_s[-1:]) * len(times_s) if free else self._loads(times_s)
         return [(self._measured(stream, at_s, load), at_s) for at_s, load in zip(times_s, loads, strict=True)]
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
