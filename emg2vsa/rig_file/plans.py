@@ -7,33 +7,51 @@ from dataclasses import replace
 from pathlib import Path
 
 from emg2vsa.errors import ScheduleError, SettingError
-from emg2vsa.rig.experiment import plan_of
-from emg2vsa.rig.plan import RIGID, Condition, RunPlan
+from emg2vsa.rig.experiment import Run, plan_of
+from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig_file.tables import RigFile
 from emg2vsa.schedule_files import read_json
 from emg2vsa.schedules import Schedule
 from emg2vsa.study_file.problems import nearest
 
-Run = tuple[str, float, Condition]
-"""Specimen, angle in degrees, condition."""
+__all__ = ["Run", "chosen_runs", "plans_of", "read_schedules"]
 
 
 def chosen_runs(
-    file: RigFile, specimens: Sequence[str] = (), angles_deg: Sequence[float] = (), conditions: Sequence[str] = ()
+    file: RigFile,
+    specimens: Sequence[str] = (),
+    angles_deg: Sequence[float] = (),
+    conditions: Sequence[str] = (),
+    mountings: Sequence[int] = (),
 ) -> tuple[Run, ...]:
-    """Runs of the experiment with these specimens, angles and conditions, in their order; none given is all.
+    """Runs of the experiment with these specimens, angles, conditions and mountings, in order; none given is all.
 
-    SettingError : a name or an angle that the experiment has not, or no run with all of them.
+    SettingError : a name or number that the experiment has not, or no run with all of them.
     """
     keys = {
-        run: {"specimen": run[0], "angle": f"{run[1]:g}", "condition": run[2]} for run in file.experiment.all_runs()
+        run: {
+            "specimen": run.specimen,
+            "angle": f"{run.angle_deg:g}",
+            "condition": run.condition,
+            "mounting": str(run.mounting),
+        }
+        for run in file.experiment.all_runs()
     }
-    asked = {"specimen": specimens, "angle": [f"{angle:g}" for angle in angles_deg], "condition": conditions}
+    asked = {
+        "specimen": specimens,
+        "angle": [f"{angle:g}" for angle in angles_deg],
+        "condition": conditions,
+        "mounting": [str(mounting) for mounting in mountings],
+    }
     for what, names in asked.items():
         known = list(dict.fromkeys(of_run[what] for of_run in keys.values()))
         for name in names:
             if name not in known:
-                do = nearest(name, known if what != "angle" else (), "Add it to [experiment], or choose another.")
+                do = nearest(
+                    name,
+                    known if what in ("specimen", "condition") else (),
+                    "Add it to [experiment], or choose another.",
+                )
                 raise SettingError(f"{file.path}, {what}", wanted=", ".join(known), found=name, do=do)
     chosen = tuple(
         run for run, of_run in keys.items() if all(of_run[what] in names for what, names in asked.items() if names)
@@ -53,7 +71,7 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
     _check_springs(file, schedules)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
     emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
-    return tuple(plan_of(experiment, *run, schedules, emulated_n_per_mm) for run in runs)
+    return tuple(plan_of(experiment, run, schedules, emulated_n_per_mm) for run in runs)
 
 
 def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
@@ -71,7 +89,7 @@ def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
 
 def read_schedules(folder: Path, runs: Sequence[Run]) -> tuple[Schedule, ...]:
     """The schedules that ``runs`` need. ScheduleError names all files that are absent, or the first that is no good."""
-    stems = dict.fromkeys(f"{specimen}_{condition}" for specimen, _, condition in runs if condition != RIGID)
+    stems = dict.fromkeys(f"{run.specimen}_{run.condition}" for run in runs if run.condition != RIGID)
     paths = [folder / f"{stem}.json" for stem in stems]
     absent = [path.name for path in paths if not path.is_file()]
     if absent:

@@ -76,6 +76,16 @@ def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
     assert set(file.experiment.specimens) <= set(file.emulated.stiffness_n_per_mm)
 
 
+def test_every_mounting_is_a_run_of_its_own(load: Callable[[str], RigFile], small: str) -> None:
+    text = small.replace('["S1", "S3"]', '["S1", "S3"]\nangles_deg = { modular = [0] }\nmountings = 2')
+    runs = load(text).experiment.all_runs()
+    names = ["S1_0_modular", "S3_0_modular", "S1_0_modular_mounting-2", "S3_0_modular_mounting-2"]
+    assert [run.name for run in runs] == names
+    assert [run.mounting for run in chosen_runs(load(text), ["S3"], mountings=[2])] == [2]
+    with pytest.raises(SettingError, match="mounting: expected 1, 2, but found 3"):
+        chosen_runs(load(text), mountings=[3])
+
+
 def test_it_names_no_address() -> None:
     """No command sends a byte to a port or host that its user did not write."""
     devices = load_rig(ROOT / "studies" / "palpation" / "rig.toml").devices

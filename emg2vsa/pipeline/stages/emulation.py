@@ -1,4 +1,4 @@
-"""Emulation: a run of the experiment, carried out by the emulated rig in virtual time."""
+"""Emulation: one mounting of a run of the experiment, carried out by the emulated rig in virtual time."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ STARTED = "2026-01-05T09:00:00+00:00"
 
 def takes(campaign: Campaign, item: str) -> list[Input]:
     """The rigid motor follows no schedule."""
-    return [] if campaign.runs[item].condition == RIGID else [("schedules", "study")]
+    return [] if campaign.mountings[item].condition == RIGID else [("schedules", "study")]
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     """Of the other runs nothing: neither their names nor the stiffness of their specimens."""
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
-    entry, rig, emulated = campaign.runs[item], campaign.rig, campaign.rig.emulated
-    own = {name: value for name, value in emulated.stiffness_n_per_mm.items() if name == entry.specimen}
+    run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
+    own = {name: value for name, value in emulated.stiffness_n_per_mm.items() if name == run.specimen}
     return {
-        "run": (entry.specimen, entry.angle_deg, entry.condition),
-        "experiment": replace(rig.experiment, specimens=(entry.specimen,), angles_deg={}),
+        "run": run,
+        "experiment": replace(rig.experiment, specimens=(run.specimen,), angles_deg={}, mountings=1),
         "rig": rig.rig,
         "emulated": replace(emulated, stiffness_n_per_mm=own),
     }
@@ -61,9 +61,8 @@ def run(given: Given) -> list[Path]:
         do = "Choose another root under [runs], or leave rig out of it to score measured runs."
         raise DataError(made, wanted="a free folder for an emulated run", found="a measured run", do=do)
     used = given.settings
-    specimen, angle_deg, condition = used["run"]
     known = used["emulated"].stiffness_n_per_mm
-    plan = plan_of(used["experiment"], specimen, angle_deg, condition, given.one("schedules") or (), known)
+    plan = plan_of(used["experiment"], used["run"], given.one("schedules") or (), known)
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:
@@ -99,7 +98,7 @@ def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder:
 
 
 STAGE = Stage(
-    per="run",
+    per="mounting",
     of="emulated rig",
     needs=("schedules",),
     run=run,

@@ -39,7 +39,7 @@ def run_virtual(
         do = "Choose another; no run is ever overwritten."
         raise DeviceError(folder, wanted="a new folder, or an empty one", found="files in it", do=do)
     clock = VirtualClock()
-    name = run or run_name(plan.specimen, plan.angle_deg, plan.condition)
+    name = run or run_name(plan.specimen, plan.angle_deg, plan.condition, plan.mounting)
     bench = EmulatedRig(
         emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name, plate=plan.plate
     )
