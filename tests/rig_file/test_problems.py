@@ -95,13 +95,14 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ["13: experiment.angles_deg: expected an angle of one condition at least, but found none."],
         ),
         (
-            '["S1", "S3"]', '["S1"]\nf_max_n = 12\ntravel_mm = 20\nrepetitions = 2.5',
+            '["S1", "S3"]', '["S1"]\nf_max_n = 12\ntravel_mm = 20\nrepetitions = 2.5\nmountings = 0',
             [
                 "13: experiment.f_max_n: expected a force above contact, 0.5 N, and below the guard "
                 "rig.guards.force_n, "
                 "10 N, but found 12.",
                 "14: experiment.travel_mm: expected at most rig.travel_mm, 15, but found 20.",
                 "15: experiment.repetitions: expected a whole number, but found 2.5.",
+                "16: experiment.mountings: expected a whole number >= 1, but found 0.",
             ],
         ),
         (
