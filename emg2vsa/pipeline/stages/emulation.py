@@ -29,12 +29,11 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
-    own = {name: value for name, value in emulated.stiffness_n_per_mm.items() if name == run.specimen}
     return {
         "run": run,
         "experiment": replace(rig.experiment, specimens=(run.specimen,), angles_deg={}, mountings=1),
         "rig": rig.rig,
-        "emulated": replace(emulated, stiffness_n_per_mm=own),
+        "emulated": emulated.of(run.specimen),
     }
 
 
