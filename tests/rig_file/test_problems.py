@@ -102,7 +102,7 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
                 "10 N, but found 12.",
                 "14: experiment.travel_mm: expected at most rig.travel_mm, 15, but found 20.",
                 "15: experiment.repetitions: expected a whole number, but found 2.5.",
-                "16: experiment.mountings: expected a whole number >= 1, but found 0.",
+                "16: experiment.mountings: expected a number >= 1, but found 0.",
             ],
         ),
         (
