@@ -54,6 +54,9 @@ class ExperimentSettings:
     mountings: Annotated[int, Ge(1), Le(99)] = 1
     """How often each specimen is mounted anew at each angle under each condition. Each mounting is a run of its own:
     presses of one mounting share its errors, so that only several mountings tell an effect from them."""
+    schedule_of: dict[str, str] = field(default_factory=dict)
+    """Specimen to the specimen whose schedules press it, where these are not its own: swapped, or one for all. This is
+    the control that tells what stiffness does from what a schedule knows of its specimen (docs/how-to/controls.md)."""
     f_max_n: Annotated[float, Gt(0)] = 7.0
     "The press turns back here."
     f_contact_n: Annotated[float, Gt(0)] = 0.5
@@ -135,8 +138,11 @@ def plan_of(
         angle_deg=run.angle_deg,
         condition=run.condition,
         mounting=run.mounting,
+        schedule_from=experiment.schedule_of.get(run.specimen),
         repetitions=experiment.repetitions,
-        schedule=None if run.condition == RIGID else _found(schedules, run.specimen, run.condition),
+        schedule=None
+        if run.condition == RIGID
+        else _found(schedules, experiment.schedule_of.get(run.specimen, run.specimen), run.condition),
         f_max_n=experiment.f_max_n,
         f_contact_n=experiment.f_contact_n,
         contact_s=experiment.contact_s,

@@ -37,7 +37,7 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
                 yield from _plate(plate, rig)
         if camera := tables.get("camera"):
             yield from _frames(experiment, camera)
-        yield from _stiffness(experiment)
+        yield from _of_specimens(experiment)
         yield from _motor(experiment, raw)
         yield from _emulated(experiment, tables)
     yield from _one_board_each(tables)
@@ -82,11 +82,12 @@ def _watchdogs(tables: Mapping[str, Any], rig: RigSettings) -> Iterator[Problem]
             yield Problem(("rig", "guards", "motors_every_s"), wanted, f"{rig.guards.motors_every_s:g}")
 
 
-def _stiffness(experiment: ExperimentSettings) -> Iterator[Problem]:
-    for name in experiment.stiffness_n_per_mm:
-        if name not in experiment.specimens:
-            do = nearest(name, experiment.specimens)
-            yield Problem(("experiment", "stiffness_n_per_mm", name), "a specimen of the experiment", shown(name), do)
+def _of_specimens(experiment: ExperimentSettings) -> Iterator[Problem]:
+    for key in ("stiffness_n_per_mm", "schedule_of"):
+        for name in getattr(experiment, key):
+            if name not in experiment.specimens:
+                do = nearest(name, experiment.specimens)
+                yield Problem(("experiment", key, name), "a specimen of the experiment", shown(name), do)
 
 
 def _names(experiment: ExperimentSettings) -> Iterator[Problem]:

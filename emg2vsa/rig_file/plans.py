@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -67,7 +67,7 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
 
     ScheduleError : a schedule is absent, not as it was exported, or for another model of actuator.
     """
-    schedules = read_schedules(file.schedules, runs)
+    schedules = read_schedules(file.schedules, runs, file.experiment.schedule_of)
     _check_springs(file, schedules)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
     emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
@@ -87,9 +87,13 @@ def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
             )
 
 
-def read_schedules(folder: Path, runs: Sequence[Run]) -> tuple[Schedule, ...]:
-    """The schedules that ``runs`` need. ScheduleError names all files that are absent, or the first that is no good."""
-    stems = dict.fromkeys(f"{run.specimen}_{run.condition}" for run in runs if run.condition != RIGID)
+def read_schedules(folder: Path, runs: Sequence[Run], schedule_of: Mapping[str, str]) -> tuple[Schedule, ...]:
+    """The schedules that ``runs`` need, those of ``schedule_of`` instead of a specimen's own.
+
+    ScheduleError names all files that are absent, or the first that is no good.
+    """
+    pressed = [run for run in runs if run.condition != RIGID]
+    stems = dict.fromkeys(f"{schedule_of.get(run.specimen, run.specimen)}_{run.condition}" for run in pressed)
     paths = [folder / f"{stem}.json" for stem in stems]
     absent = [path.name for path in paths if not path.is_file()]
     if absent:

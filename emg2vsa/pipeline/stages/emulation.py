@@ -29,9 +29,12 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
+    schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
     return {
         "run": run,
-        "experiment": replace(rig.experiment, specimens=(run.specimen,), angles_deg={}, mountings=1),
+        "experiment": replace(
+            rig.experiment, specimens=(run.specimen,), angles_deg={}, mountings=1, schedule_of=schedule_of
+        ),
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
     }
