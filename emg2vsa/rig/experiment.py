@@ -142,7 +142,7 @@ def plan_of(
         repetitions=experiment.repetitions,
         schedule=None
         if run.condition == RIGID
-        else _found(schedules, experiment.schedule_of.get(run.specimen, run.specimen), run.condition),
+        else schedule_for(schedules, experiment.schedule_of.get(run.specimen, run.specimen), run.condition),
         f_max_n=experiment.f_max_n,
         f_contact_n=experiment.f_contact_n,
         contact_s=experiment.contact_s,
@@ -153,7 +153,8 @@ def plan_of(
     )
 
 
-def _found(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
+def schedule_for(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
+    """That of a specimen and condition. ScheduleError where there is none."""
     for schedule in schedules:
         if (schedule.specimen, schedule.condition) == (specimen, condition):
             return schedule

@@ -106,6 +106,43 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            "[emulated]", '[emulated]\ncontrol = "N1"\nsensor_relaxation = 0.2\ncontrol_exponent = 0.1',
+            [
+                '16: emulated.sensor_relaxation: expected no sensor_relaxation beside control = "N1", which sets it, '
+                "but found 0.2. Leave it out, or choose another control.",
+                '17: emulated.control_exponent: expected control = "P1" beside it, but found 0.1. Leave it out, or set '
+                "the control.",
+            ],
+        ),
+        (
+            "[emulated]", '[emulated]\ncontrol = "P4"',
+            [
+                "14: emulated.control_specimen: expected a specimen of the bench (S1, S2, S3, S4, S5) beside "
+                """control = "P4", but found \"\". Name the specimen whose modular schedule is right.""",
+            ],
+        ),
+        (
+            "[emulated]", '[emulated]\ncontrol = "N4"',
+            [
+                "15: emulated.control: expected 'none', 'N1', 'N2', 'N3', 'P1', 'P2', 'P3' or 'P4', but found \"N4\". "
+                "Did you mean 'P4'?",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1", "S3"]\nschedule_of = { S1 = "S3", S2 = "S1" }',
+            [
+                "13: experiment.schedule_of.S2: expected a specimen of the experiment, but found \"S2\". Did you mean "
+                "'S3'?",
+            ],
+        ),
+        (
+            '["S1", "S3"]\n\n[emulated]', '["S1", "S3"]\nschedule_of = { S1 = "S3" }\n[emulated]\ncontrol = "N3"',
+            [
+                '13: experiment.schedule_of: expected no schedule_of beside control = "N3", which swaps the schedules '
+                "itself, but found S1 = S3. Leave it out, or choose another control.",
+            ],
+        ),
+        (
             "[emulated]", "[camera]\nsource = 0\nheight = 3000\nwidth = 4000\nrate_hz = 120\n[emulated]",
             [
                 "16: camera.height: expected less than 4 GiB of frames in a press, but found up to 4.1 GiB: 4000 x "

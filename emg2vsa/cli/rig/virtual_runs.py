@@ -19,6 +19,7 @@ from emg2vsa.cli.rig.ending import summary
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
+from emg2vsa.rig.emulated.controls import ArtificialEffect, effect_of
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.executor.guards import laxer_guards
@@ -28,13 +29,14 @@ from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import new_folder, presses_left
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile
-from emg2vsa.rig_file.plans import Run, plans_of
+from emg2vsa.rig_file.plans import Run, plans_of, read_schedules
 from emg2vsa.rig_file.sequence import RunOrder
+from emg2vsa.schedules import Schedule
 
 _BEFORE = "done before"
 
 
-Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path]
+Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path, ArtificialEffect | None]
 
 
 def run_virtually(
@@ -56,6 +58,7 @@ def run_virtually(
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
     runs = [run for run in order.runs if run in runs] if order else runs
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
+    right = _right_schedules(file)
     for run, plan in plans.items():
         check_plan(plan, file.rig)
         check_same_presses(root, run.name, plan, file.rig, emulated=True)
@@ -68,7 +71,7 @@ def run_virtually(
         if presses := presses_left(root, run.name, plan.repetitions, emulated=True):
             plans[run] = replace(plan, repetitions=presses, order=order.place(run) if order else None)
             folder = new_folder(root, run.name, plan.repetitions, emulated=True)
-            waiting[run] = plans[run], file.rig, file.emulated, folder
+            waiting[run] = plans[run], file.rig, file.emulated, folder, effect_of(file.emulated, plan.schedule, right)
         else:
             results[run] = _BEFORE
     for run, result in _carried_out(waiting, jobs):
@@ -111,8 +114,17 @@ def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, E
             raise
 
 
-def _run(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path) -> Ended:
-    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC), run=folder.name)
+def _right_schedules(file: RigFile) -> tuple[Schedule, ...]:
+    """What the noise of control P4 is matched to."""
+    assert file.emulated is not None
+    named = file.emulated.control_specimen
+    return read_schedules(file.schedules, [Run(named, 0.0, "modular")], {}) if named else ()
+
+
+def _run(
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
+) -> Ended:
+    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC), run=folder.name, effect=effect)
 
 
 def _outcome(make: Callable[[], Ended]) -> Ended | str:

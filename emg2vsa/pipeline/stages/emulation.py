@@ -11,6 +11,7 @@ from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.rig.emulated.controls import ArtificialEffect
     from emg2vsa.rig.emulated.settings import EmulatedSettings
     from emg2vsa.rig.plan import RunPlan
     from emg2vsa.rig.rig_settings import RigSettings
@@ -54,6 +55,7 @@ def run(given: Given) -> list[Path]:
     import shutil
 
     from emg2vsa.errors import DataError
+    from emg2vsa.rig.emulated.controls import effect_of
     from emg2vsa.rig.experiment import plan_of
     from emg2vsa.rig.record.new_folder import EMULATED_FILE
 
@@ -63,12 +65,12 @@ def run(given: Given) -> list[Path]:
         do = "Choose another root under [runs], or leave rig out of it to score measured runs."
         raise DataError(made, wanted="a free folder for an emulated run", found="a measured run", do=do)
     used = given.settings
-    known = used["emulated"].stiffness_n_per_mm
-    plan = plan_of(used["experiment"], used["run"], given.one("schedules") or (), known)
+    known, schedules = used["emulated"].stiffness_n_per_mm, given.one("schedules") or ()
+    plan = plan_of(used["experiment"], used["run"], schedules, known)
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:
-        _record(plan, used["rig"], used["emulated"], unfinished)
+        _record(plan, used["rig"], used["emulated"], unfinished, effect_of(used["emulated"], plan.schedule, schedules))
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
@@ -77,7 +79,9 @@ def run(given: Given) -> list[Path]:
     return sorted(path for path in made.rglob("*") if path.is_file())
 
 
-def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path) -> None:
+def _record(
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
+) -> None:
     """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
 
     OSError : it could not be recorded. KeyboardInterrupt : Ctrl-C, which the executor takes for the end of the run.
@@ -90,7 +94,7 @@ def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder:
     from emg2vsa.rig.record.new_folder import how_ended
 
     try:
-        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED))
+        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED), effect=effect)
     except DeviceError as error:
         raise OSError(errno.EIO, str(error)) from error
     if ended.how == "interrupted":
