@@ -6,24 +6,12 @@ With relaxation or adhesion the same curves hold at another force: the convolved
 from __future__ import annotations
 
 import math
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import SettingError
-
-
-class ElasticContact(Protocol):
-    """Force along the surface's normal, N, over the indentation along it, mm. A power law, a plate and the tables of
-    finite elements serve alike."""
-
-    def force_n(self, depth_mm: float) -> float:
-        """Exactly 0 without an indentation."""
-
-    def resistance(self, depth_mm: float) -> tuple[float, float]:
-        """Force, N, and its growth per indentation, N/mm."""
 
 
 class PowerLaw:
@@ -52,21 +40,21 @@ class PowerLaw:
             )
         self.modulus_mpa, self.tip_radius_mm, self.exponent = modulus_mpa, tip_radius_mm, exponent
         c = 3 / (4 * modulus_mpa * tip_radius_mm**2)
-        self._per_n, self._power = c, 1 / (1 - exponent)
-        self._per_mm = 2 * (1 - exponent) * modulus_mpa * tip_radius_mm * c**exponent
+        self._per_n, self.power = c, 1 / (1 - exponent)
+        self.per_mm = 2 * (1 - exponent) * modulus_mpa * tip_radius_mm * c**exponent
 
     def force_n(self, depth_mm: float) -> float:
         """Normal force at an indentation along the normal; exactly 0 without one."""
-        return (self._per_mm * depth_mm) ** self._power if depth_mm > 0 else 0.0
+        return (self.per_mm * depth_mm) ** self.power if depth_mm > 0 else 0.0
 
     def depth_mm(self, force_n: float) -> float:
         """Indentation along the normal at a normal force."""
-        return float(force_n ** (1 / self._power) / self._per_mm)
+        return float(force_n ** (1 / self.power) / self.per_mm)
 
     def resistance(self, depth_mm: float) -> tuple[float, float]:
         """Force, N, and its growth per indentation, N/mm."""
         force_n = self.force_n(depth_mm)
-        return force_n, self._power * force_n / depth_mm if depth_mm > 0 else 0.0
+        return force_n, self.power * force_n / depth_mm if depth_mm > 0 else 0.0
 
     def radius_mm(self, force_n: ArrayLike) -> Floats:
         """Contact radius at normal forces of any shape; 0 where nothing presses."""

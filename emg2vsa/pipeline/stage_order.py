@@ -19,6 +19,7 @@ ORDER = (
     "hypotheses",
     "profiles",
     "schedules",
+    "stiffness",
     "emulation",
     "runs",
     "discrimination",

@@ -74,9 +74,10 @@ class Probe:
         "Shaft angle at first contact."
         self.remembers = settings.relaxation != ELASTIC or settings.skin_friction > 0
         "Whether the force depends on more than the angle."
-        self._normal = ConvolvedForce(settings.relaxation, 0.0)
-        self._shear = Shear(
+        self._normal: ConvolvedForce[float] = ConvolvedForce(settings.relaxation, 0.0)
+        self._shear: Shear[float] = Shear(
             settings.relaxation,
+            0.0,
             friction=settings.skin_friction,
             mount_n_per_mm=settings.mount_n_per_mm,
             friction_drop=settings.friction_drop,
