@@ -100,6 +100,9 @@ class EmulatedSettings:
     "P1: areas are multiplied with the stiffness in N m/rad to minus this power."
     control_specimen: str = ""
     "P4: areas are least noisy with the stiffness of this specimen's modular schedule."
+    exact: bool = False
+    """true: in virtual time devices and drivers speak byte for byte also while nothing touches the probe. The same run
+    comes out, in three times the time; a test compares the two."""
     behind_ports: bool = False
     "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
 

@@ -16,6 +16,7 @@ from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TRUTH_FILE, truth_text
+from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
@@ -64,12 +65,13 @@ def run_virtual(
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
-    devices = bench.devices()
+    devices = bench.devices(exact=emulated.exact)
     if plan.plate:
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    ended = execute(plan, rig, devices, folder, clock, started=started)
+    cycle = ControlCycle if emulated.exact else bench.loop
+    ended = execute(plan, rig, devices, folder, clock, started=started, cycle=cycle)
     if not plan.plate:
         write_text_atomic(folder / TRUTH_FILE, truth_text(bench.loadings()))
     return ended
