@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Literal
 
@@ -70,6 +71,12 @@ class Calibration:
             wrong = _differences(self.mean_casr) * np.where(self.fit.rises, -1, 1)[:, None, None]
             ordered = _differences(self.kappa) > np.sqrt(_sums(self.kappa_se**2))
             return np.asarray(~np.any(ordered & (wrong > np.sqrt(_sums(square))), axis=(1, 2)))
+
+    def only(self, i: int) -> Calibration:
+        """Calibration ``i`` alone: d = 1."""
+        of_d = ("kappa", "kappa_se", "casr", "mean_casr", "r2", "adj_r2", "left_out")
+        fit = dataclasses.replace(self.fit, **{name: getattr(self.fit, name)[i : i + 1] for name in LawFit.OF_D})
+        return dataclasses.replace(self, fit=fit, **{name: getattr(self, name)[i : i + 1] for name in of_d})
 
     def equation(self, i: int = 0) -> str:
         """The fitted law in numbers, with units: those of the parameters hang on them."""

@@ -73,6 +73,14 @@ def x_of(law: Law, casr: Floats) -> Floats:
         return np.asarray(positive**HERTZ if law == "compliance" else np.log(positive))
 
 
+def casr_of(law: Law, x: Floats) -> Floats:
+    """The score at a place on the axis of the law: the inverse of ``x_of``."""
+    if law == "exponential":
+        return x
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(np.where(x > 0, x, np.nan) ** (1 / HERTZ) if law == "compliance" else np.exp(x))
+
+
 def x_slope(law: Law, casr: Floats) -> Floats:
     """dX / dCASR."""
     if law == "exponential":

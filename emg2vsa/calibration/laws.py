@@ -8,12 +8,13 @@ is known far better than a score, which the other two take as exact.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.forms import eta_of, kappa_of, kappa_slope, x_of, x_slope
+from emg2vsa.calibration.forms import casr_of, eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.curves.exponential import ExponentialFit, fit_exponential, fit_exponential_log
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.weighted_rows import weighted_rows
@@ -39,6 +40,8 @@ class LawFit:
     level: Floats
     slope: Floats
 
+    OF_D: ClassVar = ("x0", "level", "slope")
+
     @property
     def parameters(self) -> Floats:
         """(d, 2): p and q of kappa = p exp(q CASR) or p CASR^q; else a and b of eta = a + b X."""
@@ -59,6 +62,12 @@ class LawFit:
     def at(self, casr: Floats) -> Floats:
         """kappa (d, m) at scores (d, m); NaN where the law has none."""
         return kappa_of(self.law, self.eta(casr))
+
+    def casr(self, kappa: Floats) -> Floats:
+        """The score (d, m) of stiffnesses (d, m); NaN where the law has none."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = self.x0[:, None] + (eta_of(self.law, kappa) - self.level[:, None]) / self.slope[:, None]
+        return casr_of(self.law, x)
 
     def steepness(self, casr: Floats) -> Floats:
         """d kappa / d CASR (d, m)."""

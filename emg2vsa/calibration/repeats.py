@@ -28,7 +28,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, fitted_points
-from emg2vsa.calibration.forms import HERTZ, kappa_of, kappa_slope
+from emg2vsa.calibration.forms import HERTZ, eta_of, kappa_of, kappa_slope
 from emg2vsa.calibration.laws import fit_law
 from emg2vsa.calibration.presses import mean_of, within
 from emg2vsa.calibration.serial import SerialCorrelation, serial_correlation
@@ -48,6 +48,8 @@ class RepeatInterval:
     kappa_step : (d, S) change of eta for a standard error of each known kappa, mount_step : (d, S + 1) for a standard
     deviation of each mounting's angle, mounting_step : (d, S + 1) for one of all else in each mounting. law_step : (d,)
     for the exponent that the presses show in place of Hertz's. widened : (d,) factor on eta_se, 1 where the law holds.
+    reach : (d,) half of the interval on the axis of the law. score_share : (d,) d ln kappa / d ln score: the percent of
+    kappa that 1 % of the score costs.
     """
 
     kappa: Floats
@@ -65,6 +67,8 @@ class RepeatInterval:
     mounting_step: Floats
     law_step: Floats
     widened: Floats
+    reach: Floats
+    score_share: Floats
 
     def p_of(self, law_eta: Floats) -> Floats:
         """Two-sided p (d,) of the true eta being ``law_eta``."""
@@ -102,7 +106,8 @@ def repeat_interval(
         df = eta_se**4 / np.sum(of_presses**2 / freedom, axis=1)
         eta_se = eta_se * widened
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
-    low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
+        score_share = calibration.fit.steepness(mean[:, None])[:, 0] * mean / kappa
+    low, high = _ends(law, eta, reach)
     return RepeatInterval(
         kappa=kappa,
         eta=eta,
@@ -119,7 +124,20 @@ def repeat_interval(
         mounting_step=mounting_step,
         law_step=law_step,
         widened=np.broadcast_to(np.asarray(widened, dtype=np.float64), kappa.shape),
+        reach=reach,
+        score_share=score_share,
     )
+
+
+def interval_of(law: Law, kappa: float, reach: float) -> tuple[float, float]:
+    """low and high, N/mm, of an interval about ``kappa`` that reaches so far on the axis of the law."""
+    low, high = _ends(law, eta_of(law, np.array(kappa)), np.array(reach))
+    return float(low), float(high)
+
+
+def _ends(law: Law, eta: Floats, reach: Floats) -> tuple[Floats, Floats]:
+    low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
+    return low, high
 
 
 def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:

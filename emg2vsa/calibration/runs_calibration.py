@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import (
     INDENTATION_POWER,
@@ -20,6 +20,7 @@ from emg2vsa.calibration.forms import (
 )
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
+from emg2vsa.calibration.online import OnlineCalibration, cut_forces, cut_presses
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
 from emg2vsa.calibration.results import (
     AlgorithmResult,
@@ -74,6 +75,63 @@ def calibrate_runs(
         error = np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known])
         conditions.append(_OneCondition(tuple(known), new, stiffness, error, truth, settings).result())
     return CalibrationResults(new_specimen, truth, tuple(conditions), tuple(notes))
+
+
+def online_calibrations(
+    runs: Sequence[RunScores],
+    kappa: Mapping[str, float],
+    new_specimen: str,
+    force_n: tuple[float, float],
+    settings: CalibrationSettings | None = None,
+    *,
+    kappa_se: Mapping[str, float] | None = None,
+    provenance: Mapping[str, str] | None = None,
+) -> tuple[OnlineCalibration, ...]:
+    """A calibration for presses of unknown specimens, for every angle and condition that has the presses for it.
+
+    Arguments as for ``calibrate_runs``; the new specimen is left out. force_n : loading phase that was scored.
+    """
+    settings = settings or CalibrationSettings()
+    forces = cut_forces(*force_n)
+    usable = [run for run in runs if run.specimen in kappa and run.specimen != new_specimen]
+    found = []
+    for angle_deg, condition in dict.fromkeys((run.angle_deg, run.condition) for run in usable):
+        known = [run for run in usable if (run.angle_deg, run.condition) == (angle_deg, condition)]
+        rates = cut_presses([_curves(run) for run in known], force_n[0], forces)
+        there = np.flatnonzero(np.isfinite(rates[:, :, -1]).any(axis=1))
+        known = [known[s] for s in there]
+        if len(known) < _LEAST_SPECIMENS:
+            continue
+        found.append(
+            OnlineCalibration(
+                specimens=tuple(run.specimen for run in known),
+                kappa=np.array([kappa[run.specimen] for run in known]),
+                kappa_se=np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known]),
+                quantity=known[0].algorithm,
+                area_unit=known[0].area_unit,
+                angle_deg=float(angle_deg),
+                condition=condition,
+                start_n=force_n[0],
+                forces_n=forces,
+                rates=rates[there],
+                mounting=_padded_labels(known, rates.shape[1]),
+                settings=settings,
+                mount_share=casr_share(known[0].algorithm, angle_deg, settings.angle_sd_deg),
+                other_exponent=casr_exponent(growth_power(known)),
+                simulated=any(run.simulated for run in known),
+                provenance=dict(provenance or {}),
+            )
+        )
+    return tuple(found)
+
+
+def _curves(run: RunScores) -> list[tuple[Floats, Floats]]:
+    return [(curve.force_n, curve.area_mm2) for curve in run.curves]
+
+
+def _padded_labels(runs: Sequence[RunScores], presses: int) -> Ints:
+    """(S, R) mounting of each press, 0 where there is none."""
+    return np.stack([np.pad(run.mounting, (0, presses - len(run.mounting))) for run in runs])
 
 
 def _same_place(run: RunScores, new: RunScores) -> bool:
