@@ -70,7 +70,7 @@ def _document_of(calibration: OnlineCalibration) -> dict[str, Any]:
         "simulated": calibration.simulated,
         "force_n": {"start": calibration.start_n, "judged_at": calibration.forces_n.tolist()},
         "settings": dataclasses.asdict(calibration.settings),
-        "mount_share": calibration.mount_share,
+        "angle_share": calibration.angle_share,
         "other_exponent": calibration.other_exponent,
         "specimens": [
             {
@@ -148,7 +148,7 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
         rates=rates,
         mounting=mounting,
         settings=settings,
-        mount_share=float(document["mount_share"]),
+        angle_share=float(document["angle_share"]),
         other_exponent=float(document["other_exponent"]),
         simulated=bool(document["simulated"]),
         provenance={str(name): str(value) for name, value in document["provenance"].items()},

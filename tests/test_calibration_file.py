@@ -24,7 +24,7 @@ def calibration():
     return OnlineCalibration(
         specimens=("S1", "S3", "S5"), kappa=kappa, kappa_se=np.array([0.1, 0.0, 0.02]), quantity="front",
         area_unit="mm2", angle_deg=30.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates,
-        mounting=mounting, settings=CalibrationSettings(confidence=0.9), mount_share=0.01, other_exponent=1.7,
+        mounting=mounting, settings=CalibrationSettings(confidence=0.9), angle_share=0.01, other_exponent=1.7,
         simulated=True, provenance={"study": "palpation"},
     )  # fmt: skip
 

@@ -8,7 +8,6 @@ is known far better than a score, which the other two take as exact.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,8 +38,6 @@ class LawFit:
     x0: Floats
     level: Floats
     slope: Floats
-
-    OF_D: ClassVar = ("x0", "level", "slope")
 
     @property
     def parameters(self) -> Floats:

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
-from emg2vsa.calibration.forms import HERTZ
+from emg2vsa.calibration.forms import HERTZ, specimen_share
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.repeats import RepeatInterval, interval_of, repeat_interval
 from emg2vsa.settings import CalibrationSettings
@@ -50,7 +50,7 @@ class OnlineCalibration:
 
     specimens : S names. kappa, kappa_se : (S,) N/mm. quantity : whose area, as ``RunScores.algorithm``; area_unit : of
     it. start_n : where all rates begin. forces_n : (G,) at which a press is judged. rates : (S, R, G) in area_unit/N,
-    NaN where a press does not reach. mounting : (S, R) 1-based number of each press's mounting. mount_share,
+    NaN where a press does not reach. mounting : (S, R) number of each press's mounting, from 1. angle_share,
     other_exponent : see ``calibrate``. simulated : an emulated rig pressed. provenance : name to value.
     """
 
@@ -66,7 +66,7 @@ class OnlineCalibration:
     rates: Floats
     mounting: Ints
     settings: CalibrationSettings = field(default_factory=CalibrationSettings)
-    mount_share: float = 0.0
+    angle_share: float = 0.0
     other_exponent: float = HERTZ
     simulated: bool = False
     provenance: Mapping[str, str] = field(default_factory=dict)
@@ -81,8 +81,10 @@ class OnlineCalibration:
             casr_unit=f"{self.area_unit}/N",
             specimens=self.specimens,
             kappa_se=self.kappa_se,
-            mount_share=self.mount_share,
+            specimen_share=specimen_share(self.quantity),
+            angle_share=self.angle_share,
             mounting_sd=self.settings.mounting_sd_percent / 100,
+            mountings=self.mounting,
             other_exponent=self.other_exponent,
         )
 

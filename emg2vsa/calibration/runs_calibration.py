@@ -12,11 +12,12 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import (
     INDENTATION_POWER,
+    casr_angle_share,
     casr_exponent,
-    casr_share,
     growth_power,
     indentation_exponent,
     mount_share,
+    specimen_share,
 )
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
@@ -116,7 +117,7 @@ def online_calibrations(
                 rates=rates[there],
                 mounting=_padded_labels(known, rates.shape[1]),
                 settings=settings,
-                mount_share=casr_share(known[0].algorithm, angle_deg, settings.angle_sd_deg),
+                angle_share=casr_angle_share(known[0].algorithm, angle_deg, settings.angle_sd_deg),
                 other_exponent=casr_exponent(growth_power(known)),
                 simulated=any(run.simulated for run in known),
                 provenance=dict(provenance or {}),
@@ -174,7 +175,9 @@ class _OneCondition:
             paper=self._law(paper, new_casr),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            fused=None if depth is None else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm)),
+            fused=None
+            if depth is None
+            else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm, self.new.mounting)),
         )
 
     def _kept(self, scores: Floats) -> Floats:
@@ -206,8 +209,10 @@ class _OneCondition:
             casr_unit=self._casr_unit,
             specimens=self._names,
             kappa_se=self.kappa_se,
-            mount_share=casr_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
+            specimen_share=specimen_share(algorithm),
+            angle_share=casr_angle_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
             mounting_sd=settings.mounting_sd_percent / 100,
+            mountings=self._labels,
             other_exponent=casr_exponent(self._growth),
         )
 
@@ -221,13 +226,14 @@ class _OneCondition:
             self.settings,
             specimens=self._names,
             kappa_se=self.kappa_se,
-            mount_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
+            angle_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
             mounting_sd=self.settings.mounting_sd_percent / 100,
+            mountings=self._labels,
             other_exponent=indentation_exponent(self._growth),
         )
 
     def _law(self, calibration: Calibration, scores: Floats, notes: tuple[str, ...] = ()) -> LawResult:
-        found = estimate(calibration, scores)
+        found = estimate(calibration, scores, self.new.mounting)
         serial, without = found.repeats.serial, found.left_out
         first, second = calibration.fit.parameters[0].tolist()
         return LawResult(
@@ -265,6 +271,10 @@ class _OneCondition:
             p=float(fusion.p[0]),
             notes=fusion.notes(),
         )
+
+    @cached_property
+    def _labels(self) -> Ints:
+        return _padded_labels(self.known, max(len(run.mounting) for run in self.known))
 
     @cached_property
     def _growth(self) -> float:
