@@ -1,9 +1,9 @@
 """Calibrations as JSON files: what ``emg2vsa run`` writes for every angle and condition, and a press is judged by.
 
 One object: ``format``, ``version``, what was measured (quantity, area_unit, angle_deg, condition, force_n),
-``settings`` (those of [calibration]), ``specimens`` with kappa and the rates of their presses at every force,
-``provenance``, and ``sha256`` of the rest. NaN is null. Numbers read back as the same doubles. A file that was
-changed, or is of another version, is refused.
+``settings`` (those of [calibration]), ``specimens`` with kappa the rates of their presses and the travel per newton at
+every force, ``provenance``, and ``sha256`` of the rest. NaN is null. Numbers read back as the same doubles. A file that
+was changed, or is of another version, is refused.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from casr.atomic import write_text_atomic
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.laws import LAWS, WAYS
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.errors import DataError
@@ -70,16 +70,17 @@ def _document_of(calibration: OnlineCalibration) -> dict[str, Any]:
         "simulated": calibration.simulated,
         "force_n": {"start": calibration.start_n, "judged_at": calibration.forces_n.tolist()},
         "settings": dataclasses.asdict(calibration.settings),
-        "angle_share": calibration.angle_share,
-        "other_exponent": calibration.other_exponent,
+        "growth_power": calibration.growth if math.isfinite(calibration.growth) else None,
         "specimens": [
             {
                 "name": name,
                 "kappa_n_per_mm": float(calibration.kappa[s]),
                 "kappa_se_n_per_mm": float(calibration.kappa_se[s]),
                 "presses": [
-                    {"mounting": int(mounting), "rates": _numbers(rates)}
-                    for mounting, rates in zip(calibration.mounting[s], calibration.rates[s], strict=True)
+                    {"mounting": int(mounting), "rates": _numbers(rates), "travel_mm_per_n": _numbers(travel)}
+                    for mounting, rates, travel in zip(
+                        calibration.mounting[s], calibration.rates[s], calibration.travel[s], strict=True
+                    )
                     if mounting > 0
                 ],
             }
@@ -134,7 +135,7 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
     _expect(path, "specimens", len(known), "two specimens or more", len(known) >= 2)
     kappa = np.array([each["kappa_n_per_mm"] for each in known], dtype=np.float64)
     _expect(path, "kappa_n_per_mm", kappa.tolist(), "stiffnesses above 0", bool(np.all(kappa > 0)))
-    rates, mounting = _presses(path, [each["presses"] for each in known], forces.size)
+    rates, travel, mounting = _presses(path, [each["presses"] for each in known], forces.size)
     return OnlineCalibration(
         specimens=tuple(str(each["name"]) for each in known),
         kappa=kappa,
@@ -146,23 +147,31 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
         start_n=start_n,
         forces_n=forces,
         rates=rates,
+        travel=travel,
         mounting=mounting,
         settings=settings,
-        angle_share=float(document["angle_share"]),
-        other_exponent=float(document["other_exponent"]),
+        growth=_number(document["growth_power"]),
         simulated=bool(document["simulated"]),
         provenance={str(name): str(value) for name, value in document["provenance"].items()},
     )
 
 
-def _presses(path: Path, known: Sequence[Sequence[dict[str, Any]]], forces: int) -> tuple[Floats, Any]:
-    """Rates (S, R, G) and mountings (S, R)."""
+def _presses(path: Path, known: Sequence[Sequence[dict[str, Any]]], forces: int) -> tuple[Floats, Floats, Ints]:
+    """Rates and travel (S, R, G), and mountings (S, R)."""
     most = max((len(presses) for presses in known), default=0)
     rates, mounting = np.full((len(known), most, forces), np.nan), np.zeros((len(known), most), dtype=np.int64)
+    travel = rates.copy()
     for s, presses in enumerate(known):
         for r, press in enumerate(presses):
-            _expect(path, f"specimens {s + 1}, press {r + 1}", len(press["rates"]), f"{forces} rates",
-                    len(press["rates"]) == forces)  # fmt: skip
-            rates[s, r] = [np.nan if value is None else float(value) for value in press["rates"]]
+            where = f"specimens {s + 1}, press {r + 1}"
+            for name, into in (("rates", rates), ("travel_mm_per_n", travel)):
+                count = len(press[name])
+                _expect(path, where, count, f"{forces} {name}", count == forces)
+                into[s, r] = [_number(value) for value in press[name]]
+            _expect(path, where, press["mounting"], "a mounting from 1", press["mounting"] >= 1)
             mounting[s, r] = press["mounting"]
-    return rates, mounting
+    return rates, travel, mounting
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)

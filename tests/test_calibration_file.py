@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from emg2vsa.calibration.online import OnlineCalibration, OnlineEstimator, cut_forces
+from emg2vsa.calibration.cut_presses import cut_forces
+from emg2vsa.calibration.online import OnlineCalibration, OnlineEstimator
 from emg2vsa.calibration_file import _digest, file_name, open_calibration, write_calibration
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings
@@ -21,10 +22,12 @@ def calibration():
     rates = casr[:, None, None] * forces**-0.3 * (1 + 0.02 * rng.standard_normal((3, 5, 1)))
     mounting = np.tile([1, 1, 1, 2, 2], (3, 1))
     mounting[2, 4], rates[2, 4], rates[0, 0, -3:] = 0, np.nan, np.nan
+    travel = 0.1 * rates
+    travel[1] = np.nan
     return OnlineCalibration(
         specimens=("S1", "S3", "S5"), kappa=kappa, kappa_se=np.array([0.1, 0.0, 0.02]), quantity="front",
-        area_unit="mm2", angle_deg=30.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates,
-        mounting=mounting, settings=CalibrationSettings(confidence=0.9), angle_share=0.01, other_exponent=1.7,
+        area_unit="mm2", angle_deg=30.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates, travel=travel,
+        mounting=mounting, settings=CalibrationSettings(confidence=0.9), growth=0.6,
         simulated=True, provenance={"study": "palpation"},
     )  # fmt: skip
 

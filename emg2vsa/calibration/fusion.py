@@ -48,6 +48,7 @@ class Fusion:
     kappa, low, high : N/mm, the fused estimate and its interval.
     weight : of the cutaneous cue, 0 to 1. correlation : of the two scores of a press, within mountings.
     chi2, p : squared difference of the cues over its variance, and its p. cutaneous, kinesthetic : kappa by each alone.
+    reach : half of the interval on ln kappa.
     """
 
     kappa: Floats
@@ -59,6 +60,7 @@ class Fusion:
     p: Floats
     cutaneous: RepeatInterval
     kinesthetic: RepeatInterval
+    reach: Floats
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         """What must be known to read fusion ``i``; cues that disagree are said."""
@@ -126,6 +128,19 @@ def fuse(
     """
     area, depth = np.atleast_2d(casr), np.atleast_2d(mm_per_n(indent_n_per_mm))
     c, k = widened_interval(cutaneous, area, mountings), widened_interval(kinesthetic, depth, mountings)
+    return fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
+
+
+def fuse_intervals(
+    cutaneous: Calibration,
+    c: RepeatInterval,
+    area: Floats,
+    kinesthetic: Calibration,
+    k: RepeatInterval,
+    depth: Floats,
+    mountings: Ints | None = None,
+) -> Fusion:
+    """Both intervals together; area, depth : (d, R) scores that they are from, NaN where there is none."""
     labels = labels_side_by_side(cutaneous.labels, area.shape[1], mountings)
     a, b = (by_mounting(side_by_side(cue.casr, own), labels) for cue, own in ((cutaneous, area), (kinesthetic, depth)))
     correlation = _correlation(a.reshape(len(a), -1, a.shape[-1]), b.reshape(len(b), -1, b.shape[-1]))
@@ -159,6 +174,7 @@ def fuse(
         p=p,
         cutaneous=c,
         kinesthetic=k,
+        reach=reach,
     )
 
 

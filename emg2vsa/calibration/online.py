@@ -1,9 +1,8 @@
 """Stiffness while a press goes on: a total interval after every frame, and a reason to stop.
 
-The score of half a press is not the score of a whole one, because A(F) is concave. So the presses of the known
-specimens are cut at every force at which the new press may be judged, and all rates are taken between the same two
-forces. A cut press has the mean rate of the power law through its frames, as a whole one has (casr.spread). Finished
-presses of the new specimen count along, cut alike.
+The presses of the known specimens are cut at every force at which the new press may be judged (``cut_presses``).
+Finished presses of the new specimen count along, cut alike. Where the rig's log tells the travel of the probe, both
+cues are fused (``fusion``).
 
 A specimen pressed once shows no noise of its own; that of the known specimens is taken, pooled. The interval is total:
 presses, known stiffnesses, mountings, angle and law (``repeats``), widened where the known specimens reject the law.
@@ -16,32 +15,50 @@ benchmarks/results/online_kappa.md has the coverage at the stop.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
-from emg2vsa.calibration.forms import HERTZ, specimen_share
+from emg2vsa.calibration.cut_presses import ROUNDING_N, cut_rates, cut_travel
+from emg2vsa.calibration.forms import (
+    INDENTATION_POWER,
+    casr_angle_share,
+    casr_exponent,
+    indentation_exponent,
+    mount_share,
+    specimen_share,
+)
+from emg2vsa.calibration.fusion import DISAGREE_P, calibrate_indentation, fuse_intervals
 from emg2vsa.calibration.left_out import left_out
-from emg2vsa.calibration.repeats import RepeatInterval, interval_of, repeat_interval
+from emg2vsa.calibration.repeats import interval_of, repeat_interval
 from emg2vsa.settings import CalibrationSettings
 
-STEP_N = 0.2
-"Between two forces at which a press is judged."
-_ROUNDING_N = 1e-6
-LEAST_FRAMES = 3
-REACH = 0.8
-"""Share of a force that a press must have reached for its law to be read there: of 20 frames a second the last lies up
-to 0.8 N below the peak."""
 NARROWS = 0.9
 "The rest of a press must be expected to bring the interval below this share of its width, or the press may stop."
 WIDTH_REACHED, NO_GAIN = "width reached", "the rest would narrow it by less than a tenth"
+AREA, BOTH = "area", "area and travel"
 _KAPPAS = 25
 "Stiffnesses of the table of expected widths."
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A specimen by its scores so far; (d,). kappa, low, high : N/mm. reach : half of the interval, on the axis of the
+    law, or on ln kappa where ``cues`` is ``BOTH``. amplification : percent of kappa for 1 % of CASR. p : of the cues
+    agreeing, NaN for one cue."""
+
+    kappa: Floats
+    low: Floats
+    high: Floats
+    reach: Floats
+    amplification: Floats
+    cues: str
+    p: Floats
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,9 +66,10 @@ class OnlineCalibration:
     """What presses of an unknown specimen are judged by, at one angle and condition.
 
     specimens : S names. kappa, kappa_se : (S,) N/mm. quantity : whose area, as ``RunScores.algorithm``; area_unit : of
-    it. start_n : where all rates begin. forces_n : (G,) at which a press is judged. rates : (S, R, G) in area_unit/N,
-    NaN where a press does not reach. mounting : (S, R) number of each press's mounting, from 1. angle_share,
-    other_exponent : see ``calibrate``. simulated : an emulated rig pressed. provenance : name to value.
+    it. start_n : where all scores begin. forces_n : (G,) at which a press is judged. rates : (S, R, G) in area_unit/N,
+    travel : (S, R, G) mm/N, NaN where a press does not reach or has no log. mounting : (S, R) number of each press's
+    mounting, from 1. growth : p of A ~ F^p, see ``growth_power``. simulated : an emulated rig pressed. provenance :
+    name to value.
     """
 
     specimens: tuple[str, ...]
@@ -64,49 +82,111 @@ class OnlineCalibration:
     start_n: float
     forces_n: Floats
     rates: Floats
+    travel: Floats
     mounting: Ints
     settings: CalibrationSettings = field(default_factory=CalibrationSettings)
-    angle_share: float = 0.0
-    other_exponent: float = HERTZ
+    growth: float = float("nan")
     simulated: bool = False
     provenance: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def calibration(self) -> Calibration:
-        """Of every force: d = G."""
+        """From CASR, at every force: d = G."""
         return calibrate(
-            np.broadcast_to(self.kappa, (self.forces_n.size, self.kappa.size)),
+            self._kappa_at_every_force,
             np.moveaxis(self.rates, -1, 0),
             self.settings,
             casr_unit=f"{self.area_unit}/N",
             specimens=self.specimens,
             kappa_se=self.kappa_se,
             specimen_share=specimen_share(self.quantity),
-            angle_share=self.angle_share,
+            angle_share=casr_angle_share(self.quantity, self.angle_deg, self.settings.angle_sd_deg),
             mounting_sd=self.settings.mounting_sd_percent / 100,
             mountings=self.mounting,
-            other_exponent=self.other_exponent,
+            other_exponent=casr_exponent(self.growth),
         )
 
     @cached_property
-    def widened(self) -> Floats:
-        """(G,) factor on the standard error, from the left-out specimens."""
-        return left_out(self.calibration).widening(self.settings.confidence)
+    def by_travel(self) -> Calibration | None:
+        """From travel per newton; None where a specimen has none."""
+        if not np.isfinite(self.travel[:, :, -1]).any(axis=1).all():
+            return None
+        return calibrate_indentation(
+            self._kappa_at_every_force,
+            1 / np.moveaxis(self.travel, -1, 0),
+            self.settings,
+            specimens=self.specimens,
+            kappa_se=self.kappa_se,
+            angle_share=mount_share(INDENTATION_POWER, self.angle_deg, self.settings.angle_sd_deg),
+            mounting_sd=self.settings.mounting_sd_percent / 100,
+            mountings=self.mounting,
+            other_exponent=indentation_exponent(self.growth),
+        )
 
     @property
     def presses(self) -> int:
         """Presses of the known specimens."""
         return int(np.count_nonzero(np.isfinite(self.rates).any(axis=-1)))
 
-    def judged(self, rates: Floats, at: int | None = None) -> RepeatInterval:
-        """Of rates (n, G) of n presses of the new specimen: d = G, or the one at the force of index ``at``."""
-        calibration, widened = self.calibration, self.widened
+    def judged(self, rates: Floats, travel: Floats, at: int | None = None, mountings: Ints | None = None) -> Judged:
+        """Of rates and travel (n, G) of n presses of the new specimen: d = G, or the one at the force of index ``at``.
+
+        mountings : (n,) number of each press's mounting; None: one. Without travel by the area alone.
+        """
+        cut = slice(None) if at is None else slice(at, at + 1)
+        cutaneous, kinesthetic = self.calibration, self.by_travel
         if at is not None:
-            calibration, widened, rates = calibration.only(at), widened[at : at + 1], rates[:, at : at + 1]
-        return repeat_interval(calibration, rates.T, own_noise=False, widened=widened)
+            cutaneous, kinesthetic = cutaneous.only(at), kinesthetic.only(at) if kinesthetic else None
+        area, depth = rates[:, cut].T, travel[:, cut].T
+        c = repeat_interval(cutaneous, area, mountings=mountings, own_noise=False, widened=self._widened[0][cut])
+        share = np.abs(c.score_share)
+        if kinesthetic and np.isfinite(depth).any(axis=1).all():
+            k = repeat_interval(
+                kinesthetic, depth, mountings=mountings, own_noise=False, widened=self._widened[1][cut]
+            )  # fmt: skip
+            both = fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
+            if np.isfinite(both.kappa).all():
+                return Judged(both.kappa, both.low, both.high, both.reach, share * both.weight, BOTH, both.p)
+        return Judged(c.kappa, c.low, c.high, c.reach, share, AREA, np.full(c.kappa.shape, np.nan))
+
+    def expected_reach(self, kappa: float, presses: int = 1, cues: str = AREA) -> Floats:
+        """(G,) ``Judged.reach`` that is expected of so many presses, all cut at the same force, in one mounting.
+
+        NaN where the law has no score for this stiffness.
+        """
+        if (presses, cues) not in self._expected:
+            rates = _scores(self.calibration, self._kappas)
+            none = np.full_like(rates, np.nan)
+            travel = _scores(self.by_travel, self._kappas) if self.by_travel and cues == BOTH else none
+            reach = [
+                self.judged(np.tile(rates[:, i], (presses, 1)), np.tile(travel[:, i], (presses, 1))).reach
+                for i in range(_KAPPAS)
+            ]
+            self._expected[presses, cues] = np.stack(reach)
+        table = self._expected[presses, cues]
+        at = np.log(np.clip(kappa, self._kappas[0], self._kappas[-1]))
+        return np.array([np.interp(at, np.log(self._kappas), column) for column in table.T])
+
+    def half_width(self, kappa: float, reach: float, cues: str = AREA) -> float:
+        """Half width, as a share of kappa, of an interval with this ``Judged.reach``."""
+        if cues == BOTH:
+            return math.sinh(reach)
+        low, high = interval_of(self.settings.law, kappa, reach)
+        return (high - low) / (2 * kappa)
+
+    @property
+    def _kappa_at_every_force(self) -> Floats:
+        return np.broadcast_to(self.kappa, (self.forces_n.size, self.kappa.size))
 
     @cached_property
-    def _expected(self) -> dict[int, Floats]:
+    def _widened(self) -> tuple[Floats, Floats]:
+        """(G,) factors on the standard errors of both cues, from the left-out specimens."""
+        confidence = self.settings.confidence
+        cutaneous = left_out(self.calibration).widening(confidence)
+        return cutaneous, left_out(self.by_travel).widening(confidence) if self.by_travel else cutaneous
+
+    @cached_property
+    def _expected(self) -> dict[tuple[int, str], Floats]:
         return {}
 
     @cached_property
@@ -114,19 +194,23 @@ class OnlineCalibration:
         """Somewhat beyond the known specimens."""
         return np.geomspace(self.kappa.min() / 2, 2 * self.kappa.max(), _KAPPAS)
 
-    def expected_reach(self, kappa: float, presses: int = 1) -> Floats:
-        """(G,) half width on the axis of the law that is expected of so many presses, all cut at the same force.
 
-        NaN where the law has no score for this stiffness.
-        """
-        if presses not in self._expected:
-            law = self.calibration.fit
-            rates = law.casr(np.broadcast_to(self._kappas, (self.forces_n.size, _KAPPAS)))
-            reach = [self.judged(np.tile(rates[:, i], (presses, 1))).reach for i in range(_KAPPAS)]
-            self._expected[presses] = np.stack(reach)
-        table = self._expected[presses]
-        at = np.log(np.clip(kappa, self._kappas[0], self._kappas[-1]))
-        return np.array([np.interp(at, np.log(self._kappas), column) for column in table.T])
+def _scores(calibration: Calibration, kappa: Floats) -> Floats:
+    """(G, K) that the law gives to stiffnesses (K,)."""
+    return calibration.fit.casr(np.broadcast_to(kappa, (len(calibration.casr), kappa.size)))
+
+
+def reachable_width(calibration: OnlineCalibration, kappa: float | None = None, presses: int = 1) -> float:
+    """Half width, as a share of kappa, that so many whole presses are expected to reach, before the first of them.
+
+    kappa : N/mm; None takes the stiffness between the softest and the stiffest known specimen where the width is the
+    smallest, so that a smaller one cannot be reached anywhere. By both cues where the calibration has both.
+    """
+    known, cues = calibration.kappa, BOTH if calibration.by_travel else AREA
+    tried = np.geomspace(known.min(), known.max(), _KAPPAS) if kappa is None else np.array([kappa])
+    reach = [np.fmin.reduce(calibration.expected_reach(k, presses, cues)) for k in tried.tolist()]
+    widths = [calibration.half_width(k, float(r), cues) for k, r in zip(tried.tolist(), reach, strict=True)]
+    return float(np.fmin.reduce(widths))
 
 
 @dataclass(frozen=True)
@@ -136,7 +220,8 @@ class OnlineState:
     force_n : largest force of this press so far. judged_at_n : force up to which areas were used. presses : that count.
     low, high : total interval; high is infinite where the specimen may be rigid. half_width : of the interval, as a
     share of kappa. stop : why the press may stop now: "", ``WIDTH_REACHED`` or ``NO_GAIN``. reachable : half width that
-    is expected at the end of this press, as a share of kappa. amplification : percent of kappa for 1 % of the score.
+    is expected at the end of this press, as a share of kappa. amplification : percent of kappa for 1 % of CASR.
+    cues : ``AREA`` or ``BOTH``. doubt : why the estimate may be wrong, "" where nothing says so; then no press stops.
     """
 
     force_n: float = float("-inf")
@@ -149,6 +234,8 @@ class OnlineState:
     stop: str = ""
     reachable: float = float("nan")
     amplification: float = float("nan")
+    cues: str = AREA
+    doubt: str = ""
 
 
 class OnlineEstimator:
@@ -162,41 +249,54 @@ class OnlineEstimator:
 
     def __init__(self, calibration: OnlineCalibration, wanted: float = 0.0) -> None:
         self._calibration, self._wanted = calibration, wanted
-        self._finished: list[Floats] = []
+        self._finished: list[tuple[Floats, Floats]] = []
+        self._mountings: list[int] = [1]
         self._curve: list[tuple[float, float]] = []
+        self._travel: list[tuple[float, float]] = []
         self._reached, self._state = -1, OnlineState()
 
     def push(self, force_n: float, area: float) -> OnlineState:
         """The next frame of the press: its force, N, and contact area; NaN where it is not determined."""
         self._curve.append((force_n, area))
         largest_n = max(self._state.force_n, force_n) if np.isfinite(force_n) else self._state.force_n
-        reached = int(np.searchsorted(self._calibration.forces_n, largest_n + _ROUNDING_N, side="right")) - 1
+        reached = int(np.searchsorted(self._calibration.forces_n, largest_n + ROUNDING_N, side="right")) - 1
         if reached > self._reached:
             self._reached, self._state = reached, self._judged(reached)
         self._state = replace(self._state, force_n=largest_n)
         return self._state
 
-    def finish_press(self) -> None:
-        """The press is over; the next frame belongs to another one."""
-        self._finished.append(self._rates())
-        self._curve = []
+    def push_travel(self, force_n: float, travel_mm: float) -> None:
+        """A row of the rig's log: force, N, and travel of the shaft. It counts from the next frame on."""
+        self._travel.append((force_n, travel_mm))
+
+    def finish_press(self, *, remounted: bool = False) -> None:
+        """The press is over; the next frame belongs to another one, of another mounting where ``remounted``."""
+        self._finished.append(self._scores())
+        self._mountings.append(self._mountings[-1] + remounted)
+        self._curve, self._travel = [], []
         self._reached, self._state = -1, OnlineState(presses=len(self._finished))
 
-    def _rates(self) -> Floats:
+    def _scores(self) -> tuple[Floats, Floats]:
+        own = self._calibration
         force, area = np.array(self._curve, dtype=np.float64).reshape(-1, 2).T
-        return cut_rates(force, area, self._calibration.start_n, self._calibration.forces_n)
+        rows_n, travel = np.array(self._travel, dtype=np.float64).reshape(-1, 2).T
+        return (
+            cut_rates(force, area, own.start_n, own.forces_n),
+            cut_travel(rows_n, travel, own.start_n, own.forces_n),
+        )  # fmt: skip
 
     def _judged(self, at: int) -> OnlineState:
         own = self._calibration
-        scores = np.stack([*self._finished, self._rates()])
-        judged_at_n, presses = float(own.forces_n[at]), int(np.count_nonzero(np.isfinite(scores[:, at])))
-        found = own.judged(scores, at)
+        rates, travel = (np.stack(each) for each in zip(*self._finished, self._scores(), strict=True))
+        judged_at_n, presses = float(own.forces_n[at]), int(np.count_nonzero(np.isfinite(rates[:, at])))
+        found = own.judged(rates, travel, at, np.array(self._mountings))
         kappa, low, high = float(found.kappa[0]), float(found.low[0]), float(found.high[0])
-        if not np.isfinite(kappa) or not np.isfinite(scores[-1, at]):
+        if not np.isfinite(kappa) or not np.isfinite(rates[-1, at]):
             return OnlineState(judged_at_n=judged_at_n, presses=presses)
         half_width = (high - low) / (2 * kappa)
-        expected = own.expected_reach(kappa, presses)
-        rest = float(np.nanmin(expected[at:])) / float(expected[at])
+        expected = own.expected_reach(kappa, presses, found.cues)
+        rest = float(np.fmin.reduce(expected[at:])) / float(expected[at])
+        doubt = f"the cues disagree (p = {found.p[0]:.2g})" if found.p[0] < DISAGREE_P else ""
         stop = WIDTH_REACHED if half_width <= self._wanted else NO_GAIN if rest > NARROWS else ""
         return OnlineState(
             judged_at_n=judged_at_n,
@@ -205,72 +305,9 @@ class OnlineEstimator:
             low=low,
             high=high,
             half_width=half_width,
-            stop=stop,
-            reachable=half_width_of(own, kappa, rest * float(found.reach[0])),
-            amplification=abs(float(found.score_share[0])),
+            stop="" if doubt else stop,
+            reachable=own.half_width(kappa, rest * float(found.reach[0]), found.cues),
+            amplification=float(found.amplification[0]),
+            cues=found.cues,
+            doubt=doubt,
         )
-
-
-def half_width_of(calibration: OnlineCalibration, kappa: float, reach: float) -> float:
-    """Half width, as a share of kappa, of an interval that reaches so far on the axis of the law."""
-    low, high = interval_of(calibration.settings.law, kappa, reach)
-    return (high - low) / (2 * kappa)
-
-
-def reachable_width(calibration: OnlineCalibration, kappa: float | None = None, presses: int = 1) -> float:
-    """Half width, as a share of kappa, that so many whole presses are expected to reach, before the first of them.
-
-    kappa : N/mm; None takes the stiffness between the softest and the stiffest known specimen where the width is the
-    smallest, so that a smaller one cannot be reached anywhere.
-    """
-    known = calibration.kappa
-    tried = np.geomspace(known.min(), known.max(), _KAPPAS) if kappa is None else np.array([kappa])
-    widths = [
-        half_width_of(calibration, k, float(np.nanmin(calibration.expected_reach(k, presses)))) for k in tried.tolist()
-    ]
-    return float(np.min(widths))
-
-
-def cut_forces(start_n: float, stop_n: float) -> Floats:
-    """(G,) forces at which a press is judged, from two steps above ``start_n``; the last is ``stop_n``."""
-    count = int((stop_n - start_n) / STEP_N + _ROUNDING_N)
-    return np.asarray(stop_n - STEP_N * np.arange(max(count - 1, 1), dtype=np.float64)[::-1])
-
-
-def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
-    """Mean rate (G,) from ``start_n`` to each of ``stop_n`` (G,) of the power law through the frames up to there.
-
-    Frames weigh their force, as in ``casr.spread``. NaN where there are fewer than three frames, or none near the
-    force. Frames below an earlier force are left out: going down, a contact keeps more of its area than it had.
-    """
-    force, areas = rising(np.asarray(force_n, dtype=np.float64), np.asarray(area, dtype=np.float64))
-    used = (force >= start_n) & (areas > 0)
-    force, areas = force[used], areas[used]
-    count = np.searchsorted(force, stop_n + _ROUNDING_N, side="right")
-    x, y = np.log(force), np.log(areas)
-    sums = np.cumsum(np.stack([force, force * x, force * y, force * x * x, force * x * y]), axis=1)
-    rates = np.full(stop_n.shape, np.nan)
-    good = count >= LEAST_FRAMES
-    good[good] = force[count[good] - 1] >= REACH * stop_n[good]
-    w, wx, wy, wxx, wxy = sums[:, count[good] - 1]
-    exponent = (w * wxy - wx * wy) / (w * wxx - wx**2)
-    level, stop = (wy - exponent * wx) / w, stop_n[good]
-    rates[good] = np.exp(level) * (stop**exponent - start_n**exponent) / (stop - start_n)
-    return rates
-
-
-def rising(force_n: Floats, area: Floats) -> tuple[Floats, Floats]:
-    """The frames whose force is larger than every force before."""
-    known = np.isfinite(force_n) & np.isfinite(area)
-    force, areas = force_n[known], area[known]
-    before = np.maximum.accumulate(np.concatenate([[-np.inf], force]))[:-1]
-    return force[force > before], areas[force > before]
-
-
-def cut_presses(curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n: float, forces_n: Floats) -> Floats:
-    """(S, R, G) ``cut_rates`` of the presses (force, area) of each specimen, padded with NaN."""
-    rates = np.full((len(curves), max(map(len, curves), default=0), forces_n.size), np.nan)
-    for s, each in enumerate(curves):
-        for r, (force_n, area) in enumerate(each):
-            rates[s, r] = cut_rates(force_n, area, start_n, forces_n)
-    return rates

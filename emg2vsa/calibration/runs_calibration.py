@@ -10,6 +10,7 @@ import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
+from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
 from emg2vsa.calibration.forms import (
     INDENTATION_POWER,
     casr_angle_share,
@@ -21,7 +22,7 @@ from emg2vsa.calibration.forms import (
 )
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
-from emg2vsa.calibration.online import OnlineCalibration, cut_forces, cut_presses
+from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
 from emg2vsa.calibration.results import (
     AlgorithmResult,
@@ -98,11 +99,12 @@ def online_calibrations(
     found = []
     for angle_deg, condition in dict.fromkeys((run.angle_deg, run.condition) for run in usable):
         known = [run for run in usable if (run.angle_deg, run.condition) == (angle_deg, condition)]
-        rates = cut_presses([_curves(run) for run in known], force_n[0], forces)
+        rates = cut_all(cut_rates, [_areas(run) for run in known], force_n[0], forces)
+        travel = cut_all(cut_travel, [_travel(run) for run in known], force_n[0], forces)
         there = np.flatnonzero(np.isfinite(rates[:, :, -1]).any(axis=1))
-        known = [known[s] for s in there]
-        if len(known) < _LEAST_SPECIMENS:
+        if there.size < _LEAST_SPECIMENS:
             continue
+        known = [known[s] for s in there]
         found.append(
             OnlineCalibration(
                 specimens=tuple(run.specimen for run in known),
@@ -115,10 +117,10 @@ def online_calibrations(
                 start_n=force_n[0],
                 forces_n=forces,
                 rates=rates[there],
+                travel=travel[there],
                 mounting=_padded_labels(known, rates.shape[1]),
                 settings=settings,
-                angle_share=casr_angle_share(known[0].algorithm, angle_deg, settings.angle_sd_deg),
-                other_exponent=casr_exponent(growth_power(known)),
+                growth=growth_power(known),
                 simulated=any(run.simulated for run in known),
                 provenance=dict(provenance or {}),
             )
@@ -126,8 +128,12 @@ def online_calibrations(
     return tuple(found)
 
 
-def _curves(run: RunScores) -> list[tuple[Floats, Floats]]:
+def _areas(run: RunScores) -> list[tuple[Floats, Floats]]:
     return [(curve.force_n, curve.area_mm2) for curve in run.curves]
+
+
+def _travel(run: RunScores) -> list[tuple[Floats, Floats]]:
+    return [(curve.travel_force_n, curve.travel_mm) for curve in run.curves]
 
 
 def _padded_labels(runs: Sequence[RunScores], presses: int) -> Ints:

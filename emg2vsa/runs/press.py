@@ -102,7 +102,9 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
         casr=casr,
         area_unit=scored.area_unit,
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_start_n),
-        curve=PressCurve(scored.force_n[known], scored.area[known], float(scored.force_n[0])),
+        curve=PressCurve(
+            scored.force_n[known], scored.area[known], float(scored.force_n[0]), press.force_n - zero_n, press.depth_mm
+        ),
         scored=scored,
         notes=(*(f"check {press.frames.name}: {doubt}" for doubt in scored.doubts), *scored.notes),
     )
