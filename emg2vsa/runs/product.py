@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +27,15 @@ class PressCurve:
 
     force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm, its area law and force rule;
     area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
-    frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force.
+    frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force. travel_force_n,
+    travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
     """
 
     force_n: Floats
     area_mm2: Floats
     first_n: float = np.nan
+    travel_force_n: Floats = field(default_factory=lambda: np.empty(0))
+    travel_mm: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
