@@ -247,7 +247,9 @@ def _fit(
         bounded(float(r2.min())) if known else "not defined",
         float(r2.min()),
         _on_all(known, float(r2.min()) >= printed, missing),
-        companion=f"by {own}: {bounded(float(companion.min()))}" if np.isfinite(companion).all() else "",
+        companion=f"by {own}: {bounded(float(companion.min()))}"
+        if own != _NEW and np.isfinite(companion).all()
+        else "",
         why=(not_tested(missing) or _undetermined(q, designs))
         if known
         else f"No law could be fitted to the scores by {_HEXAGON} in every design.",
@@ -269,7 +271,7 @@ def _error(
         float(np.abs(here).max()),
         _verdict(known and not (small and undetermined), small),
         companion=f"by {own}: {', '.join(signed(100 * error, '%') for error in mine)}"
-        if np.isfinite(mine).all()
+        if own != _NEW and np.isfinite(mine).all()
         else "",
         why=undetermined if known else "κ of the new specimen is not known, or the scores determine none.",
     )
@@ -312,7 +314,7 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             _points(here) if known else "not defined",
             float(here.min()),
             _verdict(known, bool((here > 0).all())),
-            companion=f"by {own}: {_points(mine)}" if np.isfinite(mine).all() else "",
+            companion=f"by {own}: {_points(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
             why=_undetermined(q, [(c, angle) for c in {before[0], after[0]} for angle in angles])
             if known
             else "κ of the new specimen is not known, or the scores determine none.",
