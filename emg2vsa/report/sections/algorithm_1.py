@@ -166,6 +166,4 @@ frame was taken. A_c0 needs a first frame within about 0.1 N of contact.</p>
 {{ folded("fig02_algorithm_1", "Figure 2: steps of Algorithm 1") }}
 """
 
-ALGORITHM_1 = Section(
-    "algorithm-1", "Algorithm 1 and its first frame", _TEXT, of_tests, _quantities, _tables, _drawings
-)
+ALGORITHM_1 = Section("algorithm-1", "Algorithm 1 of the paper", _TEXT, of_tests, _quantities, _tables, _drawings)
