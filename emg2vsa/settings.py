@@ -346,8 +346,7 @@ class RunSettings:
     """
 
     algorithm: Algorithm = "front"
-    """Contact area: its front in every frame; or the growth of the first contact's skin with the initial area by its
-    edge, hexagons (the paper's new one) or a circle (previous work); paper: as the paper means it."""
+    "front: contact area frame by frame; edge, hexagon, circle: first contact, grown by its skin; paper: the paper's."
     engine: Literal["pin-affine", "horn-schunck", "dis"] | None = None
     "Flow that growth comes from: of the pins, or dense (paper: horn-schunck); omitted: as the algorithm has it."
     force_rule: Literal["exposure", "mean"] | None = None

@@ -134,7 +134,7 @@ class Measured:
         area = times * found.skin.area
         if missing := self._beyond_array(found, initial, area):
             return Numbers(a_c0, a_c0 * growth, missing=missing)
-        return Numbers(a_c0, a_c0 * growth, times * rate.value, area, found.regions)
+        return Numbers(a_c0, a_c0 * growth, float(times * rate.value), area, found.regions)
 
     def _beyond_array(self, found: SkinScore, initial: InitialArea, area: Floats) -> str:
         """What to say of areas above that of the pin array, which cannot be; a circle is of the array anyway."""
