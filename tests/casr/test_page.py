@@ -10,7 +10,7 @@ import pytest
 
 from casr.frames import FrameSequence, force_per_frame
 from casr.page import Embedded, index_page, press_page
-from casr.page.wording import error_parts, headline, interval, left_out, number, verdict
+from casr.page.wording import error_parts, growths, headline, interval, left_out, number, verdict
 from casr.score import Score, score
 from casr.synthetic import PressSettings, TimelineSettings, simulate_press
 
@@ -189,3 +189,11 @@ def test_an_index_of_nothing() -> None:
 )
 def test_numbers_for_people(value: float | None, text: str) -> None:
     assert number(value) == text
+
+
+def test_growth_by_the_printed_law_says_so(scored: Score) -> None:
+    assert all(times.endswith(" times") for _, times in growths(scored))
+    as_printed = dataclasses.replace(scored, settings=dataclasses.replace(scored.settings, area_law="paper"))
+    said = dict(growths(as_printed))
+    assert said["skin"].endswith(" times by equation (1) as printed")
+    assert said["front"].endswith(" times")

@@ -109,6 +109,12 @@ def test_an_area_above_that_of_the_array_is_none(run: RunScores) -> None:
     assert max(curve.area_mm2.max() for curve in run.curves) < TIP_MM2
 
 
+def test_a_circle_is_the_arrays_own_and_may_grow(sequence: FrameSequence) -> None:
+    found = scored(sequence, algorithm="circle")
+    assert found.verdicts == ("ok",)
+    assert found.curves[0].area_mm2[-1] > found.a_c0["circle"][0] > 1200
+
+
 @pytest.mark.parametrize(
     ("keys", "asked"),
     [
