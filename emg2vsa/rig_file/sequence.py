@@ -71,19 +71,21 @@ def _told(order: str, seed: int | None) -> str:
 
 
 def _document(drawn: RunOrder) -> dict[str, Any]:
-    names = ("specimen", "angle_deg", "condition")
     return {
-        "order": drawn.order, "seed": drawn.seed, "runs": [dict(zip(names, run, strict=True)) for run in drawn.runs]
+        "order": drawn.order, "seed": drawn.seed, "runs": [run._asdict() for run in drawn.runs]
     }  # fmt: skip
 
 
 def _read(path: Path) -> RunOrder:
     try:
         kept = json.loads(path.read_text(encoding="utf-8"))
-        runs = tuple((run["specimen"], float(run["angle_deg"]), run["condition"]) for run in kept["runs"])
+        runs = tuple(
+            Run(run["specimen"], float(run["angle_deg"]), run["condition"], int(run.get("mounting", 1)))
+            for run in kept["runs"]
+        )
         if kept["order"] in ("file", "random"):
             return RunOrder(kept["order"], kept["seed"], runs)
         raise ValueError(f"order {kept['order']!r}")
-    except (OSError, ValueError, TypeError, KeyError) as error:
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         do = "Move it away: the runs that are done stay done, and the others get a new order."
         raise DataError(path, wanted="an order as emg2vsa rig run writes it", found=str(error), do=do) from error

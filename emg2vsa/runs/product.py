@@ -52,8 +52,10 @@ class ContactPicture:
 class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
-    algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). verdicts : "ok"
-    or "rejected". reasons : empty where ok.
+    algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). mounting : (R,)
+    number, from 1, of the mounting that a press belongs to: each folder is one, unless the rig says that it goes on.
+    verdicts : "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired
+    one to one in the first frame of the loading phase; -1 where it is not determined.
     a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N. a_c0 is the area of
     the first frame of the loading phase, whose force differs from press to press (front: on the power law of the frames
     in which it is determined); start_area is the area at the force
@@ -68,9 +70,11 @@ class RunScores:
     simulated: bool
     algorithm: str
     repetitions: Ints
+    mounting: Ints
     verdicts: tuple[str, ...]
     reasons: tuple[str, ...]
     area_unit: str
+    pins_selected: Ints
     a_c0: dict[str, Floats]
     start_area: dict[str, Floats]
     casr: dict[str, Floats]

@@ -41,13 +41,12 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig.executor.guards import laxer_guards
-    from emg2vsa.rig.experiment import run_name
     from emg2vsa.rig_file import load_rig
     from emg2vsa.rig_file.plans import plans_of
 
     file = load_rig(arguments.rig)
     runs = runs_chosen(arguments, file)
-    told = {run_name(*one): _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
+    told = {one.name: _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
     if arguments.json:
         print_json({"limits": _limits(file.rig), "runs": {name: _document(found) for name, found in told.items()}})
     else:

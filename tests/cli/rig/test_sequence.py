@@ -130,7 +130,7 @@ class Rigged:
         return self.answers.pop(0) if self.answers else ""
 
     def press(self, file: Any, run: Any, plan: Any, root: Path, *, quiet: bool) -> tuple[Path, Any]:
-        name = real_run.run_name(*run)
+        name = run.name
         folder = real_run.new_folder(root, name, file.experiment.repetitions, emulated=False)
         how, good, *away = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
         folder.mkdir(parents=True)

@@ -58,14 +58,14 @@ def test_the_gear_moves_the_probe() -> None:
     down = probe(mm_per_degree=0.2, gap_mm=4.0)
     assert down.position_mm(math.radians(90)) == pytest.approx(18.0)
     assert down.touch_rad == pytest.approx(math.radians(20))
-    assert down.normal_force_n(math.radians(19.999)) == 0.0 < down.normal_force_n(math.radians(20.001))
+    assert down.elastic_touch(math.radians(19.999)).normal_n == 0.0 < down.elastic_touch(math.radians(20.001)).normal_n
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0])
 def test_the_force_stands_on_the_surface(angle_deg: float) -> None:
     tilted = probe(angle_deg=angle_deg, mm_per_degree=0.2, gap_mm=4.0)
-    along_x, along_y, along_z = tilted.force_n(math.radians(30))
-    normal_n = tilted.normal_force_n(math.radians(30))
+    touch = tilted.elastic_touch(math.radians(30))
+    (along_x, along_y, along_z), normal_n = tilted.force_n(touch), touch.normal_n
     assert math.degrees(math.atan2(along_x, along_z)) == pytest.approx(angle_deg)
     assert (along_y, math.hypot(along_x, along_z)) == (0.0, pytest.approx(normal_n))
     # 2 mm down the axis are so much along the normal
@@ -84,7 +84,7 @@ def test_the_work_of_the_shaft_is_kept_in_the_contact(angle_deg: float) -> None:
     )
     depth_mm = 0.4 * math.degrees(0.2) * math.cos(math.radians(angle_deg))
     # F = (k d)^(4/3) over d
-    assert work_j == pytest.approx(tilted.normal_force_n(deep) * depth_mm / 1000 / (1 + 4 / 3), rel=1e-6)
+    assert work_j == pytest.approx(tilted.elastic_touch(deep).normal_n * depth_mm / 1000 / (1 + 4 / 3), rel=1e-6)
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 45.0])
