@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.rig.devices import ForceSample, Measurements
-from emg2vsa.rig.executor.guards import Seen, size
+from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
