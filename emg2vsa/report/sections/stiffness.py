@@ -6,6 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from casr.errors import InputError
+from casr.spread import spread_rate
 from emg2vsa.contact_mechanics.stiffness_effect import PRESS_CV, StiffnessEffect, replicates_needed
 from emg2vsa.discrimination.contrast_words import change_percent, headline
 from emg2vsa.report.inputs import StudyResults
@@ -13,14 +15,13 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, Verdict
 from emg2vsa.report.table import Cell, Column, Row, Table, rows_of
 from emg2vsa.report.wording import number, signed
+from emg2vsa.runs.product import PressCurve
 
 _HUMAN_LIKE = "modular"
 _ASSUMED, _LOSSY = 1, 2
 "Materials other than the elastic ones, in their order."
 _WANTED = 0.2
 "A gain of contrast that would be plain to see, as a share."
-_SUM = "paper"
-"The algorithm whose spread rate is equation (2) as printed."
 
 
 def _applies(results: StudyResults) -> bool:
@@ -175,33 +176,39 @@ def _by_specimen(effect: StiffnessEffect, names: list[str]) -> Table:
 
 
 def _measured(results: StudyResults, effect: StiffnessEffect) -> Table:
-    """Contrasts of the scored runs at the smallest angle; no rows without them."""
+    """Contrasts of the scored runs at 0 degrees; no rows without them."""
     columns = (
-        Column("condition", "Condition"), Column("slope", "CASR"), Column("frame_sum", "Eq. (2) as printed"),
+        Column("condition", "Condition"), Column("casr", "CASR"), Column("frame_sum", "Eq. (2) as printed"),
     )  # fmt: skip
     soft, stiff = effect.specimens[-1], effect.specimens[0]
-    own: list[Row] = []
+    rows: list[Row] = []
     for condition in effect.conditions:
-        ratios = [_ratio(results, condition, soft, stiff, rule) for rule in (results.study.scoring.algorithm, _SUM)]
-        if not np.isnan(ratios).all():
-            cells: dict[str, Cell] = {"condition": condition, "slope": ratios[0], "frame_sum": ratios[1]}
-            own.append(cells)
-    caption = f"The runs of this study at 0°: ratio {soft} : {stiff} of median CASR, and of equation (2) as printed"
-    return Table("stiffness_measured", caption, columns, tuple(own))
+        of_soft, of_stiff = (_medians(results, specimen, condition) for specimen in (soft, stiff))
+        if np.isfinite(of_soft[0] / of_stiff[0]):
+            row: dict[str, Cell] = {"condition": condition}
+            row |= {"casr": of_soft[0] / of_stiff[0], "frame_sum": of_soft[1] / of_stiff[1]}
+            rows.append(row)
+    caption = (
+        f"The runs of this study at 0°, areas by {results.study.scoring.algorithm}: ratio {soft} : {stiff} of median "
+        "CASR, and of the sum of dA/dF over frames"
+    )
+    return Table("stiffness_measured", caption, columns, tuple(rows))
 
 
-def _ratio(results: StudyResults, condition: str, soft: str, stiff: str, algorithm: str) -> float:
-    medians = []
-    for specimen in (soft, stiff):
-        scores = [
-            run.casr[algorithm]
-            for run in (results.runs.scores if results.runs else ())
-            if (run.specimen, run.condition, run.angle_deg) == (specimen, condition, 0.0) and algorithm in run.casr
-        ]
-        known = np.concatenate(scores) if scores else np.array([])
-        known = known[np.isfinite(known)]
-        medians.append(float(np.median(known)) if known.size else np.nan)
-    return medians[0] / medians[1]
+def _medians(results: StudyResults, specimen: str, condition: str) -> tuple[float, float]:
+    """Median CASR of the presses, and median of the sum over frames of the same areas; NaN without them."""
+    runs = results.runs.scores if results.runs else ()
+    own = [run for run in runs if (run.specimen, run.condition, run.angle_deg) == (specimen, condition, 0.0)]
+    rates = [rate for run in own for rate in run.casr[run.algorithm].tolist() if np.isfinite(rate)]
+    sums = [_sum_of(curve) for run in own for curve in run.curves if curve.force_n.size > 1]
+    return (float(np.median(rates)), float(np.median(sums))) if rates and sums else (np.nan, np.nan)
+
+
+def _sum_of(curve: PressCurve) -> float:
+    try:
+        return spread_rate(curve.area_mm2, curve.force_n, rule="paper").value
+    except InputError:  # a force that does not rise
+        return np.nan
 
 
 def _would_be(results: StudyResults, effect: StiffnessEffect) -> Table:
