@@ -8,7 +8,13 @@ import numpy as np
 
 from casr.errors import InputError
 from casr.spread import spread_rate
-from emg2vsa.contact_mechanics.stiffness_effect import PRESS_CV, StiffnessEffect, replicates_needed
+from emg2vsa.contact_mechanics.stiffness_effect import (
+    LOSSY_SENSOR,
+    LOSSY_SPECIMENS,
+    PRESS_CV,
+    StiffnessEffect,
+    replicates_needed,
+)
 from emg2vsa.discrimination.contrast_words import change_percent, headline
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
@@ -95,60 +101,80 @@ def _named(condition: str) -> str:
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     effect = _effect(results)
-    stiff, soft, second = effect.specimens[0], effect.specimens[-1], effect.specimens[1]
-    gains, names = _gains(effect), [_named(condition) for condition in effect.conditions]
+    names = [_named(condition) for condition in effect.conditions]
+    yield _three_ways(effect, names)
+    yield _would_be(results, effect)
+    yield _leak(effect, names)
+    yield _needed(results, effect, names)
+    yield _measured(results, effect)
+    yield _by_specimen(effect, names)
+
+
+def _three_ways(effect: StiffnessEffect, names: list[str]) -> Table:
+    stiff, second, soft = effect.specimens[0], effect.specimens[1], effect.specimens[-1]
     columns = (
         Column("condition", "Condition"),
         Column("duration_stiff_s", f"{stiff} lasts (s)"), Column("duration_soft_s", f"{soft} lasts (s)"),
-        Column("gain_percent", "Contrast, assumed creep (%)", digits=2),
-        Column("gain_lossy_percent", "Contrast, lossy sensor (%)", digits=2),
-        Column("frame_sum", f"Eq. (2), {soft} : {stiff}"), Column("neighbour", f"Eq. (2), {second} : {stiff}"),
-        Column("neighbour_swapped", f"{second} : {stiff}, swapped"),
-        Column("timing_d", f"d′ of {stiff} and {second}", digits=2),
+        Column("gain_percent", f"Creep: change of {soft} : {stiff} (%)", digits=2),
+        Column("frame_sum", f"Eq. (2): {soft} : {stiff}"),
+        Column("timing_d", f"Timing: d′ of {stiff} and {second}", digits=2),
     )  # fmt: skip
     rows = rows_of(
         {
             "condition": names,
             "duration_stiff_s": effect.duration_s[0],
             "duration_soft_s": effect.duration_s[-1],
-            "gain_percent": 100 * np.expm1(gains[_ASSUMED]),
-            "gain_lossy_percent": 100 * np.expm1(gains[_LOSSY]),
+            "gain_percent": 100 * np.expm1(_gains(effect)[_ASSUMED]),
             "frame_sum": np.exp(effect.contrast(effect.frame_sum)),
-            "neighbour": _neighbours(effect, effect.frame_sum),
-            "neighbour_swapped": _neighbours(effect, effect.frame_sum_swapped),
             "timing_d": effect.timing_d,
         }
     )
-    caption = (
-        f"What stiffness can do at 0°: duration of a press; change of the contrast {soft} : {stiff} of CASR against "
-        "the rigid motor; ratios by equation (2), elastic bodies, with own and with swapped schedules; d′ with errors "
-        "of timing"
+    caption = "What stiffness can do at 0°: change against the rigid motor, ratio of sums over frames, and d′"
+    return Table("stiffness_effect", caption, columns, rows)
+
+
+def _leak(effect: StiffnessEffect, names: list[str]) -> Table:
+    stiff, second = effect.specimens[:2]
+    columns = (
+        Column("condition", "Condition"), Column("neighbour", "Eq. (2), own schedules"),
+        Column("neighbour_swapped", "Eq. (2), schedules swapped"), Column("slope_swapped", "Slope, schedules swapped"),
+    )  # fmt: skip
+    rows = rows_of(
+        {
+            "condition": names,
+            "neighbour": _neighbours(effect, effect.frame_sum),
+            "neighbour_swapped": _neighbours(effect, effect.frame_sum_swapped),
+            "slope_swapped": _neighbours(effect, effect.slope_swapped),
+        }
     )
-    yield Table("stiffness_effect", caption, columns, rows)
-    yield _needed(results, effect, names)
-    yield _by_specimen(effect, names)
-    yield _measured(results, effect)
-    yield _would_be(results, effect)
+    caption = (
+        f"Ratio {second} : {stiff} of elastic bodies; swapped: the stiffest specimen is pressed with the schedule of "
+        "the softest, and so on"
+    )
+    return Table("stiffness_leak", caption, columns, rows)
 
 
 def _needed(results: StudyResults, effect: StiffnessEffect, names: list[str]) -> Table:
-    gains = _gains(effect)[_ASSUMED]
+    gains = _gains(effect)
     columns = (
-        Column("condition", "Condition"), Column("gain_percent", "Change of the contrast (%)", digits=2),
+        Column("condition", "Condition"), Column("gain_percent", "Assumed creep: change (%)", digits=2),
         Column("presses", "Presses per cell, without mountings", digits=2),
         Column("mountings", "Mountings per cell", digits=2),
+        Column("gain_lossy_percent", "Lossy sensor: change (%)", digits=2),
     )  # fmt: skip
     rows = rows_of(
         {
             "condition": names[1:],
-            "gain_percent": 100 * np.expm1(gains[1:]),
-            "presses": replicates_needed(gains, PRESS_CV)[1:],
-            "mountings": replicates_needed(gains, _mounting_sd(results))[1:],
+            "gain_percent": 100 * np.expm1(gains[_ASSUMED, 1:]),
+            "presses": replicates_needed(gains[_ASSUMED], PRESS_CV)[1:],
+            "mountings": replicates_needed(gains[_ASSUMED], _mounting_sd(results))[1:],
+            "gain_lossy_percent": 100 * np.expm1(gains[_LOSSY, 1:]),
         }
     )
     caption = (
-        f"What it takes to see the change by assumed creep (5 % level, 80 % power): presses with a CV of "
-        f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * _mounting_sd(results):g} %"
+        "Change of the contrast by creep, and what it takes to see it (5 % level, 80 % power): presses with a CV of "
+        f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * _mounting_sd(results):g} %. The lossy sensor relaxes "
+        f"by {100 * LOSSY_SENSOR:g} %, all specimens by {100 * LOSSY_SPECIMENS:g} %"
     )
     return Table("stiffness_needed", caption, columns, rows)
 
@@ -286,17 +312,16 @@ def _tested(results: StudyResults) -> tuple[float, bool, str] | None:
 
 
 _TEXT = """
-<p>In contact mechanics the actuator acts through the duration of a press alone. Duration may change CASR by creep of
-sensor and specimen, by the number of frames that equation (2) as printed sums over, and by errors of the camera's
-timing. The table keeps these three ways apart.</p>
+<p>The actuator acts on contact mechanics through the duration of a press alone. Duration can change CASR in three ways:
+by creep, by the frames that equation (2) as printed sums over, and by errors of the camera's timing.</p>
 {{ table("stiffness_effect") }}
 <p>{% if small %}Creep changes the contrast by less than mountings scatter. {% endif %}
-{% if swaps %}Equation (2) follows the schedule: {{ pair[0] }} and {{ pair[1] }} change places when schedules are
-swapped. {% endif %}
+{% if swaps %}Equation (2) follows the schedule: swapped schedules swap {{ pair[0] }} and {{ pair[1] }}. {% endif %}
 {% if softest %}Against errors of timing the softest constant stiffness is best.{% endif %}</p>
 {{ folded("stiffness_would_be", "What would have to be true for the paper's claim") }}
-{{ folded("stiffness_needed", "Presses and mountings needed to see the change by creep") }}
 {{ folded("stiffness_measured", "The same in the runs of this study") }}
+{{ folded("stiffness_leak", "Swapped schedules") }}
+{{ folded("stiffness_needed", "Presses and mountings needed") }}
 {{ folded("stiffness_specimens", "Every specimen alone") }}
 """
 
