@@ -141,8 +141,8 @@ def _steps(results: StudyResults, run: RunScores, seen: FirstContact) -> Drawing
     caption = (
         f"Fig. 2. Algorithm 1 in {press}: (a) the first frame in contact ({first_n:.2f} N); (b) bright blobs; (c, d) "
         f"centroids at rest and in contact; (e) the {count} pins that moved more than {threshold:g} px, arrows four "
-        f"times their motion; (f) one hexagon for each; (g) flow to the next frame, {next_n:.2f} N ({named}); (h) its "
-        "divergence, yellow where skin grows."
+        f"times their motion; (f) one hexagon for each, at rest; (g) flow to the next frame, {next_n:.2f} N ({named}); "
+        "(h) its divergence, yellow where skin grows."
     )
     told = f"{count} of {len(seen.rest_px)} pins are selected at {first_n:.2f} N."
     return drawing(results, "fig02_algorithm_1", "Steps of Algorithm 1", caption, told, draw_steps(seen, flow_px))
@@ -166,6 +166,4 @@ frame was taken. A_c0 needs a first frame within about 0.1 N of contact.</p>
 {{ folded("fig02_algorithm_1", "Figure 2: steps of Algorithm 1") }}
 """
 
-ALGORITHM_1 = Section(
-    "algorithm-1", "Algorithm 1 and its first frame", _TEXT, of_tests, _quantities, _tables, _drawings
-)
+ALGORITHM_1 = Section("algorithm-1", "Algorithm 1 of the paper", _TEXT, of_tests, _quantities, _tables, _drawings)

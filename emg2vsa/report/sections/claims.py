@@ -161,17 +161,18 @@ def _stiffness(results: StudyResults, q: Quantities) -> str:
     if not found["error"]:
         return f"The stiffness of {new} is not known, so its estimates cannot be judged."
     median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
+    papers = "" if results.study.calibration.law == "exponential" else f", {by_paper} by the paper's law"
     shared = (
         f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
         f"which shares the law alone: {percent(ADVANCING_FRONT_ERROR, 2)})"
-        if q["runs.simulated"]
+        if q["runs.simulated"] and own == "front"
         else ""
     )
     determined = [bool(value) for key, value in q.items() if key.endswith(f".{own}.kappa.determined")]
     known = f"; its interval determines it in {sum(determined)} of {len(determined)}" if determined else ""
     return (
-        f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}, "
-        f"{by_paper} by the paper's law{known}{shared}."
+        f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}"
+        f"{papers}{known}{shared}."
     )
 
 
