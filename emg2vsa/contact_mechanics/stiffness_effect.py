@@ -13,7 +13,7 @@ import numpy as np
 
 from casr.spread import spread_rate
 from emg2vsa.arrays import Floats
-from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of
+from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of, power_rates
 from emg2vsa.contact_mechanics.geometry import PowerLaw
 from emg2vsa.contact_mechanics.press_path import Drive, PressPaths, StiffnessSteps, simulate_presses
 from emg2vsa.contact_mechanics.relaxation import Relaxation, in_series, specimen_share
@@ -22,7 +22,7 @@ from emg2vsa.errors import DataError
 STEP_S = 2e-3
 _PHASES = 40
 "Presses over which a sum over frames is averaged: each begins at another time between two frames."
-_DRAWS = 400
+_DRAWS = 2000
 _SEED = 18
 
 
@@ -134,28 +134,25 @@ def stiffness_effect(bench: Bench, materials: Sequence[Material], errors: FrameE
             found=f"{len(names)} specimens" + (f", none for {lacking[0]}" if lacking else ""),
             do="Add specimens to the experiment, or leave conditions out.",
         )  # fmt: skip
-    pressed = {material.name: _pressed(bench, material, bench.steps) for material in materials}
-    elastic, creeping = pressed[materials[0].name], pressed[materials[1].name]
-    mirror = dict(zip(names, reversed(names), strict=True))
-    mirrored = {condition: {name: of[mirror[name]] for name in names} for condition, of in bench.steps.items()}
-    swapped = _pressed(bench, materials[0], mirrored)
-    rng = np.random.default_rng(_SEED)
-    rates = [np.log(_seen_rates(creeping[name], bench, errors, rng)) for name in names[:2]]
-    spread = np.array([each.std(axis=1, ddof=1) for each in rates])
+    elastic, creeping = (_Pressed(bench, material) for material in materials[:2])
+    swapped = _Pressed(bench, materials[0], dict(zip(names, reversed(names), strict=True)))
+    slopes = [each.slopes() for each in (elastic, creeping, *(_Pressed(bench, each) for each in materials[2:]))]
+    rates = np.log(creeping.seen_rates(2, errors))
+    cv = rates.std(axis=2, ddof=1)
     return StiffnessEffect(
         specimens=names,
         conditions=(rigid, *bench.steps),
-        materials=tuple(pressed),
+        materials=tuple(material.name for material in materials),
         pair=(names[0], names[1]),
-        duration_s=_table(elastic, lambda each: each.duration_s(*bench.window_n)),
-        slope=np.array([_table(of, lambda each: each.slope_mm2_per_n(*bench.window_n)) for of in pressed.values()]),
-        frame_sum=_table(elastic, lambda each: _frame_sums(each, bench)),
-        frame_sum_swapped=_table(swapped, lambda each: _frame_sums(each, bench)),
-        slope_swapped=_table(swapped, lambda each: each.slope_mm2_per_n(*bench.window_n)),
-        timing_cv=spread,
+        duration_s=elastic.durations(),
+        slope=np.array(slopes),
+        frame_sum=elastic.frame_sums(),
+        frame_sum_swapped=swapped.frame_sums(),
+        slope_swapped=swapped.slopes(),
+        timing_cv=cv,
+        timing_d=(rates[1] - rates[0]).mean(axis=1) / np.sqrt((cv**2).mean(axis=0)),
         specimen_share=np.array([specimen_share(each, bench.sensor_mpa) for each in bench.stiffness_mpa.values()]),
         area_power=np.array([_area_power(bench, name) for name in names]),
-        timing_d=(rates[1].mean(axis=1) - rates[0].mean(axis=1)) / np.sqrt((spread**2).mean(axis=0)),
     )
 
 
@@ -164,70 +161,93 @@ def _area_power(bench: Bench, name: str) -> float:
     return float(np.log(high / low) / np.log(bench.window_n[1] / bench.window_n[0]))
 
 
-def _pressed(
-    bench: Bench, material: Material, steps: Mapping[str, Mapping[str, StiffnessSteps]]
-) -> dict[str, list[PressPaths]]:
-    found = {}
-    for name, specimen_mpa in bench.stiffness_mpa.items():
-        share = specimen_share(specimen_mpa, bench.sensor_mpa)
-        body = in_series(
+class _Pressed:
+    """Presses on all K specimens under all C conditions, the rigid motor first, specimens with own schedules or those
+    of the specimen that ``schedule_of`` says."""
+
+    def __init__(self, bench: Bench, material: Material, schedule_of: Mapping[str, str] | None = None) -> None:
+        self._bench, self._count = bench, len(bench.stiffness_mpa)
+        bodies, contacts = [], []
+        for name, specimen_mpa in bench.stiffness_mpa.items():
+            share = specimen_share(specimen_mpa, bench.sensor_mpa)
+            of_specimen = Relaxation.of_share(material.specimens.get(name, 0.0))
+            bodies.append(in_series([(share, of_specimen), (1 - share, Relaxation.of_share(material.sensor))]))
+            modulus_mpa = 1 / (1 / bench.sensor_mpa + 1 / specimen_mpa)
+            contacts.append(PowerLaw(modulus_mpa, bench.tip_radius_mm, bench.exponent))
+        of = schedule_of or {}
+        steps = [own[of.get(name, name)] for own in bench.steps.values() for name in bench.stiffness_mpa]
+        kinds = len(bench.steps)
+        self._runs = [
+            self._with_areas(paths)
+            for paths in (
+                self._press(contacts, bodies, replace(bench.drive, springs=None), ()),
+                self._press(contacts * kinds, bodies * kinds, bench.drive, steps),
+            )
+        ]
+
+    def durations(self) -> Floats:
+        """(K, C) seconds from the lower to the higher force of the window."""
+        return self._table([run.duration_s(*self._bench.window_n) for run in self._runs])
+
+    def slopes(self) -> Floats:
+        """(K, C) straight lines of area on force."""
+        return self._table([run.slope_mm2_per_n(*self._bench.window_n) for run in self._runs])
+
+    def frame_sums(self) -> Floats:
+        """(K, C) mean of equation (2) as printed over presses that begin at other times between two frames."""
+        firsts = (np.arange(_PHASES) + 0.5) / _PHASES / self._bench.rate_hz
+        return self._table(
             [
-                (share, Relaxation.of_share(material.specimens.get(name, 0.0))),
-                (1 - share, Relaxation.of_share(material.sensor)),
+                np.array([self._frame_sum(*self._frames(run, p, firsts, FrameErrors())) for p in range(_presses(run))])
+                for run in self._runs
             ]
         )
-        contact = PowerLaw(1 / (1 / bench.sensor_mpa + 1 / specimen_mpa), bench.tip_radius_mm, bench.exponent)
-        own = [of[name] for of in steps.values()]
-        runs = [
-            simulate_presses(
-                [contact], body, replace(bench.drive, springs=None), f_max_n=bench.window_n[1], step_s=STEP_S
-            )
+
+    def seen_rates(self, specimens: int, errors: FrameErrors) -> Floats:
+        """(specimens, C, draws) spread rates of the first ones by the power law, as frames with errors give them."""
+        rng, found = np.random.default_rng(_SEED), []
+        for run in self._runs:
+            for p in range(_presses(run)):
+                if p % self._count < specimens:
+                    firsts = rng.uniform(0, 1 / self._bench.rate_hz, _DRAWS)
+                    frames = self._frames(run, p, firsts, errors, rng)
+                    found.append(power_rates(*frames, self._bench.window_n))
+        return np.array(found).reshape(-1, specimens, _DRAWS).swapaxes(0, 1)
+
+    def _press(
+        self, contacts: list[PowerLaw], bodies: list[Relaxation], drive: Drive, steps: Sequence[StiffnessSteps]
+    ) -> PressPaths:
+        return simulate_presses(contacts, bodies, drive, steps, f_max_n=self._bench.window_n[1], step_s=STEP_S)
+
+    def _with_areas(self, paths: PressPaths) -> PressPaths:
+        names = list(self._bench.stiffness_mpa)
+        columns = [self._bench.area_mm2(names[p % self._count], column) for p, column in enumerate(paths.convolved_n.T)]
+        return replace(paths, area_mm2=np.stack(columns, axis=1))
+
+    def _frames(
+        self,
+        run: PressPaths,
+        press: int,
+        firsts: Floats,
+        errors: FrameErrors,
+        rng: np.random.Generator | None = None,
+    ) -> tuple[Floats, Floats]:
+        rng = rng or np.random.default_rng(_SEED)
+        bench = self._bench
+        return frames_of(run, press, firsts, errors, rng, rate_hz=bench.rate_hz, window_n=bench.window_n)
+
+    def _frame_sum(self, force_n: Floats, area_mm2: Floats) -> float:
+        """Mean over the rows."""
+        sums = [
+            spread_rate(area[np.isfinite(area)], force[np.isfinite(area)], rule="paper").value
+            for force, area in zip(force_n, area_mm2, strict=True)
         ]
-        if own:
-            runs.append(
-                simulate_presses([contact] * len(own), body, bench.drive, own, f_max_n=bench.window_n[1], step_s=STEP_S)
-            )
-        found[name] = [
-            replace(run, area_mm2=bench.area_mm2(name, run.convolved_n.ravel()).reshape(run.convolved_n.shape))
-            for run in runs
-        ]
-    return found
+        return float(np.mean(sums))
+
+    def _table(self, of_runs: Sequence[Floats]) -> Floats:
+        """(K, C) from the rigid motor's (K,) and the springs' (C - 1) K."""
+        return np.concatenate([values.reshape(-1, self._count) for values in of_runs]).T
 
 
-def _table(pressed: Mapping[str, Sequence[PressPaths]], of: Callable[[PressPaths], Floats]) -> Floats:
-    """(K, C)."""
-    return np.array([np.concatenate([of(run) for run in runs]) for runs in pressed.values()])
-
-
-def _frame_sums(paths: PressPaths, bench: Bench) -> Floats:
-    """(P,) mean of equation (2) as printed over presses that begin at other times between two frames."""
-    rng, firsts = np.random.default_rng(_SEED), (np.arange(_PHASES) + 0.5) / _PHASES / bench.rate_hz
-    sums = [
-        [_rate(paths, p, bench, first, FrameErrors(), rng, "paper") for first in firsts.tolist()]
-        for p in range(paths.force_n.shape[1])
-    ]
-    return np.asarray(np.mean(sums, axis=1))
-
-
-def _seen_rates(runs: Sequence[PressPaths], bench: Bench, errors: FrameErrors, rng: np.random.Generator) -> Floats:
-    """(C, draws) spread rates by the power law, as a camera's frames give them."""
-    return np.array(
-        [
-            [_rate(run, p, bench, rng.uniform(0, 1 / bench.rate_hz), errors, rng, "power") for _ in range(_DRAWS)]
-            for run in runs
-            for p in range(run.force_n.shape[1])
-        ]
-    )
-
-
-def _rate(
-    paths: PressPaths,
-    press: int,
-    bench: Bench,
-    first_s: float,
-    errors: FrameErrors,
-    rng: np.random.Generator,
-    rule: str,
-) -> float:
-    force_n, area_mm2 = frames_of(paths, press, first_s, errors, rng, rate_hz=bench.rate_hz, window_n=bench.window_n)
-    return spread_rate(area_mm2, force_n, rule=rule, window_n=bench.window_n).value
+def _presses(run: PressPaths) -> int:
+    return int(run.force_n.shape[1])

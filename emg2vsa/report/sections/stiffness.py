@@ -101,7 +101,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("gain_percent", "Contrast, assumed creep (%)", digits=2),
         Column("gain_lossy_percent", "Contrast, lossy sensor (%)", digits=2),
         Column("frame_sum", f"Eq. (2), {soft} : {stiff}"), Column("neighbour", f"Eq. (2), {second} : {stiff}"),
-        Column("neighbour_swapped", f"{second} : {stiff}, swapped"), Column("timing_d", f"d′ of {stiff} and {second}", digits=2),
+        Column("neighbour_swapped", f"{second} : {stiff}, swapped"),
+        Column("timing_d", f"d′ of {stiff} and {second}", digits=2),
     )  # fmt: skip
     rows = rows_of(
         {

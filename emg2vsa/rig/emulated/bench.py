@@ -17,6 +17,7 @@ from emg2vsa.rig.device_settings import Model
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
 from emg2vsa.rig.emulated.off_contact import OffContactCycle, OffContactNetFt, OffContactQbmove
@@ -77,6 +78,7 @@ class EmulatedRig:
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
     rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
+    mounting : from 1; each has draws of its own. effect : artificial, of a control world.
 
     Attributes
     ----------
@@ -102,10 +104,12 @@ class EmulatedRig:
         run: str = "",
         plate: bool = False,
         mounting: int = 1,
+        effect: ArtificialEffect | None = None,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting, effect)
+        self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
@@ -224,7 +228,7 @@ class EmulatedRig:
             if self.world.press != self._press:
                 self._press, self._seen = self.world.press, self._draws.seen(self.world.press)
                 self._show()
-            return self._seen.state(self.world.touch(time_s))
+            return self._seen.in_frame(self.world.touch(time_s), self._area_rng)
 
     def _show(self) -> None:
         self.camera.scene, self.camera.latency_s = self._seen.scene, self._seen.latency_s
