@@ -163,7 +163,7 @@ def covered(scored: dict[Cell, list[Mounting]], seed: int) -> tuple[Floats, Floa
 def ratios(runs: list[Mounting]) -> Floats:
     """What scoring made of each true slope."""
     each = np.concatenate([run.casr / run.true_casr for run in runs])
-    return each[np.isfinite(each)]
+    return np.asarray(each[np.isfinite(each)], dtype=np.float64)
 
 
 def _drawn(runs: list[Mounting], slopes: Floats, rng: np.random.Generator) -> RunScores:
