@@ -245,7 +245,7 @@ def test_true_scatter_is_that_of_the_settings(specimen: str, angle_deg: float, m
     press, mounting = scatter_percent(true_slopes(specimen, angle_deg, 8, 3))
     assert 1.0 < press < 2.2  # the skin is uneven by 1.5 %, and adhesion and stiffness differ
     assert 0.3 < mounting < most_mounting  # stiffness of sensor and specimen; at an angle friction too
-    elastic = true_slopes(specimen, angle_deg, 1, 3, world="elastic")
+    elastic = true_slopes(specimen, angle_deg, 2, 3, world="elastic")
     assert scatter_percent(elastic)[0] < 0.8
 
 
