@@ -51,7 +51,8 @@ def run(arguments: argparse.Namespace) -> int:
     told = {one.name: _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
     if arguments.json:
         described = {name: _document(found) for name, found in told.items()}
-        print_json({"limits": _limits(file.rig), "order": order.order, "seed": order.seed, "runs": described})
+        sequence = {"order": order.order, "seed": order.seed, "sequence": list(described)}
+        print_json({"limits": _limits(file.rig), "runs": described} | sequence)
     else:
         print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
         print(f"order of the runs: {order}")
