@@ -53,10 +53,11 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
-            "[experiment]", '[experiment]\norder = "shuffled"\nseed = -1',
+            "[experiment]", '[experiment]\norder = "shuffled"\nseed = -1\nlead_s = 0.2',
             [
                 "12: experiment.order: expected 'random' or 'listed', but found \"shuffled\".",
                 "13: experiment.seed: expected a number >= 0, but found -1.",
+                "14: experiment.lead_s: expected a number <= 0.1, but found 0.2.",
             ],
         ),
         (
