@@ -66,8 +66,8 @@ class ExperimentSettings:
     f_max_n: Annotated[float, Gt(0)] = 7.0
     "The press turns back here."
     lead_s: Annotated[float, Ge(0), Le(0.1)] = 0.0
-    """How long before the force, as it grows, would reach f_max_n the press turns back. Filter, bus and motors are late:
-    the emulated force goes 0.4 (S5) to 1.3 N (S1) beyond f_max_n, and 0.3 N or less with 0.04. 0 turns back at
+    """How long before the force, as it grows, would reach f_max_n the press turns back. Filter, bus and motors are
+    late: the emulated force goes 0.4 (S5) to 1.3 N (S1) beyond f_max_n, and 0.3 N or less with 0.04. 0 turns back at
     f_max_n, as the paper says."""
     f_contact_n: Annotated[float, Gt(0)] = 0.5
     "Force of first contact."
