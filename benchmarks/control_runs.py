@@ -66,7 +66,7 @@ def experiment(world: str, seed: int, folder: Path) -> dict[str, object]:
 
 
 def scatter(study: Path) -> dict[str, dict[str, float]]:
-    """Condition to the SD of ln CASR from press to press of a mounting, and from mounting to mounting, over specimens."""
+    """Condition to the SD of ln CASR from press to press of a mounting, and between mountings, over specimens."""
     (path,) = (study.parent / ".emg2vsa" / f"control-{study.stem}" / "store" / "discrimination" / "study").glob(
         "*.result"
     )
