@@ -206,7 +206,7 @@ def mountings_needed(logs: np.ndarray, pair: int, press_sd: float, mounting_sd: 
 
 
 def exact_power(logs: np.ndarray, pair: int, replicates: int, sd: float) -> float:
-    """Of that many in each of four cells with that SD, by the noncentral t; tests before it in the order not counted."""
+    """Of that many in each of four cells, by the noncentral t; tests before it in the order are not counted."""
     contrast, df = logs[[3, 1][pair]] - logs[0], 4 * (replicates - 1)
     shift = float(contrast[1] - contrast[0]) / (sd * float(np.sqrt(4 / replicates)))
     return float(stats.nct.sf(stats.t.ppf(1 - ALPHA / 2, df), df, shift))
