@@ -52,7 +52,7 @@ class Scene:
         )
         self.skin = settings.world.press(pressing)
         self._still: tuple[ContactState, NDArray[np.float32]] | None = None
-        "Force and grey levels of the newest image, which off contact is many frames long the same."
+        "State and grey levels of the newest image, which off contact is many frames long the same."
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property
@@ -75,8 +75,7 @@ class Scene:
 
     def image(self, pressed: float | ContactState, frame: int) -> NDArray[np.uint8]:
         """(H, W) frame number ``frame`` of that contact; the number chooses the noise only."""
-        state = self._state(pressed)
-        still = self._still
+        state, still = self._state(pressed), self._still
         if still is None or still[0] != state:
             texture_px = self.surface.speckle_px
             moved_px = self.skin.texture_px(texture_px, state) if texture_px.size else texture_px

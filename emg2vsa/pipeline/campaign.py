@@ -54,8 +54,9 @@ class Campaign:
 
     @cached_property
     def mountings(self) -> dict[str, Run]:
-        """Name of its folder to what the emulated rig is to press there; empty for measured runs."""
-        return {} if self.rig is None else {run.name: run for run in self.rig.experiment.all_runs()}
+        """Name of its folder to what the emulated rig is to press there, in the order of the experiment; empty for
+        measured runs."""
+        return {} if self.rig is None else {run.name: run for run in self.rig.experiment.ordered_runs()}
 
 
 def campaign(study: Study) -> Campaign:

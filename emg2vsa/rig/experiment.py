@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from emg2vsa.errors import ScheduleError
+from emg2vsa.random_order import random_numbers, shuffled
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.settings import Ge, Gt, Le, MinLen
 
@@ -57,6 +58,11 @@ class ExperimentSettings:
     schedule_of: dict[str, str] = field(default_factory=dict)
     """Specimen to the specimen whose schedules press it, where these are not its own: swapped, or one for all. This is
     the control that tells what stiffness does from what a schedule knows of its specimen (docs/how-to/controls.md)."""
+    order: Literal["random", "listed"] = "random"
+    """Order of the runs: random, so that what drifts falls on all of them alike; or listed: the first mounting of all,
+    then the second, and within it by condition, angle and specimen as they stand here."""
+    seed: Annotated[int, Ge(0)] = 0
+    "Of the random order: the same seed and the same runs give the same order for ever."
     f_max_n: Annotated[float, Gt(0)] = 7.0
     "The press turns back here."
     f_contact_n: Annotated[float, Gt(0)] = 0.5
@@ -74,7 +80,7 @@ class ExperimentSettings:
     may go. Of a specimen not named here that of [emulated] is taken."""
 
     def all_runs(self) -> tuple[Run, ...]:
-        """Every run, in their order: the first mounting of all, then the second."""
+        """Every run, as listed: the first mounting of all, then the second."""
         return tuple(
             Run(specimen, angle_deg, condition, mounting)
             for mounting in range(1, self.mountings + 1)
@@ -82,6 +88,11 @@ class ExperimentSettings:
             for angle_deg in angles
             for specimen in self.specimens
         )
+
+    def ordered_runs(self) -> tuple[Run, ...]:
+        """Every run, in the order in which they are to be done."""
+        listed = self.all_runs()
+        return tuple(shuffled(listed, random_numbers(f"{self.seed}\nruns"))) if self.order == "random" else listed
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from casr.frames import FrameSequence
 from casr.press_forces import press_forces
 from casr.score import score, score_skin
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 
 _REACH = 0.8
@@ -91,7 +91,7 @@ class Measured:
     def numbers(self, algorithm: str) -> Numbers:
         """Those of one algorithm; with the reason where it has none."""
         try:
-            return self._front() if algorithm == "front" else self._by_skin(self._recipe(algorithm))
+            return self._front() if algorithm == "front" else self._by_skin(self._settings.recipe_of(algorithm))
         except CasrError as error:
             return Numbers(missing=f"expected {error.wanted}, but found {error.found}")
 
@@ -102,21 +102,14 @@ class Measured:
         return (*(f"check {self._frames.name}: {doubt}" for doubt in doubts), *self.skin.notes)
 
     @property
-    def pins_selected(self) -> int:
-        """n of Algorithm 1 in the first frame: pins that moved beyond the threshold, in whole pixels; -1: unknown."""
+    def selected(self) -> Ints | None:
+        """(n,) rows of the pins that Algorithm 1 counts: moved beyond the threshold, in whole pixels; None: unknown."""
         try:
-            return int(self._initial(self.skin, "paper").selected.size)
+            return self._initial(self.skin, "paper").selected.astype(np.int64)
         except NoContactError:
-            return 0
+            return np.empty(0, dtype=np.int64)
         except CasrError:
-            return -1
-
-    def _recipe(self, algorithm: str) -> Recipe:
-        """By which skin is measured for an algorithm: those of one rule of the initial area share a measurement."""
-        own = self._settings.recipe
-        if algorithm == "paper":
-            return own if self._settings.algorithm == "paper" else RECIPES["paper"]
-        return (self._by_pins if self._settings.algorithm == "front" else own)._replace(area_rule=algorithm)
+            return None
 
     def _front(self) -> Numbers:
         """Area in the first frame and where loading begins, on the front's power law, and its rate."""
@@ -141,7 +134,7 @@ class Measured:
         area = times * found.skin.area
         if missing := self._beyond_array(found, initial, area):
             return Numbers(a_c0, a_c0 * growth, missing=missing)
-        return Numbers(a_c0, a_c0 * growth, times * rate.value, area, found.regions)
+        return Numbers(a_c0, a_c0 * growth, float(times * rate.value), area, found.regions)
 
     def _beyond_array(self, found: SkinScore, initial: InitialArea, area: Floats) -> str:
         """What to say of areas above that of the pin array, which cannot be; a circle is of the array anyway."""

@@ -9,9 +9,9 @@ import numpy as np
 from casr.errors import CasrError
 from casr.frames import FrameSequence
 from casr.scored import SkinScore
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.runs.measured import Measured, Numbers
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, FirstContact, PressCurve
 from emg2vsa.settings import RunSettings
 
 _LEAST_ROWS = 5
@@ -50,6 +50,7 @@ class ScoredPress:
     indent_n_per_mm: float
     curve: PressCurve
     picture: ContactPicture | None
+    first_contact: FirstContact | None
     missing: dict[str, str]
     notes: tuple[str, ...]
 
@@ -66,19 +67,23 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         )
     measured = Measured(press.frames, settings)
     by, skin = {name: measured.numbers(name) for name in ALGORITHMS}, measured.skin
-    own = by[settings.algorithm]
+    own, selected = by[settings.algorithm], measured.selected
     # the rig's log is of the same sensor
     zero_n = skin.force_zero.level_n if skin.force_zero else 0.0
     known = np.isfinite(own.area)
     return ScoredPress(
-        pins_selected=measured.pins_selected,
+        pins_selected=-1 if selected is None else selected.size,
         a_c0={name: found.a_c0 for name, found in by.items()},
         start_area={name: found.start_area for name, found in by.items()},
         casr={name: found.casr for name, found in by.items()},
         area_unit=skin.area_unit,
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_n[0]),
-        curve=PressCurve(skin.force_n[: known.size][known], own.area[known], float(skin.force_n[0])),
+        curve=PressCurve(
+            skin.force_n[: known.size][known], own.area[known], float(skin.force_n[0]), press.force_n - zero_n,
+            press.depth_mm,
+        ),
         picture=_picture(press.frames, skin, own),
+        first_contact=_first_contact(press, skin, selected),
         missing={name: found.missing for name, found in by.items() if found.missing},
         notes=measured.notes,
     )
@@ -95,6 +100,22 @@ def _picture(frames: FrameSequence, skin: SkinScore, own: Numbers) -> ContactPic
         force_n=float(skin.force_n[i]),
         outline_px=np.asarray(own.outlines_px[i], dtype=np.float64),
         area_mm2=float(own.area[i]),
+    )
+
+
+def _first_contact(press: Press, skin: SkinScore, selected: Ints | None) -> FirstContact | None:
+    """What Algorithm 1 sees of a press; None where it finds no pin."""
+    assert press.frames is not None
+    if selected is None or not selected.size:
+        return None
+    frames = [np.asarray(press.frames[int(i)]).astype(np.uint8) for i in (skin.rest_frame, *skin.frames[:2])]
+    return FirstContact(
+        repetition=press.repetition,
+        frames=np.stack(frames),
+        force_n=skin.force_n[:2].copy(),
+        rest_px=skin.rest.centroids_px,
+        contact_px=skin.contact_px.copy(),
+        selected=selected,
     )
 
 

@@ -62,6 +62,7 @@ def score_run(
             key=lambda picture: abs(picture.force_n - PICTURED_N),
             default=None,
         ),
+        first_contact=next((found.first_contact for found in scored if found and found.first_contact), None),
         notes=tuple(
             dict.fromkeys(
                 (

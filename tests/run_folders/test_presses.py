@@ -40,6 +40,14 @@ def test_a_run_without_any_frames_has_its_presses(run):
     assert [press.frames for press in read_presses([run])] == [None, None, None]
 
 
+def test_a_press_tells_from_which_folder_it_comes(run, tmp_path):
+    again = run.rename(tmp_path / "tuesday-1")
+    (run / "press-001").mkdir(parents=True)
+    presses = list(read_presses([run, again]))
+    assert [press.mounting for press in presses] == [1, 2, 2, 2]
+    assert [press.repetition for press in presses] == [1, 2, 3, 4]
+
+
 def test_errors_of_a_press_name_its_run(run):
     first = next(read_presses([run]))
     assert first.frames is not None

@@ -46,17 +46,17 @@ def run_virtually(
     repetitions: int | None,
     jobs: int,
     *,
-    order: RunOrder | None = None,
+    order: RunOrder,
     as_json: bool = False,
 ) -> int:
-    """The presses that ``runs`` lack, in ``order`` where there is one; exit status.
+    """The presses that ``runs`` lack, in ``order``; exit status.
 
     SettingError : the rig file has no emulated rig, or a plan breaks a limit. ScheduleError : as `plans_of`.
     """
     if file.emulated is None:
         do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
-    runs = [run for run in order.runs if run in runs] if order else runs
+    runs = [run for run in order.runs if run in runs]
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
     right = _right_schedules(file)
     for run, plan in plans.items():
@@ -69,7 +69,7 @@ def run_virtually(
     waiting: dict[Run, Job] = {}
     for run, plan in plans.items():
         if presses := presses_left(root, run.name, plan.repetitions, emulated=True):
-            plans[run] = replace(plan, repetitions=presses, order=order.place(run) if order else None)
+            plans[run] = replace(plan, repetitions=presses, order=order.place(run) if len(runs) > 1 else None)
             folder = new_folder(root, run.name, plan.repetitions, emulated=True)
             waiting[run] = plans[run], file.rig, file.emulated, folder, effect_of(file.emulated, plan.schedule, right)
         else:

@@ -26,16 +26,23 @@ def takes(campaign: Campaign, item: str) -> list[Input]:
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    """Of the other runs nothing: neither their names nor the stiffness of their specimens."""
+    """Of the other runs no more than the place of this one among them: neither names nor stiffness of specimens."""
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
     schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
     return {
         "run": run,
+        "order": 1 + list(campaign.mountings).index(item),
         "experiment": replace(
-            rig.experiment, specimens=(run.specimen,), angles_deg={}, mountings=1, schedule_of=schedule_of
-        ),
+            rig.experiment,
+            specimens=(run.specimen,),
+            angles_deg={},
+            mountings=1,
+            schedule_of=schedule_of,
+            order="listed",
+            seed=0,
+        ),  # fmt: skip
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
     }
@@ -66,7 +73,7 @@ def run(given: Given) -> list[Path]:
         raise DataError(made, wanted="a free folder for an emulated run", found="a measured run", do=do)
     used = given.settings
     known, schedules = used["emulated"].stiffness_n_per_mm, given.one("schedules") or ()
-    plan = plan_of(used["experiment"], used["run"], schedules, known)
+    plan = replace(plan_of(used["experiment"], used["run"], schedules, known), order=used["order"])
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:

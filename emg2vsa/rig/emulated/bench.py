@@ -64,7 +64,6 @@ DEVICE_ID = 1
 _AWAY_MM = 1e6
 _NEAR_MM = 0.1
 """Off the specimen; more than the probe goes in a turn of the loop."""
-_NO_WRENCH = (0.0,) * 6
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
@@ -130,6 +129,7 @@ class EmulatedRig:
         self.wire = FaultyWire(self.firmware, clock, seed=self._draws.sensor_seed)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
+        self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
         self._rotation = self._mounting.tolist()
         self.box = RdtBox(self._wrenches, box)
@@ -217,10 +217,9 @@ class EmulatedRig:
             return [self._turned(self.world.force_n(time_s).tolist()) for time_s in times_s]
 
     def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
-        x, y, z = force_n
-        if not (x or y or z):
-            return _NO_WRENCH
         # plain numbers: three at a time are too few for arrays to pay
+        x, y, z = force_n
+        z += self._force_zero_n
         return [a * x + b * y + c * z for a, b, c in self._rotation] + [0.0, 0.0, 0.0]
 
     def _contact(self, time_s: float) -> ContactState:
@@ -233,8 +232,7 @@ class EmulatedRig:
 
     def _show(self) -> None:
         self.camera.scene, self.camera.latency_s = self._seen.scene, self._seen.latency_s
-        # noise and loads are told along the axes of the sensor, and so is its zero
-        self.box.zero = self._turned((0.0, 0.0, self._draws.force_zero_n(self._press)))
+        self._force_zero_n = self._draws.force_zero_n(self._press)
 
 
 def _turned_to(axis: tuple[float, float, float]) -> Floats:

@@ -107,7 +107,7 @@ class EmulatedCamera:
 
     @property
     def due_s(self) -> float:
-        """Time at which to look again: the next frame has been exposed, or has arrived."""
+        """When the next frame arrives; not before, where that is not drawn yet."""
         exposed_s = self._started_s + self._exposed / self._rate_hz
         return (exposed_s if self._arrives_s is None else self._arrives_s) - 1e-9
 

@@ -18,7 +18,7 @@ from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.rdt_box import RdtBox
 from emg2vsa.rig.executor.control_cycle import ControlCycle, Force, ending
-from emg2vsa.rig.executor.guards import GAP_AT_REST_N
+from emg2vsa.rig.executor.guards import AFTER_READING, GAP_AT_REST_N
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.force.rdt import Record
@@ -108,7 +108,7 @@ class OffContactCycle(ControlCycle):
 
     Turns are gone through together where the phase goes on, the forces of these turns and of those that the filter
     remembers are far below contact and below every limit, and the motors need not be asked whether they are on. No
-    guard can speak in them: a turn in which one might is a full one.
+    guard but that of the motors' way can speak in them: a turn in which another might is a full one.
 
     devices : of a bench, not exact. near : whether the probe is near the specimen.
     """
@@ -133,7 +133,9 @@ class OffContactCycle(ControlCycle):
         # of each axis; all three together are less than twice as much
         most_n = min(plan.f_contact_n, limits.force_n, limits.lateral_n, jump_n, *rating.force_n) / 2
         most_nm = min(limits.torque_nm, *rating.torque_nm) / 2
-        self._most_counts = [most / step for most, step in zip([most_n] * 3 + [most_nm] * 3, self._force.steps)]
+        self._most_counts = [
+            most / step for most, step in zip([most_n] * 3 + [most_nm] * 3, self._force.steps, strict=True)
+        ]
         self._most_spring_n = min(GAP_AT_REST_N, limits.spring_gap_n, limits.spring_n) - most_n
         self._axis = np.array(self._rig.push_axis)
 
@@ -158,7 +160,7 @@ class OffContactCycle(ControlCycle):
         seen = self._force.newest
         record, time_s = self._force.take_free()
         changed = seen is not None and seen.counts != record.counts
-        small = all(-most < count < most for most, count in zip(self._most_counts, record.counts))
+        small = all(-most < count < most for most, count in zip(self._most_counts, record.counts, strict=True))
         self._calm = self._calm + 1 if small and changed and record.status == 0 else 0
         if self._calm <= self._rig.filter_samples or now_s - time_s > limits.stale_s:
             return False
@@ -170,7 +172,7 @@ class OffContactCycle(ControlCycle):
         command = self._rig.ticks_at(wanted.depth_mm), self._preset_ticks(wanted)
         actuator = self._devices.actuator
         at, currents_ma = actuator.measurements(), actuator.currents_ma()
-        if not witnesses.surely_follows(at, *command) or not witnesses.surely_idles(currents_ma, limits.current_ma):
+        if not witnesses.surely_idles(currents_ma, limits.current_ma):
             return False
         if abs(witnesses.spring_of(at) or 0.0) > self._most_spring_n:
             return False
@@ -183,6 +185,10 @@ class OffContactCycle(ControlCycle):
         witnesses.send(*command, now_s)
         self.motion, self._turned_s, self._sent = wanted, now_s, command
         self._turns.append(_Turn(now_s, record, time_s, wanted, command, at, currents_ma))
+        if witnesses.astray_ticks(at) > limits.following_ticks:
+            self._write()
+            assert self._before is not None
+            self._judge(self._before, wanted, now_s, late_s, AFTER_READING)
         return True
 
     def _write(self) -> None:

@@ -81,15 +81,12 @@ class Loop:
             if self._now_ms >= self._watchdog_ms:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
                 self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
-            due_ms = min(until_ms, self._watchdog_ms)
-            if self._commanded:
-                if self._commanded[0][0] <= self._now_ms:
-                    self.new = self.new._replace(ticks=self._commanded.popleft()[1])
-                    continue
-                due_ms = min(due_ms, self._commanded[0][0])
+            while self._commanded and self._commanded[0][0] <= self._now_ms:
+                self.new = self.new._replace(ticks=self._commanded.popleft()[1])
             # only the watchdog, a command, or a load that may stall a motor, comes between
             plain = not (current.input_mode or self.motors.strained or self.current.on != self.new.on)
-            turns = max(1, due_ms - self._now_ms) if plain else 1
+            next_ms = self._commanded[0][0] if self._commanded else until_ms
+            turns = max(1, min(until_ms, self._watchdog_ms, next_ms) - self._now_ms) if plain else 1
             self._turns(turns, current, shadow)
             self._now_ms += turns
             if self.motors.strained:

@@ -91,8 +91,6 @@ class RdtBox:
         self._noise = _noise(s)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
         self._bias: Sequence[float] = _NO_LOAD
-        self.zero: Sequence[float] = _NO_LOAD
-        "What it reads without a load, in its units, on top of what it has been biased to; it may drift."
         self._skipped = 0
         self._stream: _Stream | None = None
         self._post = FaultyPost()
@@ -118,8 +116,7 @@ class RdtBox:
             self._stream = _Stream(client, count or math.inf, per_datagram, first / INTERNAL_RATE_HZ)
             self._post.forget()
         elif command == Command.BIAS:
-            (loads,) = self._loads([time_s])
-            self._bias = list(map(add, loads, self.zero))
+            (self._bias,) = self._loads([time_s])
 
     def run_until(self, time_s: float) -> None:
         """Send every record that is due."""
@@ -136,7 +133,7 @@ class RdtBox:
     def records_until(self, time_s: float, *, free: bool = False) -> list[tuple[Record, float]]:
         """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them.
 
-        free : nothing loads the sensor, which is known without asking for the wrenches."""
+        free : nothing has touched the probe since the records before, so that one load stands for all."""
         if (stream := self._stream) is None:
             return []
         times_s = []
@@ -149,7 +146,7 @@ class RdtBox:
         stream.last_s = times_s[-1]
         if not stream.left:
             self._stream = None
-        loads = [_NO_LOAD] * len(times_s) if free else self._loads(times_s)
+        loads = self._loads(times_s[-1:]) * len(times_s) if free else self._loads(times_s)
         return [(self._measured(stream, at_s, load), at_s) for at_s, load in zip(times_s, loads, strict=True)]
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
@@ -160,9 +157,8 @@ class RdtBox:
         out_of_range = self.faults.saturated or True in map(gt, map(abs, load), self.settings.rating)
         if not self.faults.stuck:
             noise, of_noise = next(self._noise)
-            if any(load) or any(self._bias) or any(self.zero):
-                quiet = map(sub, map(add, load, self.zero), self._bias)
-                noisy = map(mul, map(add, quiet, noise), self._counts_per_unit)
+            if any(load) or any(self._bias):
+                noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
                 # beyond 32 bits means far out of range, which the status tells
                 self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
             else:

@@ -40,7 +40,8 @@ def execute(
     Whatever the end, the probe is retracted, the motors are switched off, and ended.json says how, when and why.
     ``stop`` is asked in every turn, and ends the run by naming a reason: a signal that has come, a button. ``started``
     is the date and time at 0 s of ``clock``. ``facts`` : what the devices say of themselves, for plan.json.
-    ``background`` : a thread writes to the disk, so that the loop never waits for it; wanted where time is real. ``cycle`` : makes the control loop.
+    ``background`` : a thread writes to the disk, so that the loop never waits for it; wanted where time is real.
+    ``cycle`` : makes the control loop.
 
     Raises
     ------

@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, stiffness_at
+from emg2vsa.contact_mechanics import PowerLaw
 from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL
 from emg2vsa.rig.executor.witnesses import DEAD_S
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.rig.specimen_contact import SpecimenContact
+from emg2vsa.rig.specimen_contact import specimen_contact
 
 NOISE_N = 0.05
 """Of the force sensor, at most."""
@@ -29,7 +30,7 @@ def largest_force_n(plan: RunPlan, rig: RigSettings) -> float | None:
     """
     if plan.stiffness_n_per_mm is None:
         return None
-    contact = SpecimenContact.of(plan.stiffness_n_per_mm)
+    contact = specimen_contact(plan.stiffness_n_per_mm)
     # a skin that sticks takes a part of the force, and resists the way along the surface too
     slope_n_per_mm = max(_slope(contact, plan, sticks=sticks) for sticks in (False, True))
     # two lags in series, of motors and shaft, go on by less than half the time of the slow motors of the guard
@@ -45,14 +46,14 @@ def most_past_contact_mm(plan: RunPlan, rig: RigSettings) -> float:
     if plan.stiffness_n_per_mm is None:
         return most_mm
     across = math.cos(math.radians(plan.angle_deg))
-    contact = SpecimenContact.of(plan.stiffness_n_per_mm)
+    contact = specimen_contact(plan.stiffness_n_per_mm)
     first_mm, last_mm = (
         contact.depth_mm(force_n / across) / across for force_n in (plan.f_contact_n, BEYOND_LIMIT * rig.guards.force_n)
     )
     return min(most_mm, last_mm - first_mm)
 
 
-def _slope(contact: SpecimenContact, plan: RunPlan, *, sticks: bool) -> float:
+def _slope(contact: PowerLaw, plan: RunPlan, *, sticks: bool) -> float:
     """Growth of the force along the axis at F_max, N/mm."""
     tilt_rad, share = math.radians(plan.angle_deg), SHEAR_OVER_NORMAL * sticks
     along = math.cos(tilt_rad) + share * math.sin(tilt_rad) * math.tan(tilt_rad)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.rig.devices import ForceSample, Measurements
-from emg2vsa.rig.executor.guards import Seen, size
+from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -100,9 +100,9 @@ class Witnesses:
         """Force on the probe by the springs, N; None without springs."""
         return None if self._springs is None else spring_force_n(at, self._springs, self._rig)
 
-    def surely_follows(self, at: Measurements, position_ticks: int, preset_ticks: int) -> bool:
-        """Whether no motor read right after that command can be astray. False is: it may be."""
-        return self._motors.surely_follows(at, position_ticks, preset_ticks)
+    def astray_ticks(self, at: Measurements) -> float:
+        """How far the farther motor, read right after the command, is from where it may be."""
+        return self._motors.astray_ticks(at)
 
     def surely_idles(self, currents_ma: tuple[int, int], most_ma: float) -> bool:
         """Whether the mean current with that reading, and as many more of its size, stays below a limit."""
@@ -171,25 +171,14 @@ class SlowMotors:
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
             self._obeyed = self._on_their_way.popleft()[1]
 
-    def surely_follows(self, at: Measurements, position_ticks: int, preset_ticks: int) -> bool:
-        """Whether the motors, read right after that command, are near it or the one before; False is not known."""
-        most = self._guards.following_ticks
-        if self._sent is None:
-            return False
-        new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
-        return all(
-            min(sent, before) - most <= seen <= max(sent, before) + most
-            for seen, sent, before in zip(self._seen(at), new, self._sent, strict=True)
-        )
-
     def astray_ticks(self, at: Measurements) -> float:
         """How far outside of that the farther motor is, read right after the command."""
         if self._sent is None:
             return 0.0
-        return max(
-            float(max(min(bounds) - seen, seen - max(bounds), 0.0))
-            for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True)
-        )
+        farthest = 0.0
+        for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True):
+            farthest = max(farthest, min(bounds) - seen, seen - max(bounds))
+        return farthest
 
     def _seen(self, at: Measurements) -> tuple[float, ...]:
         return (at.motor_1,) if self._rigid else (at.motor_1, at.motor_2)

@@ -13,7 +13,7 @@ from casr.synthetic import ContactWorld
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.probe import Probe
 from emg2vsa.rig.emulated.world_settings import WorldSettings
-from emg2vsa.rig.specimen_contact import SpecimenContact
+from emg2vsa.rig.specimen_contact import specimen_contact
 
 KAPPAS = list(SPECIMENS.values())
 
@@ -21,7 +21,7 @@ KAPPAS = list(SPECIMENS.values())
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_with_the_radius_law_of_hertz_the_force_is_hertz(kappa: float) -> None:
     contact = ContactWorld(exponent=1 / 3)
-    pressed = SpecimenContact(contact, kappa)
+    pressed = specimen_contact(kappa, contact)
     for depth_mm in (0.01, 0.5, 4.0):
         hertz_n = 4 / 3 * contact.modulus_mpa(kappa) * math.sqrt(contact.tip_radius_mm) * depth_mm**1.5
         assert pressed.force_n(depth_mm) == pytest.approx(hertz_n, rel=1e-12)
@@ -31,7 +31,7 @@ def test_with_the_radius_law_of_hertz_the_force_is_hertz(kappa: float) -> None:
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_the_force_grows_by_the_contact_that_the_camera_shows(kappa: float, exponent: float) -> None:
     contact = ContactWorld(exponent=exponent)
-    pressed = SpecimenContact(contact, kappa)
+    pressed = specimen_contact(kappa, contact)
     for depth_mm in (0.1, 1.0, 5.0):
         by_area = 2 * contact.modulus_mpa(kappa) * float(contact.radius_mm(pressed.force_n(depth_mm), kappa))
         by_difference = (pressed.force_n(depth_mm + 1e-5) - pressed.force_n(depth_mm - 1e-5)) / 2e-5
@@ -40,13 +40,13 @@ def test_the_force_grows_by_the_contact_that_the_camera_shows(kappa: float, expo
 
 
 def test_without_contact_there_is_exactly_no_force() -> None:
-    pressed = SpecimenContact(ContactWorld(), 3.35)
+    pressed = specimen_contact(3.35)
     assert [pressed.force_n(depth) for depth in (-1e9, -1.0, -1e-12, 0.0)] == [0.0] * 4
     assert pressed.resistance(0.0) == pressed.resistance(-1.0) == (0.0, 0.0)
 
 
 def test_softer_specimens_push_back_less() -> None:
-    forces = [SpecimenContact(ContactWorld(), kappa).force_n(2.0) for kappa in sorted(KAPPAS)]
+    forces = [specimen_contact(kappa).force_n(2.0) for kappa in sorted(KAPPAS)]
     assert np.all(np.diff(forces) > 0)
 
 
@@ -70,7 +70,7 @@ def test_the_force_stands_on_the_surface(angle_deg: float) -> None:
     assert (along_y, math.hypot(along_x, along_z)) == (0.0, pytest.approx(normal_n))
     # 2 mm down the axis are so much along the normal
     depth_mm = 2.0 * math.cos(math.radians(angle_deg))
-    assert normal_n == pytest.approx(SpecimenContact(ContactWorld(), 3.35).force_n(depth_mm))
+    assert normal_n == pytest.approx(specimen_contact(3.35).force_n(depth_mm))
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0])
