@@ -228,12 +228,16 @@ class HypothesisSettings:
     "Participants whose mean slopes differ by less count as equal, in SDs of repetitions; omitted: equality untested."
 
 
+MEDOID = "medoid"
+"""As exemplary participant: the one whose schedules differ least, on average, from those of the others."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ProfileSettings:
     """Mean trends and the profile of a new specimen."""
 
     participant: str | None = None
-    "Exemplary participant; omitted: mean over all."
+    "Exemplary participant; medoid: the one whose schedules differ least from the others'; omitted: mean over all."
     specimens: tuple[str, ...] = ()
     "Specimens whose profiles are exported; empty: all."
     new_specimen: str | None = None

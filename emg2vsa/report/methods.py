@@ -15,6 +15,7 @@ from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
 from emg2vsa.settings import (
+    MEDOID,
     CalibrationSettings,
     CocontractionSettings,
     DiscriminationSettings,
@@ -308,9 +309,15 @@ def _pairs(h: HypothesisSettings) -> str:
     return f"Fisher's LSD without correction for the number of pairs, whose largest p{among} is reported"
 
 
+_WHOSE = {
+    None: "all participants",
+    MEDOID: "one participant, the medoid: the one whose schedules differ least, on average, from those of the others",
+}
+
+
 def _export(study: Study) -> Iterable[str]:
     profile, schedule = study.profile, study.schedule
-    whose = f"participant {profile.participant}" if profile.participant else "all participants"
+    whose = _WHOSE.get(profile.participant, f"participant {profile.participant}")
     yield f"A specimen's profile is the mean of the fits of {whose}."
     if profile.new_specimen:
         yield f"The profile of {profile.new_specimen} was interpolated {_INTERPOLATION[profile.interpolation]}."

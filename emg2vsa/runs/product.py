@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +27,15 @@ class PressCurve:
 
     force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm, its area law and force rule;
     area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
-    frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force.
+    frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force. travel_force_n,
+    travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
     """
 
     force_n: Floats
     area_mm2: Floats
     first_n: float = np.nan
+    travel_force_n: Floats = field(default_factory=lambda: np.empty(0))
+    travel_mm: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +74,9 @@ class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
     algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). mounting : (R,)
-    number, from 1, of the folder that a press comes from: the presses between two mountings of the sensor. verdicts :
-    "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired one to one
-    in the first frame of the loading phase; -1 where it is not determined.
+    number, from 1, of the mounting that a press belongs to: each folder is one, unless the rig says that it goes on.
+    verdicts : "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired
+    one to one in the first frame of the loading phase; -1 where it is not determined.
     a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N; by rate "paper"
     casr is a sum over frames. a_c0 is the area of the first frame of the loading phase, whose force differs from press
     to press (front: on the power law of the frames in which it is determined); start_area is the area at the force

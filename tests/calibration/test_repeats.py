@@ -90,7 +90,7 @@ def test_mountings_that_differ_are_counted(hertz):
     off = 1 + share * np.random.default_rng(5).standard_normal((EXPERIMENTS, 4, 1))
     moved, new = known * off[:, :3], new * off[:, 3]
     blind = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N"), new)
-    told = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N", mount_share=share), new)
+    told = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N", angle_share=share), new)
     assert coverage(hertz, blind) < 0.5
     assert 0.935 < coverage(hertz, told) < 0.97
 
@@ -121,7 +121,7 @@ def test_a_single_press_borrows_the_noise_of_the_others(hertz):
     calibration = calibrate(hertz.kappa, known, casr_unit="mm2/N")
     one = repeat_interval(calibration, new[:, :1])
     assert 0.93 < coverage(hertz, one) < 0.99
-    assert np.all(one.df[one.serial.rho == 0] > 20)
+    assert np.all(one.df[one.serial.rho == 0] > 9)  # of a neighbour in score, pressed ten times
     borrowed = repeat_interval(calibration, new, own_noise=False)
     np.testing.assert_allclose(borrowed.press_variance[:, 3], np.mean(within(known)[0], axis=1))
 

@@ -42,6 +42,7 @@ from emg2vsa.report.sections.provenance import PROVENANCE
 from emg2vsa.report.sections.rates import RATES
 from emg2vsa.report.sections.runs import RUNS
 from emg2vsa.report.sections.schedules import SCHEDULES
+from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
@@ -58,6 +59,7 @@ SECTIONS: tuple[Section, ...] = (
     RATES,
     VISION,
     ACTUATORS,
+    STIFFNESS,
     KAPPA,
     IMPLIED,
     MODELS,
