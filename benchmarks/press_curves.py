@@ -197,7 +197,7 @@ class Bench:
     def calibration(
         self, mountings: int, presses: int, settings: CalibrationSettings, quantity: str = "edge"
     ) -> OnlineCalibration:
-        """Of S1, S3 and S5. quantity : ``front`` adds what domes outside the library leave, which curves do not have."""
+        """Of S1, S3 and S5. quantity : ``front`` adds what domes outside the library leave; curves have none of it."""
         forces = cut_forces(START_N, F_MAX_N)
         kappa = [SPECIMENS[name] for name in KNOWN]
         pressed = []
