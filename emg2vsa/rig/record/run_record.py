@@ -113,11 +113,22 @@ class RunRecord:
 
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
-        self.log.append(row)
+        self.rows([row])
+
+    def rows(self, rows: Sequence[Row]) -> None:
+        """Log rows, in one piece."""
+        self.log.append(*rows)
         if self._tally is not None:
-            self._tally.row(row)
-        if self._press is not None and row.force_n is not None and row.force_time_s is not None:
-            self._press.force(row.force_time_s, row.force_n)
+            for row in rows:
+                self._tally.row(row)
+        if self._press is not None:
+            self._press.forces(
+                [
+                    (row.force_time_s, row.force_n)
+                    for row in rows
+                    if row.force_n is not None and row.force_time_s is not None
+                ]
+            )
 
     def all_forces(self, samples: Callable[[], Sequence[ForceSample]]) -> None:
         """Keep all that the sensor has measured, where the rig file wants that; ``samples`` is asked only then."""
