@@ -22,7 +22,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.forms import eta_of, kappa_slope
-from emg2vsa.calibration.online import AREA, BOTH, NARROWS, Judged, OnlineCalibration
+from emg2vsa.calibration.online import AREA, BOTH, NARROWS, OnlineCalibration
 from emg2vsa.errors import DataError
 
 _GRID = 100
@@ -33,11 +33,14 @@ COUNTS = (1, 2, 3, 5, 10)
 
 @dataclass(frozen=True)
 class Done:
-    """Presses so far by one calibration: their number, their mountings, and what they say (None: nothing yet)."""
+    """Presses so far by one calibration: their number, their mountings, and what they say: kappa and the lower end of
+    its interval, N/mm, NaN where not determined, by ``AREA`` or ``BOTH``."""
 
     presses: int = 0
     mountings: int = 0
-    judged: Judged | None = None
+    kappa: float = float("nan")
+    low: float = float("nan")
+    cues: str = AREA
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,19 +92,20 @@ def belief(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) 
     kappa = np.geomspace(known.min() / _BEYOND, known.max() * _BEYOND, _GRID)
     log_weight = np.zeros(_GRID)
     for index, each in done.items():
-        if each.judged is not None and np.isfinite(each.judged.reach[0]):
-            log_weight -= _away(calibrations[index], each.judged, kappa) ** 2 / 2
+        if 0 < each.low < each.kappa:
+            log_weight -= _away(calibrations[index], each, kappa) ** 2 / 2
     weight = np.exp(log_weight - log_weight.max())
     return Belief(kappa, weight / weight.sum())
 
 
-def _away(calibration: OnlineCalibration, judged: Judged, kappa: Floats) -> Floats:
-    """(K,) distance of stiffnesses from the estimate, in standard errors."""
-    se = judged.reach[0] / _quantile(calibration)
-    if judged.cues == BOTH:
-        return np.asarray(np.log(kappa / judged.kappa[0]) / se)
-    law = calibration.settings.law
-    return np.asarray((eta_of(law, kappa) - eta_of(law, judged.kappa[0])) / se)
+def _away(calibration: OnlineCalibration, done: Done, kappa: Floats) -> Floats:
+    """(K,) distance of stiffnesses from the estimate, in standard errors, on the axis of its interval."""
+    if done.cues == BOTH:
+        axis, middle, low = np.log(kappa), np.log(done.kappa), np.log(done.low)
+    else:
+        law = calibration.settings.law
+        axis, middle, low = (eta_of(law, np.asarray(each)) for each in (kappa, done.kappa, done.low))
+    return np.asarray((axis - middle) / (middle - low) * _quantile(calibration))
 
 
 def options(
