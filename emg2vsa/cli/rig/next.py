@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -10,13 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from casr.command_line import Commands, add_command, add_json, print_json
-from emg2vsa.cli.rig.kappa_options import width
 
 if TYPE_CHECKING:
     from emg2vsa.calibration.next_press import Choice, Done
     from emg2vsa.calibration.online import OnlineCalibration
 
 _SHOWN = 10
+_WIDEST = 100
+_KAPPA_FILE = "kappa.csv"
+"In the folder of a run whose presses were judged: a row for each frame."
 
 
 def add_to(commands: Commands) -> None:
@@ -55,7 +58,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument(
         "--stop-at",
-        type=width,
+        type=_share,
         default=0.0,
         metavar="PERCENT",
         help="half width of the interval, as a percentage of kappa, at which no further press is needed",
@@ -102,6 +105,19 @@ def _document(choice: Choice, names: Sequence[str]) -> dict[str, Any]:
     return asdict(choice) | {"calibration": names[choice.calibration]}
 
 
+def _share(text: str) -> float:
+    """``20`` or ``20%`` as 0.2."""
+    try:
+        percent = float(text.removesuffix("%"))
+    except ValueError:
+        percent = float("nan")
+    if not 0 < percent <= _WIDEST:
+        raise argparse.ArgumentTypeError(
+            f"expected a percentage of kappa above 0 and up to {_WIDEST}, such as 20, but found {text!r}"
+        )
+    return percent / 100
+
+
 def _presses(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 100:
         raise argparse.ArgumentTypeError(f"expected a number of presses from 1 to 100, but found {text!r}")
@@ -112,12 +128,11 @@ def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], pa
     """Presses so far, by calibration. DataError where a run fits none, or was not judged."""
     from emg2vsa.calibration.next_press import Done
     from emg2vsa.errors import DataError
-    from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, last_rows
     from emg2vsa.rig.record.new_folder import PLAN_FILE
 
     found: dict[int, Done] = {}
     for folder in folders:
-        plan, rows = _plan(folder / PLAN_FILE), last_rows(folder / KAPPA_FILE)
+        plan, rows = _plan(folder / PLAN_FILE), _last_rows(folder / _KAPPA_FILE)
         place = float(plan["angle_deg"]), str(plan["condition"])
         fitting = [i for i, each in enumerate(calibrations) if (each.angle_deg, each.condition) == place]
         if not fitting:
@@ -128,15 +143,27 @@ def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], pa
             )
         if not rows:
             do = "Press with rig run --calibration."
-            raise DataError(folder / KAPPA_FILE, wanted="presses that were judged", found="none", do=do)
+            raise DataError(folder / _KAPPA_FILE, wanted="presses that were judged", found="none", do=do)
         before = found.get(fitting[0], Done())
-        last = rows[-1]
-        narrower = not before.low > 0 or last.low_n_per_mm / last.kappa_n_per_mm > before.low / before.kappa
-        told = (
-            (last.kappa_n_per_mm, last.low_n_per_mm, last.cues) if narrower else (before.kappa, before.low, before.cues)
-        )
-        found[fitting[0]] = Done(before.presses + len(rows), before.mountings + 1, *told)
+        kappa, low, cues = rows[-1]
+        if before.low > 0 and before.low / before.kappa > low / kappa:  # the narrower one counts
+            kappa, low, cues = before.kappa, before.low, before.cues
+        found[fitting[0]] = Done(before.presses + len(rows), before.mountings + 1, kappa, low, cues)
     return found
+
+
+def _last_rows(path: Path) -> list[tuple[float, float, str]]:
+    """kappa, the lower end of its interval and the cues of the last row of each press that tells them."""
+    last: dict[str, tuple[float, float, str]] = {}
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                if row["kappa_n_per_mm"] and row["low_n_per_mm"]:
+                    told = float(row["kappa_n_per_mm"]), float(row["low_n_per_mm"]), row["cues"]
+                    last[row["repetition"]] = told
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+    return list(last.values())
 
 
 def _plan(path: Path) -> dict[str, Any]:

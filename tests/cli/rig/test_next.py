@@ -4,34 +4,41 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
+import numpy as np
 import pytest
 
-from benchmarks.rig.known_calibration import known_calibration
+from emg2vsa.calibration.cut_presses import cut_forces
+from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration_file import write_calibration
-from emg2vsa.rig.kappa.live_kappa import KAPPA_HEADER, KappaRow, line_of
 
 Rig = Callable[..., tuple[int, str, str]]
+KAPPA = np.array([7.63, 3.35, 1.11])
 
 
 @pytest.fixture
 def known(tmp_path: Path) -> list[Path]:
+    forces, rng = cut_forces(0.5, 7.0)[-2:], np.random.default_rng(0)
+    rates = ((1 / KAPPA + 1 / 4) ** (2 / 3))[:, None, None] * (1 + 0.01 * rng.standard_normal((3, 6, 1))) * np.ones(2)
+    calibration = OnlineCalibration(
+        specimens=("S1", "S3", "S5"), kappa=KAPPA, kappa_se=np.zeros(3), quantity="front", area_unit="mm2",
+        angle_deg=0.0, condition="modular", start_n=0.5, forces_n=forces, rates=rates,
+        travel=np.full(rates.shape, np.nan), mounting=np.ones((3, 6), dtype=np.int64),
+    )  # fmt: skip
     return [
-        write_calibration(tmp_path / f"{condition}.json", known_calibration(condition))
+        write_calibration(tmp_path / f"{condition}.json", replace(calibration, condition=condition))
         for condition in ("high-stiffness", "modular")
     ]
 
 
-def judged_run(folder: Path, half_width: float = 0.3, presses: int = 2, condition: str = "modular") -> Path:
+def judged_run(folder: Path, half_width: float = 0.3, condition: str = "modular") -> Path:
     folder.mkdir()
     (folder / "plan.json").write_text(json.dumps({"plan": {"angle_deg": 0.0, "condition": condition}}))
-    texts: dict[str, Any] = {each.name: 0 for each in fields(KappaRow)} | {"cues": "area", "stop": "", "note": ""}
-    told = {"kappa_n_per_mm": 3.0, "low_n_per_mm": 3.0 / (1 + half_width), "high_n_per_mm": 3.0 / (1 - half_width)}
-    rows = [line_of(KappaRow(**(texts | told | {"repetition": n}))) for n in range(1, presses + 1)]
-    (folder / "kappa.csv").write_text(KAPPA_HEADER + "\n" + "".join(rows))
+    rows = ["repetition,force_n,kappa_n_per_mm,low_n_per_mm,cues", "1,0.6,,,area"]
+    rows += [f"{press},6.5,3.0,{3 / (1 + half_width)},area" for press in (1, 2)]
+    (folder / "kappa.csv").write_text("\n".join(rows) + "\n")
     return folder
 
 
