@@ -29,6 +29,8 @@ class PressCurve:
     area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
     frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force. travel_force_n,
     travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
+    stretch_force_n, stretch_log_ratio, stretch_log_sd : how the skin of first contact grew against the contact, as
+    ``casr.session.Stretch``; empty where the front is not determined.
     """
 
     force_n: Floats
@@ -36,6 +38,9 @@ class PressCurve:
     first_n: float = np.nan
     travel_force_n: Floats = field(default_factory=lambda: np.empty(0))
     travel_mm: Floats = field(default_factory=lambda: np.empty(0))
+    stretch_force_n: Floats = field(default_factory=lambda: np.empty(0))
+    stretch_log_ratio: Floats = field(default_factory=lambda: np.empty(0))
+    stretch_log_sd: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
