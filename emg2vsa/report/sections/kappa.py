@@ -37,6 +37,8 @@ ALGORITHM_NAMES = {
 }
 
 
+ADVANCING_FRONT_ERROR = 0.096
+"""Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
 LAW_ERRORS = (-0.086, 0.108)
 """Least and largest median error of κ by the true CASR, over simulated sensors: benchmarks/results/press_worlds.md."""
 
@@ -71,6 +73,7 @@ def _quantities(results: StudyResults) -> Items:
     found = _found(results)
     yield "runs.kappa.new_specimen", found.new_specimen
     yield "runs.kappa.known_n_per_mm", found.known_kappa_new
+    yield "runs.kappa.advancing_front_error", ADVANCING_FRONT_ERROR
     yield "runs.kappa.mounting_sd_percent", results.study.calibration.mounting_sd_percent
     for each in found.conditions:
         for name, of in each.algorithms.items():
