@@ -87,7 +87,8 @@ class RunScores:
     to press (front: on the power law of the frames in which it is determined); start_area is the area at the force
     where the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area
     is above that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
-    indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
+    indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. peak_n : (R,)
+    largest force along the push axis, N, beyond the force of turning back too; NaN without presses.csv. curves : R.
     simulated : the run was emulated. first_contact : of the first press in which Algorithm 1 finds pins. notes : once
     each.
     """
@@ -108,6 +109,7 @@ class RunScores:
     casr: dict[str, Floats]
     true_a_c0: Floats
     indent_n_per_mm: Floats
+    peak_n: Floats
     curves: tuple[PressCurve, ...]
     picture: ContactPicture | None
     first_contact: FirstContact | None
