@@ -15,6 +15,7 @@ from casr.frames import FrameSequence
 from casr.press_forces import press_forces
 from casr.score import score, score_skin
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
+from casr.session import Stretch, stretch_of
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 
@@ -77,6 +78,11 @@ class Measured:
                 do="Look at the first frames (casr score --page); if they are as they should be, set another "
                 "algorithm.",
             )
+
+    @property
+    def stretch(self) -> Stretch | None:
+        """How the skin of first contact grew against the contact; None where the front is not determined."""
+        return None if self._seen is None else stretch_of(self._seen)
 
     def _need_front(self) -> None:
         assert self._seen is not None

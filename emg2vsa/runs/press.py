@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,7 +73,21 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
     own, selected = by[settings.algorithm], measured.selected
     # the rig's log is of the same sensor
     zero_n = skin.force_zero.level_n if skin.force_zero else 0.0
-    known = np.isfinite(own.area)
+    known, stretch = np.isfinite(own.area), measured.stretch
+    curve = PressCurve(
+        skin.force_n[: known.size][known],
+        own.area[known],
+        float(skin.force_n[0]),
+        press.force_n - zero_n,
+        press.depth_mm,
+    )
+    if stretch is not None:
+        curve = replace(
+            curve,
+            stretch_force_n=stretch.force_n,
+            stretch_log_ratio=stretch.log_ratio,
+            stretch_log_sd=stretch.log_sd,
+        )
     return ScoredPress(
         pins_selected=-1 if selected is None else selected.size,
         a_c0={name: found.a_c0 for name, found in by.items()},
@@ -81,13 +95,7 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         casr={name: found.casr for name, found in by.items()},
         area_unit=skin.area_unit,
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_n[0]),
-        curve=PressCurve(
-            skin.force_n[: known.size][known],
-            own.area[known],
-            float(skin.force_n[0]),
-            press.force_n - zero_n,
-            press.depth_mm,
-        ),
+        curve=curve,
         picture=_picture(press.frames, skin, own),
         first_contact=_first_contact(press, skin, selected),
         missing={name: found.missing for name, found in by.items() if found.missing},

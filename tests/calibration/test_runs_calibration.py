@@ -10,8 +10,9 @@ import pytest
 from emg2vsa import artifacts
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import growth_power
+from emg2vsa.calibration.online import reachable_width
 from emg2vsa.calibration.presses import without_outliers
-from emg2vsa.calibration.runs_calibration import calibrate_runs
+from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import DataError
 from emg2vsa.runs import ALGORITHMS
@@ -150,3 +151,29 @@ def test_without_a_new_specimen_there_is_nothing_to_calibrate_and_a_note_says_so
     found = calibrate_runs([run_of("S1", 0.0, "modular")], stiffness_n_per_mm, "", QUICK)
     assert found.conditions == ()
     assert "names no new_specimen" in found.notes[0]
+
+
+def test_every_angle_and_condition_has_a_calibration_for_presses_on_line(runs, stiffness_n_per_mm):
+    found = online_calibrations(runs, stiffness_n_per_mm, "S_new", (0.5, 7.0), QUICK, provenance={"study": "small"})
+    assert {(each.angle_deg, each.condition) for each in found} == {(run.angle_deg, run.condition) for run in runs}
+    for each in found:
+        assert each.specimens == ("S1", "S3", "S5")
+        assert each.quantity == "front"
+        assert each.simulated
+        assert np.isfinite(each.rates[..., -1]).all()
+        assert reachable_width(each, 5.32) > 0
+    assert not online_calibrations(runs[:1], stiffness_n_per_mm, "S_new", (0.5, 7.0), QUICK)
+
+
+def test_a_specimen_whose_skin_stretches_otherwise_is_named(runs, stiffness_n_per_mm):
+    def stretched(run):
+        slope = 2.0 if run.specimen == "S5" else 0.2
+        forces = np.linspace(0.5, 7.0, 12)
+        own = {"stretch_force_n": forces, "stretch_log_ratio": slope * np.log(forces / 0.5), "stretch_log_sd": 0.05}
+        return dataclasses.replace(run, curves=tuple(dataclasses.replace(curve, **own) for curve in run.curves))
+
+    place = [run for run in runs if (run.angle_deg, run.condition) == (0.0, "modular")]
+    found = calibrate_runs([stretched(run) for run in place], stiffness_n_per_mm, "S_new", QUICK)
+    (note,) = (note for note in found.conditions[0].algorithms["front"].chosen.notes if "friction" in note)
+    assert note.startswith("S5 may have other friction, ")
+    assert "slip, other friction, or lost pins" in note

@@ -161,7 +161,7 @@ def _flow(seen: FirstContact, engine: str) -> tuple[NDArray[np.floating[Any]], s
 
 _TEXT = """
 <p>Algorithm 1 counts pins that moved in the first frame in contact, and pins move further as the force rises. From
-frame to frame it rises by {{ q['runs.algorithm_1.step_n.median'] | number(2) }} N (median), and each 0.1 N adds
+frame to frame the force rises by {{ q['runs.algorithm_1.step_n.median'] | number(2) }} N (median), and each 0.1 N adds
 {{ (q['runs.algorithm_1.pins_per_n.median'] / 10) | number(2) }} pins. So the count tells when the frame was taken, and
 A_c0 needs a first frame within about 0.1 N of contact.</p>
 {{ folded("algorithm_1", "Pins counted, by specimen") }}
