@@ -31,7 +31,6 @@ from emg2vsa.contact_mechanics import (
 )
 from emg2vsa.contact_mechanics.camera_frames import FrameErrors, frames_of, power_rates
 from emg2vsa.contact_mechanics.press_path import PressPaths
-from emg2vsa.contact_mechanics.relaxation import convolved_force_n
 
 mp.mp.dps = 30
 NAMES = ("S1", "S2", "S3", "S5")
@@ -76,6 +75,12 @@ def ramp(end: float, seconds: float = 0.3) -> tuple[Floats, Floats]:
     return time_s, end * time_s / seconds
 
 
+def convolved_force_n(relaxation: Relaxation, time_s: Floats, force_n: Floats) -> list[float]:
+    state = ConvolvedForce(relaxation, 0.0)
+    steps = np.diff(time_s, prepend=time_s[0]).tolist()
+    return [state.advance(step, force) for step, force in zip(steps, force_n.tolist(), strict=True)]
+
+
 def maxwell_ramp() -> Iterator[Row]:
     """Down at 5 mm/s on one Maxwell arm, Hertz: by Dawson's function, and by quadrature of the integral."""
     long, arm, tau, end = mp.mpf("0.3"), mp.mpf("0.1"), mp.mpf("0.3"), mp.mpf("0.4")
@@ -93,8 +98,10 @@ def maxwell_ramp() -> Iterator[Row]:
         mp.nstr(by_dawson, 13),
         mp.nstr(abs(by_integral / by_dawson - 1), 1),
     )
-    body, creep_s = Relaxation.maxwell(0.3, 0.1, 0.3), 0.3 * 0.4 / 0.3
-    after_1_s = 1 / 0.3 - (1 / 0.3 - 1 / 0.4) * math.exp(-1 / creep_s)
+    # compliances of E(t) = 0.3 + 0.1 exp(-t / 0.3 s)
+    instant, creep, creep_s = 1 / 0.4, 1 / 0.3 - 1 / 0.4, 0.3 * 0.4 / 0.3
+    after_1_s = instant - creep * math.expm1(-1 / creep_s)
+    body = Relaxation(instant / after_1_s, (creep / after_1_s,), (creep_s,))
     law = PowerLaw(1 / after_1_s, RADIUS, 1 / 3)
     for step_s in (5e-3, 1e-3, 2e-4):
         state = ConvolvedForce(body, 0.0)

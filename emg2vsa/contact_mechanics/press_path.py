@@ -177,7 +177,7 @@ class _Presses:
                 found=str(len(steps)), do="Give one schedule for each press.",
             )  # fmt: skip
         self.drive, self.tilt, self._step_s, self._steps = drive, tilt, step_s, steps
-        self._tables = _Tables(contacts)
+        self._laws = _ElasticLaws(contacts)
         self._mm_per_rad = math.degrees(drive.mm_per_degree)
         self._tilt_rad = math.radians(tilt.angle_deg)
         self.cosine, self._sine = math.cos(self._tilt_rad), math.sin(self._tilt_rad)
@@ -213,7 +213,7 @@ class _Presses:
 
     def _contact(self, way_mm: Floats) -> tuple[Floats, Floats, Floats]:
         """Normal force at a way of the probe along its axis, its way along the surface, slope of the elastic force."""
-        elastic_n, slope = self._tables.resistance(way_mm * self.cosine)
+        elastic_n, slope = self._laws.resistance(way_mm * self.cosine)
         normal_n = (elastic_n - self._alpha_n) / self._beta
         if not self._sine:
             return normal_n, np.zeros_like(way_mm), slope
@@ -290,7 +290,7 @@ class _Presses:
         self._preset_rad = self._preset_rad + np.clip(wanted - self._preset_rad, -most, most)
 
 
-class _Tables:
+class _ElasticLaws:
     """Elastic forces of many power laws at once."""
 
     def __init__(self, contacts: Sequence[PowerLaw]) -> None:

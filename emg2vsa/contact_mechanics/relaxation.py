@@ -56,19 +56,6 @@ class Relaxation:
             )  # fmt: skip
         return _of_share(share)
 
-    @classmethod
-    def maxwell(cls, long_mpa: float, arm_mpa: float, tau_s: float) -> Relaxation:
-        """Of the modulus E(t) = long + arm exp(-t / tau), over its own value after 1 s; see ``modulus_mpa``."""
-        instant, creep = 1 / (long_mpa + arm_mpa), 1 / long_mpa - 1 / (long_mpa + arm_mpa)
-        creep_s = tau_s * (long_mpa + arm_mpa) / long_mpa
-        after_1_s = instant - creep * math.expm1(-1 / creep_s)
-        return cls(instant / after_1_s, (creep / after_1_s,), (creep_s,))
-
-    def compliance(self, time_s: ArrayLike) -> Floats:
-        """J at times after a step of force, 1 at 1 s; any shape."""
-        grown = -np.expm1(-np.asarray(time_s, dtype=np.float64)[..., None] / np.array(self.taus_s))
-        return np.asarray(self.instant + grown @ np.array(self.branches), dtype=np.float64)
-
     def modulus(self, time_s: ArrayLike) -> Floats:
         """Share of the modulus after a step of depth, the inverse of J by convolution; any shape."""
         taus, branches = np.array(self.taus_s), np.array(self.branches)
@@ -202,10 +189,3 @@ def _of_contacts(zero: Number, values: list[float]) -> Number:
         (value,) = values
         return value
     return np.asarray(zero + np.array(values), dtype=np.float64)
-
-
-def convolved_force_n(relaxation: Relaxation, time_s: Floats, force_n: Floats) -> Floats:
-    """F_c (N,) of a force (N,) that goes straight from sample to sample; before the first sample it was 0."""
-    state = ConvolvedForce(relaxation, 0.0)
-    steps = np.diff(time_s, prepend=time_s[0]).tolist()
-    return np.array([state.advance(step, force) for step, force in zip(steps, force_n.tolist(), strict=True)])

@@ -3,7 +3,7 @@
 Dimensionality reduction (Popov and Hess 2015): an axisymmetric contact is a row of springs at x >= 0 under a profile
 g(x); spring x is deformed by u = h - g(x) where that is above 0, and F = 2 times the integral of their forces. With a
 Maxwell arm each spring has f = E_long u + q, q' = E_arm u' - q / tau, exact over a step on which u is straight.
-This shares nothing with emg2vsa.contact_mechanics: moduli in place of compliances, depth in place of force.
+`ElementRow` shares nothing with emg2vsa.contact_mechanics: moduli in place of compliances, depth in place of force.
 """
 
 from __future__ import annotations
@@ -13,7 +13,24 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from emg2vsa.contact_mechanics import ConvolvedForce, Relaxation
+
 Floats = NDArray[np.float64]
+
+
+def maxwell(long_mpa: float, arm_mpa: float, tau_s: float) -> tuple[Relaxation, float]:
+    """The body of the modulus long + arm exp(-t / tau), and its modulus after 1 s, MPa."""
+    instant, creep = 1 / (long_mpa + arm_mpa), 1 / long_mpa - 1 / (long_mpa + arm_mpa)
+    creep_s = tau_s * (long_mpa + arm_mpa) / long_mpa
+    after_1_s = instant - creep * math.expm1(-1 / creep_s)
+    return Relaxation(instant / after_1_s, (creep / after_1_s,), (creep_s,)), 1 / after_1_s
+
+
+def convolved_force_n(relaxation: Relaxation, time_s: Floats, force_n: Floats) -> Floats:
+    """The convolved force of one that goes straight from sample to sample; before the first it was 0."""
+    state = ConvolvedForce(relaxation, 0.0)
+    steps = np.diff(time_s, prepend=time_s[0]).tolist()
+    return np.array([state.advance(step, force) for step, force in zip(steps, force_n.tolist(), strict=True)])
 
 
 class ElementRow:

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from emg2vsa.contact_mechanics import ConvolvedForce, PowerLaw, Relaxation
-from tests.contact_mechanics.history_keeping import ElementRow
+from emg2vsa.contact_mechanics import ConvolvedForce, PowerLaw
+from tests.contact_mechanics.history_keeping import ElementRow, maxwell
 
 LONG, ARM, TAU = 0.3, 0.1, 0.3
 
@@ -36,11 +36,8 @@ def forces(name: str, time_s: float) -> float:
 @pytest.mark.parametrize("name", ["ramp", "hold", "uneven"])
 @pytest.mark.parametrize("exponent", [0.25, 1 / 3])
 def test_in_first_loading_the_area_is_that_of_1500_elements(name: str, exponent: float) -> None:
-    body = Relaxation.maxwell(LONG, ARM, TAU)
-    # the elastic contact has the modulus after 1 s
-    creep_s = TAU * (LONG + ARM) / LONG
-    after_1_s = 1 / LONG - (1 / LONG - 1 / (LONG + ARM)) * math.exp(-1 / creep_s)
-    law, state = PowerLaw(1 / after_1_s, exponent=exponent), ConvolvedForce(body, 0.0)
+    body, after_1_s_mpa = maxwell(LONG, ARM, TAU)
+    law, state = PowerLaw(after_1_s_mpa, exponent=exponent), ConvolvedForce(body, 0.0)
     row = ElementRow(LONG, ARM, TAU, exponent=exponent, widest_mm=1.1 * float(law.radius_mm(8.5)))
     step_s, ratios, guess_mm = 0.004, [], 0.05
     for k in range(1, 126):

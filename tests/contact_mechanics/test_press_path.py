@@ -21,8 +21,8 @@ from emg2vsa.contact_mechanics import (
     in_series,
     simulate_presses,
 )
-from emg2vsa.contact_mechanics.relaxation import convolved_force_n
 from emg2vsa.errors import DataError
+from tests.contact_mechanics.history_keeping import convolved_force_n
 
 MAKER_PRO = SPRINGS["qbmove-maker-pro"]
 SOFT = Drive(springs=MAKER_PRO)

@@ -57,7 +57,7 @@ def test_one_changed_sample_runs_no_emulation(study: Path, capsys: pytest.Captur
     assert {step.status for step in look(study).values()} == {"fresh"}
 
 
-def test_stiffness_of_one_emulated_specimen_concerns_its_runs_alone(study: Path) -> None:
+def test_stiffness_of_one_emulated_specimen_concerns_its_runs_and_what_stiffness_can_do(study: Path) -> None:
     rig = study.parent / "rig.toml"
     text = rig.read_text()
     assert "S1 = 7.63" in text
@@ -66,7 +66,7 @@ def test_stiffness_of_one_emulated_specimen_concerns_its_runs_alone(study: Path)
     not_fresh = {step.id: step.status for step in steps.values() if step.status != "fresh"}
     own = {f"{name}/S1_0_{c}": "stale" for name in ("emulation", "runs") for c in ("high-stiffness", "modular")}
     behind = dict.fromkeys(("discrimination/study", "calibration/study", "report/study"), "waits")
-    assert not_fresh == own | behind
+    assert not_fresh == own | behind | {"stiffness/study": "stale"}
     assert steps["emulation/S1_0_modular"].reasons == ("setting emulated.stiffness_n_per_mm.S1: 7.63 -> 7.0",)
 
 

@@ -172,7 +172,8 @@ def _needed(results: StudyResults, effect: StiffnessEffect, names: list[str]) ->
         }
     )
     caption = (
-        "Change of the contrast by creep, and what it takes to see it (5 % level, 80 % power): presses with a CV of "
+        "Change of the contrast by creep as the rig file assumes it (relaxation, sensor_relaxation), and what it takes "
+        "to see it (5 % level, 80 % power): presses with a CV of "
         f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * _mounting_sd(results):g} %. The lossy sensor relaxes "
         f"by {100 * LOSSY_SENSOR:g} %, all specimens by {100 * LOSSY_SPECIMENS:g} %"
     )
