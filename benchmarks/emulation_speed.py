@@ -62,7 +62,8 @@ def main() -> None:
         "now": (ROOT, "elastic", ""),
         "viscoelastic": (ROOT, "viscoelastic", ""),
     }
-    print(f"{'run':<22}{'version':<14}{'rows':>7}{'emulation, s':>14}{'scoring, s':>12}{'of before':>11}{'with scoring':>14}")
+    columns = f"{'rows':>7}{'emulation, s':>14}{'scoring, s':>12}{'of before':>11}{'with scoring':>14}"
+    print(f"{'run':<22}{'version':<14}{columns}")
     for run in RUNS:
         found: dict[str, list[dict[str, float]]] = {name: [] for name in versions}
         for _ in range(arguments.rounds):

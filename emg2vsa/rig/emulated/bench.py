@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -112,6 +113,7 @@ class EmulatedRig:
         self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
         self._lock = threading.RLock()
+        self._looked_s, self._is_near = math.nan, True
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
         away = World(
             clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
@@ -203,8 +205,12 @@ class EmulatedRig:
         return OffContactCycle(*given, near=self._near)
 
     def _near(self) -> bool:
-        self._advance()
-        return self.world.above_mm < _NEAR_MM
+        """Asked several times in a turn, within which nothing moves."""
+        now_s = self.clock.now_s()
+        if now_s != self._looked_s:
+            self._advance()
+            self._looked_s, self._is_near = now_s, self.world.above_mm < _NEAR_MM
+        return self._is_near
 
     def _advance(self) -> None:
         self.firmware.advance()

@@ -131,8 +131,9 @@ class OffContactCycle(ControlCycle):
         plan, limits, rating = self._plan, self._limits, self._force.rating
         jump_n = limits.force_rate_n_per_s * self._rig.period_s / 2
         # of each axis; all three together are less than twice as much
-        most_n = min(plan.f_contact_n, limits.force_n, limits.lateral_n, jump_n, *rating.force_n) / 2
-        most_nm = min(limits.torque_nm, *rating.torque_nm) / 2
+        forces_n = plan.f_contact_n, limits.force_n, limits.lateral_n, jump_n, *(rating.force_n if rating else ())
+        torques_nm = limits.torque_nm, *(rating.torque_nm if rating else (limits.torque_nm,))
+        most_n, most_nm = min(forces_n) / 2, min(torques_nm) / 2
         self._most_counts = [
             most / step for most, step in zip([most_n] * 3 + [most_nm] * 3, self._force.steps, strict=True)
         ]
