@@ -313,17 +313,63 @@ class SimulationSettings:
     "Shortest and longest rest between presses, seconds."
 
 
+Algorithm = Literal["front", "edge", "hexagon", "circle", "paper"]
+
+
+class Recipe(NamedTuple):
+    """Every step from frames to a spread rate; ``RunSettings`` explains the keys."""
+
+    engine: str
+    force_rule: str
+    area_rule: str
+    law: str
+    rate: str
+    region: str = "contact"
+
+
+RECIPES: dict[str, Recipe] = {
+    "front": Recipe("pin-affine", "exposure", "edge", "ode", "power"),
+    "edge": Recipe("pin-affine", "exposure", "edge", "ode", "power"),
+    "hexagon": Recipe("pin-affine", "exposure", "hexagon", "ode", "power"),
+    "circle": Recipe("pin-affine", "exposure", "circle", "ode", "power"),
+    "paper": Recipe("horn-schunck", "mean", "paper", "paper", "paper"),
+}
+"""What an algorithm sets of the keys that a study leaves out (paper: sections III.A, IV.A and VI.A)."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class RunSettings:
-    """How the presses of the rig are scored (paper III.A, IV.A)."""
+    """How the presses of the rig are scored (paper III.A, IV.A).
 
-    algorithm: Literal["front", "edge", "hexagon", "circle", "paper"] = "front"
+    ``algorithm`` sets engine, force_rule, area_rule, law, rate and region, unless a key says otherwise: see
+    ``RECIPES``.
+    """
+
+    algorithm: Algorithm = "front"
     """Contact area: its front in every frame; or the growth of the first contact's skin with the initial area by its
     edge, hexagons (the paper's new one) or a circle (previous work); paper: as the paper means it."""
+    engine: Literal["pin-affine", "horn-schunck", "dis"] | None = None
+    "Flow that growth comes from: of the pins, or dense (paper: horn-schunck); omitted: as the algorithm has it."
+    force_rule: Literal["exposure", "mean"] | None = None
+    "Force of a frame: at exposure, or mean of the rows with its index (paper); omitted: as the algorithm has it."
+    area_rule: Literal["edge", "hexagon", "circle", "paper"] | None = None
+    "Initial area; differs from the algorithm only for algorithm = 'paper'; omitted: as the algorithm has it."
+    law: Literal["ode", "paper"] | None = None
+    "Area from growth: ode, exp(sum of growth); paper: equation (1) as printed; omitted: as the algorithm has it."
+    rate: Literal["power", "slope", "paper"] | None = None
+    "CASR: mean rate on a power law, slope, or equation (2) as printed (paper); omitted: as the algorithm has it."
+    region: Literal["contact", "image"] | None = None
+    "Where growth is measured; image: mean divergence of the whole image, by a dense engine; omitted: contact."
     force_n: tuple[Positive, Positive] = (0.5, 7.0)
     "Loading phase that is scored, in newtons: CASR is the mean rate between the two (paper: over the frames between)."
     threshold_px: Positive = 2.0
     "A pin that moved further than this from rest is in contact (hexagon, paper)."
+
+    @property
+    def recipe(self) -> Recipe:
+        """The algorithm's, with the keys that are set."""
+        given = {name: getattr(self, name) for name in Recipe._fields}
+        return RECIPES[self.algorithm]._replace(**{name: value for name, value in given.items() if value is not None})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -332,7 +378,7 @@ class DiscriminationSettings:
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
     "Significance level."
-    old_algorithm: Literal["front", "edge", "hexagon", "circle", "paper"] = "circle"
+    old_algorithm: Algorithm = "circle"
     "Vision algorithm that the one of the runs is compared with."
     equivalence_margin: Positive = 0.05
     "Areas, or rates, that differ by less than this share of their mean count as equal."

@@ -61,9 +61,11 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         simulated=True,
         algorithm="front",
         repetitions=np.arange(1, presses + 1),
+        mounting=np.ones(presses, dtype=np.int64),
         verdicts=("ok",) * presses,
         reasons=("",) * presses,
         area_unit="mm2",
+        pins_selected=np.round(area / step).astype(np.int64),
         a_c0={
             "front": area,
             "edge": area,

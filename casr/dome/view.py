@@ -97,8 +97,16 @@ class PinsAroundAxis:
         """(N,) arc along the inside of the skin from the middle of the contact to the root of each pin."""
         return self.view.inner_radius_mm * self.angle
 
-    def moved_px(self, u_r_mm: NDArray[Real], u_z_mm: NDArray[Real], tilt_rad: NDArray[Real]) -> NDArray[Real]:
+    def moved_px(
+        self,
+        u_r_mm: NDArray[Real],
+        u_z_mm: NDArray[Real],
+        tilt_rad: NDArray[Real],
+        pulled_mm: NDArray[Real] | None = None,
+    ) -> NDArray[Real]:
         """(..., N, 2) px from rest, of displacements (..., N) of the skin under the pins across and along the axis.
+
+        ``pulled_mm``: (..., N, 3) more that friction adds.
 
         A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an
         assumption: it takes the clamped base for as far away from that contact as from one at the pole.
@@ -111,6 +119,8 @@ class PinsAroundAxis:
         tips = (self.view.tip_radius_mm * self.directions).astype(kind)
         outward, axis = self.outward.astype(kind), self.axis.astype(kind)
         x, y, z = (tips[:, k] + out * outward[:, k] + up * axis[k] for k in range(3))
+        if pulled_mm is not None:
+            x, y, z = (each + pulled_mm[..., k] for k, each in enumerate((x, y, z)))
         per_mm = 1 / (z + kind.type(self.view.behind_mm))
         at_rest = (self.view.rest_px(self.directions) - self.view.pole_px).astype(kind)
         moved = np.empty((*tilt_rad.shape, 2), dtype=kind)

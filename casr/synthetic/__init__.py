@@ -4,7 +4,7 @@ from casr.synthetic.appearance import Appearance
 from casr.synthetic.contact import ContactWorld
 from casr.synthetic.press import SimulatedFrames, SimulatedPress, simulate_press
 from casr.synthetic.region import ContactEllipse
-from casr.synthetic.scatter import REALISTIC, Scatter
+from casr.synthetic.scatter import REALISTIC, Drawn, Scatter
 from casr.synthetic.scene import Scene
 from casr.synthetic.settings import PressSettings, TimelineSettings
 from casr.synthetic.skin import TACTIP_127, Skin
@@ -20,6 +20,7 @@ __all__ = [
     "ContactEllipse",
     "ContactState",
     "ContactWorld",
+    "Drawn",
     "PressSettings",
     "PressTruth",
     "Scatter",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import SettingError
-from casr.synthetic.motion import lever, spread
+from casr.synthetic.motion import lever, sheared, spread
 from casr.synthetic.region import ContactEllipse, Points, Rim, rim_distance
 from casr.synthetic.world import ContactState, Pressing
 
@@ -143,9 +143,25 @@ class StickSkin:
         return self.texture_px(lever(rest_px, touch, self._rim, self._world.lever_ratio), state)
 
     def texture_px(self, points_px: Points, state: ContactState) -> Points:
+        grown_px = self._grown_px(points_px, state)
+        if state.normal_n > 0 and state.tangential_mm and points_px.size:
+            return grown_px + self._pulled_px(grown_px, state)
+        return grown_px
+
+    def _grown_px(self, points_px: Points, state: ContactState) -> Points:
         if state.radius_mm <= self._stuck.radius_mm or not points_px.size:
             return points_px
         return spread(points_px, self.contact(self._stuck), self.contact(state), self._rim)
+
+    def _pulled_px(self, points_px: Points, state: ContactState) -> Points:
+        """(N, 2) how far friction pulls the skin that would be at these points."""
+        contact = self.contact(state)
+        from_centre, depth = points_px - contact.centre_px, contact.depth(points_px)
+        distance = np.hypot(*from_centre.T)
+        edge_px, rim_px = distance / np.maximum(depth, 1e-9), rim_distance(from_centre, contact, self._rim)
+        share = sheared(depth, (rim_px - distance) / (rim_px - edge_px))
+        along_px = state.tangential_mm * self._cos / self._pressing.camera.mm_per_px[0]
+        return np.asarray(share[:, None] * (along_px, 0.0))
 
     def skin_growth(self, before: ContactState, after: ContactState) -> float:
         first, last = (max(each.radius_mm, self._stuck.radius_mm) for each in (before, after))

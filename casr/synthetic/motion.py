@@ -60,6 +60,20 @@ def spread(points_px: Points, before: ContactEllipse, after: ContactEllipse, rim
     return np.asarray(before.centre_px + from_centre * gain[..., None])
 
 
+def sheared(depth: Points, left: Points) -> Points:
+    """Share of a contact's sideways way that its skin goes along: 1 inside, where it sticks.
+
+    Outside (2/pi) asin(a/r), as of an elastic half-space about a sheared disc (Johnson 1985, section 3.7), times what
+    is left of the way to the clamped edge.
+
+    Parameters
+    ----------
+    depth : (N,) distance from the contact's middle over that of its edge. left : (N,) of the way from edge to clamp.
+    """
+    outside = (2 / np.pi) * np.arcsin(1 / np.maximum(depth, 1.0)) * np.clip(left, 0.0, 1.0)
+    return np.asarray(np.where(depth > 1, outside, 1.0))
+
+
 def true_divergence(before: ContactEllipse, after: ContactEllipse) -> float:
     """Divergence of ``spread`` less identity everywhere inside ``before``: 2 (s - 1), per frame pair."""
     return 2 * (after.semi_axes_px[0] / before.semi_axes_px[0] - 1)

@@ -67,9 +67,9 @@ REALISTIC = Scatter(
 class Drawn:
     """A press against what was meant. depth, stiffness, area : factors. angle_deg, force_zero_n, latency_s : added."""
 
-    depth: float
-    stiffness: float
-    angle_deg: float
-    area: float
-    force_zero_n: float
-    latency_s: float
+    depth: float = 1.0
+    stiffness: float = 1.0
+    angle_deg: float = 0.0
+    area: float = 1.0
+    force_zero_n: float = 0.0
+    latency_s: float = 0.0

@@ -1,4 +1,7 @@
-"""What the camera of a sensor sees at a force: stateless, so frames may be asked for in any order and in real time."""
+"""What the camera of a sensor sees of a contact: stateless, so frames may be asked for in any order and in real time.
+
+A contact is given as its state, or as the force of one without friction or history.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from casr.synthetic.draws import Draws
 from casr.synthetic.region import ContactEllipse, Points, Rim
 from casr.synthetic.render import render
 from casr.synthetic.settings import PressSettings
-from casr.synthetic.world import Pressing
+from casr.synthetic.world import ContactState, Pressing
 
 
 class Scene:
@@ -33,7 +36,7 @@ class Scene:
         self.draws = Draws(
             settings.seed, settings.stiffness_n_per_mm, settings.angle_deg, settings.repetition, settings.mounting
         )
-        self.drawn = drawn = settings.scatter.drawn(self.draws)
+        self.drawn = drawn = settings.drawn or settings.scatter.drawn(self.draws)
         camera = settings.camera
         self.rim = Rim((camera.cx_px, camera.cy_px), settings.skin.mask_radius_px)
         self.rest_px = settings.skin.pins_px(self.rim.centre_px)
@@ -56,36 +59,37 @@ class Scene:
         s = self.settings
         return draw_surface(s.appearance, s.skin, s.camera, self.draws.sensor(), self.draws.of("brightness"))
 
-    def contact(self, force_n: float) -> ContactEllipse:
+    def contact(self, pressed: float | ContactState) -> ContactEllipse:
         """Contact in the image; a point at 0 N and below."""
-        return self.skin.contact(self.skin.state(max(force_n, 0.0)))
+        return self.skin.contact(self._state(pressed))
 
-    def area_mm2(self, force_n: float) -> float:
+    def area_mm2(self, pressed: float | ContactState) -> float:
         """True area of the contact; 0 at 0 N and below."""
-        return self.skin.area_mm2(self.skin.state(max(force_n, 0.0)))
+        return self.skin.area_mm2(self._state(pressed))
 
-    def pins_px(self, force_n: float) -> Points:
+    def pins_px(self, pressed: float | ContactState) -> Points:
         """(n_pins, 2) pin tips, those of missing pins too."""
-        return self.skin.moved_px(self.rest_px, self.skin.state(max(force_n, 0.0)))
+        return self.skin.moved_px(self.rest_px, self._state(pressed))
 
-    def image(self, force_n: float, frame: int) -> NDArray[np.uint8]:
-        """(H, W) frame number ``frame``, taken at ``force_n``; the number chooses the noise only."""
+    def image(self, pressed: float | ContactState, frame: int) -> NDArray[np.uint8]:
+        """(H, W) frame number ``frame`` of that contact; the number chooses the noise only."""
+        state = self._state(pressed)
+        texture_px = self.surface.speckle_px
         return render(
-            self.pins_px(force_n),
+            self.pins_px(state),
             self.surface,
             self.settings.skin,
-            speckle_px=self._texture_px(force_n),
+            speckle_px=self.skin.texture_px(texture_px, state) if texture_px.size else texture_px,
             noise_grey=self.settings.appearance.noise_grey,
             rng=self.draws.of("frame", frame),
         )
 
     def skin_growth(self, before_n: float, after_n: float) -> float:
         """ln of how much larger the skin of the first contact becomes in the image between two forces."""
-        return self.skin.skin_growth(*(self.skin.state(max(force, 0.0)) for force in (before_n, after_n)))
+        return self.skin.skin_growth(self._state(before_n), self._state(after_n))
 
-    def _texture_px(self, force_n: float) -> Points:
-        texture_px = self.surface.speckle_px
-        return self.skin.texture_px(texture_px, self.skin.state(max(force_n, 0.0))) if texture_px.size else texture_px
+    def _state(self, pressed: float | ContactState) -> ContactState:
+        return pressed if isinstance(pressed, ContactState) else self.skin.state(max(pressed, 0.0))
 
     def _landing_mm(self) -> tuple[float, float]:
         """How far from where it was meant to the contact lands."""

@@ -9,7 +9,7 @@ from casr.camera import Camera, Sensor
 from casr.errors import SettingError
 from casr.specimens import SPECIMENS
 from casr.synthetic.appearance import Appearance
-from casr.synthetic.scatter import Scatter
+from casr.synthetic.scatter import Drawn, Scatter
 from casr.synthetic.skin import TACTIP_127, Skin
 from casr.synthetic.tabulated import TabulatedWorld
 from casr.synthetic.world import World
@@ -80,7 +80,7 @@ class PressSettings:
     angle_deg : between the sensor's axis and the normal of the specimen's surface; the contact moves along +x.
     repetition, seed : which of the presses of the sensor ``seed``.
     mounting : which of the times that sensor and specimens were mounted.
-    scatter : in what presses differ from what was meant.
+    scatter : in what presses differ from what was meant. drawn : in what this one does, instead of a draw.
     centre_sd_mm : standard deviation of where the contact lands, along x and y; never more than twice that far.
     """
 
@@ -90,6 +90,7 @@ class PressSettings:
     seed: int = 0
     mounting: int = 0
     scatter: Scatter = field(default_factory=Scatter)
+    drawn: Drawn | None = None
     centre_sd_mm: float = 0.5
     world: World = field(default_factory=TabulatedWorld)
     skin: Skin = TACTIP_127

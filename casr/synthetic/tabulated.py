@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shipped
 from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
 from casr.errors import SettingError
+from casr.synthetic.motion import sheared
 from casr.synthetic.region import ContactEllipse, Points
 from casr.synthetic.world import ContactState, Pressing
 
@@ -129,6 +130,7 @@ class TabulatedSkin:
         x = math.radians(pressing.angle_deg) + centre_mm[0] / OUTER_RADIUS_MM
         y = centre_mm[1] / OUTER_RADIUS_MM
         self._axis = np.array([math.sin(x) * math.cos(y), math.sin(y), math.cos(x) * math.cos(y)])
+        self._climbs = np.array([math.cos(x), 0.0, -math.sin(x)])
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
@@ -177,8 +179,14 @@ class TabulatedSkin:
             motion = self._motion[0] * (state.radius_mm / radius[0])
         else:
             motion = (1 - share) * self._motion[low] + share * self._motion[low + 1]
-        u = [np.interp(around.arc_mm, self._library.arc_mm, motion[:, k]) for k in range(3)]
-        return around.moved_px(*u)
+        arc_mm = self._library.arc_mm
+        across, along, tilt = (np.interp(around.arc_mm, arc_mm, motion[:, k]) for k in range(3))
+        if not state.tangential_mm:
+            return around.moved_px(across, along, tilt)
+        edge_mm = self._edge_at(state)
+        left = (arc_mm[-1] - around.arc_mm) / (arc_mm[-1] - edge_mm)
+        pulled_mm = state.tangential_mm * sheared(around.arc_mm / edge_mm, left)
+        return around.moved_px(across, along, tilt, pulled_mm[:, None] * self._climbs)
 
 
 def _area(outline_px: Points) -> float:

@@ -13,13 +13,12 @@ from casr.synthetic.region import ContactEllipse, Points
 class ContactState:
     """A contact at one moment.
 
-    radius_mm : of its edge, seen along the normal of the specimen. normal_n, tangential_n : forces on the skin.
-    tangential_mm : displacement of the specimen along its surface since it touched.
+    radius_mm : of its edge, seen along the normal of the specimen. normal_n : force on the skin.
+    tangential_mm : how far friction has pulled the skin of the contact along the surface, the way that surface climbs.
     """
 
     radius_mm: float
     normal_n: float
-    tangential_n: float = 0.0
     tangential_mm: float = 0.0
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.laws import LawFit, fit_law
+from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter
 from emg2vsa.calibration.presses import mean_of, within
 from emg2vsa.curves.weighted_rows import weighted_rows
 from emg2vsa.errors import DataError
@@ -31,10 +33,11 @@ ENOUGH_SPECIMENS = 6
 class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
-    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. mount_share,
-    mounting_sd, other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``;
-    mean_casr : (d, S). fit : the law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
-    left_out : (d, S) kappa of each specimen as the others predict it.
+    kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. specimen_share,
+    angle_share, other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``;
+    labels : (S, R) mounting of each press. mounting : how they differ. mean_casr : (d, S). fit : the law. r2, adj_r2 :
+    (d,) of kappa about its mean, over the points that were fitted. left_out : (d, S) kappa of each specimen as the
+    others predict it.
     """
 
     settings: CalibrationSettings
@@ -42,10 +45,12 @@ class Calibration:
     casr_unit: str
     kappa: Floats
     kappa_se: Floats
-    mount_share: float
-    mounting_sd: float
+    specimen_share: float
+    angle_share: float
     other_exponent: float
     casr: Floats
+    labels: Ints
+    mounting: MountingScatter
     mean_casr: Floats
     fit: LawFit
     r2: Floats
@@ -66,10 +71,14 @@ class Calibration:
         """
         variance, n = within(self.casr)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            square = np.nan_to_num(variance / n) + (self.mounting_sd * self.mean_casr) ** 2
+            square = np.nan_to_num(variance / n) + (self.mounting.sd[:, None] * self.mean_casr) ** 2
             wrong = _differences(self.mean_casr) * np.where(self.fit.rises, -1, 1)[:, None, None]
             ordered = _differences(self.kappa) > np.sqrt(_sums(self.kappa_se**2))
             return np.asarray(~np.any(ordered & (wrong > np.sqrt(_sums(square))), axis=(1, 2)))
+
+    def only(self, i: int) -> Calibration:
+        """Calibration ``i`` alone: d = 1."""
+        return cast(Calibration, _only(self, i))
 
     def equation(self, i: int = 0) -> str:
         """The fitted law in numbers, with units: those of the parameters hang on them."""
@@ -92,6 +101,14 @@ class Calibration:
         return notes
 
 
+def _only(of_d: Any, i: int) -> Any:
+    """The same dataclass with the arrays of d cut to the one at ``i``."""
+    own = {each.name: getattr(of_d, each.name) for each in dataclasses.fields(of_d)}
+    parts = ("fit", "mounting")
+    cut = {name: value[i : i + 1] for name, value in own.items() if isinstance(value, np.ndarray) and name != "labels"}
+    return dataclasses.replace(of_d, **cut, **{name: _only(own[name], i) for name in parts if name in own})
+
+
 def calibrate(
     kappa: ArrayLike,
     casr: ArrayLike,
@@ -100,16 +117,21 @@ def calibrate(
     casr_unit: str,
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
-    mount_share: float = 0.0,
+    specimen_share: float = 0.0,
+    angle_share: float = 0.0,
     mounting_sd: float = 0.0,
+    mountings: ArrayLike | None = None,
     other_exponent: float = HERTZ,
 ) -> Calibration:
     """Fit a law through specimens of known stiffness.
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
-    kappa_se : standard errors of kappa. mount_share : of the angle, see ``forms``. mounting_sd : standard deviation of
-    a score from one mounting to the next, as a share of it. other_exponent : that the presses show in place of Hertz's,
-    see ``forms``. All four widen the interval from repeats and do not change the fit.
+    kappa_se : standard errors of kappa. specimen_share : standard deviation of a score between specimens, as a share of
+    it, that no mounting and no press shows. angle_share : the same for the angle of a mounting, with its sign
+    (``forms``). mounting_sd : the same for all else in a mounting. mountings : (S, R) number of the mounting of each
+    press; omitted: one of each specimen. Where they are enough to tell (``mountings``), their scatter takes the place
+    of angle_share and mounting_sd. other_exponent : that the presses show in place of Hertz's, see ``forms``. All of
+    these widen the interval from repeats and do not change the fit.
     Leaving out one specimen after the other is always done. DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -119,6 +141,8 @@ def calibrate(
     scores = np.where(np.isfinite(scores), scores, np.nan)
     means = mean_of(scores)
     x, y = fitted_points(scores, stiffness, settings.points)
+    labels = np.ones(scores.shape[1:], dtype=np.int64) if mountings is None else np.asarray(mountings, dtype=np.int64)
+    mounting = mounting_scatter(scores, labels, mounting_sd)
     fit = fit_law(settings.law, settings.minimise, x, y)
     fitted = fit.at(x)
     rows = weighted_rows(np.where(np.isfinite(fitted), x, np.nan), y, None, where="calibration")
@@ -129,10 +153,12 @@ def calibrate(
         casr_unit=casr_unit,
         kappa=stiffness,
         kappa_se=_checked_kappa_se(kappa_se, stiffness),
-        mount_share=mount_share,
-        mounting_sd=mounting_sd,
+        specimen_share=specimen_share,
+        angle_share=angle_share,
         other_exponent=other_exponent,
         casr=scores,
+        labels=labels,
+        mounting=mounting,
         mean_casr=means,
         fit=fit,
         r2=r2,

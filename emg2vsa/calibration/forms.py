@@ -73,6 +73,14 @@ def x_of(law: Law, casr: Floats) -> Floats:
         return np.asarray(positive**HERTZ if law == "compliance" else np.log(positive))
 
 
+def casr_of(law: Law, x: Floats) -> Floats:
+    """The score at a place on the axis of the law: the inverse of ``x_of``."""
+    if law == "exponential":
+        return x
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(np.where(x > 0, x, np.nan) ** (1 / HERTZ) if law == "compliance" else np.exp(x))
+
+
 def x_slope(law: Law, casr: Floats) -> Floats:
     """dX / dCASR."""
     if law == "exponential":
@@ -104,11 +112,14 @@ def kappa_slope(law: Law, kappa: Floats) -> Floats:
     return np.ones_like(kappa) if law == "linear-log" else kappa
 
 
-def casr_share(algorithm: str, angle_deg: float, angle_sd_deg: float) -> float:
-    """Standard deviation of CASR from specimen to specimen that its presses do not show, as a share of it."""
-    if algorithm != "front":
-        return mount_share(CASR_POWER, angle_deg, angle_sd_deg)
-    return math.hypot(mount_share(FRONT_POWER, angle_deg, angle_sd_deg), FRONT_SHARE)
+def specimen_share(algorithm: str) -> float:
+    """Standard deviation of CASR between specimens that neither presses nor mountings show, as a share of it."""
+    return FRONT_SHARE if algorithm == "front" else 0.0
+
+
+def casr_angle_share(algorithm: str, angle_deg: float, angle_sd_deg: float) -> float:
+    """``mount_share`` of CASR."""
+    return mount_share(FRONT_POWER if algorithm == "front" else CASR_POWER, angle_deg, angle_sd_deg)
 
 
 def mount_share(power: float, angle_deg: float, angle_sd_deg: float) -> float:

@@ -5,14 +5,15 @@ The kinesthetic score of a press is the slope of force over indentation, N/mm. I
 Hertz contact, exactly as CASR does, so the compliance law calibrates both (``forms``).
 
 Both scores come from the same presses, the same force sensor, the same angle and the same known stiffnesses, and are
-correlated. What else differs between mountings is taken as independent: the camera's depth and the delay of its frames
-move one score, the place on the specimen both. Estimates are combined as logarithms of kappa by the best linear
+correlated. What else differs between mountings moves one score (the camera's depth, the delay of its frames) or both
+(the place on the specimen): the correlation of the mountings' means says how much where ten degrees of freedom tell it,
+and else it is taken as none. Estimates are combined as logarithms of kappa by the best linear
 unbiased weights for correlated errors,
 
     w = (v_k - c) / (v_c + v_k - 2 c),
 
 with the variances v of the two estimates and their covariance c, of which the presses' part is from the correlation of
-the scores within specimens. With a strong correlation w can lie outside 0 to 1, where the fused value lies outside both
+the scores within mountings. With a strong correlation w can lie outside 0 to 1, where the fused value lies outside both
 cues on the strength of that correlation alone (Lyons, Gibaut and Clifford 1988, Nuclear Instruments and Methods A 270,
 110): the better cue is taken then. Weights from estimated variances cost precision, which is counted (Meier 1953,
 Biometrics 9, 59). The two cues must agree: their difference over its standard error is tested, chi-square of one degree
@@ -27,12 +28,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import HERTZ, kappa_slope
 from emg2vsa.calibration.left_out import widened_interval
+from emg2vsa.calibration.mountings import by_mounting
 from emg2vsa.calibration.presses import mean_of
-from emg2vsa.calibration.repeats import RepeatInterval, side_by_side
+from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, side_by_side
 from emg2vsa.settings import CalibrationSettings
 
 DISAGREE_P = 0.05
@@ -44,8 +46,9 @@ class Fusion:
     """d fused estimates; (d,), NaN where undefined.
 
     kappa, low, high : N/mm, the fused estimate and its interval.
-    weight : of the cutaneous cue, 0 to 1. correlation : of the two scores of a press, within specimens.
+    weight : of the cutaneous cue, 0 to 1. correlation : of the two scores of a press, within mountings.
     chi2, p : squared difference of the cues over its variance, and its p. cutaneous, kinesthetic : kappa by each alone.
+    reach : half of the interval on ln kappa.
     """
 
     kappa: Floats
@@ -57,6 +60,7 @@ class Fusion:
     p: Floats
     cutaneous: RepeatInterval
     kinesthetic: RepeatInterval
+    reach: Floats
 
     def notes(self, i: int = 0) -> tuple[str, ...]:
         """What must be known to read fusion ``i``; cues that disagree are said."""
@@ -80,8 +84,9 @@ def calibrate_indentation(
     *,
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
-    mount_share: float = 0.0,
+    angle_share: float = 0.0,
     mounting_sd: float = 0.0,
+    mountings: ArrayLike | None = None,
     other_exponent: float = HERTZ,
 ) -> Calibration:
     """The kinesthetic cue's calibration, 1/kappa over (mm/N)^(3/2); arguments as in ``calibrate``, scores in N/mm."""
@@ -96,8 +101,9 @@ def calibrate_indentation(
         casr_unit="mm/N",
         specimens=specimens,
         kappa_se=kappa_se,
-        mount_share=mount_share,
+        angle_share=angle_share,
         mounting_sd=mounting_sd,
+        mountings=mountings,
         other_exponent=other_exponent,
     )
 
@@ -109,18 +115,44 @@ def mm_per_n(indent_n_per_mm: ArrayLike) -> Floats:
         return np.where(slope > 0, 1 / slope, np.nan)
 
 
-def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_n_per_mm: Floats) -> Fusion:
-    """kappa of a specimen by both cues; scores (R,) or (d, R), of the same presses in the same order."""
+def fuse(
+    cutaneous: Calibration,
+    kinesthetic: Calibration,
+    casr: Floats,
+    indent_n_per_mm: Floats,
+    mountings: Ints | None = None,
+) -> Fusion:
+    """kappa of a specimen by both cues; scores (R,) or (d, R), of the same presses in the same order.
+
+    mountings : (R,) number of each press's mounting; None: one.
+    """
     area, depth = np.atleast_2d(casr), np.atleast_2d(mm_per_n(indent_n_per_mm))
-    c, k = widened_interval(cutaneous, area), widened_interval(kinesthetic, depth)
-    correlation = _correlation(side_by_side(cutaneous.casr, area), side_by_side(kinesthetic.casr, depth))
+    c, k = widened_interval(cutaneous, area, mountings), widened_interval(kinesthetic, depth, mountings)
+    return fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
+
+
+def fuse_intervals(
+    cutaneous: Calibration,
+    c: RepeatInterval,
+    area: Floats,
+    kinesthetic: Calibration,
+    k: RepeatInterval,
+    depth: Floats,
+    mountings: Ints | None = None,
+) -> Fusion:
+    """Both intervals together; area, depth : (d, R) scores that they are from, NaN where there is none."""
+    labels = labels_side_by_side(cutaneous.labels, area.shape[1], mountings)
+    a, b = (by_mounting(side_by_side(cue.casr, own), labels) for cue, own in ((cutaneous, area), (kinesthetic, depth)))
+    correlation = _correlation(a.reshape(len(a), -1, a.shape[-1]), b.reshape(len(b), -1, b.shape[-1]))
+    of_mountings = _correlation(mean_of(a), mean_of(b))
     g_c, g_k = _per_press(cutaneous, c), _per_press(kinesthetic, k)
     with np.errstate(invalid="ignore", divide="ignore"):
         shared = np.minimum(c.n, k.n)
         counted = np.sqrt((c.n / c.serial.effective_n) * (k.n / k.serial.effective_n))
         of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n) * counted, axis=1)
         logs = _log_slope(cutaneous, c) * _log_slope(kinesthetic, k)
-        unseen = np.sum(c.kappa_step * k.kappa_step, axis=1) + np.sum(c.mount_step * k.mount_step, axis=1)
+        unseen = np.sum(c.kappa_step * k.kappa_step, axis=1) + np.sum(c.angle_step * k.angle_step, axis=1)
+        unseen += of_mountings * np.sum(c.mounting_step * k.mounting_step, axis=1)
         covariance = of_presses + logs * (unseen + c.law_step * k.law_step)
         v_c, v_k = _of_log(cutaneous, c), _of_log(kinesthetic, k)
         apart = v_c + v_k - 2 * covariance
@@ -142,6 +174,7 @@ def fuse(cutaneous: Calibration, kinesthetic: Calibration, casr: Floats, indent_
         p=p,
         cutaneous=c,
         kinesthetic=k,
+        reach=reach,
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.calibration.forms import eta_of, kappa_of, kappa_slope, x_of, x_slope
+from emg2vsa.calibration.forms import casr_of, eta_of, kappa_of, kappa_slope, x_of, x_slope
 from emg2vsa.curves.exponential import ExponentialFit, fit_exponential, fit_exponential_log
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.weighted_rows import weighted_rows
@@ -59,6 +59,12 @@ class LawFit:
     def at(self, casr: Floats) -> Floats:
         """kappa (d, m) at scores (d, m); NaN where the law has none."""
         return kappa_of(self.law, self.eta(casr))
+
+    def casr(self, kappa: Floats) -> Floats:
+        """The score (d, m) of stiffnesses (d, m); NaN where the law has none."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = self.x0[:, None] + (eta_of(self.law, kappa) - self.level[:, None]) / self.slope[:, None]
+        return casr_of(self.law, x)
 
     def steepness(self, casr: Floats) -> Floats:
         """d kappa / d CASR (d, m)."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.forms import eta_of
 from emg2vsa.calibration.laws import LAWS, WAYS
@@ -49,10 +49,10 @@ class LeftOut:
         return np.where(self.law_p < 1 - confidence, largest, 1.0)
 
 
-def widened_interval(calibration: Calibration, scores: Floats) -> RepeatInterval:
+def widened_interval(calibration: Calibration, scores: Floats, mountings: Ints | None = None) -> RepeatInterval:
     """``repeat_interval``, widened where the calibration's own test rejects its law."""
     widened = left_out(calibration).widening(calibration.settings.confidence)
-    return repeat_interval(calibration, scores, widened=widened)
+    return repeat_interval(calibration, scores, mountings=mountings, widened=widened)
 
 
 def left_out(calibration: Calibration) -> LeftOut:
@@ -73,11 +73,13 @@ def _one(calibration: Calibration, j: int) -> tuple[Floats, Floats, Floats]:
         calibration.settings,
         casr_unit=calibration.casr_unit,
         kappa_se=calibration.kappa_se[:, others],
-        mount_share=calibration.mount_share,
-        mounting_sd=calibration.mounting_sd,
+        specimen_share=calibration.specimen_share,
+        angle_share=calibration.angle_share,
+        mountings=calibration.labels[others],
         other_exponent=calibration.other_exponent,
     )
-    found = repeat_interval(without, calibration.casr[:, j])
+    without = dataclasses.replace(without, mounting=calibration.mounting)
+    found = repeat_interval(without, calibration.casr[:, j], mountings=calibration.labels[j])
     known = eta_of(calibration.settings.law, calibration.kappa[:, j])
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = special.stdtrit(found.df, 0.5 + 0.5 * calibration.settings.confidence) * found.eta_se

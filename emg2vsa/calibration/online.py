@@ -1,40 +1,216 @@
-"""Stiffness while a press goes on: an interval after every frame, and a stop as soon as it is narrow enough.
+"""Stiffness while a press goes on: a total interval after every frame, and a reason to stop.
 
-The score of half a press is not the score of a whole one, because A(F) is concave. So the calibration is made for every
-force at which the new press may be judged: the presses of the known specimens are cut at that force too, and all slopes
-are taken between the same two forces. Presses of the new specimen that are finished count along, cut alike.
+The presses of the known specimens are cut at every force at which the new press may be judged (``cut_presses``).
+Finished presses of the new specimen count along, cut alike. Where the rig's log tells the travel of the probe, both
+cues are fused (``fusion``).
 
-A specimen pressed once shows no noise of its own; that of the known specimens is taken, pooled. The stopping rule looks
-at the width of the interval alone. That is not quite innocent, for the width grows with the estimate and a press that
-seems soft stops first: decision 16 has what is left of the coverage.
+A specimen pressed once shows no noise of its own; that of the known specimens is taken, pooled. The interval is total:
+presses, known stiffnesses, mountings, angle and law (``repeats``), widened where the known specimens reject the law.
+
+A press may stop early for two reasons. The interval is as narrow as wanted. Or the rest of the press is expected to
+narrow it by less than a tenth: that depends on the calibration and the estimate alone, so it is tabulated beforehand.
+The first reason looks at a width that grows with the estimate, so a press that seems soft stops first;
+benchmarks/results/online_kappa.md has the coverage at the stop.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
-from emg2vsa.calibration.repeats import repeat_interval
-from emg2vsa.errors import DataError
+from emg2vsa.calibration.cut_presses import ROUNDING_N, cut_rates, cut_travel
+from emg2vsa.calibration.forms import (
+    INDENTATION_POWER,
+    casr_angle_share,
+    casr_exponent,
+    indentation_exponent,
+    mount_share,
+    specimen_share,
+)
+from emg2vsa.calibration.fusion import DISAGREE_P, calibrate_indentation, fuse_intervals
+from emg2vsa.calibration.left_out import left_out
+from emg2vsa.calibration.repeats import interval_of, repeat_interval
 from emg2vsa.settings import CalibrationSettings
 
-Curve = tuple[ArrayLike, ArrayLike]
-"""Force (T,) in N and contact area (T,) of the frames of a loading phase."""
-_POINTS = 33  # of the force axis, through which the straight line goes
+NARROWS = 0.9
+"The rest of a press must be expected to bring the interval below this share of its width, or the press may stop."
+WIDTH_REACHED, NO_GAIN = "width reached", "the rest would narrow it by less than a tenth"
+AREA, BOTH = "area", "area and travel"
+_KAPPAS = 25
+"Stiffnesses of the table of expected widths."
 
 
 @dataclass(frozen=True)
-class OnlineCalibration:
-    """Calibrations for presses cut at forces_n (G,); all slopes begin at start_n. calibration : d = G."""
+class Judged:
+    """A specimen by its scores so far; (d,). kappa, low, high : N/mm. reach : half of the interval, on the axis of the
+    law, or on ln kappa where ``cues`` is ``BOTH``. amplification : percent of kappa for 1 % of CASR. p : of the cues
+    agreeing, NaN for one cue."""
 
+    kappa: Floats
+    low: Floats
+    high: Floats
+    reach: Floats
+    amplification: Floats
+    cues: str
+    p: Floats
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OnlineCalibration:
+    """What presses of an unknown specimen are judged by, at one angle and condition.
+
+    specimens : S names. kappa, kappa_se : (S,) N/mm. quantity : whose area, as ``RunScores.algorithm``; area_unit : of
+    it. start_n : where all scores begin. forces_n : (G,) at which a press is judged. rates : (S, R, G) in area_unit/N,
+    travel : (S, R, G) mm/N, NaN where a press does not reach or has no log. mounting : (S, R) number of each press's
+    mounting, from 1. growth : p of A ~ F^p, see ``growth_power``. simulated : an emulated rig pressed. provenance :
+    name to value.
+    """
+
+    specimens: tuple[str, ...]
+    kappa: Floats
+    kappa_se: Floats
+    quantity: str
+    area_unit: str
+    angle_deg: float
+    condition: str
     start_n: float
     forces_n: Floats
-    calibration: Calibration
+    rates: Floats
+    travel: Floats
+    mounting: Ints
+    settings: CalibrationSettings = field(default_factory=CalibrationSettings)
+    growth: float = float("nan")
+    simulated: bool = False
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """From CASR, at every force: d = G."""
+        return calibrate(
+            self._kappa_at_every_force,
+            np.moveaxis(self.rates, -1, 0),
+            self.settings,
+            casr_unit=f"{self.area_unit}/N",
+            specimens=self.specimens,
+            kappa_se=self.kappa_se,
+            specimen_share=specimen_share(self.quantity),
+            angle_share=casr_angle_share(self.quantity, self.angle_deg, self.settings.angle_sd_deg),
+            mounting_sd=self.settings.mounting_sd_percent / 100,
+            mountings=self.mounting,
+            other_exponent=casr_exponent(self.growth),
+        )
+
+    @cached_property
+    def by_travel(self) -> Calibration | None:
+        """From travel per newton; None where a specimen has none."""
+        if not np.isfinite(self.travel[:, :, -1]).any(axis=1).all():
+            return None
+        return calibrate_indentation(
+            self._kappa_at_every_force,
+            1 / np.moveaxis(self.travel, -1, 0),
+            self.settings,
+            specimens=self.specimens,
+            kappa_se=self.kappa_se,
+            angle_share=mount_share(INDENTATION_POWER, self.angle_deg, self.settings.angle_sd_deg),
+            mounting_sd=self.settings.mounting_sd_percent / 100,
+            mountings=self.mounting,
+            other_exponent=indentation_exponent(self.growth),
+        )
+
+    @property
+    def presses(self) -> int:
+        """Presses of the known specimens."""
+        return int(np.count_nonzero(np.isfinite(self.rates).any(axis=-1)))
+
+    def judged(self, rates: Floats, travel: Floats, at: int | None = None, mountings: Ints | None = None) -> Judged:
+        """Of rates and travel (n, G) of n presses of the new specimen: d = G, or the one at the force of index ``at``.
+
+        mountings : (n,) number of each press's mounting; None: one. Without travel by the area alone.
+        """
+        cut = slice(None) if at is None else slice(at, at + 1)
+        cutaneous, kinesthetic = self.calibration, self.by_travel
+        if at is not None:
+            cutaneous, kinesthetic = cutaneous.only(at), kinesthetic.only(at) if kinesthetic else None
+        area, depth = rates[:, cut].T, travel[:, cut].T
+        c = repeat_interval(cutaneous, area, mountings=mountings, own_noise=False, widened=self._widened[0][cut])
+        share = np.abs(c.score_share)
+        if kinesthetic and np.isfinite(depth).any(axis=1).all():
+            k = repeat_interval(
+                kinesthetic, depth, mountings=mountings, own_noise=False, widened=self._widened[1][cut]
+            )  # fmt: skip
+            both = fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
+            if np.isfinite(both.kappa).all():
+                return Judged(both.kappa, both.low, both.high, both.reach, share * both.weight, BOTH, both.p)
+        return Judged(c.kappa, c.low, c.high, c.reach, share, AREA, np.full(c.kappa.shape, np.nan))
+
+    def expected_reach(self, kappa: float, presses: int = 1, cues: str = AREA) -> Floats:
+        """(G,) ``Judged.reach`` that is expected of so many presses, all cut at the same force, in one mounting.
+
+        NaN where the law has no score for this stiffness.
+        """
+        if (presses, cues) not in self._expected:
+            rates = _scores(self.calibration, self._kappas)
+            none = np.full_like(rates, np.nan)
+            travel = _scores(self.by_travel, self._kappas) if self.by_travel and cues == BOTH else none
+            reach = [
+                self.judged(np.tile(rates[:, i], (presses, 1)), np.tile(travel[:, i], (presses, 1))).reach
+                for i in range(_KAPPAS)
+            ]
+            self._expected[presses, cues] = np.stack(reach)
+        table = self._expected[presses, cues]
+        at = np.log(np.clip(kappa, self._kappas[0], self._kappas[-1]))
+        return np.array([np.interp(at, np.log(self._kappas), column) for column in table.T])
+
+    def half_width(self, kappa: float, reach: float, cues: str = AREA) -> float:
+        """Half width, as a share of kappa, of an interval with this ``Judged.reach``."""
+        if cues == BOTH:
+            return math.sinh(reach)
+        low, high = interval_of(self.settings.law, kappa, reach)
+        return (high - low) / (2 * kappa)
+
+    @property
+    def _kappa_at_every_force(self) -> Floats:
+        return np.broadcast_to(self.kappa, (self.forces_n.size, self.kappa.size))
+
+    @cached_property
+    def _widened(self) -> tuple[Floats, Floats]:
+        """(G,) factors on the standard errors of both cues, from the left-out specimens."""
+        confidence = self.settings.confidence
+        cutaneous = left_out(self.calibration).widening(confidence)
+        return cutaneous, left_out(self.by_travel).widening(confidence) if self.by_travel else cutaneous
+
+    @cached_property
+    def _expected(self) -> dict[tuple[int, str], Floats]:
+        return {}
+
+    @cached_property
+    def _kappas(self) -> Floats:
+        """Somewhat beyond the known specimens."""
+        return np.geomspace(self.kappa.min() / 2, 2 * self.kappa.max(), _KAPPAS)
+
+
+def _scores(calibration: Calibration, kappa: Floats) -> Floats:
+    """(G, K) that the law gives to stiffnesses (K,)."""
+    return calibration.fit.casr(np.broadcast_to(kappa, (len(calibration.casr), kappa.size)))
+
+
+def reachable_width(calibration: OnlineCalibration, kappa: float | None = None, presses: int = 1) -> float:
+    """Half width, as a share of kappa, that so many whole presses are expected to reach, before the first of them.
+
+    kappa : N/mm; None takes the stiffness between the softest and the stiffest known specimen where the width is the
+    smallest, so that a smaller one cannot be reached anywhere. By both cues where the calibration has both.
+    """
+    known, cues = calibration.kappa, BOTH if calibration.by_travel else AREA
+    tried = np.geomspace(known.min(), known.max(), _KAPPAS) if kappa is None else np.array([kappa])
+    reach = [np.fmin.reduce(calibration.expected_reach(k, presses, cues)) for k in tried.tolist()]
+    widths = [calibration.half_width(k, float(r), cues) for k, r in zip(tried.tolist(), reach, strict=True)]
+    return float(np.fmin.reduce(widths))
 
 
 @dataclass(frozen=True)
@@ -42,49 +218,24 @@ class OnlineState:
     """What is known after a frame; kappa, low, high in N/mm, NaN before the first force of the calibration.
 
     force_n : largest force of this press so far. judged_at_n : force up to which areas were used. presses : that count.
-    half_width : of the interval, as a share of kappa. enough : whether it is as narrow as wanted.
+    low, high : total interval; high is infinite where the specimen may be rigid. half_width : of the interval, as a
+    share of kappa. stop : why the press may stop now: "", ``WIDTH_REACHED`` or ``NO_GAIN``. reachable : half width that
+    is expected at the end of this press, as a share of kappa. amplification : percent of kappa for 1 % of CASR.
+    cues : ``AREA`` or ``BOTH``. doubt : why the estimate may be wrong, "" where nothing says so; then no press stops.
     """
 
-    force_n: float
-    judged_at_n: float
-    presses: int
-    kappa: float
-    low: float
-    high: float
-    half_width: float
-    enough: bool
-
-
-def calibrate_online(
-    kappa: ArrayLike,
-    curves: Sequence[Sequence[Curve]],
-    settings: CalibrationSettings | None = None,
-    *,
-    area_unit: str = "mm2",
-    start_n: float = 0.6,
-    stop_n: float = 7.0,
-    step_n: float = 0.2,
-) -> OnlineCalibration:
-    """A calibration for every ``step_n`` of force, the first two steps above ``start_n``, the last at ``stop_n``.
-
-    kappa : (S,). curves : of each specimen its presses. start_n : where all slopes begin; a press must have been seen
-    from below it to count. DataError where no press reaches ``stop_n``.
-    """
-    forces = np.arange(start_n + 2 * step_n, stop_n + step_n / 1000, step_n)
-    presses = max((len(each) for each in curves), default=0)
-    casr = np.full((forces.size, len(curves), presses), np.nan)
-    for s, each in enumerate(curves):
-        for r, (force_n, area) in enumerate(each):
-            casr[:, s, r] = cut_rates(force_n, area, start_n, forces)
-    if not np.any(np.isfinite(casr[-1:])):
-        raise DataError(
-            "on-line calibration",
-            wanted=f"presses from {start_n:g} to {stop_n:g} N",
-            found="none that covers these forces",
-            do="Raise start_n or lower stop_n.",
-        )
-    known = np.broadcast_to(np.asarray(kappa, dtype=np.float64), casr.shape[:2])
-    return OnlineCalibration(start_n, forces, calibrate(known, casr, settings, casr_unit=f"{area_unit}/N"))
+    force_n: float = float("-inf")
+    judged_at_n: float = float("nan")
+    presses: int = 0
+    kappa: float = float("nan")
+    low: float = float("nan")
+    high: float = float("nan")
+    half_width: float = float("nan")
+    stop: str = ""
+    reachable: float = float("nan")
+    amplification: float = float("nan")
+    cues: str = AREA
+    doubt: str = ""
 
 
 class OnlineEstimator:
@@ -92,70 +243,71 @@ class OnlineEstimator:
 
     Parameters
     ----------
-    calibration : of ``calibrate_online``.
-    wanted : half width of the interval on kappa, as a share of kappa, at which ``OnlineState.enough`` says to stop.
+    calibration : of ``online_calibrations`` or ``emg2vsa.calibration_file``.
+    wanted : half width of the interval on kappa, as a share of kappa, at which to stop; 0: none.
     """
 
-    def __init__(self, calibration: OnlineCalibration, wanted: float = 0.1) -> None:
+    def __init__(self, calibration: OnlineCalibration, wanted: float = 0.0) -> None:
         self._calibration, self._wanted = calibration, wanted
-        self._finished: list[Floats] = []
-        self._largest_n, self._reached = -np.inf, -1
-        self._next_press()
+        self._finished: list[tuple[Floats, Floats]] = []
+        self._mountings: list[int] = [1]
+        self._curve: list[tuple[float, float]] = []
+        self._travel: list[tuple[float, float]] = []
+        self._reached, self._state = -1, OnlineState()
 
     def push(self, force_n: float, area: float) -> OnlineState:
-        """The next frame of the press: its force, N, and contact area."""
+        """The next frame of the press: its force, N, and contact area; NaN where it is not determined."""
         self._curve.append((force_n, area))
-        self._largest_n = max(self._largest_n, force_n)
-        reached = int(np.searchsorted(self._calibration.forces_n, self._largest_n, side="right")) - 1
+        largest_n = max(self._state.force_n, force_n) if np.isfinite(force_n) else self._state.force_n
+        reached = int(np.searchsorted(self._calibration.forces_n, largest_n + ROUNDING_N, side="right")) - 1
         if reached > self._reached:
-            self._reached = reached
-            self._state = self._judged(reached)
-        return OnlineState(self._largest_n, *self._state)
+            self._reached, self._state = reached, self._judged(reached)
+        self._state = replace(self._state, force_n=largest_n)
+        return self._state
 
-    def finish_press(self) -> None:
-        """The press is over; the next frame belongs to another one."""
-        self._finished.append(self._rates())
-        self._next_press()
+    def push_travel(self, force_n: float, travel_mm: float) -> None:
+        """A row of the rig's log: force, N, and travel of the shaft. It counts from the next frame on."""
+        self._travel.append((force_n, travel_mm))
 
-    def _next_press(self) -> None:
-        self._curve: list[tuple[float, float]] = []
-        self._largest_n, self._reached = -np.inf, -1
-        nothing = float("nan")
-        self._state = (nothing, len(self._finished), nothing, nothing, nothing, nothing, False)
+    def finish_press(self, *, remounted: bool = False) -> None:
+        """The press is over; the next frame belongs to another one, of another mounting where ``remounted``."""
+        self._finished.append(self._scores())
+        self._mountings.append(self._mountings[-1] + remounted)
+        self._curve, self._travel = [], []
+        self._reached, self._state = -1, OnlineState(presses=len(self._finished))
 
-    def _rates(self) -> Floats:
+    def _scores(self) -> tuple[Floats, Floats]:
+        own = self._calibration
         force, area = np.array(self._curve, dtype=np.float64).reshape(-1, 2).T
-        return cut_rates(force, area, self._calibration.start_n, self._calibration.forces_n)
+        rows_n, travel = np.array(self._travel, dtype=np.float64).reshape(-1, 2).T
+        return (
+            cut_rates(force, area, own.start_n, own.forces_n),
+            cut_travel(rows_n, travel, own.start_n, own.forces_n),
+        )  # fmt: skip
 
-    def _judged(self, at: int) -> tuple[float, int, float, float, float, float, bool]:
-        scores = np.stack([*self._finished, self._rates()], axis=1)
-        found = repeat_interval(self._calibration.calibration, scores, own_noise=False)
-        kappa, low, high = float(found.kappa[at]), float(found.low[at]), float(found.high[at])
+    def _judged(self, at: int) -> OnlineState:
+        own = self._calibration
+        rates, travel = (np.stack(each) for each in zip(*self._finished, self._scores(), strict=True))
+        judged_at_n, presses = float(own.forces_n[at]), int(np.count_nonzero(np.isfinite(rates[:, at])))
+        found = own.judged(rates, travel, at, np.array(self._mountings))
+        kappa, low, high = float(found.kappa[0]), float(found.low[0]), float(found.high[0])
+        if not np.isfinite(kappa) or not np.isfinite(rates[-1, at]):
+            return OnlineState(judged_at_n=judged_at_n, presses=presses)
         half_width = (high - low) / (2 * kappa)
-        presses = int(np.count_nonzero(np.isfinite(scores[at])))
-        return float(self._calibration.forces_n[at]), presses, kappa, low, high, half_width, half_width <= self._wanted
-
-
-def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
-    """Slope (G,) of the line through A(F) from ``start_n`` to each of ``stop_n`` (G,); NaN where the press ends before.
-
-    Frames below an earlier force are left out: going down, a contact keeps more of its area than it had.
-    """
-    force, areas = rising(np.asarray(force_n, dtype=np.float64), np.asarray(area, dtype=np.float64))
-    rates = np.full(stop_n.shape, np.nan)
-    if force.size < 2 or force[0] > start_n:
-        return rates
-    unit = np.linspace(-0.5, 0.5, _POINTS)
-    reached = stop_n <= force[-1]
-    length = stop_n[reached] - start_n
-    at = start_n + length[:, None] * (unit + 0.5)
-    rates[reached] = np.interp(at, force, areas) @ unit / (unit @ unit) / length
-    return rates
-
-
-def rising(force_n: Floats, area: Floats) -> tuple[Floats, Floats]:
-    """The frames whose force is larger than every force before."""
-    known = np.isfinite(force_n) & np.isfinite(area)
-    force, areas = force_n[known], area[known]
-    before = np.maximum.accumulate(np.concatenate([[-np.inf], force]))[:-1]
-    return force[force > before], areas[force > before]
+        expected = own.expected_reach(kappa, presses, found.cues)
+        rest = float(np.fmin.reduce(expected[at:])) / float(expected[at])
+        doubt = f"the cues disagree (p = {found.p[0]:.2g})" if found.p[0] < DISAGREE_P else ""
+        stop = WIDTH_REACHED if half_width <= self._wanted else NO_GAIN if rest > NARROWS else ""
+        return OnlineState(
+            judged_at_n=judged_at_n,
+            presses=presses,
+            kappa=kappa,
+            low=low,
+            high=high,
+            half_width=half_width,
+            stop="" if doubt else stop,
+            reachable=own.half_width(kappa, rest * float(found.reach[0]), found.cues),
+            amplification=float(found.amplification[0]),
+            cues=found.cues,
+            doubt=doubt,
+        )

@@ -7,16 +7,17 @@ that: every specimen was pressed ten times. To first order the estimate on the a
 
 with the slopes g, h of ``by_mean_score`` and ``by_kappa``, found by refitting beside the estimate, so that
 
-    var(eta) = sum g_s^2 (s_s^2 / n_s + m^2 mean_s^2) + the same for the new one + sum h_s^2 se(kappa_s)^2 + l^2.
+    var(eta) = sum g_s^2 (s_s^2 / n_s + (m^2 / M_s + u^2) mean_s^2) + the same for the new one
+               + sum h_s^2 se(kappa_s)^2 + l^2.
 
 s_s is the standard deviation of the presses of specimen s: soft specimens scatter less than stiff ones, and one pooled
 value covers 90 % or 99 % depending on which is the unknown one (decision 16). Degrees of freedom are Satterthwaite's
 (1946). n_s is the number of presses, or fewer where successive ones are correlated (``serial``). m is the share of a
-score by which one mounting differs from the next, which its presses do not show: by the angle (``mount_share``) and by
-all else (``mounting_sd``), which is assumed where a specimen is mounted once. l is how far eta would move with the
-exponent that the growth of the contacts shows in place of Hertz's (``growth_power``), taken as one standard deviation
-of the law. Whether the law holds at all is for ``left_out`` to test; where it does not, ``left_out`` widens the
-interval.
+score by which one mounting differs from the next, which the presses of one mounting do not show; M_s mountings of a
+specimen tell it (``mountings``), and else it is assumed, the angle apart. u is what differs between specimens however
+often they are mounted. l is how far eta would move with the exponent that the growth of the contacts shows in place of
+Hertz's (``growth_power``), taken as one standard deviation of the law. Whether the law holds at all is for ``left_out``
+to test; where it does not, ``left_out`` widens the interval.
 """
 
 from __future__ import annotations
@@ -28,10 +29,11 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, fitted_points
-from emg2vsa.calibration.forms import HERTZ, kappa_of, kappa_slope
+from emg2vsa.calibration.forms import HERTZ, eta_of, kappa_of, kappa_slope
 from emg2vsa.calibration.laws import fit_law
+from emg2vsa.calibration.mountings import MountingScatter, by_mounting, share_of_mountings
 from emg2vsa.calibration.presses import mean_of, within
-from emg2vsa.calibration.serial import SerialCorrelation, serial_correlation
+from emg2vsa.calibration.serial import SerialCorrelation, serial_of_mountings
 from emg2vsa.settings import Law
 
 _SHARE = 1e-5  # of a score or a stiffness; central differences are then good to ten digits
@@ -45,9 +47,12 @@ class RepeatInterval:
     interval on 1/kappa reaches 0: the specimen may be rigid for all that the score says.
     gradient : (d, S + 1) d eta / d mean score, of the known specimens and the new one. press_variance : (d, S + 1) of
     a single press. n : (d, S + 1) presses. serial : correlation of successive presses, and how many n count as.
-    kappa_step : (d, S) change of eta for a standard error of each known kappa, mount_step : (d, S + 1) for a standard
-    deviation of each mounting's angle, mounting_step : (d, S + 1) for one of all else in each mounting. law_step : (d,)
+    kappa_step : (d, S) change of eta for a standard error of each known kappa, angle_step : (d, S + 1) for a standard
+    deviation of the angles of a specimen's mountings, where that is assumed, mounting_step : (d, S + 1) for one of all
+    else in them, specimen_step : (d, S + 1) for one of what no mounting shows. law_step : (d,)
     for the exponent that the presses show in place of Hertz's. widened : (d,) factor on eta_se, 1 where the law holds.
+    reach : (d,) half of the interval on the axis of the law. score_share : (d,) d ln kappa / d ln score: the percent of
+    kappa that 1 % of the score costs.
     """
 
     kappa: Floats
@@ -61,10 +66,13 @@ class RepeatInterval:
     n: Ints
     serial: SerialCorrelation
     kappa_step: Floats
-    mount_step: Floats
+    angle_step: Floats
     mounting_step: Floats
+    specimen_step: Floats
     law_step: Floats
     widened: Floats
+    reach: Floats
+    score_share: Floats
 
     def p_of(self, law_eta: Floats) -> Floats:
         """Two-sided p (d,) of the true eta being ``law_eta``."""
@@ -73,18 +81,26 @@ class RepeatInterval:
 
 
 def repeat_interval(
-    calibration: Calibration, scores: Floats, *, own_noise: bool = True, widened: float | Floats = 1.0
+    calibration: Calibration,
+    scores: Floats,
+    *,
+    mountings: Ints | None = None,
+    own_noise: bool = True,
+    widened: float | Floats = 1.0,
 ) -> RepeatInterval:
     """The estimate from scores (d, R) of the new specimen, NaN where there is none, and its interval.
 
-    own_noise : False takes the variance of the new specimen's presses from those of the known ones, pooled. That is
-    done anyway for a specimen that was pressed once. widened : (d,) factor on the standard error of eta. All is NaN
-    where the calibration is not monotone.
+    mountings : (R,) number of each press's mounting; None: one. own_noise : False takes the variance of the new
+    specimen's presses from those of the known ones, pooled. That is done anyway for a specimen that was pressed once.
+    widened : (d,) factor on the standard error of eta. All is NaN where the calibration is not monotone.
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
     presses = side_by_side(calibration.casr, scores)
-    variance, freedom, n = _noise(presses, own_noise)
-    serial = serial_correlation(presses)
+    labels = labels_side_by_side(calibration.labels, scores.shape[1], mountings)
+    groups = by_mounting(presses, labels)
+    share = share_of_mountings(groups)
+    variance, freedom, n = _noise(groups, own_noise)
+    serial = serial_of_mountings(groups)
     freedom = freedom * serial.share_of_freedom[:, None]
     mean = mean_of(scores)
     eta = np.where(calibration.monotone, calibration.fit.eta(mean[:, None])[:, 0], np.nan)
@@ -95,14 +111,20 @@ def repeat_interval(
         of_presses = gradient**2 * variance / serial.effective_n
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
         of_scores = gradient * np.append(calibration.mean_casr, mean[:, None], axis=1)
-        mount_step, mounting_step = of_scores * calibration.mount_share, of_scores * calibration.mounting_sd
+        of_mountings = of_scores * np.sqrt(share)
+        mounting = calibration.mounting
+        mounting_step = of_mountings * mounting.sd[:, None]
+        angle_step = of_mountings * np.where(mounting.freedom > 0, 0.0, calibration.angle_share)[:, None]
+        specimen_step = of_scores * calibration.specimen_share
         law_step = by_exponent(calibration, mean)
-        unseen = np.sum(kappa_step**2, axis=1) + np.sum(mount_step**2 + mounting_step**2, axis=1) + law_step**2
+        unseen = np.sum(kappa_step**2, axis=1) + law_step**2
+        unseen += np.sum(angle_step**2 + mounting_step**2 + specimen_step**2, axis=1)
         eta_se = np.sqrt(np.sum(of_presses, axis=1) + unseen)
-        df = eta_se**4 / np.sum(of_presses**2 / freedom, axis=1)
+        df = eta_se**4 / _chance(of_presses, freedom, np.sum(of_mountings**2, axis=1), mounting)
         eta_se = eta_se * widened
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
-    low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
+        score_share = calibration.fit.steepness(mean[:, None])[:, 0] * mean / kappa
+    low, high = _ends(law, eta, reach)
     return RepeatInterval(
         kappa=kappa,
         eta=eta,
@@ -115,24 +137,58 @@ def repeat_interval(
         n=n,
         serial=serial,
         kappa_step=kappa_step,
-        mount_step=mount_step,
+        angle_step=angle_step,
         mounting_step=mounting_step,
+        specimen_step=specimen_step,
         law_step=law_step,
         widened=np.broadcast_to(np.asarray(widened, dtype=np.float64), kappa.shape),
+        reach=reach,
+        score_share=score_share,
     )
 
 
-def _noise(scores: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
-    """Variance of a single press, its degrees of freedom, and presses, each (d, S + 1); the new specimen is last."""
-    variance, n = within(scores)
-    known = np.isfinite(variance)
+def interval_of(law: Law, kappa: float, reach: float) -> tuple[float, float]:
+    """low and high, N/mm, of an interval about ``kappa`` that reaches so far on the axis of the law."""
+    low, high = _ends(law, eta_of(law, np.array(kappa)), np.array(reach))
+    return float(low), float(high)
+
+
+def _ends(law: Law, eta: Floats, reach: Floats) -> tuple[Floats, Floats]:
+    low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
+    return low, high
+
+
+def _chance(of_presses: Floats, freedom: Floats, weight: Floats, mounting: MountingScatter) -> Floats:
+    """(d,) sum of squared parts of the variance of eta over their degrees of freedom (Satterthwaite).
+
+    An estimated variance between mountings is one of means less one of presses: what it takes from the presses' part is
+    not estimated twice. weight : (d,) of it in the variance of eta.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = mounting.sd * np.minimum(mounting.freedom, 1.0) > 0
+        whole = np.sum(of_presses, axis=1)
+        left = np.where(found, np.maximum(1 - weight * mounting.of_presses / whole, 0.0), 1.0)
+        between = np.where(found, (weight * mounting.between) ** 2 / mounting.freedom, 0.0)
+        return np.asarray(left**2 * np.sum(of_presses**2 / freedom, axis=1) + between)
+
+
+def _noise(groups: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
+    """Variance of a single press of a mounting, its degrees of freedom, and presses, each (d, S + 1).
+
+    groups : (d, S + 1, M, R) presses by mounting; the new specimen is last.
+    """
+    of_mounting, count = within(groups)
+    inside = np.maximum(count - 1.0, 0.0)
+    freedom = np.sum(inside, axis=-1)
+    known = freedom > 0
     if not own_noise:
         known[:, -1] = False
-    freedom = np.where(known, n - 1.0, 0.0)
-    total = np.sum(freedom, axis=1, keepdims=True)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        variance = np.sum(np.where(inside > 0, inside * of_mounting, 0.0), axis=-1) / freedom
+        freedom = np.where(known, freedom, 0.0)
+        total = np.sum(freedom, axis=1, keepdims=True)
         pooled = np.sum(np.where(known, freedom * variance, 0.0), axis=1, keepdims=True) / total
-    return np.where(known, variance, pooled), np.where(known, freedom, total), n
+    return np.where(known, variance, pooled), np.where(known, freedom, total), np.sum(count, axis=-1)
 
 
 def _end(law: Law, eta: Floats) -> Floats:
@@ -145,6 +201,14 @@ def side_by_side(known: Floats, new: Floats) -> Floats:
     d, s, r = known.shape
     whole = np.full((d, s + 1, max(r, new.shape[1])), np.nan)
     whole[:, :s, :r], whole[:, s, : new.shape[1]] = known, new
+    return whole
+
+
+def labels_side_by_side(known: Ints, presses: int, new: Ints | None) -> Ints:
+    """(S + 1, R) mounting of each press, as ``side_by_side``; 0 where there is none."""
+    s, r = known.shape
+    whole = np.zeros((s + 1, max(r, presses)), dtype=np.int64)
+    whole[:s, :r], whole[s, :presses] = known, 1 if new is None else new
     return whole
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.online import OnlineCalibration
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,13 +104,15 @@ class CalibrationResults:
     """The stage's product.
 
     known_kappa_new : N/mm of the new specimen, NaN where not known. conditions : in the order of the runs.
-    notes : which angles and conditions could not be calibrated, and why.
+    notes : which angles and conditions could not be calibrated, and why. online : what presses of an unknown specimen
+    are judged by, for every angle and condition with known specimens.
     """
 
     new_specimen: str
     known_kappa_new: float
     conditions: tuple[ConditionResult, ...]
     notes: tuple[str, ...]
+    online: tuple[OnlineCalibration, ...] = ()
 
     def find(self, angle_deg: float, condition: str) -> ConditionResult | None:
         """The entry of one angle and condition; None where there is none."""

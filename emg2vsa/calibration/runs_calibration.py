@@ -8,18 +8,21 @@ from functools import cached_property
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
+from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
 from emg2vsa.calibration.forms import (
     INDENTATION_POWER,
+    casr_angle_share,
     casr_exponent,
-    casr_share,
     growth_power,
     indentation_exponent,
     mount_share,
+    specimen_share,
 )
 from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
+from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
 from emg2vsa.calibration.results import (
     AlgorithmResult,
@@ -76,6 +79,68 @@ def calibrate_runs(
     return CalibrationResults(new_specimen, truth, tuple(conditions), tuple(notes))
 
 
+def online_calibrations(
+    runs: Sequence[RunScores],
+    kappa: Mapping[str, float],
+    new_specimen: str,
+    force_n: tuple[float, float],
+    settings: CalibrationSettings | None = None,
+    *,
+    kappa_se: Mapping[str, float] | None = None,
+    provenance: Mapping[str, str] | None = None,
+) -> tuple[OnlineCalibration, ...]:
+    """A calibration for presses of unknown specimens, for every angle and condition that has the presses for it.
+
+    Arguments as for ``calibrate_runs``; the new specimen is left out. force_n : loading phase that was scored.
+    """
+    settings = settings or CalibrationSettings()
+    forces = cut_forces(*force_n)
+    usable = [run for run in runs if run.specimen in kappa and run.specimen != new_specimen]
+    found = []
+    for angle_deg, condition in dict.fromkeys((run.angle_deg, run.condition) for run in usable):
+        known = [run for run in usable if (run.angle_deg, run.condition) == (angle_deg, condition)]
+        rates = cut_all(cut_rates, [_areas(run) for run in known], force_n[0], forces)
+        travel = cut_all(cut_travel, [_travel(run) for run in known], force_n[0], forces)
+        there = np.flatnonzero(np.isfinite(rates[:, :, -1]).any(axis=1))
+        if there.size < _LEAST_SPECIMENS:
+            continue
+        known = [known[s] for s in there]
+        found.append(
+            OnlineCalibration(
+                specimens=tuple(run.specimen for run in known),
+                kappa=np.array([kappa[run.specimen] for run in known]),
+                kappa_se=np.array([(kappa_se or {}).get(run.specimen, 0.0) for run in known]),
+                quantity=known[0].algorithm,
+                area_unit=known[0].area_unit,
+                angle_deg=float(angle_deg),
+                condition=condition,
+                start_n=force_n[0],
+                forces_n=forces,
+                rates=rates[there],
+                travel=travel[there],
+                mounting=_padded_labels(known, rates.shape[1]),
+                settings=settings,
+                growth=growth_power(known),
+                simulated=any(run.simulated for run in known),
+                provenance=dict(provenance or {}),
+            )
+        )
+    return tuple(found)
+
+
+def _areas(run: RunScores) -> list[tuple[Floats, Floats]]:
+    return [(curve.force_n, curve.area_mm2) for curve in run.curves]
+
+
+def _travel(run: RunScores) -> list[tuple[Floats, Floats]]:
+    return [(curve.travel_force_n, curve.travel_mm) for curve in run.curves]
+
+
+def _padded_labels(runs: Sequence[RunScores], presses: int) -> Ints:
+    """(S, R) mounting of each press, 0 where there is none."""
+    return np.stack([np.pad(run.mounting, (0, presses - len(run.mounting))) for run in runs])
+
+
 def _same_place(run: RunScores, new: RunScores) -> bool:
     return (run.angle_deg, run.condition) == (new.angle_deg, new.condition) and run.specimen != new.specimen
 
@@ -116,7 +181,9 @@ class _OneCondition:
             paper=self._law(paper, new_casr),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            fused=None if depth is None else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm)),
+            fused=None
+            if depth is None
+            else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm, self.new.mounting)),
         )
 
     def _kept(self, scores: Floats) -> Floats:
@@ -148,8 +215,10 @@ class _OneCondition:
             casr_unit=self._casr_unit,
             specimens=self._names,
             kappa_se=self.kappa_se,
-            mount_share=casr_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
+            specimen_share=specimen_share(algorithm),
+            angle_share=casr_angle_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
             mounting_sd=settings.mounting_sd_percent / 100,
+            mountings=self._labels,
             other_exponent=casr_exponent(self._growth),
         )
 
@@ -163,13 +232,14 @@ class _OneCondition:
             self.settings,
             specimens=self._names,
             kappa_se=self.kappa_se,
-            mount_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
+            angle_share=mount_share(INDENTATION_POWER, self.new.angle_deg, self.settings.angle_sd_deg),
             mounting_sd=self.settings.mounting_sd_percent / 100,
+            mountings=self._labels,
             other_exponent=indentation_exponent(self._growth),
         )
 
     def _law(self, calibration: Calibration, scores: Floats, notes: tuple[str, ...] = ()) -> LawResult:
-        found = estimate(calibration, scores)
+        found = estimate(calibration, scores, self.new.mounting)
         serial, without = found.repeats.serial, found.left_out
         first, second = calibration.fit.parameters[0].tolist()
         return LawResult(
@@ -207,6 +277,10 @@ class _OneCondition:
             p=float(fusion.p[0]),
             notes=fusion.notes(),
         )
+
+    @cached_property
+    def _labels(self) -> Ints:
+        return _padded_labels(self.known, max(len(run.mounting) for run in self.known))
 
     @cached_property
     def _growth(self) -> float:

@@ -19,6 +19,7 @@ Four specimens of ten presses: 95 % intervals cover 96, 94, 93 and 93 % at rho =
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -74,6 +75,13 @@ def serial_correlation(scores: Floats) -> SerialCorrelation:
         curve = sum(w * _expected_r(k) for w, k in zip(weight[i].tolist(), count[i].tolist(), strict=True)) / total[i]
         rho[i] = np.interp(pooled[i], curve, _RHO)
     return SerialCorrelation(rho, p, _effective(n, rho))
+
+
+def serial_of_mountings(groups: Floats) -> SerialCorrelation:
+    """The same of presses (d, S, M, R) by mounting: successive ones are those of one mounting. effective_n : (d, S)."""
+    d, s, m, r = groups.shape
+    found = serial_correlation(groups.reshape(d, s * m, r))
+    return dataclasses.replace(found, effective_n=found.effective_n.reshape(d, s, m).sum(axis=-1))
 
 
 def _effective(n: Floats, rho: Floats) -> Floats:

@@ -80,23 +80,35 @@ class Estimate:
                 f"successive presses are correlated ({serial.rho[i]:.2f}, p = {serial.p[i]:.2g}): the {self.n[i]} "
                 f"presses of the new specimen count as {counted:.1f}",
             )
-        if self.calibration.mounting_sd:
+        mounting = self.calibration.mounting
+        if mounting.freedom[i] > 0:
             notes += (
-                f"assumed: CASR differs by {100 * self.calibration.mounting_sd:g} % (SD) from mounting to mounting; "
-                "every specimen was mounted once, so that its presses cannot show it",
+                f"CASR differs by {100 * mounting.sd[i]:.2g} % (SD) from mounting to mounting, as repeated mountings "
+                f"show ({mounting.freedom[i]:g} degrees of freedom)",
             )
+        elif mounting.sd[i]:
+            notes += (
+                f"assumed: CASR differs by {100 * mounting.sd[i]:g} % (SD) from mounting to mounting; "
+                "too few mountings were repeated to show it",
+            )
+        if np.isfinite(self.repeats.score_share[i]):
+            notes += (f"1 % of CASR is {abs(self.repeats.score_share[i]):.2g} % of kappa here",)
         return notes
 
 
-def estimate(calibration: Calibration, casr: ArrayLike) -> Estimate:
-    """kappa of a specimen with scores (R,) or (d, R), NaN where there is none. DataError for another shape."""
+def estimate(calibration: Calibration, casr: ArrayLike, mountings: Ints | None = None) -> Estimate:
+    """kappa of a specimen with scores (R,) or (d, R), NaN where there is none. DataError for another shape.
+
+    mountings : (R,) number of each press's mounting; None: one.
+    """
     scores = _checked(casr, len(calibration.casr))
     n = np.count_nonzero(np.isfinite(scores), axis=1)
     with np.errstate(invalid="ignore", over="ignore"):
         mean = np.nansum(scores, axis=1) / n
     low, high = _bootstrap(calibration, np.where((n > 1)[:, None], scores, np.nan))
     without = left_out(calibration)
-    repeats = repeat_interval(calibration, scores, widened=without.widening(calibration.settings.confidence))
+    widened = without.widening(calibration.settings.confidence)
+    repeats = repeat_interval(calibration, scores, mountings=mountings, widened=widened)
     known = calibration.mean_casr
     below = mean < np.min(known, axis=1, initial=np.inf, where=np.isfinite(known))
     above = mean > np.max(known, axis=1, initial=-np.inf, where=np.isfinite(known))

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
+from emg2vsa.rig.emulated.settings import VISCOELASTIC_KEYS, EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
@@ -153,6 +154,21 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iter
         if name not in emulated.stiffness_n_per_mm:
             do = nearest(name, emulated.stiffness_n_per_mm)
             yield Problem((*at, name), f"the stiffness of every specimen, {name} too", "nothing", do)
+    known = emulated.stiffness_n_per_mm
+    for name in emulated.relaxation:
+        if name not in known:
+            yield Problem(
+                ("emulated", "relaxation", name), "a specimen of stiffness_n_per_mm", shown(name), nearest(name, known)
+            )
+    if emulated.world == "elastic":
+        usual = EmulatedSettings()
+        for key in VISCOELASTIC_KEYS:
+            if (found := getattr(emulated, key)) != getattr(usual, key):
+                do = 'Remove the key, or set world to "viscoelastic".'
+                yield Problem(("emulated", key), 'a key that world = "elastic" has', shown(found), do)
+    if not 2 * emulated.friction_drop <= emulated.friction and (emulated.friction > 0):
+        wanted = f"at most half of emulated.friction, {emulated.friction:g}"
+        yield Problem(("emulated", "friction_drop"), wanted, shown(emulated.friction_drop))
 
 
 def _one_board_each(tables: Mapping[str, Any]) -> Iterator[Problem]:

@@ -57,7 +57,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     indentation.
     """
     repetition = 0
-    for folder in folders:
+    for mounting, folder in enumerate(folders, start=1):
         travel, found = _travel(folder), verdicts(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)
@@ -68,7 +68,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
             unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
             if verdict == "rejected":
                 reason = f"{folder.name}, press {_number(path, number)} was rejected by the rig: {why}"
-                yield Press(repetition, None, reason, force_n, depth_mm, unit)
+                yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting)
                 continue
             try:
                 if trouble:
@@ -76,9 +76,9 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
                 frames = open_frames(path)
                 frames = frames if frames.camera or seen_by is None else replace(frames, camera=seen_by)
                 frames.source.name = path.relative_to(folder.parent).as_posix()  # as errors name it
-                yield Press(repetition, frames, "", force_n, depth_mm, unit)
+                yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting)
             except CasrError as error:
-                yield Press(repetition, None, str(error), force_n, depth_mm, unit)
+                yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting)
 
 
 def _press_folders(folder: Path) -> list[Path]:

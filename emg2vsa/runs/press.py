@@ -8,7 +8,7 @@ import numpy as np
 
 from casr.camera import Camera
 from casr.contact_area import initial_area
-from casr.errors import CasrError
+from casr.errors import CasrError, NoContactError
 from casr.frames import FrameSequence
 from casr.press_forces import press_forces
 from casr.score import score
@@ -28,7 +28,8 @@ class Press:
     """A press as it was recorded.
 
     frames : None where they cannot be read, and ``problem`` says why. force_n, depth_mm : (K,) of the loading phase
-    from the rig's log, empty without one. area_unit : of its areas, whether or not it can be scored.
+    from the rig's log, empty without one. area_unit : of its areas, whether or not it can be scored. mounting : number
+    of the folder of its run that it comes from, from 1.
     """
 
     repetition: int
@@ -37,12 +38,14 @@ class Press:
     force_n: Floats
     depth_mm: Floats
     area_unit: str = "mm2"
+    mounting: int = 1
 
 
 @dataclass(frozen=True, eq=False)
 class ScoredPress:
     """Numbers of one press, by algorithm; NaN where an algorithm finds nothing (see ``RunScores``)."""
 
+    pins_selected: int
     a_c0: dict[str, float]
     start_area: dict[str, float]
     casr: dict[str, float]
@@ -93,12 +96,15 @@ def score_press(press: Press, settings: ScoreSettings) -> ScoredPress:
     a_c0["front"], start_area["front"], casr["front"] = _by_front(scored, settings.force_start_n)
     known = np.isfinite(scored.area)
     return ScoredPress(
+        pins_selected=_pins_selected(scored, press.frames.camera, settings.threshold_px),
         a_c0=a_c0,
         start_area=start_area,
         casr=casr,
         area_unit=scored.area_unit,
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_start_n),
-        curve=PressCurve(scored.force_n[known], scored.area[known], float(scored.force_n[0])),
+        curve=PressCurve(
+            scored.force_n[known], scored.area[known], float(scored.force_n[0]), press.force_n - zero_n, press.depth_mm
+        ),
         scored=scored,
         notes=(*(f"check {press.frames.name}: {doubt}" for doubt in scored.doubts), *scored.notes),
     )
@@ -162,6 +168,17 @@ def _first_area(scored: Score, camera: Camera | None, rule: str, settings: Score
     if found.rule != rule:
         return np.nan
     return found.area_px2 if found.area_mm2 is None else found.area_mm2
+
+
+def _pins_selected(scored: Score, camera: Camera | None, threshold_px: float) -> int:
+    """n of Algorithm 1: pins whose centroid, in whole pixels, moved more than the threshold; -1 where it fails."""
+    try:
+        found = initial_area(scored.rest, scored.contact_px, camera=camera, rule="paper", threshold_px=threshold_px)
+    except NoContactError:
+        return 0
+    except CasrError:
+        return -1
+    return int(found.selected.size)
 
 
 def _to_the_letter(scored: Score, a_c0: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,15 @@ class PressCurve:
     """The loading phase of one press.
 
     force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm (paper: hexagon); area in px2
-    without a camera file. first_n : force of the first frame of the loading phase, determined or not.
+    without a camera file. first_n : force of the first frame of the loading phase, determined or not. travel_force_n,
+    travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
     """
 
     force_n: Floats
     area_mm2: Floats
     first_n: float = np.nan
+    travel_force_n: Floats = field(default_factory=lambda: np.empty(0))
+    travel_mm: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +55,10 @@ class ContactPicture:
 class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
-    algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). verdicts : "ok"
-    or "rejected". reasons : empty where ok.
+    algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). mounting : (R,)
+    number, from 1, of the folder that a press comes from: the presses between two mountings of the sensor. verdicts :
+    "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired one to one
+    in the first frame of the loading phase; -1 where it is not determined.
     a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N. a_c0 is the area of
     the first frame of the loading phase, whose force differs from press to press (front: on the power law of the frames
     in which it is determined); start_area is the area at the force
@@ -68,9 +73,11 @@ class RunScores:
     simulated: bool
     algorithm: str
     repetitions: Ints
+    mounting: Ints
     verdicts: tuple[str, ...]
     reasons: tuple[str, ...]
     area_unit: str
+    pins_selected: Ints
     a_c0: dict[str, Floats]
     start_area: dict[str, Floats]
     casr: dict[str, Floats]

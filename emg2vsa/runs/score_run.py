@@ -43,6 +43,7 @@ def score_run(
     """Scores of all presses, in their order; ``notes`` of the run go before those of its presses."""
     how = score_settings(settings)
     repetitions: list[int] = []
+    mountings: list[int] = []
     reasons: list[str] = []
     scored: list[ScoredPress | None] = []
     unit_of_rejected = "mm2"
@@ -53,6 +54,7 @@ def score_run(
         if not found:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
+        mountings.append(press.mounting)
         reasons.append(reason)
         scored.append(found)
     return RunScores(
@@ -62,9 +64,11 @@ def score_run(
         simulated=simulated,
         algorithm=settings.algorithm,
         repetitions=np.array(repetitions, dtype=np.int64),
+        mounting=np.array(mountings, dtype=np.int64),
         verdicts=tuple("ok" if found else "rejected" for found in scored),
         reasons=tuple(reasons),
         area_unit=next((found.area_unit for found in scored if found), unit_of_rejected),
+        pins_selected=np.array([found.pins_selected if found else -1 for found in scored], dtype=np.int64),
         a_c0=_by_algorithm([found.a_c0 if found else None for found in scored]),
         start_area=_by_algorithm([found.start_area if found else None for found in scored]),
         casr=_by_algorithm([found.casr if found else None for found in scored]),

@@ -11,7 +11,7 @@ from casr.score import ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld, PressSettings, simulate_press
 from emg2vsa.calibration.calibrate import calibrate
-from emg2vsa.calibration.forms import HERTZ, casr_share, eta_of, kappa_of, kappa_slope, x_of, x_slope
+from emg2vsa.calibration.forms import HERTZ, eta_of, kappa_of, kappa_slope, specimen_share, x_of, x_slope
 from emg2vsa.calibration.laws import LAWS, fit_law
 from emg2vsa.calibration.left_out import compare_laws
 from emg2vsa.calibration.repeats import repeat_interval
@@ -119,8 +119,7 @@ def test_kappas_interval_holds_it_in_the_world_of_finite_elements():
 
     known = [scored(SPECIMENS[name]) for name in ("S1", "S3", "S5")]
     kappa = [SPECIMENS[name] for name in ("S1", "S3", "S5")]
-    share = casr_share("front", 0.0, 0.5)
-    fit = calibrate(kappa, known, QUICK, casr_unit="mm2/N", mount_share=share)
+    fit = calibrate(kappa, known, QUICK, casr_unit="mm2/N", specimen_share=specimen_share("front"))
     new = scored(SPECIMENS["S2"])
     found = estimate(fit, new)
     assert found.left_out.law_p[0] < 0.05

@@ -93,10 +93,10 @@ def test_a_mounting_moves_both_cues_and_is_counted_in_both(hertz):
     casr = hertz.casr(kappa)[:, None] * press[0] * tilt**CASR_POWER
     depth = hertz.mm_per_n(kappa)[:, None] * press[1] * tilt**INDENTATION_POWER
     cutaneous = calibrate(
-        hertz.kappa, casr[:, :3], casr_unit="mm2/N", mount_share=mount_share(CASR_POWER, angle_deg, sd_deg)
+        hertz.kappa, casr[:, :3], casr_unit="mm2/N", angle_share=mount_share(CASR_POWER, angle_deg, sd_deg)
     )
     kinesthetic = calibrate_indentation(
-        hertz.kappa, 1 / depth[:, :3], mount_share=mount_share(INDENTATION_POWER, angle_deg, sd_deg)
+        hertz.kappa, 1 / depth[:, :3], angle_share=mount_share(INDENTATION_POWER, angle_deg, sd_deg)
     )
     found = fuse(cutaneous, kinesthetic, casr[:, 3], 1 / depth[:, 3])
     assert 0.93 < coverage(hertz, found) < 0.975

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from emg2vsa.calibration.online import OnlineEstimator, calibrate_online, cut_rates, rising
-from emg2vsa.errors import DataError
+from casr.spread.power_law import fit_power_law
+from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel, rising
+from emg2vsa.calibration.online import (
+    BOTH,
+    NO_GAIN,
+    WIDTH_REACHED,
+    OnlineCalibration,
+    OnlineEstimator,
+    reachable_width,
+)
+from emg2vsa.settings import CalibrationSettings
 
 FORCES_N = np.arange(0.5, 7.05, 0.1)
+ONE_MOUNTING = CalibrationSettings(mounting_sd_percent=0.0)
 
 
 def curves(bench, kappa, rng, presses=10, noise=0.02):
@@ -18,19 +30,52 @@ def curves(bench, kappa, rng, presses=10, noise=0.02):
     return [(FORCES_N, a) for a in area * factors * (1 + 0.002 * rng.standard_normal((presses, FORCES_N.size)))]
 
 
+def calibration_of(bench, rng, settings=ONE_MOUNTING, **presses):
+    rates = cut_all(
+        cut_rates, [curves(bench, kappa, rng, **presses) for kappa in bench.kappa], 0.5, cut_forces(0.5, 7.0)
+    )
+    return OnlineCalibration(
+        specimens=("S1", "S3", "S5"),
+        kappa=bench.kappa,
+        kappa_se=np.zeros(3),
+        quantity="front",
+        area_unit="mm2",
+        angle_deg=0.0,
+        condition="modular",
+        start_n=0.5,
+        forces_n=cut_forces(0.5, 7.0),
+        rates=rates,
+        travel=np.full_like(rates, np.nan),
+        mounting=np.ones(rates.shape[:2], dtype=np.int64),
+        settings=settings,
+    )
+
+
 def estimator(bench, rng, wanted, **presses):
-    known = [curves(bench, kappa, rng, **presses) for kappa in bench.kappa]
-    return OnlineEstimator(calibrate_online(bench.kappa, known), wanted)
+    return OnlineEstimator(calibration_of(bench, rng, **presses), wanted)
 
 
-def test_slopes_are_those_of_the_curve_between_the_two_forces():
-    stops = np.array([2.0, 7.0, 8.0])
-    forces = np.linspace(0.5, 7.1, 67)
-    np.testing.assert_allclose(cut_rates(forces, 3 + 2 * forces, 0.6, stops)[:2], 2)
-    rates = cut_rates(forces, np.sqrt(forces), 0.6, stops)
-    assert rates[0] > rates[1]
+def test_presses_are_judged_every_fifth_of_a_newton_up_to_the_last_force():
+    forces = cut_forces(0.5, 7.0)
+    assert forces[-1] == 7.0
+    assert forces[0] == pytest.approx(1.0)
+    np.testing.assert_allclose(np.diff(forces), 0.2)
+
+
+def test_rates_are_those_of_the_power_law_between_the_two_forces():
+    stops = np.array([2.0, 7.0, 9.0])
+    forces = np.linspace(0.7, 6.9, 63)
+    rates = cut_rates(forces, 3 * np.sqrt(forces), 0.5, stops)
+    np.testing.assert_allclose(rates[:2], 3 * (np.sqrt(stops[:2]) - np.sqrt(0.5)) / (stops[:2] - 0.5))
     assert np.isnan(rates[2])
-    assert np.isnan(cut_rates(FORCES_N, FORCES_N, 0.4, stops)).all()
+    assert np.isnan(cut_rates(FORCES_N[:2], FORCES_N[:2], 0.4, stops)).all()
+
+
+def test_a_whole_press_has_the_rate_that_casr_gives_it():
+    rng = np.random.default_rng(5)
+    area = 30 * FORCES_N**0.4 * (1 + 0.01 * rng.standard_normal(FORCES_N.size))
+    whole = fit_power_law(area, FORCES_N).law.mean_rate(0.5, 7.0)
+    assert cut_rates(FORCES_N, area, 0.5, np.array([7.0]))[0] == pytest.approx(whole, rel=2e-3)
 
 
 def test_frames_below_an_earlier_force_are_left_out():
@@ -50,7 +95,8 @@ def test_every_frame_gives_a_state_and_the_interval_ends_up_around_the_truth(her
     assert np.nanmax(judged) == pytest.approx(7.0)
     assert all(state.judged_at_n <= state.force_n + 1e-9 for state in states if state.judged_at_n > 0)
     assert states[-1].low < hertz.kappa_new < states[-1].high
-    assert not states[-1].enough
+    assert states[-1].low < states[-1].kappa < states[-1].high
+    assert 3 < states[-1].amplification < 4.5
 
 
 def test_presses_that_are_over_narrow_the_interval(hertz):
@@ -80,15 +126,83 @@ def test_it_stops_when_the_interval_is_narrow_enough(hertz):
     online = estimator(hertz, rng, wanted=0.2, noise=0.005)
     for frame in zip(*curves(hertz, hertz.kappa_new, rng, 1, noise=0.005)[0], strict=True):
         state = online.push(*frame)
-        if state.enough:
+        if state.stop == WIDTH_REACHED:
             break
     assert state.half_width <= 0.2
     assert state.force_n < 3
 
 
-def test_presses_that_do_not_reach_the_forces_are_refused(hertz):
-    with pytest.raises(DataError, match="on-line"):
-        calibrate_online(hertz.kappa, [[(FORCES_N[:20], FORCES_N[:20])]] * 3)
+def test_the_width_that_is_promised_before_the_first_press_is_the_one_at_its_end(hertz):
+    rng = np.random.default_rng(6)
+    calibration = calibration_of(hertz, rng)
+    promised = reachable_width(calibration, hertz.kappa_new)
+    widths = []
+    for press in curves(hertz, hertz.kappa_new, rng, 20):
+        online = OnlineEstimator(calibration)
+        states = [online.push(*frame) for frame in zip(*press, strict=True)]
+        assert states[-1].reachable == pytest.approx(states[-1].half_width, rel=1e-6)
+        widths.append(states[-1].half_width)
+    assert np.median(widths) == pytest.approx(promised, rel=0.1)
+    assert reachable_width(calibration) < promised
+    assert reachable_width(calibration, hertz.kappa_new, presses=9) < 0.6 * promised
+
+
+def test_a_press_may_stop_where_the_rest_would_hardly_narrow_the_interval(hertz):
+    rng = np.random.default_rng(7)
+    online = estimator(hertz, rng, wanted=0.0)  # the presses differ by one factor each: more force adds little
+    states = [online.push(*frame) for frame in zip(*curves(hertz, hertz.kappa_new, rng, 1)[0], strict=True)]
+    stopped = next(state for state in states if state.stop)
+    assert stopped.stop == NO_GAIN
+    assert stopped.force_n < 6
+    assert states[-1].half_width > 0.85 * stopped.half_width
+
+
+def test_travel_per_newton_is_the_slope_of_travel_on_force():
+    forces = np.linspace(0.1, 7, 200)
+    noisy = np.array([2.0, 7.0, 9.0])
+    np.testing.assert_allclose(cut_travel(forces, 1 + 0.3 * forces, 0.5, noisy)[:2], 0.3)
+    assert np.isnan(cut_travel(forces, 1 - 0.3 * forces, 0.5, noisy)).all()
+    assert np.isnan(cut_travel(forces[:0], forces[:0], 0.5, noisy)).all()
+
+
+ROWS_N = np.linspace(0.4, 7.0, 300)
+
+
+def travel_mm(bench, kappa):
+    """Of a Hertz contact, to a factor."""
+    return bench.mm_per_n([kappa])[0] * ROWS_N ** (2 / 3)
+
+
+def test_travel_of_the_probe_narrows_the_interval_and_a_contradiction_is_said(hertz):
+    rng = np.random.default_rng(9)
+    calibration = calibration_of(hertz, rng)
+    factors = 1 + 0.01 * rng.standard_normal((3, 10))
+    logs = [[(ROWS_N, f * travel_mm(hertz, k)) for f in own] for k, own in zip(hertz.kappa, factors, strict=True)]
+    calibration = replace(calibration, travel=cut_all(cut_travel, logs, 0.5, calibration.forces_n))
+    press = curves(hertz, hertz.kappa_new, rng, 1)[0]
+
+    def judged(travel):
+        online = OnlineEstimator(calibration)
+        for row in zip(ROWS_N, travel, strict=True):
+            online.push_travel(*row)
+        return [online.push(*frame) for frame in zip(*press, strict=True)][-1]
+
+    both, area_only = judged(travel_mm(hertz, hertz.kappa_new)), judged(np.full_like(ROWS_N, np.nan))
+    assert (both.cues, area_only.cues) == (BOTH, "area")
+    assert both.half_width < 0.7 * area_only.half_width
+    assert both.amplification < area_only.amplification
+    assert reachable_width(calibration, hertz.kappa_new) == pytest.approx(both.half_width, rel=0.2)
+    stiff = judged(travel_mm(hertz, 4 * hertz.kappa_new))
+    assert stiff.doubt.startswith("the cues disagree")
+    assert not stiff.stop
+
+
+def test_mountings_widen_the_interval(hertz):
+    one, several = (
+        reachable_width(calibration_of(hertz, np.random.default_rng(8), settings), hertz.kappa_new)
+        for settings in (ONE_MOUNTING, CalibrationSettings())
+    )
+    assert several > 1.3 * one
 
 
 @pytest.mark.slow
@@ -101,9 +215,9 @@ def test_coverage_survives_the_stopping(hertz, wanted):
         for press in curves(hertz, hertz.kappa_new, rng):
             for frame in zip(*press, strict=True):
                 state = online.push(*frame)
-                if state.enough:
+                if state.stop == WIDTH_REACHED:
                     break
-            if state.enough:
+            if state.stop == WIDTH_REACHED:
                 stopped += 1
                 held.append(state.low <= hertz.kappa_new <= state.high)
                 last_n.append(state.force_n)

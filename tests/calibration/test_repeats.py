@@ -90,7 +90,7 @@ def test_mountings_that_differ_are_counted(hertz):
     off = 1 + share * np.random.default_rng(5).standard_normal((EXPERIMENTS, 4, 1))
     moved, new = known * off[:, :3], new * off[:, 3]
     blind = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N"), new)
-    told = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N", mount_share=share), new)
+    told = repeat_interval(calibrate(hertz.kappa, moved, casr_unit="mm2/N", angle_share=share), new)
     assert coverage(hertz, blind) < 0.5
     assert 0.935 < coverage(hertz, told) < 0.97
 

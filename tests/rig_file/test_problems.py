@@ -135,6 +135,32 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            "[emulated]",
+            "[emulated]\nrelaxation = { S1 = 0.9, S2 = -0.1 }\nfriction = 3\nworld = \"hard\"\nlate_frames_s = 0.05",
+            [
+                "15: emulated.relaxation.S1: expected a number <= 0.8, but found 0.9.",
+                "15: emulated.relaxation.S2: expected a number >= 0, but found -0.1.",
+                "16: emulated.friction: expected a number <= 2, but found 3.",
+                "17: emulated.world: expected 'viscoelastic' or 'elastic', but found \"hard\".",
+                "18: emulated.late_frames_s: expected a number <= 0.04, but found 0.05.",
+            ],
+        ),
+        (
+            "[emulated]", "[emulated]\nrelaxation = { S11 = 0.1 }\nfriction = 0.3\nfriction_drop = 0.2",
+            [
+                "15: emulated.relaxation.S11: expected a specimen of stiffness_n_per_mm, but found \"S11\". "
+                "Did you mean 'S1'?",
+                "17: emulated.friction_drop: expected at most half of emulated.friction, 0.3, but found 0.2.",
+            ],
+        ),
+        (
+            "[emulated]", "[emulated]\nworld = \"elastic\"\nfriction = 0.3",
+            [
+                "16: emulated.friction: expected a key that world = \"elastic\" has, but found 0.3. "
+                "Remove the key, or set world to \"viscoelastic\".",
+            ],
+        ),
+        (
             "[emulated]", "[camera]\nsource = -1",
             ["15: camera.source: expected a number >= 0 or text in quotes, but found -1."],
         ),

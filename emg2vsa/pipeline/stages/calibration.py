@@ -18,17 +18,27 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         "specimens": study.pressed_n_per_mm,
         "standard errors": study.pressed_se_n_per_mm,
         "new_specimen": study.profile.new_specimen or "",
+        "force_n": study.scoring.force_n,
+        "study": study.name,
+        "mode": study.mode,
     }
 
 
 def run(given: Given) -> CalibrationResults:
-    from emg2vsa.calibration.runs_calibration import calibrate_runs
+    from dataclasses import replace
 
-    used = given.settings
-    return calibrate_runs(
-        given.all("runs"), used["specimens"], used["new_specimen"], used["calibration"],
-        kappa_se=used["standard errors"],
+    import emg2vsa
+    from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
+
+    used, scores = given.settings, given.all("runs")
+    specimens, new, settings, errors = (
+        used[name] for name in ("specimens", "new_specimen", "calibration", "standard errors")
+    )
+    provenance = {"study": used["study"], "mode": used["mode"], "emg2vsa": emg2vsa.__version__}
+    online = online_calibrations(
+        scores, specimens, new, used["force_n"], settings, kappa_se=errors, provenance=provenance
     )  # fmt: skip
+    return replace(calibrate_runs(scores, specimens, new, settings, kappa_se=errors), online=online)
 
 
 def says(results: CalibrationResults) -> str:

@@ -29,12 +29,11 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
     entry, rig, emulated = campaign.runs[item], campaign.rig, campaign.rig.emulated
-    own = {name: value for name, value in emulated.stiffness_n_per_mm.items() if name == entry.specimen}
     return {
         "run": (entry.specimen, entry.angle_deg, entry.condition),
         "experiment": replace(rig.experiment, specimens=(entry.specimen,), angles_deg={}),
         "rig": rig.rig,
-        "emulated": replace(emulated, stiffness_n_per_mm=own),
+        "emulated": emulated.of(entry.specimen),
     }
 
 

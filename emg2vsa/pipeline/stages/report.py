@@ -52,6 +52,7 @@ def run(given: Given) -> list[Path]:
 
 def write(given: Given, pages: str) -> list[Path]:
     """Write the report; ``pages``: folder of the participants' pages, from that of the report."""
+    from emg2vsa.calibration_file import file_name, write_calibration
     from emg2vsa.report.study_report import write_study_report
     from emg2vsa.schedule_files import write_schedule
 
@@ -60,6 +61,9 @@ def write(given: Given, pages: str) -> list[Path]:
     written = write_study_report(results, given.folder)
     for schedule in results.people.schedules if results.people else ():
         written += write_schedule(given.folder / "schedules", schedule)
+    calibration = results.runs.calibration if results.runs else None
+    for each in calibration.online if calibration else ():
+        written.append(write_calibration(given.folder / "calibrations" / file_name(each), each))
     return written
 
 

@@ -91,10 +91,7 @@ def run(given: Given) -> RunScores:
 def _true_a_c0(given: Given, scores: RunScores) -> Floats:
     from emg2vsa.rig.emulated.truth import true_areas_mm2
 
-    first_n = [curve.first_n for curve in scores.curves]
-    specimen, angle_deg, condition = given.settings["run"]
-    rig, emulated = given.settings["rig"], given.settings["emulated"]
-    return true_areas_mm2(specimen, angle_deg, condition, rig, emulated, first_n)
+    return true_areas_mm2(given.settings["folders"], [curve.first_n for curve in scores.curves])
 
 
 def says(scores: RunScores) -> str:

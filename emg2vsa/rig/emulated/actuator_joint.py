@@ -26,7 +26,7 @@ class Joint(Protocol):
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
         """Shaft angle, rad, that long after it was at ``shaft_rad``, with the motors where they are; the same angle
-        when it rests."""
+        when it rests. The probe's step of that length begins here, and ends with its ``settle``."""
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
         """Torque, N m, that each motor must do to turn on to larger angles."""
@@ -36,10 +36,11 @@ class RigidJoint:
     """The shaft is motor 1's, and no load moves it."""
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        probe.begin(duration_s)
         return motors_rad[0]
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
-        return probe.torque_nm(motors_rad[0])[0], 0.0
+        return probe.load_nm(motors_rad[0]), 0.0
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class SpringJoint:
     settling_s: float
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        probe.begin(duration_s)
         needed = self._needed(shaft_rad, motors_rad, probe)
         if abs(needed[0]) <= self.friction_nm:
             return shaft_rad

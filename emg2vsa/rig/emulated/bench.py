@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from casr.synthetic import ContactState
 from emg2vsa.actuator import SPRINGS
 from emg2vsa.arrays import Floats
 from emg2vsa.rig.clock import Clock
@@ -18,10 +19,12 @@ from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
 from emg2vsa.rig.emulated.press_draws import PressDraws
+from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO
 from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.emulated.truth import TrueLoading
 from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.force.datagrams import LoopbackDatagrams
 from emg2vsa.rig.force.net_ft import NetFt
@@ -44,13 +47,13 @@ MOTOR_BOARD = replace(
 )
 
 
-def motor_board(world: World, clock: Clock, home_ticks: int = 0) -> QbmoveFirmware:
+def motor_board(world: World, clock: Clock, home_ticks: int = 0, latency_s: float = 0.0) -> QbmoveFirmware:
     """The board of the rigid motor: a qbrobotics board with one motor and one AS5045 encoder (paper, section V.A).
 
     Which firmware it runs is not published; it is taken to be the qbmove's, with motor 1 connected and motor 2 not.
     It has id 1, and turns a world whose ``springs`` are None; at the start its motor reads ``home_ticks``."""
     memory = MOTOR_BOARD.factory((home_ticks, 0, home_ticks))
-    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=memory, loads=world.loads_nm)
+    return QbmoveFirmware(MOTOR_BOARD, world, clock, memory=memory, loads=world.loads_nm, latency_s=latency_s)
 
 
 DEVICE_ID = 1
@@ -93,10 +96,11 @@ class EmulatedRig:
         rig: RigSettings | None = None,
         run: str = "",
         plate: bool = False,
+        mounting: int = 1,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
@@ -106,17 +110,23 @@ class EmulatedRig:
         on_springs, on_motor = (away, self.world) if rigid else (self.world, away)
         switches, home_ticks = _ADVANCED if self.model == "advanced" else MAKER_PRO, self.rig.home_ticks
         memory = switches.factory((home_ticks,) * 3)
-        qbmove = QbmoveFirmware(switches, on_springs, clock, memory=memory, loads=on_springs.loads_nm)
-        motor = motor_board(on_motor, clock, home_ticks)
+        latency_s = self._draws.preset_latency_s
+        qbmove = QbmoveFirmware(
+            switches, on_springs, clock, memory=memory, loads=on_springs.loads_nm, latency_s=latency_s
+        )
+        motor = motor_board(on_motor, clock, home_ticks, latency_s)
         self.firmware, self.idle = (motor, qbmove) if rigid else (qbmove, motor)
         self.plan = FaultPlan()
         self.wire = FaultyWire(self.firmware, clock, seed=self._draws.sensor_seed)
         noise = emulated.force_noise_n, emulated.force_noise_n * TORQUE_NOISE_NM_PER_N
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
+        self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
         self.box = RdtBox(self._wrench, box)
         self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
-        self.camera = EmulatedCamera(self._draws.scene(0), self._normal_force_n, clock)
+        self._seen = self._draws.seen(0)
+        self.camera = EmulatedCamera(self._seen.scene, self._contact, clock, timing=self._draws.frame_timing)
+        self._show()
 
     def answer(self, data: bytes) -> bytes:
         """What comes back over the actuator's wire; from any thread."""
@@ -130,6 +140,16 @@ class EmulatedRig:
             self.firmware.advance()
             now_s = self.clock.now_s()
             return self.world.probe_mm(now_s), float(np.linalg.norm(self.world.force_n(now_s)))
+
+    def loadings(self) -> list[TrueLoading]:
+        """What is true of each press so far."""
+        with self._lock:
+            return [self._loading(*each) for each in enumerate(self.world.loadings) if each[1]]
+
+    def _loading(self, press: int, kept: list[tuple[float, Touch]]) -> TrueLoading:
+        seen = self._draws.seen(press)
+        areas = [seen.area_mm2(touch) for _, touch in kept]
+        return TrueLoading(np.array([force_n for force_n, _ in kept]), np.array(areas))
 
     def interrupt(self, action: Callable[[], None]) -> None:
         """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
@@ -165,15 +185,21 @@ class EmulatedRig:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            return (*(self._mounting @ self.world.force_n(time_s)).tolist(), 0.0, 0.0, 0.0)
+            force_n = self.world.force_n(time_s)
+            force_n[2] += self._force_zero_n
+            return (*(self._mounting @ force_n).tolist(), 0.0, 0.0, 0.0)
 
-    def _normal_force_n(self, time_s: float) -> float:
+    def _contact(self, time_s: float) -> ContactState:
         with self._lock:
             self._advance()
             if self.world.press != self._press:
-                self._press = self.world.press
-                self.camera.scene = self._draws.scene(self._press)
-            return self.world.normal_force_n(time_s)
+                self._press, self._seen = self.world.press, self._draws.seen(self.world.press)
+                self._show()
+            return self._seen.state(self.world.touch(time_s))
+
+    def _show(self) -> None:
+        self.camera.scene, self.camera.latency_s = self._seen.scene, self._seen.latency_s
+        self._force_zero_n = self._draws.force_zero_n(self._press)
 
 
 def _turned_to(axis: tuple[float, float, float]) -> Floats:

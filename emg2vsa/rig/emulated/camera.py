@@ -1,4 +1,4 @@
-"""A tactile camera that sees a rendered skin pressed with the world's force."""
+"""A tactile camera that sees a rendered skin as the world presses it, and whose frames arrive late."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.synthetic import Scene
+from casr.synthetic import ContactState, Scene
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.device_settings import LOST_S, RATE_HZ
@@ -30,39 +30,59 @@ class CameraFaults:
     late_s: float = 0.0
 
 
+@dataclass(frozen=True)
+class FrameTiming:
+    """When frames arrive.
+
+    mean_s : after their exposure, on average, which the rig knows. jitter_s : standard deviation of each. late_share :
+    of the frames that are ``late_s`` later still. seed : of the draws.
+    """
+
+    mean_s: float = 0.0
+    jitter_s: float = 0.0
+    late_share: float = 0.0
+    late_s: float = 0.0
+    seed: int = 0
+
+
 class DrawnFrame(Frame):
     """A frame that is drawn when its image is first looked at; what it shows is settled before.
 
-    scene, force_n, number : what is seen, under which normal force, and which frame it is.
+    scene, pressed, number : what is seen, in which state of the contact, and which frame it is.
     """
 
-    _drawn_from: tuple[Scene, float, int]
+    _drawn_from: tuple[Scene, float | ContactState, int]
 
-    def __init__(self, time_s: float, dropped: int, scene: Scene, force_n: float, number: int) -> None:
+    def __init__(self, time_s: float, dropped: int, scene: Scene, pressed: float | ContactState, number: int) -> None:
         # a frozen dataclass; the image is left to the property below
-        self.__dict__.update(time_s=time_s, dropped=dropped, _drawn_from=(scene, force_n, number))
+        self.__dict__.update(time_s=time_s, dropped=dropped, _drawn_from=(scene, pressed, number))
 
     @cached_property
     def image(self) -> NDArray[np.uint8]:  # type: ignore[override]
         """(H, W) grey levels."""
-        scene, force_n, number = self._drawn_from
-        return scene.image(force_n, number)
+        scene, pressed, number = self._drawn_from
+        return scene.image(pressed, number)
 
 
 class EmulatedCamera:
-    """Frames on the clock, drawn when they are looked at.
+    """Frames on the clock, drawn when they are looked at. A frame bears the time of its arrival less the mean latency.
 
     Parameters
     ----------
     scene : sensor and specimen.
-    force_n : normal force on the skin at a time, s; asked at times that never go back.
+    pressed : the contact at a time of exposure, s, or the force of one without friction or history; asked at times that
+        never go back.
     clock : the rig's time.
     """
 
-    delay_s = 0.0
-
     def __init__(
-        self, scene: Scene, force_n: Callable[[float], float], clock: Clock, *, rate_hz: float = RATE_HZ
+        self,
+        scene: Scene,
+        pressed: Callable[[float], float | ContactState],
+        clock: Clock,
+        *,
+        rate_hz: float = RATE_HZ,
+        timing: FrameTiming | None = None,
     ) -> None:
         self.name = "emulated camera"
         self.shape = (scene.settings.camera.height_px, scene.settings.camera.width_px)
@@ -70,9 +90,15 @@ class EmulatedCamera:
         self.dropped = 0
         self.scene = scene
         "What it sees; may be exchanged between two frames."
-        self._force_n, self._clock, self._rate_hz = force_n, clock, rate_hz
+        self._pressed, self._clock, self._rate_hz = pressed, clock, rate_hz
+        self._timing = timing or FrameTiming()
+        self.delay_s = self._timing.mean_s
+        self.latency_s = self._timing.mean_s
+        "Mean time to the arrival of the frames now; may be changed between two frames."
+        self._rng = np.random.default_rng(self._timing.seed)
         self._started_s = self._newest_s = 0.0
         self._exposed = self._missing = 0
+        self._arrives_s: float | None = None
 
     def start(self) -> None:
         """Begin; the first frame is taken now."""
@@ -97,15 +123,25 @@ class EmulatedCamera:
         now_s = self._clock.now_s()
         frames: list[Frame] = []
         while (time_s := self._started_s + self._exposed / self._rate_hz) <= now_s + 1e-9:
+            if self._arrives_s is None:
+                self._arrives_s = self._arrival_s(time_s)
+            if (arrives_s := self._arrives_s) > now_s + 1e-9:
+                break
             if self._is_lost():
                 self._missing += 1
             else:
-                force_n = self._force_n(max(0.0, time_s - self.faults.late_s))
-                frames.append(DrawnFrame(time_s, self._missing, self.scene, force_n, self._exposed))
+                pressed = self._pressed(max(0.0, time_s - self.faults.late_s))
+                frames.append(DrawnFrame(arrives_s - self.delay_s, self._missing, self.scene, pressed, self._exposed))
                 self.dropped += self._missing
-                self._newest_s, self._missing = time_s, 0
-            self._exposed += 1
+                self._newest_s, self._missing = arrives_s, 0
+            self._exposed, self._arrives_s = self._exposed + 1, None
         return frames
+
+    def _arrival_s(self, exposed_s: float) -> float:
+        """Never before the exposure, and never before the frame that came last."""
+        timing, jitter, late = self._timing, float(self._rng.standard_normal()), float(self._rng.random())
+        latency_s = self.latency_s + timing.jitter_s * jitter + timing.late_s * (late < timing.late_share)
+        return max(exposed_s + max(0.0, latency_s), self._newest_s)
 
     def close(self) -> None:
         """Nothing to give back."""

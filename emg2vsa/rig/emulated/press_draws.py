@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from casr.errors import SettingError as NoScene
-from casr.synthetic import Appearance, PressSettings, Scene, TabulatedWorld
+from casr.synthetic import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
 from emg2vsa.actuator import SPRINGS
+from emg2vsa.contact_mechanics import Relaxation, adhesive_force_n, area_share, in_series
+from emg2vsa.contact_mechanics.relaxation import specimen_share
 from emg2vsa.errors import SettingError
+from emg2vsa.rig.emulated.camera import FrameTiming
+from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.rig_settings import RigSettings
@@ -17,6 +24,61 @@ from emg2vsa.rig.rig_settings import RigSettings
 _OF_SENSOR, _OF_RUN, _OF_FIRST_PRESS = range(3)
 _MOST_SD = 2.0
 "Draws stay within so many standard deviations, so that no press is one that a bench would not make."
+
+
+class _OfMounting(NamedTuple):
+    """Normal draws that all presses of a mounting share."""
+
+    angle: float
+    stiffness: float
+    modulus: float
+    depth: float
+    friction: float
+    softening: float
+    latency: float
+    force_zero: float
+
+
+class _OfPress(NamedTuple):
+    """Normal draws of one press."""
+
+    stiffness: float
+    gap: float
+    area: float
+    adhesion: float
+    latency: float
+    force_zero: float
+
+
+@dataclass(frozen=True)
+class SeenPress:
+    """What the camera sees of one press.
+
+    scene : skin and contact. modulus : of the sensor over that of the scene's world. specimen : share in the compliance
+    of both. friction, adhesion_mj_per_m2 : of the skin. latency_s : from exposure to arrival of a frame, on average.
+    """
+
+    scene: Scene
+    modulus: float
+    specimen: float
+    friction: float
+    adhesion_mj_per_m2: float
+    latency_s: float
+
+    def state(self, touch: Touch) -> ContactState:
+        """What area and pins follow: a contact as large as that of the elastic force, which adhesion enlarges and shear
+        shrinks. Adhesion is left out of depth and force, where it is far below the noise."""
+        if touch.normal_n <= 0:
+            return self.scene.skin.state(0.0)
+        # bodies of s times the modulus under s times the force have the same contact
+        elastic_n = float(adhesive_force_n(touch.elastic_n, self.adhesion_mj_per_m2)) / self.modulus
+        state = self.scene.skin.state(elastic_n)
+        left = math.sqrt(area_share(touch.shear_n, touch.normal_n, self.friction))
+        return replace(state, radius_mm=left * state.radius_mm, tangential_mm=(1 - self.specimen) * touch.sheared_mm)
+
+    def area_mm2(self, touch: Touch) -> float:
+        """True contact area."""
+        return self.scene.area_mm2(self.state(touch))
 
 
 @dataclass(frozen=True)
@@ -28,6 +90,7 @@ class PressDraws:
     emulated : the bench. specimen : on it; SettingError when its stiffness is not known.
     angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear, and which way it turns.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
+    mounting : which of the times, from 1, that sensor and specimen were mounted for the run; each has draws of its own.
     """
 
     emulated: EmulatedSettings
@@ -37,6 +100,7 @@ class PressDraws:
     rig: RigSettings
     run: str = ""
     plate: bool = False
+    mounting: int = 1
 
     def __post_init__(self) -> None:
         known = self.emulated.stiffness_n_per_mm
@@ -50,30 +114,54 @@ class PressDraws:
 
     def world(self, press: int) -> WorldSettings:
         """The bench during press number ``press``, from 0."""
-        e = self.emulated
-        (angle,) = self._normal(_OF_RUN, 1)
-        stiffness, gap = self._normal(_OF_FIRST_PRESS + press, 2)
+        e, mounting, drawn = self._used, self._mounting, self._press(press)
+        virgin = (e.softening + e.softening_sd * mounting.softening) if press == 0 else 0.0
+        stiffness_n_per_mm = (
+            e.stiffness_n_per_mm[self.specimen]
+            * (1 + e.stiffness_sd * drawn.stiffness)
+            * (1 + e.mounting_stiffness_sd * mounting.stiffness)
+            * (1 + virgin)
+        )
+        usual = ContactWorld()
+        contact = replace(usual, sensor_modulus_mpa=usual.sensor_modulus_mpa * self._modulus)
+        specimen = specimen_share(stiffness_n_per_mm / (2 * contact.punch_radius_mm), contact.sensor_modulus_mpa)
+        if self.plate:
+            specimen = 1.0
+        friction = 0.0 if self.plate else max(0.0, e.friction + e.friction_sd * mounting.friction)
         return WorldSettings(
-            stiffness_n_per_mm=e.stiffness_n_per_mm[self.specimen] * (1 + e.stiffness_sd * stiffness),
-            angle_deg=abs(self.angle_deg + e.angle_sd_deg * angle),
+            stiffness_n_per_mm=stiffness_n_per_mm,
+            angle_deg=abs(self.angle_deg + e.angle_sd_deg * mounting.angle),
+            contact=contact,
             springs=None if self.rigid else SPRINGS[e.springs],
             mm_per_degree=self.rig.gear_mm_per_degree,
             turns_to_push=self.rig.push_sign,
             plate=self.plate,
-            gap_mm=e.gap_mm + e.gap_sd_mm * gap,
+            gap_mm=e.gap_mm + e.gap_sd_mm * drawn.gap,
+            relaxation=in_series(
+                [
+                    (specimen, Relaxation.of_share(e.relaxation_of(self.specimen))),
+                    (1 - specimen, Relaxation.of_share(e.sensor_relaxation)),
+                ]
+            ),
+            skin_friction=friction,
+            friction_drop=min(e.friction_drop, friction / 2),
+            mount_n_per_mm=e.mount_n_per_mm,
         )
 
     def scene(self, press: int) -> Scene:
-        """What the camera sees of it. SettingError when the specimen is so soft that its contact leaves the image."""
-        world = self.world(press)
+        """The camera's scene. SettingError when the specimen is so soft that its contact leaves the image."""
+        world, e = self.world(press), self._used
         settings = PressSettings(
-            stiffness_n_per_mm=world.stiffness_n_per_mm,
+            stiffness_n_per_mm=world.stiffness_n_per_mm / self._modulus,
             angle_deg=world.angle_deg,
             repetition=press,
-            seed=self.emulated.seed,
-            centre_sd_mm=self.emulated.landing_sd_mm,
-            world=TabulatedWorld() if self.emulated.skin == "finite-elements" else world.contact,
-            appearance=replace(Appearance(), noise_grey=self.emulated.camera_noise_grey),
+            seed=e.seed,
+            drawn=Drawn(
+                depth=math.exp(e.depth_sd * self._mounting.depth), area=math.exp(e.area_sd * self._press(press).area)
+            ),
+            centre_sd_mm=e.landing_sd_mm,
+            world=TabulatedWorld() if e.skin == "finite-elements" else ContactWorld(),
+            appearance=replace(Appearance(), noise_grey=e.camera_noise_grey),
         )
         try:
             return Scene(settings)
@@ -81,6 +169,52 @@ class PressDraws:
             raise SettingError(
                 f"{self.specimen} at {self.angle_deg:g} degrees", wanted=error.wanted, found=error.found, do=error.do
             ) from error
+
+    def seen(self, press: int) -> SeenPress:
+        """What the camera sees of it. SettingError as `scene`."""
+        e, world, drawn = self._used, self.world(press), self._press(press)
+        contact = world.contact
+        return SeenPress(
+            scene=self.scene(press),
+            modulus=self._modulus,
+            specimen=specimen_share(
+                world.stiffness_n_per_mm / (2 * contact.punch_radius_mm), contact.sensor_modulus_mpa
+            ),
+            friction=world.skin_friction,
+            adhesion_mj_per_m2=max(0.0, e.adhesion_mj_per_m2 + e.adhesion_sd_mj_per_m2 * drawn.adhesion),
+            latency_s=max(0.0, e.camera_latency_s + e.camera_latency_sd_s * (self._mounting.latency + drawn.latency)),
+        )
+
+    def force_zero_n(self, press: int) -> float:
+        """What the force sensor reads too much along the push axis."""
+        return self._used.force_zero_sd_n * (self._mounting.force_zero + self._press(press).force_zero)
+
+    @property
+    def frame_timing(self) -> FrameTiming:
+        """Of the camera."""
+        e = self._used
+        seed = int(self._seeds(_OF_SENSOR).generate_state(2)[1])
+        return FrameTiming(e.camera_latency_s, e.camera_jitter_s, e.late_frames_share, e.late_frames_s, seed)
+
+    @property
+    def preset_latency_s(self) -> float:
+        """Of the actuator's commands."""
+        return self._used.preset_latency_s
+
+    @cached_property
+    def _used(self) -> EmulatedSettings:
+        return self.emulated.as_used()
+
+    @cached_property
+    def _mounting(self) -> _OfMounting:
+        return _OfMounting(*self._normal(_OF_RUN, len(_OfMounting._fields)))
+
+    def _press(self, press: int) -> _OfPress:
+        return _OfPress(*self._normal(_OF_FIRST_PRESS + press, len(_OfPress._fields)))
+
+    @property
+    def _modulus(self) -> float:
+        return 1 + self._used.sensor_modulus_sd * self._mounting.modulus
 
     @property
     def sensor_seed(self) -> int:
@@ -94,4 +228,6 @@ class PressDraws:
 
     def _seeds(self, stream: int) -> np.random.SeedSequence:
         name = f"{self.specimen}, {self.angle_deg:g}, {self.run}".encode()
-        return np.random.SeedSequence(self.emulated.seed, spawn_key=(stream, *name))
+        # a list with one number gives the seeds of that number
+        entropy = [self.emulated.seed, self.mounting][: 1 if self.mounting == 1 else 2]
+        return np.random.SeedSequence(entropy, spawn_key=(stream, *name))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
+from emg2vsa.contact_mechanics import ELASTIC, ConvolvedForce, PowerLaw, Shear
+from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL, forces_n
 from emg2vsa.rig.emulated.world_settings import WorldSettings
-from emg2vsa.rig.specimen_contact import SpecimenContact
 
 
 class PlateContact:
@@ -15,31 +17,73 @@ class PlateContact:
         self._stiffness_n_per_mm = stiffness_n_per_mm
 
     def force_n(self, depth_mm: float) -> float:
-        """As `SpecimenContact`."""
+        """As `PowerLaw`."""
         return self._stiffness_n_per_mm * max(0.0, depth_mm)
 
     def resistance(self, depth_mm: float) -> tuple[float, float]:
-        """As `SpecimenContact`."""
+        """As `PowerLaw`."""
         return self.force_n(depth_mm), self._stiffness_n_per_mm if depth_mm > 0 else 0.0
 
 
 Force = tuple[float, float, float]
 
 
+class Touch(NamedTuple):
+    """A contact at one moment; all 0 without one.
+
+    normal_n : force along the normal of the surface. shear_n : along the surface, against the probe's way.
+    elastic_n : normal force of an elastic contact as deep and as large. sheared_mm : way of both bodies' surfaces
+    against each other's middle, less what has slid.
+    """
+
+    normal_n: float = 0.0
+    shear_n: float = 0.0
+    elastic_n: float = 0.0
+    sheared_mm: float = 0.0
+
+
+APART = Touch()
+_SAME_MM = 1e-7
+"Depths nearer to each other tell no slope."
+
+
 class Probe:
-    """Where the probe is with the shaft at an angle, and what pushes back. A larger angle is further down."""
+    """Where the probe is with the shaft at an angle, and what pushes back. A larger angle is further down.
+
+    Elastic bodies without friction push back by the angle alone. Others remember: a step begins with ``begin``, is
+    looked at with ``torque_nm`` for any angle at its end, and ends with ``settle``.
+    """
 
     def __init__(self, settings: WorldSettings) -> None:
-        stiffness = settings.stiffness_n_per_mm
-        self._contact = PlateContact(stiffness) if settings.plate else SpecimenContact(settings.contact, stiffness)
+        self._contact = (
+            PlateContact(settings.stiffness_n_per_mm)
+            if settings.plate
+            else PowerLaw(
+                settings.contact.modulus_mpa(settings.stiffness_n_per_mm),
+                settings.contact.tip_radius_mm,
+                settings.contact.exponent,
+            )
+        )
         self._mm_per_rad = math.degrees(settings.mm_per_degree)
-        tilt = math.radians(settings.angle_deg)
-        self._sin, self._cos = math.sin(tilt), math.cos(tilt)
+        self._tilt_rad = math.radians(settings.angle_deg)
+        self._sin, self._cos = math.sin(self._tilt_rad), math.cos(self._tilt_rad)
         # work along the axis is work along the normal: both the force and the indentation take a cosine
         self._depth_mm_per_rad = self._cos * self._mm_per_rad
         self._lever_m_per_rad = self._depth_mm_per_rad / 1000
         self.touch_rad = settings.gap_mm / self._mm_per_rad
         "Shaft angle at first contact."
+        self.remembers = settings.relaxation != ELASTIC or settings.skin_friction > 0
+        "Whether the force depends on more than the angle."
+        self._normal: ConvolvedForce[float] = ConvolvedForce(settings.relaxation, 0.0)
+        self._shear: Shear[float] = Shear(
+            settings.relaxation,
+            0.0,
+            friction=settings.skin_friction,
+            mount_n_per_mm=settings.mount_n_per_mm,
+            friction_drop=settings.friction_drop,
+        )
+        self._step_s, self._alpha_n, self._beta = 0.0, 0.0, 1.0
+        self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
 
     def position_mm(self, shaft_rad: float) -> float:
         """Way down from where the shaft is at 0."""
@@ -49,22 +93,76 @@ class Probe:
         """Way down from there to first contact."""
         return (self.touch_rad - shaft_rad) * self._mm_per_rad
 
-    def normal_force_n(self, shaft_rad: float) -> float:
-        """Force along the normal of the specimen's surface; exactly 0 without contact."""
-        return self._contact.force_n(self._depth_mm(shaft_rad))
+    def elastic_touch(self, shaft_rad: float) -> Touch:
+        """The contact of elastic bodies without friction."""
+        normal_n = self._contact.force_n(self._depth_mm(shaft_rad))
+        return Touch(normal_n, 0.0, normal_n, 0.0)
 
-    def force_n(self, shaft_rad: float) -> Force:
+    def force_n(self, touch: Touch) -> Force:
         """Force on the specimen: x the way its surface falls off, y, and z down the probe's axis, so pressing is +."""
-        normal_n = self.normal_force_n(shaft_rad)
-        return normal_n * self._sin, 0.0, normal_n * self._cos
+        across_n, along_n = forces_n(touch.normal_n, touch.shear_n, self._tilt_rad)
+        return across_n, 0.0, along_n
+
+    def begin(self, step_s: float) -> None:
+        """A step of that length begins where the last one has ended."""
+        if self.remembers:
+            self._step_s = step_s
+            self._alpha_n, self._beta = self._normal.alpha_beta(step_s)
 
     def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
-        """What holds the shaft back, N m, and its growth, N m/rad. The tilted guide takes the force across it."""
+        """What holds the shaft back at the end of the step, N m, and its growth, N m/rad. The tilted guide takes the
+        force across it."""
         depth_mm = self._depth_mm(shaft_rad)
         if depth_mm <= 0:
             return 0.0, 0.0
-        force_n, growth_n_per_mm = self._contact.resistance(depth_mm)
-        return force_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
+        elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
+        if not self.remembers:
+            return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
+        normal_n = (elastic_n - self._alpha_n) / self._beta
+        if normal_n <= 0:
+            return 0.0, 0.0
+        shear_n = self._shear.after(self._step_s, *self._sideways(shaft_rad, elastic_n, growth_n_per_mm), normal_n)
+        # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
+        stiffer = self._cos**2 + SHEAR_OVER_NORMAL * self._sin**2
+        growth_nm = growth_n_per_mm / self._beta * stiffer * self._mm_per_rad**2 / 1000
+        return self._along_n(normal_n, shear_n) * self._mm_per_rad / 1000, growth_nm
+
+    def settle(self, shaft_rad: float) -> Touch:
+        """The step ends with the shaft there; the contact then. It ends where nothing pushes back any more; one that
+        the probe has left altogether is forgotten, so that the next is a first one."""
+        if not self.remembers:
+            return self.elastic_touch(shaft_rad)
+        depth_mm = self._depth_mm(shaft_rad)
+        if depth_mm <= 0:
+            if self._at_rad > self.touch_rad:
+                self._normal.reset()
+                self._shear.reset()
+            self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
+            return APART
+        elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
+        normal_n = max(0.0, (elastic_n - self._alpha_n) / self._beta)
+        sideways = self._sideways(shaft_rad, elastic_n, growth_n_per_mm)
+        shear_n = self._shear.advance(self._step_s, *sideways, normal_n)
+        self._normal.advance(self._step_s, normal_n)
+        self._at_rad, self._elastic_n = shaft_rad, elastic_n
+        self._touch = Touch(normal_n, shear_n, elastic_n, self._shear.way_mm) if normal_n > 0 else APART
+        return self._touch
+
+    def load_nm(self, shaft_rad: float) -> float:
+        """What holds the shaft back now that it has settled there, N m."""
+        if not self.remembers:
+            return self.torque_nm(shaft_rad)[0]
+        return self._along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
+
+    def _sideways(self, shaft_rad: float, elastic_n: float, growth_n_per_mm: float) -> tuple[float, float]:
+        """Way along the surface on this step, mm, and the mean growth of the elastic force per depth, N/mm."""
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        mean = (elastic_n - self._elastic_n) / deeper_mm if abs(deeper_mm) > _SAME_MM else growth_n_per_mm
+        return turned_rad * self._mm_per_rad * self._sin, mean
+
+    def _along_n(self, normal_n: float, shear_n: float) -> float:
+        return normal_n * self._cos + shear_n * self._sin
 
     def _depth_mm(self, shaft_rad: float) -> float:
         return (shaft_rad - self.touch_rad) * self._depth_mm_per_rad

@@ -48,12 +48,14 @@ class QbmoveFirmware:
         memory: Memory | None = None,
         motors_rad: tuple[float, float] = (0.0, 0.0),
         loads: Loads = no_loads,
+        latency_s: float = 0.0,
     ) -> None:
-        """``memory``: what is stored at the start, instead of the factory's settings. ``loads``: on the motors."""
+        """``memory``: what is stored at the start, instead of the factory's settings. ``loads``: on the motors.
+        ``latency_s``: from a command to the motors until their loop knows of it."""
         self._switches, self._clock = switches, clock
         self._stored = memory or switches.factory()
         self._default = copy.deepcopy(self._stored)
-        self._loop = Loop(switches, shaft, clock, motors_rad, loads)
+        self._loop = Loop(switches, shaft, clock, motors_rad, loads, latency_s)
         self._handlers = self._commands()
         self._start()
 
@@ -175,7 +177,7 @@ class QbmoveFirmware:
         if not backwards or self._shadow.control_mode in _LIMITED_MODES_OF_ADVANCED:
             sign = -1 if backwards else 1
             ticks = [sign * limited(sign * value, motor, self._current) for motor, value in enumerate(ticks)]
-        self._loop.new = replace(self._loop.new, ticks=(ticks[0], ticks[1]))
+        self._loop.command((ticks[0], ticks[1]))
         return b""
 
     def _set_position_stiffness(self) -> bytes:
@@ -183,7 +185,7 @@ class QbmoveFirmware:
         low, high, most = self._current.limits[0], self._current.limits[1], self._current.max_stiffness
         at = max(min(position << self._shadow.resolutions[0], high - most), low + most)
         preset = int(np.float32(most) / np.float32(32768) * np.float32(stiffness))
-        self._loop.new = replace(self._loop.new, ticks=(at + preset, at - preset))
+        self._loop.command((at + preset, at - preset))
         return b""
 
     def _activate(self) -> bytes:
@@ -192,7 +194,7 @@ class QbmoveFirmware:
         keeps = self._shadow.control_mode not in _POSITION_MODES
         ticks = self._loop.new.ticks if keeps else measured[:2]
         self._loop.bridge_on = None
-        self._loop.new = References(ticks, 0 if refused else self._buffer[1])
+        self._loop.activate(References(ticks, 0 if refused else self._buffer[1]))
         return b""
 
     def _set_watchdog(self) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -41,8 +42,15 @@ class Loop:
     """Motors and references of one device."""
 
     def __init__(
-        self, switches: Switches, shaft: Shaft, clock: Clock, motors_rad: tuple[float, float], loads: Loads
+        self,
+        switches: Switches,
+        shaft: Shaft,
+        clock: Clock,
+        motors_rad: tuple[float, float],
+        loads: Loads,
+        latency_s: float = 0.0,
     ) -> None:
+        """``latency_s``: from a command until the loop knows of it."""
         self._switches, self._shaft, self._clock, self._loads = switches, shaft, clock, loads
         start_s = clock.now_s()
         self.motors = Motors(switches, (*motors_rad, shaft.shaft_rad(start_s, motors_rad)))
@@ -51,6 +59,20 @@ class Loop:
         self.bridge_on: int | None = None
         "What the motors go by after a watchdog that has cleared no more than the flag, until the next ACTIVATE."
         self._watchdog_ms = _NEVER_MS
+        self._latency_ms = round(latency_s * 1000)
+        self._commanded: deque[tuple[int, Pair]] = deque()
+
+    def command(self, ticks: Pair) -> None:
+        """Where the motors are to go, once that is known here."""
+        if self._latency_ms:
+            self._commanded.append((self._now_ms + self._latency_ms, ticks))
+        else:
+            self.new = replace(self.new, ticks=ticks)
+
+    def activate(self, references: References) -> None:
+        """At once, and instead of what has been commanded before."""
+        self._commanded.clear()
+        self.new = references
 
     def advance(self, current: Memory, shadow: Memory) -> None:
         """Run up to the clock. ``current`` settings move the motors, ``shadow`` ones scale and shift the encoders."""
@@ -74,6 +96,7 @@ class Loop:
 
     def restart(self, on: int) -> None:
         """Power comes back: references 0."""
+        self._commanded.clear()
         self.new = self.current = self.old = References(on=on)
         self.bridge_on = None
         self.motors.pwm = [0, 0]
@@ -84,6 +107,8 @@ class Loop:
         self.motors.loads_nm = self._loads(angles_rad)
 
     def _turn(self, current: Memory, shadow: Memory) -> bool:
+        while self._commanded and self._commanded[0][0] <= self._now_ms:
+            self.new = replace(self.new, ticks=self._commanded.popleft()[1])
         ticks = self.current.ticks
         if current.input_mode:
             shaft = self.motors.measured(shadow)[2]
@@ -93,7 +118,7 @@ class Loop:
         still = self.motors.step(ticks, current, shadow, powered)
         settled = self.old is self.current is self.new
         self.old, self.current = self.current, self.new
-        return still and settled
+        return still and settled and not self._commanded
 
 
 def limited(ticks: int, motor: int, memory: Memory) -> int:

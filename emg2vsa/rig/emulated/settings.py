@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
 
 from casr.specimens import SPECIMENS
 from emg2vsa.settings import Ge, Gt, Le, Positive
+
+Share = Annotated[float, Ge(0), Le(0.8)]
+"Of a force, that a body loses between 0.1 and 10 s after a step of its depth."
+RELAXATION = {"S1": 0.03, "S2": 0.04, "S3": 0.06, "S4": 0.06, "S5": 0.12}
+"""Of the paper's specimens (guess: stiff, well cured silicone creeps little, soft mixtures more; Petet et al. 2021)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +25,9 @@ class EmulatedSettings:
     "Specimen to its stiffness by plate indentation, N/mm (paper, section IV.B)."
     springs: Literal["qbmove-maker-pro", "qbmove-advanced"] = "qbmove-maker-pro"
     "Whose springs and firmware the actuator has (docs/decisions/0013-emulated-rig.md)."
+    world: Literal["viscoelastic", "elastic"] = "viscoelastic"
+    """Viscoelastic: bodies creep, the skin sticks and slides, commands and frames are late, and every mounting differs.
+    Elastic: none of that; area follows from force alone, and the keys below from relaxation on keep their defaults."""
     gap_mm: Annotated[float, Ge(2), Le(100)] = 3.0
     "From the retracted probe to the specimen's surface, mm (guess)."
     force_noise_n: Annotated[float, Gt(0), Le(1)] = 0.01
@@ -26,17 +37,102 @@ class EmulatedSettings:
     camera_noise_grey: Annotated[float, Ge(0), Le(50)] = 2.0
     "Standard deviation of the camera's read noise, grey levels (guess)."
     skin: Literal["finite-elements", "sticking"] = "finite-elements"
-    """How the skin moves that the camera sees: tabulated finite elements of a dome, or a contact that sticks and then
-    stretches. The force over depth is that of casr's elastic dome with both."""
+    """How area and skin follow the force: tabulated finite elements of a dome, or a contact that sticks and then
+    stretches, whose radius grows like force^(1/4). The force over depth is that of the second with both."""
     landing_sd_mm: Annotated[float, Ge(0), Le(2)] = 0.2
     "Standard deviation of where a press meets the specimen, along each axis of the image, mm (guess: guide's play)."
     gap_sd_mm: Annotated[float, Ge(0), Le(0.2)] = 0.1
     "Standard deviation of the gap from press to press, mm (guess: specimen and sensor set back slowly)."
     angle_sd_deg: Annotated[float, Ge(0), Le(5)] = 0.5
-    "Standard deviation of the angle from run to run, degrees (guess: set by hand on a protractor)."
+    "Standard deviation of the angle from mounting to mounting, degrees (guess: set by hand on a protractor)."
     stiffness_sd: Annotated[float, Ge(0), Le(0.2)] = 0.01
     "Relative standard deviation of the specimen's stiffness from press to press (guess: temperature and creep)."
+    relaxation: dict[str, Share] = field(default_factory=dict)
+    """Specimen to the share of its force that relaxes between 0.1 and 10 s; 0 is elastic. Omitted: S1 0.03, S2 0.04,
+    S3 and S4 0.06, S5 0.12, and of another name what these have at its stiffness (guess)."""
+    sensor_relaxation: Share = 0.15
+    "The same of the sensor (guess: soft printed skin is markedly rate dependent; Slesarenko and Rudykh)."
+    friction: Annotated[float, Ge(0), Le(2)] = 0.6
+    "Coefficient between skin and specimen (guess: rubber on silicone); 0 is frictionless."
+    friction_drop: Annotated[float, Ge(0), Le(0.5)] = 0.05
+    "By how much the coefficient is smaller while the skin slides (guess)."
+    friction_sd: Annotated[float, Ge(0), Le(0.3)] = 0.1
+    "Standard deviation of the coefficient from mounting to mounting (guess: dust, wear)."
+    mount_n_per_mm: Annotated[float, Ge(1), Le(1e6)] = 30.0
+    "Stiffness of the sensor's mount across the probe's axis, N/mm (guess: printed ABS)."
+    adhesion_mj_per_m2: Annotated[float, Ge(0), Le(200)] = 10.0
+    "Work of adhesion while loading, mJ/m2 (guess: matt print with dust; clean silicone has about 45)."
+    adhesion_sd_mj_per_m2: Annotated[float, Ge(0), Le(50)] = 5.0
+    "Standard deviation of it from press to press, mJ/m2 (guess); it is never below 0."
+    softening: Annotated[float, Ge(0), Le(0.2)] = 0.02
+    "By how much the specimen is stiffer in the first press of a mounting (guess: Mullins; Liao et al. 2020)."
+    softening_sd: Annotated[float, Ge(0), Le(0.1)] = 0.01
+    "Standard deviation of that from mounting to mounting (guess)."
+    preset_latency_s: Annotated[float, Ge(0), Le(0.2)] = 0.015
+    "From a command until the motors' loop goes by it, s (guess: bus and firmware)."
+    camera_latency_s: Annotated[float, Ge(0), Le(0.2)] = 0.035
+    "Mean time from exposure to arrival of a frame, s, which the rig takes off (a USB camera; pupil-labs/pupil#152)."
+    camera_latency_sd_s: Annotated[float, Ge(0), Le(0.02)] = 0.005
+    "Standard deviation of it from mounting to mounting, and again from press to press, s; the rig does not know it."
+    camera_jitter_s: Annotated[float, Ge(0), Le(0.02)] = 0.005
+    "Standard deviation of the arrival of each frame, s (Miniscope_DAQ#12)."
+    late_frames_share: Annotated[float, Ge(0), Le(0.5)] = 0.02
+    "Share of the frames that arrive later still (seeing-things/track#78)."
+    late_frames_s: Annotated[float, Ge(0), Le(0.04)] = 0.03
+    "By how much these are late, s; less than the time from frame to frame."
+    force_zero_sd_n: Annotated[float, Ge(0), Le(0.2)] = 0.02
+    "Standard deviation of the force sensor's zero, N: after the tare of a mounting, and again at each press (guess)."
+    area_sd: Annotated[float, Ge(0), Le(0.1)] = 0.015
+    "Relative standard deviation of the contact's area from press to press (guess: the skin is uneven)."
+    depth_sd: Annotated[float, Ge(0), Le(0.1)] = 0.01
+    "Relative standard deviation of the camera's depth about that in camera.toml, from mounting to mounting (guess)."
+    mounting_stiffness_sd: Annotated[float, Ge(0), Le(0.2)] = 0.02
+    "Relative standard deviation of the specimen's stiffness from mounting to mounting (guess: place, thickness)."
+    sensor_modulus_sd: Annotated[float, Ge(0), Le(0.2)] = 0.03
+    "Relative standard deviation of the sensor's modulus from mounting to mounting (guess: batch, 1 K)."
     seed: Annotated[int, Ge(0)] = 0
     "Same seed, same bytes."
     behind_ports: bool = False
     "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
+
+    def of(self, specimen: str) -> Self:
+        """What matters for the runs of one specimen."""
+        return replace(
+            self,
+            stiffness_n_per_mm=_only(specimen, self.stiffness_n_per_mm),
+            relaxation=_only(specimen, self.relaxation),
+        )
+
+    def relaxation_of(self, specimen: str) -> float:
+        """Share of the force of a specimen that relaxes; of one that nobody names from its stiffness, N/mm."""
+        named = RELAXATION | self.relaxation
+        if specimen in named:
+            return named[specimen]
+        return relaxation_at(self.stiffness_n_per_mm[specimen])
+
+    def as_used(self) -> Self:
+        """With what the elastic world has not switched off."""
+        if self.world != "elastic":
+            return self
+        none: dict[str, Any] = dict.fromkeys(VISCOELASTIC_KEYS, 0.0)
+        stiff = {"relaxation": dict.fromkeys(self.stiffness_n_per_mm, 0.0), "mount_n_per_mm": self.mount_n_per_mm}
+        return replace(self, **none | stiff)
+
+
+def relaxation_at(stiffness_n_per_mm: float) -> float:
+    """Share that relaxes, straight over the logarithm of the stiffness between the paper's specimens."""
+    at = sorted((math.log(SPECIMENS[name]), share) for name, share in RELAXATION.items())
+    asked = math.log(stiffness_n_per_mm)
+    for (below, low), (above, high) in pairwise(at):
+        if asked <= above:
+            return low + (high - low) * max(0.0, asked - below) / (above - below)
+    return at[-1][1]
+
+
+def _only(name: str, table: Mapping[str, float]) -> dict[str, float]:
+    return {name: table[name]} if name in table else {}
+
+
+_NAMES = [each.name for each in fields(EmulatedSettings)]
+VISCOELASTIC_KEYS = tuple(_NAMES[_NAMES.index("relaxation") : _NAMES.index("seed")])
+"Keys that say nothing of the elastic world."

@@ -14,6 +14,7 @@ from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
 from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.emulated.truth import TRUTH_FILE, truth_text
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
@@ -24,13 +25,21 @@ from emg2vsa.rig.rig_settings import RigSettings
 
 
 def run_virtual(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, *, started: datetime, run: str = ""
+    plan: RunPlan,
+    rig: RigSettings,
+    emulated: EmulatedSettings,
+    folder: Path,
+    *,
+    started: datetime,
+    run: str = "",
+    mounting: int = 1,
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
-    run that goes on in another folder does not repeat its presses; the run's own where none is given.
+    run that goes on in another folder does not repeat its presses; the run's own where none is given. ``mounting`` :
+    which mounting of the run, from 1; each has draws of its own.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -41,7 +50,15 @@ def run_virtual(
     clock = VirtualClock()
     name = run or run_name(plan.specimen, plan.angle_deg, plan.condition)
     bench = EmulatedRig(
-        emulated, plan.specimen, plan.angle_deg, plan.condition == RIGID, clock, rig=rig, run=name, plate=plan.plate
+        emulated,
+        plan.specimen,
+        plan.angle_deg,
+        plan.condition == RIGID,
+        clock,
+        rig=rig,
+        run=name,
+        plate=plan.plate,
+        mounting=mounting,
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
@@ -50,4 +67,7 @@ def run_virtual(
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    return execute(plan, rig, devices, folder, clock, started=started)
+    ended = execute(plan, rig, devices, folder, clock, started=started)
+    if not plan.plate:
+        write_text_atomic(folder / TRUTH_FILE, truth_text(bench.loadings()))
+    return ended

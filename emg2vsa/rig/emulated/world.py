@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.actuator_joint import Joint, Motors, RigidJoint, SpringJoint
-from emg2vsa.rig.emulated.probe import Probe
+from emg2vsa.rig.emulated.probe import APART, Probe, Touch
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 
 _REMEMBERED = 60_000
@@ -25,13 +25,13 @@ _REMEMBERED = 60_000
 
 
 class ShaftPath:
-    """Where the shaft has been, angles over time, straight between points.
+    """Where the shaft has been and what the probe touched, over time, straight between points.
 
     Devices read the world at times of their own, some of them a little in the past.
     """
 
     def __init__(self, time_s: float, angle_rad: float) -> None:
-        self._times_s, self._angles_rad = [time_s], [angle_rad]
+        self._times_s, self._angles_rad, self._touches = [time_s], [angle_rad], [APART]
 
     @property
     def end_s(self) -> float:
@@ -43,20 +43,37 @@ class ShaftPath:
         """Newest angle."""
         return self._angles_rad[-1]
 
-    def append(self, time_s: float, angle_rad: float) -> None:
+    def append(self, time_s: float, angle_rad: float, touch: Touch = APART) -> None:
         """One more point, later than the last."""
-        times_s, angles_rad = self._times_s, self._angles_rad
-        if len(times_s) > 1 and angles_rad[-2] == angles_rad[-1] == angle_rad:
+        times_s, angles_rad, touches = self._times_s, self._angles_rad, self._touches
+        if len(times_s) > 1 and angles_rad[-2] == angles_rad[-1] == angle_rad and touches[-2] == touches[-1] == touch:
             times_s[-1] = time_s
             return
         times_s.append(time_s)
         angles_rad.append(angle_rad)
+        touches.append(touch)
         if len(times_s) > 2 * _REMEMBERED:
-            del times_s[:_REMEMBERED], angles_rad[:_REMEMBERED]
+            del times_s[:_REMEMBERED], angles_rad[:_REMEMBERED], touches[:_REMEMBERED]
 
     def angle_rad(self, time_s: float) -> float:
         """Angle at a time not after the end. DeviceError before what is remembered."""
-        times_s, angles_rad = self._times_s, self._angles_rad
+        after, share = self._place(time_s)
+        angle_rad = self._angles_rad[after]
+        return (
+            angle_rad if share == 1 else self._angles_rad[after - 1] + share * (angle_rad - self._angles_rad[after - 1])
+        )
+
+    def touch(self, time_s: float) -> Touch:
+        """Contact at a time not after the end. DeviceError before what is remembered."""
+        after, share = self._place(time_s)
+        touch = self._touches[after]
+        if share == 1 or touch is self._touches[after - 1]:
+            return touch
+        return Touch(*(a + share * (b - a) for a, b in zip(self._touches[after - 1], touch, strict=True)))
+
+    def _place(self, time_s: float) -> tuple[int, float]:
+        """The point not before a time, and the share of the way to it from the one before."""
+        times_s = self._times_s
         if time_s < times_s[0]:
             raise DeviceError(
                 "emulated world",
@@ -66,13 +83,16 @@ class ShaftPath:
             )
         after = bisect_left(times_s, time_s)
         if times_s[after] == time_s:
-            return angles_rad[after]
-        share = (time_s - times_s[after - 1]) / (times_s[after] - times_s[after - 1])
-        return angles_rad[after - 1] + share * (angles_rad[after] - angles_rad[after - 1])
+            return after, 1.0
+        return after, (time_s - times_s[after - 1]) / (times_s[after] - times_s[after - 1])
 
 
 STEP_S = 1e-3
 """Longest step while something moves."""
+_GROWING = 0.1
+"Of the time that the motors have stood still: so long may a step become, as a contact then creeps ever more slowly."
+LOADING_STEP_N = 0.02
+"From point to point of the loadings that are kept."
 CLEAR_MM = 1.0
 """A probe so far off the specimen has ended its press: nobody asks for times in contact any more."""
 
@@ -97,6 +117,9 @@ class World:
         self._joint = _joint(self.settings)
         self._path = ShaftPath(clock.now_s(), 0.0)
         self._motors_rad: Motors | None = None
+        self.loadings: list[list[tuple[float, Touch]]] = [[]]
+        """Of each press so far: force down the probe's axis, N, and contact, while that force was larger than ever
+        before in that press."""
 
     def shaft_rad(self, time_s: float, motors_rad: Motors) -> float:
         """Shaft angle, rad, with the motors there at ``time_s``, after an even motion from where they last were."""
@@ -122,11 +145,18 @@ class World:
 
     def force_n(self, time_s: float) -> NDArray[np.float64]:
         """(3,) force on the specimen and on the sensor under it, N: x the way the surface falls off, z down."""
-        return np.array(self._probe.force_n(self._shaft_at(time_s)))
+        return np.array(self._probe.force_n(self.touch(time_s)))
 
     def normal_force_n(self, time_s: float) -> float:
-        """Force along the normal of the surface, N, from which the camera's scene is drawn."""
-        return self._probe.normal_force_n(self._shaft_at(time_s))
+        """Force along the normal of the surface, N."""
+        return self.touch(time_s).normal_n
+
+    def touch(self, time_s: float) -> Touch:
+        """The contact, which the camera sees."""
+        self._run(time_s, self._motors_rad)
+        if self._probe.remembers:
+            return self._path.touch(time_s)
+        return self._probe.elastic_touch(self._path.angle_rad(time_s))
 
     def _shaft_at(self, time_s: float) -> float:
         self._run(time_s, self._motors_rad)
@@ -141,15 +171,23 @@ class World:
             self._path.append(until_s, self._path.end_rad)
             return
         self._change_press()
-        steps = max(1, math.ceil((until_s - start_s) / STEP_S - 1e-6))
-        step_s = (until_s - start_s) / steps
-        for k in range(1, steps + 1):
-            now_rad = _between(before_rad, motors_rad, k / steps)
+        still = before_rad == motors_rad
+        for end_s, share, step_s in _steps(start_s, until_s, growing=still and self._probe.remembers):
+            now_rad = _between(before_rad, motors_rad, share)
             angle_rad = self._joint.moved(self._path.end_rad, step_s, now_rad, self._probe)
-            if angle_rad == self._path.end_rad and before_rad == motors_rad:
-                self._path.append(until_s, angle_rad)
+            touch = self._probe.settle(angle_rad)
+            at_rest = still and angle_rad == self._path.end_rad
+            if at_rest and (not self._probe.remembers or self._probe.above_mm(angle_rad) >= 0):
+                self._path.append(until_s, angle_rad, touch)
                 return
-            self._path.append(until_s if k == steps else start_s + k * step_s, angle_rad)
+            self._path.append(end_s, angle_rad, touch)
+            self._keep(touch)
+
+    def _keep(self, touch: Touch) -> None:
+        if touch.normal_n > 0:
+            force_n, loading = self._probe.force_n(touch)[2], self.loadings[-1]
+            if not loading or force_n >= loading[-1][0] + LOADING_STEP_N:
+                loading.append((force_n, touch))
 
     def _change_press(self) -> None:
         above_mm = self._probe.above_mm(self._path.end_rad)
@@ -159,12 +197,28 @@ class World:
             self.press, self._touched = self.press + 1, False
             self.settings = self._next_press(self.press)
             self._probe = Probe(self.settings)
+            self.loadings.append([])
 
 
 def _joint(settings: WorldSettings) -> Joint:
     if settings.springs is None:
         return RigidJoint()
     return SpringJoint(settings.springs, settings.friction_nm, settings.settling_s)
+
+
+def _steps(start_s: float, until_s: float, *, growing: bool) -> Iterator[tuple[float, float, float]]:
+    """End, share of the whole time and length of even steps, or of steps that grow with the time since the start."""
+    whole_s, end_s = until_s - start_s, start_s
+    if growing:
+        while end_s < until_s:
+            step_s = max(STEP_S, _GROWING * (end_s - start_s))
+            step_s, end_s = min(step_s, until_s - end_s), min(end_s + step_s, until_s)
+            yield end_s, 1.0, step_s
+        return
+    steps = max(1, math.ceil(whole_s / STEP_S - 1e-6))
+    step_s = whole_s / steps
+    for k in range(1, steps + 1):
+        yield until_s if k == steps else start_s + k * step_s, k / steps, step_s
 
 
 def _between(before: Motors, after: Motors, share: float) -> Motors:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld
 from emg2vsa.actuator import SPRINGS, Springs
+from emg2vsa.contact_mechanics import ELASTIC, Relaxation
 from emg2vsa.errors import SettingError
 
 
@@ -25,6 +27,9 @@ class WorldSettings:
     settling_s : time constant with which the shaft comes to rest, 0 is at once (guess).
     mm_per_degree : of the probe per turn of the shaft: a cogwheel of 11.5 mm pitch radius (guess; the paper is silent).
     turns_to_push : which way the shaft turns to move the probe down, 1 or -1.
+    relaxation : of sensor and specimen in series; the elastic one remembers nothing.
+    skin_friction, friction_drop, mount_n_per_mm : between skin and specimen, and the sensor's mount across the probe's
+        axis, as ``emg2vsa.contact_mechanics.Shear`` has them; friction 0 is a skin that slides freely.
     plate : a flat plate presses, in place of the dome of the tactile sensor.
     gap_mm : from the probe with the shaft at 0 to first contact, along the probe's axis (guess).
     """
@@ -39,6 +44,10 @@ class WorldSettings:
     turns_to_push: Literal[1, -1] = 1
     gap_mm: float = 5.0
     plate: bool = False
+    relaxation: Relaxation = ELASTIC
+    skin_friction: float = 0.0
+    friction_drop: float = 0.0
+    mount_n_per_mm: float = math.inf
 
     def __post_init__(self) -> None:
         if not 0 <= self.angle_deg < 90:

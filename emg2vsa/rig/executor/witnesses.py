@@ -23,6 +23,8 @@ _AT_REST_S = 0.55
 """Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20
+_DEAD_S = 0.02
+"""From a command until a motor begins to follow, at most: bus and firmware."""
 
 
 class Witnesses:
@@ -114,7 +116,7 @@ def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
 class SlowMotors:
     """Where each motor may be: between a slow follower of its commands and the commands themselves.
 
-    The follower is of first order and of limited speed. Where it is set slower than usual, the usual one bounds as
+    The follower is of first order and of limited speed, and begins `_DEAD_S` after a command. Where it is set slower than usual, the usual one bounds as
     well: where commands turn back, a quicker motor is still beyond them. A motor that is quicker is between
     them; one that stands still falls behind the follower, and one that runs away is beyond the commands.
     """
@@ -124,17 +126,24 @@ class SlowMotors:
         self._times_s = guards.following_s, min(guards.following_s, GuardSettings.following_s)
         self._slow = [list(self._seen(at)) for _ in self._times_s]
         self._sent: list[float] | None = None
+        self._obeyed: list[float] | None = None
+        self._on_their_way: deque[tuple[float, list[float]]] = deque()
+        self._now_s = 0.0
 
     def send(self, position_ticks: int, preset_ticks: int, elapsed_s: float) -> None:
-        """A command, so long after the one before, which the follower has obeyed meanwhile."""
-        if self._sent is not None:
+        """A command, so long after the one before; meanwhile the follower has obeyed what has come to it."""
+        self._now_s += elapsed_s
+        if self._obeyed is not None:
             most = self._guards.following_ticks_per_s * elapsed_s
             for time_s, slow in zip(self._times_s, self._slow, strict=True):
                 share = 1 - math.exp(-elapsed_s / time_s)
-                for motor, command in enumerate(self._sent):
+                for motor, command in enumerate(self._obeyed):
                     slow[motor] += max(-most, min(most, share * (command - slow[motor])))
         new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
         self._before, self._sent = self._sent or self._slow[0], list(map(float, new))
+        self._on_their_way.append((self._now_s + _DEAD_S, self._sent))
+        while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
+            self._obeyed = self._on_their_way.popleft()[1]
 
     def astray_ticks(self, at: Measurements) -> float:
         """How far outside of that the farther motor is, read right after the command."""

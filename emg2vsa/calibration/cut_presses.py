@@ -1,0 +1,98 @@
+"""Presses cut at a force: the score that a press would have had, had it turned back there.
+
+The score of half a press is not the score of a whole one, because A(F) is concave. So known and unknown specimens are
+compared over the same forces. A cut press has the mean rate of the power law through its frames, as a whole one has
+(casr.spread), and the mean travel per newton of the rows of its log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from emg2vsa.arrays import Floats, Ints
+
+STEP_N = 0.2
+"Between two forces at which a press is judged."
+ROUNDING_N = 1e-6
+LEAST_FRAMES, LEAST_ROWS = 3, 5
+REACH = 0.8
+"""Share of a force that a press must have reached for its law to be read there: of 20 frames a second the last lies up
+to 0.8 N below the peak."""
+
+Cut = Callable[[ArrayLike, ArrayLike, float, Floats], Floats]
+
+
+def cut_forces(start_n: float, stop_n: float) -> Floats:
+    """(G,) forces at which a press is judged, from two steps above ``start_n``; the last is ``stop_n``."""
+    count = int((stop_n - start_n) / STEP_N + ROUNDING_N)
+    return np.asarray(stop_n - STEP_N * np.arange(max(count - 1, 1), dtype=np.float64)[::-1])
+
+
+def cut_all(cut: Cut, curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n: float, forces_n: Floats) -> Floats:
+    """(S, R, G) of the presses (force, area or travel) of each specimen, padded with NaN."""
+    found = np.full((len(curves), max(map(len, curves), default=0), forces_n.size), np.nan)
+    for s, each in enumerate(curves):
+        for r, (force_n, values) in enumerate(each):
+            found[s, r] = cut(force_n, values, start_n, forces_n)
+    return found
+
+
+def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
+    """Mean rate (G,) from ``start_n`` to each of ``stop_n`` (G,) of the power law through the frames up to there.
+
+    Frames weigh their force, as in ``casr.spread``. NaN where there are fewer than three frames, or none near the
+    force. Frames below an earlier force are left out: going down, a contact keeps more of its area than it had.
+    """
+    force, areas = rising(np.asarray(force_n, dtype=np.float64), np.asarray(area, dtype=np.float64))
+    used = (force >= start_n) & (areas > 0)
+    force, areas = force[used], areas[used]
+    count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
+    x, y = np.log(force), np.log(areas)
+    rates = np.full(stop_n.shape, np.nan)
+    good = _near(force, count, stop_n, LEAST_FRAMES)
+    exponent, level = _lines(force, x, y, count[good])
+    stop = stop_n[good]
+    rates[good] = np.exp(level) * (stop**exponent - start_n**exponent) / (stop - start_n)
+    return rates
+
+
+def cut_travel(force_n: ArrayLike, travel_mm: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
+    """Mean travel per newton (G,), mm/N, from ``start_n`` to each of ``stop_n`` (G,): travel regressed on force.
+
+    Rows of the log in their order; those below an earlier force are left out, as in ``cut_rates``.
+    """
+    force, travel = rising(np.asarray(force_n, dtype=np.float64), np.asarray(travel_mm, dtype=np.float64))
+    force, travel = force[force >= start_n], travel[force >= start_n]
+    count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
+    slopes = np.full(stop_n.shape, np.nan)
+    good = _near(force, count, stop_n, LEAST_ROWS)
+    slopes[good], _ = _lines(np.ones_like(force), force, travel, count[good])
+    return np.where(slopes > 0, slopes, np.nan)
+
+
+def _near(force: Floats, count: Ints, stop_n: Floats, least: int) -> NDArray[np.bool_]:
+    """(G,) whether ``count`` (G,) points are enough, and the last of them is near the force."""
+    good = np.asarray(count >= least)
+    good[good] = force[count[good] - 1] >= REACH * stop_n[good]
+    return good
+
+
+def _lines(weight: Floats, x: Floats, y: Floats, count: Ints) -> tuple[Floats, Floats]:
+    """Slopes and levels at x = 0 of the lines through the first ``count`` points, weighted."""
+    middle = x.mean() if x.size else 0.0
+    x = x - middle
+    sums = np.cumsum(np.stack([weight, weight * x, weight * y, weight * x * x, weight * x * y]), axis=1)
+    w, wx, wy, wxx, wxy = sums[:, count - 1]
+    slope = (w * wxy - wx * wy) / (w * wxx - wx**2)
+    return slope, (wy - slope * wx) / w - slope * middle
+
+
+def rising(force_n: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """The frames whose force is larger than every force before."""
+    known = np.isfinite(force_n) & np.isfinite(values)
+    force, found = force_n[known], values[known]
+    before = np.maximum.accumulate(np.concatenate([[-np.inf], force]))[:-1]
+    return force[force > before], found[force > before]

@@ -1,0 +1,81 @@
+"""How much a score differs from one mounting of a specimen to the next: a random effect that ten presses do not show.
+
+A score is its specimen's x (1 + mounting + press). The presses of one mounting share its part: depth of the camera,
+place and thickness of the specimen, delay of the camera, angle. Where specimens were mounted several times, the scatter
+of the means of their mountings tells its variance (analysis of variance of unweighted means, shares of the specimen's
+score, pooled over specimens):
+
+    t^2 = max(v - c s^2, 0),  v = sum (mean_m - mean)^2 / f,  f = sum over specimens of (mountings - 1),
+
+with the variance s^2 of a press within its mounting, and c the mean of 1 / presses of a mounting. Where f is below
+``LEAST_FREEDOM`` the SD is assumed (``[calibration] mounting_sd_percent``), and counts as if it were known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.calibration.presses import mean_of, within
+
+LEAST_FREEDOM = 3
+"Between mountings: two mountings of each of three specimens. With fewer the SD is assumed."
+
+
+@dataclass(frozen=True, eq=False)
+class MountingScatter:
+    """Of d calibrations; (d,), shares of a score.
+
+    sd : t, from one mounting to the next. freedom : f, 0 where the SD is assumed. between : v. of_presses : c s^2.
+    """
+
+    sd: Floats
+    freedom: Floats
+    between: Floats
+    of_presses: Floats
+
+    def source(self, i: int = 0) -> str:
+        """Where the SD of calibration ``i`` is from."""
+        if self.freedom[i] == 0:
+            return "assumed"
+        return f"estimated, {self.freedom[i]:g} degrees of freedom"
+
+
+def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> MountingScatter:
+    """Of presses (d, S, R) with the number of their mounting (S, R)."""
+    groups = by_mounting(scores, labels)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        groups = groups / mean_of(scores)[:, :, None, None]
+        variance, n = within(groups)
+        means = mean_of(groups)
+        spread, mountings = within(means)
+        f = np.maximum(mountings - 1, 0)
+        freedom = f.sum(axis=1).astype(np.float64)
+        between = np.sum(np.where(f > 0, f * spread, 0.0), axis=1) / freedom
+        inside = np.maximum(n - 1, 0)
+        press = np.nansum(inside * np.where(inside > 0, variance, 0.0), axis=(1, 2)) / inside.sum(axis=(1, 2))
+        shares = np.sum(np.where(n > 0, 1 / n, 0.0), axis=2) / mountings
+        of_presses = press * np.sum(np.where(f > 0, f * shares, 0.0), axis=1) / freedom
+    told = (freedom >= LEAST_FREEDOM) & np.isfinite(between + of_presses)
+    estimate = np.sqrt(np.maximum(np.where(told, between - of_presses, 0.0), 0.0))
+    return MountingScatter(
+        sd=np.where(told, estimate, assumed_sd),
+        freedom=np.where(told, freedom, 0.0),
+        between=np.where(told, between, 0.0),
+        of_presses=np.where(told, of_presses, 0.0),
+    )
+
+
+def by_mounting(scores: Floats, labels: Ints) -> Floats:
+    """(d, S, M, R) the presses (d, S, R) of each mounting, NaN elsewhere; labels : (S, R)."""
+    same = labels[:, None, :] == np.unique(labels)[:, None]
+    return np.where(same, scores[:, :, None, :], np.nan)
+
+
+def share_of_mountings(groups: Floats) -> Floats:
+    """(d, S) by which the variance between mountings enters the mean of all presses: 1 / M where they share alike."""
+    n = np.count_nonzero(np.isfinite(groups), axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.nan_to_num(np.sum(n**2, axis=-1) / np.sum(n, axis=-1) ** 2))

@@ -1,0 +1,177 @@
+"""Calibrations as JSON files: what ``emg2vsa run`` writes for every angle and condition, and a press is judged by.
+
+One object: ``format``, ``version``, what was measured (quantity, area_unit, angle_deg, condition, force_n),
+``settings`` (those of [calibration]), ``specimens`` with kappa the rates of their presses and the travel per newton at
+every force, ``provenance``, and ``sha256`` of the rest. NaN is null. Numbers read back as the same doubles. A file that
+was changed, or is of another version, is refused.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casr.atomic import write_text_atomic
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.calibration.laws import LAWS, WAYS
+from emg2vsa.calibration.online import OnlineCalibration
+from emg2vsa.errors import DataError
+from emg2vsa.runs import ALGORITHMS
+from emg2vsa.settings import CalibrationSettings
+
+FORMAT, VERSION = "emg2vsa calibration", 1
+_AGAIN = "Write the calibration again with emg2vsa run."
+_MOST_BYTES = 50_000_000
+
+
+def file_name(calibration: OnlineCalibration) -> str:
+    """``modular_30.json``."""
+    return f"{calibration.condition}_{calibration.angle_deg:g}.json"
+
+
+def write_calibration(path: Path, calibration: OnlineCalibration) -> Path:
+    """Write one calibration, atomically; its path. OSError as ``casr.atomic``."""
+    document = _document_of(calibration)
+    document["sha256"] = _digest(document)
+    write_text_atomic(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    return path
+
+
+def open_calibration(path: Path) -> OnlineCalibration:
+    """What ``write_calibration`` wrote. DataError that names the file, the key, what was wanted and found."""
+    document = _json(path)
+    seal = document.pop("sha256", None)
+    _expect(path, "format", document.get("format"), repr(FORMAT), document.get("format") == FORMAT)
+    version = document.get("version")
+    _expect(path, "version", version, f"version {VERSION}", version == VERSION and not isinstance(version, bool))
+    if seal != _digest(document):
+        raise DataError(f"{path}, sha256", wanted="the digest of the content", found=repr(seal), do=_AGAIN)
+    try:
+        return _calibration_of(document, path)
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
+        raise DataError(path, wanted="the keys of a calibration", found=f"{error!r}", do=_AGAIN) from error
+
+
+def _document_of(calibration: OnlineCalibration) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "quantity": calibration.quantity,
+        "area_unit": calibration.area_unit,
+        "angle_deg": calibration.angle_deg,
+        "condition": calibration.condition,
+        "simulated": calibration.simulated,
+        "force_n": {"start": calibration.start_n, "judged_at": calibration.forces_n.tolist()},
+        "settings": dataclasses.asdict(calibration.settings),
+        "growth_power": calibration.growth if math.isfinite(calibration.growth) else None,
+        "specimens": [
+            {
+                "name": name,
+                "kappa_n_per_mm": float(calibration.kappa[s]),
+                "kappa_se_n_per_mm": float(calibration.kappa_se[s]),
+                "presses": [
+                    {"mounting": int(mounting), "rates": _numbers(rates), "travel_mm_per_n": _numbers(travel)}
+                    for mounting, rates, travel in zip(
+                        calibration.mounting[s], calibration.rates[s], calibration.travel[s], strict=True
+                    )
+                    if mounting > 0
+                ],
+            }
+            for s, name in enumerate(calibration.specimens)
+        ],
+        "provenance": dict(calibration.provenance),
+    }
+
+
+def _numbers(values: Floats) -> list[float | None]:
+    return [value if math.isfinite(value) else None for value in values.tolist()]
+
+
+def _digest(document: dict[str, Any]) -> str:
+    text = json.dumps(document, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise DataError(path, wanted="a calibration file", found="more than 50 MB", do=_AGAIN)
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        found = error.strerror if isinstance(error, OSError) else "bytes that are not text"
+        raise DataError(path, wanted="a calibration file", found=str(found), do=_AGAIN) from error
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise DataError(path, wanted="a JSON object", found=str(error), do=_AGAIN) from error
+    if not isinstance(document, dict):
+        raise DataError(path, wanted="a JSON object", found=type(document).__name__, do=_AGAIN)
+    return document
+
+
+def _expect(path: Path, key: str, found: object, wanted: str, holds: bool) -> None:
+    if not holds:
+        raise DataError(f"{path}, {key}", wanted=wanted, found=repr(found), do=_AGAIN)
+
+
+def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
+    settings = CalibrationSettings(**document["settings"])
+    _expect(path, "quantity", document["quantity"], " or ".join(ALGORITHMS), document["quantity"] in ALGORITHMS)
+    _expect(path, "area_unit", document["area_unit"], "mm2 or px2", document["area_unit"] in ("mm2", "px2"))
+    ways = WAYS[settings.law] if settings.law in LAWS else ()
+    _expect(path, "settings", settings.law, "a law that can be fitted", settings.minimise in ways)
+    forces = np.array(document["force_n"]["judged_at"], dtype=np.float64)
+    start_n = float(document["force_n"]["start"])
+    rise = forces.ndim == 1 and forces.size > 0 and bool(np.all(np.diff([start_n, *forces]) > 0)) and start_n > 0
+    _expect(path, "force_n", document["force_n"], "rising forces above 0", rise)
+    known: list[dict[str, Any]] = document["specimens"]
+    _expect(path, "specimens", len(known), "two specimens or more", len(known) >= 2)
+    kappa = np.array([each["kappa_n_per_mm"] for each in known], dtype=np.float64)
+    _expect(path, "kappa_n_per_mm", kappa.tolist(), "stiffnesses above 0", bool(np.all(kappa > 0)))
+    rates, travel, mounting = _presses(path, [each["presses"] for each in known], forces.size)
+    return OnlineCalibration(
+        specimens=tuple(str(each["name"]) for each in known),
+        kappa=kappa,
+        kappa_se=np.array([each["kappa_se_n_per_mm"] for each in known], dtype=np.float64),
+        quantity=document["quantity"],
+        area_unit=document["area_unit"],
+        angle_deg=float(document["angle_deg"]),
+        condition=str(document["condition"]),
+        start_n=start_n,
+        forces_n=forces,
+        rates=rates,
+        travel=travel,
+        mounting=mounting,
+        settings=settings,
+        growth=_number(document["growth_power"]),
+        simulated=bool(document["simulated"]),
+        provenance={str(name): str(value) for name, value in document["provenance"].items()},
+    )
+
+
+def _presses(path: Path, known: Sequence[Sequence[dict[str, Any]]], forces: int) -> tuple[Floats, Floats, Ints]:
+    """Rates and travel (S, R, G), and mountings (S, R)."""
+    most = max((len(presses) for presses in known), default=0)
+    rates, mounting = np.full((len(known), most, forces), np.nan), np.zeros((len(known), most), dtype=np.int64)
+    travel = rates.copy()
+    for s, presses in enumerate(known):
+        for r, press in enumerate(presses):
+            where = f"specimens {s + 1}, press {r + 1}"
+            for name, into in (("rates", rates), ("travel_mm_per_n", travel)):
+                count = len(press[name])
+                _expect(path, where, count, f"{forces} {name}", count == forces)
+                into[s, r] = [_number(value) for value in press[name]]
+            _expect(path, where, press["mounting"], "a mounting from 1", press["mounting"] >= 1)
+            mounting[s, r] = press["mounting"]
+    return rates, travel, mounting
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)

@@ -1,0 +1,25 @@
+"""A viscoelastic dome on a viscoelastic specimen: contact area and depth follow the convolved force."""
+
+from __future__ import annotations
+
+from emg2vsa.contact_mechanics.geometry import PowerLaw, adhesive_force_n
+from emg2vsa.contact_mechanics.press_path import Drive, PressPaths, StiffnessSteps, Tilt, simulate_presses
+from emg2vsa.contact_mechanics.relaxation import ELASTIC, ConvolvedForce, Relaxation, in_series
+from emg2vsa.contact_mechanics.tilt import Shear, area_share, forces_n
+
+__all__ = [
+    "ELASTIC",
+    "ConvolvedForce",
+    "Drive",
+    "PowerLaw",
+    "PressPaths",
+    "Relaxation",
+    "Shear",
+    "StiffnessSteps",
+    "Tilt",
+    "adhesive_force_n",
+    "area_share",
+    "forces_n",
+    "in_series",
+    "simulate_presses",
+]
