@@ -18,6 +18,8 @@ from emg2vsa.rig.emulated.truth import TRUTH_FILE, truth_text
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
+from emg2vsa.rig.kappa.judges import SameProcess, write_about
+from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import EMULATED_FILE

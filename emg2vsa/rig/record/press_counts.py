@@ -47,6 +47,8 @@ class PressCounts:
     "Largest force along push_axis, of either sign, as measured."
     peak_lateral_n: float
     "Largest force across it."
+    stopped: str = ""
+    "At which force and why a press was stopped before the force of a whole one; empty for a whole press."
 
 
 HEADER = ",".join(field.name for field in fields(PressCounts))
@@ -65,11 +67,22 @@ def verdicts(folder: Path) -> dict[int, tuple[Verdict, str]]:
 
     Runs of version 0.1.0 have none. Half a last line is passed over; of two lines for a press the last holds.
     """
+    return dict(_verdicts(_whole_lines(folder)))
+
+
+def stopped_presses(folder: Path) -> dict[int, str]:
+    """Repetition to force and reason of the presses that were stopped early, of the run in ``folder``."""
+    rows = csv.DictReader(_whole_lines(folder).splitlines())
+    said = {row.get("repetition") or "": row.get("stopped") or "" for row in rows}
+    return {int(number): why for number, why in said.items() if number.isdecimal() and why}
+
+
+def _whole_lines(folder: Path) -> str:
     try:
         text = (folder / PRESSES_FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
-        return {}
-    return dict(_verdicts(text[: text.rfind("\n") + 1]))
+        return ""
+    return text[: text.rfind("\n") + 1]
 
 
 def largest_forces(folder: Path) -> tuple[float, float]:
@@ -99,6 +112,13 @@ class PressTally:
         self._turns = self._late = self._missing = self._frames = self._frames_missing = 0
         self._latest_s = self._peak_n = self._lateral_n = 0.0
         self._doubts: list[tuple[Verdict, str]] = []
+        self.stopped = ""
+        "As in `PressCounts`."
+
+    @property
+    def repetition(self) -> int:
+        """Number of the press, from 1."""
+        return self._repetition
 
     def row(self, row: Row) -> None:
         """A turn."""
@@ -140,7 +160,7 @@ class PressTally:
             self._repetition, verdict, "; ".join(why for _, why in found), self._begun_s, self._turned_s,
             self._turns, self._late, self._missing, self._latest_s,
             came.records, came.lost, came.late, came.duplicated, came.refused,
-            self._frames, self._frames_missing, self._peak_n, self._lateral_n,
+            self._frames, self._frames_missing, self._peak_n, self._lateral_n, self.stopped,
         )  # fmt: skip
 
     def _judged(self, came: ForceCounts) -> Iterator[tuple[Verdict, str]]:
