@@ -260,12 +260,11 @@ class OnlineEstimator:
         self._curve.append((force_n, area))
         return self._looked_at(force_n)
 
-    def follow(self, force_n: ArrayLike, area: ArrayLike) -> OnlineState:
+    def follow(self, force_n: Floats, area: Floats) -> OnlineState:
         """The press so far, force (T,) and area (T,) of its frames, in place of what was pushed: the areas of earlier
         frames change a little while a front is followed."""
-        force, areas = np.asarray(force_n, dtype=np.float64), np.asarray(area, dtype=np.float64)
-        self._curve = list(zip(force.tolist(), areas.tolist(), strict=True))
-        return self._looked_at(float(force.max(initial=-np.inf)))
+        self._curve = list(zip(force_n.tolist(), area.tolist(), strict=True))
+        return self._looked_at(float(force_n.max(initial=-np.inf)))
 
     def _looked_at(self, force_n: float) -> OnlineState:
         largest_n = max(self._state.force_n, force_n) if np.isfinite(force_n) else self._state.force_n

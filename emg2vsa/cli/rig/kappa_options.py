@@ -40,8 +40,8 @@ def add_kappa(parser: Group) -> None:
         "--stop-at",
         type=width,
         metavar="PERCENT",
-        help="with --calibration: end the loading of a press when the 95 %% interval of kappa is within this percentage "
-        "of kappa to either side, or when the rest of the press would narrow it by less than a tenth. Such a press "
+        help="with --calibration: end the loading of a press when the 95 %% interval of kappa reaches no more than this "
+        "percentage of kappa to either side, or when the rest of the press would narrow it by less than a tenth. Such a press "
         "counts as done, and is marked as stopped",
     )
     parser.add_argument(

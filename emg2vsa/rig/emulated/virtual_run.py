@@ -35,13 +35,14 @@ def run_virtual(
     started: datetime,
     run: str = "",
     mounting: int = 1,
+    kappa: KappaPlan | None = None,
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
     run that goes on in another folder does not repeat its presses; the run's own where none is given. ``mounting`` :
-    which mounting of the run, from 1; each has draws of its own.
+    which mounting of the run, from 1; each has draws of its own. ``kappa`` : judge each press while it goes on.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -69,7 +70,14 @@ def run_virtual(
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    ended = execute(plan, rig, devices, folder, clock, started=started)
+    judge = None if kappa is None else SameProcess(kappa, folder / KAPPA_FILE)
+    try:
+        ended = execute(plan, rig, devices, folder, clock, started=started, judge=judge)
+    finally:
+        if judge is not None:
+            judge.close()
+    if kappa is not None and judge is not None:
+        write_about(folder, kappa, judge.tally)
     if not plan.plate:
         write_text_atomic(folder / TRUTH_FILE, truth_text(bench.loadings()))
     return ended

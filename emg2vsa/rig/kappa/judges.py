@@ -1,4 +1,4 @@
-"""Who judges the presses of a run: the run's own process where time is virtual, a process beside it where it is real."""
+"""Who judges the presses of a run: its own process where time is virtual, a process beside it where time is real."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from pathlib import Path
 from struct import Struct
 from typing import Any, Protocol, TextIO
 
+import cv2
 import numpy as np
 
 from casr.atomic import write_text_atomic
@@ -160,7 +161,8 @@ class OwnProcess:
         self._words, self._images = _views(self._memory, shape)
         self._words[:] = 0
         context = multiprocessing.get_context("spawn")
-        there, self._to = context.Pipe(duplex=False)
+        there, to = context.Pipe(duplex=False)
+        self._to: Connection | None = to
         self._answers, from_there = context.Pipe(duplex=False)
         self._process = context.Process(
             target=_work, args=(plan, file, shape, zero_s, self._memory.name, there, from_there), daemon=True
@@ -288,8 +290,6 @@ def _work(
 
 def _behind() -> None:
     """An ordinary program, behind the control loop, whatever that is."""
-    import cv2
-
     cv2.setNumThreads(1)
     if sys.platform != "win32":
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Frames of a press as they come, to the stiffness of the specimen after each: areas by casr, kappa by a calibration."""
+"""From frames of a press as they come to the stiffness of the specimen: areas by casr, kappa by a calibration."""
 
 from __future__ import annotations
 
@@ -131,8 +131,8 @@ def last_rows(path: Path) -> list[KappaRow]:
 class KappaPlan:
     """What presses are judged by.
 
-    name : of the calibration's file. camera : in mm2; None for a calibration in px2. stop_at : half width, as a share of kappa, at which a press stops;
-    None never stops one.
+    name : of the calibration's file. camera : in mm2; None for a calibration in px2. stop_at : half width, as a share of
+    kappa, at which a press stops; None never stops one.
     """
 
     name: str

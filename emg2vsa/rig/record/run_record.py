@@ -128,8 +128,8 @@ class RunRecord:
                 self._judge.force(row.force_time_s, row.force_n, depth_mm)
 
     def enough(self, force_n: float) -> bool:
-        """Whether the judge has seen enough of the press that is being loaded; it then counts as stopped, at this force,
-        and not as a whole one."""
+        """Whether the judge has seen enough of the press that is being loaded; the press then counts as stopped at this
+        force, and not as a whole one."""
         if self._judge is None or self._tally is None or not (why := self._judge.stop(self._tally.repetition)):
             return False
         self._tally.stopped = f"at {force_n:.2f} N: {why}"
