@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from casr.camera import Camera, undistorted
 from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.array import check_area
-from casr.contact_area.follow import FEWEST_FRAMES, FrontSoFar, contact_front
+from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
 from casr.dome.library import worlds
 from casr.errors import AreaError, FramesError, PinsError
@@ -20,7 +21,7 @@ from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
 from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
-from casr.front_spread import FrontSpread, front_doubt, front_spread
+from casr.front_spread import FEWEST_FRAMES, FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker, pins_in_doubt
 from casr.scored import NO_SCALE, WHOLE_IMAGE, Score, ScoreSettings, SkinSpread, Spread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
@@ -61,7 +62,6 @@ class PressScorer:
         self.pins_px: list[Array] = []
         self.good: list[int] = []
         self._n_taken = self._n_bad = 0
-        self._front_so_far: FrontSoFar | None = None
 
     def touch(self, rest_image: NDArray[Any], contact_image: NDArray[Any]) -> bool:
         """Initial area and contact region from the static frame and the frame of first contact.
@@ -160,6 +160,10 @@ class PressScorer:
     def _rate_of(self, area: Array, force_n: Array) -> SpreadRate:
         s = self._settings
         return spread_rate(area, force_n, rule=s.rate_rule, area_unit=self.area_unit, window_n=s.rate_window_n)
+
+    @cached_property
+    def _front_so_far(self) -> FrontSoFar:
+        return FrontSoFar(self._camera, worlds(self._settings.domes))
 
     @property
     def _first_area(self) -> float:
@@ -268,10 +272,8 @@ class PressScorer:
         if self._settings.quantity == "skin":
             return self.areas(force_n)
         area = np.full(len(self.good), np.nan)
-        if len(self.good) < FEWEST_FRAMES:
+        if len(self.good) < FEWEST_FRAMES:  # so few tell no front
             return area
-        if self._front_so_far is None:
-            self._front_so_far = FrontSoFar(self._camera, worlds(self._settings.domes))
         frames = self._followed()
         front = self._front_so_far.of(self._rest.centroids_px, np.array([self.pins_px[frame] for frame in frames]))
         if front_doubt(front) == "" and self._beyond_pins(front, frames, slice(-1, None)) == "":
@@ -289,8 +291,7 @@ class PressScorer:
             if self._settings.quantity == "skin":
                 rate = self.rate(force_n)
                 return Spread("skin", self.areas(force_n), rate, skin_interval(rate, self._initial.relative_sd), "")
-            front = None if self._front_so_far is None else self._front_so_far.front
-            if front is None:
+            if (front := self._front_so_far.front) is None:
                 return None
             doubt, spread = self._front_spread(front, self._followed(), force_n, None)
         except FramesError:  # too few frames, or forces that have not risen
@@ -299,7 +300,7 @@ class PressScorer:
 
     def settle(self) -> None:
         """Work that ``so_far`` leaves for the time in which no frame waits."""
-        if self._front_so_far is not None:
+        if self._settings.quantity == "front" and len(self.good) > 1:
             pins_px = np.array([self.pins_px[frame] for frame in self._followed()])
             self._front_so_far.settle(self._rest.centroids_px, pins_px)
 

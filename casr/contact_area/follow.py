@@ -84,7 +84,7 @@ class FrontSoFar:
     def of(self, rest_px: Array, pins_px: Array) -> ContactFront:
         """The contact in the T frames so far; arguments and errors of ``contact_front``."""
         if self._fits is None or len(pins_px) >= MUST_FIND * self._found_in:
-            self._find(rest_px, pins_px)
+            self._find(rest_px, pins_px, looks=2)
         elif len(pins_px) >= FEWEST_FRAMES:
             self._fits = library_fits(rest_px, pins_px, self._camera, self._library, like=self._fits)
         self.front = contact_front(rest_px, pins_px, self._camera, self._library, self._fits)
@@ -93,11 +93,11 @@ class FrontSoFar:
     def settle(self, rest_px: Array, pins_px: Array) -> None:
         """Find centre and worlds again if there are many more frames than when they were found: work for the time in
         which no frame waits."""
-        if self._fits is not None and len(pins_px) >= MAY_FIND * self._found_in:
-            self._find(rest_px, pins_px)
+        if len(pins_px) >= max(MAY_FIND * self._found_in, FEWEST_FRAMES):
+            self._find(rest_px, pins_px, looks=1)
 
-    def _find(self, rest_px: Array, pins_px: Array) -> None:
-        self._fits = library_fits(rest_px, pins_px, self._camera, self._library, near=self._fits)
+    def _find(self, rest_px: Array, pins_px: Array, looks: int) -> None:
+        self._fits = library_fits(rest_px, pins_px, self._camera, self._library, near=self._fits, looks=looks)
         self._found_in = len(pins_px)
 
 

@@ -46,6 +46,7 @@ def library_fits(
     library: Library,
     like: Sequence[FrontFit] | None = None,
     near: Sequence[FrontFit] | None = None,
+    looks: int = 2,
 ) -> list[FrontFit]:
     """The worlds that explain T frames best, for each of the sensors that it may be.
 
@@ -53,14 +54,15 @@ def library_fits(
     ----------
     rest_px, pins_px, camera : of ``library_front``.
     like : earlier fits of the same press, whose centres and worlds are taken: a twentieth of the work.
-    near : earlier fits of the same press, from whose centres new ones and their worlds are found: half the work.
+    near : earlier fits of the same press, from whose centres new ones and their worlds are found.
+    looks : of ``fit_front``.
     """
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
     if like is not None:
         return [fit_front(fit.view, library, flat_rest, flat_pins, like=fit) for fit in like]
     if near is not None:
-        return [fit_front(fit.view, library, flat_rest, flat_pins, near=fit) for fit in near]
-    return [fit_front(view, library, flat_rest, flat_pins) for view in _views(flat_rest, camera)[0]]
+        return [fit_front(fit.view, library, flat_rest, flat_pins, near=fit, looks=looks) for fit in near]
+    return [fit_front(view, library, flat_rest, flat_pins, looks=looks) for view in _views(flat_rest, camera)[0]]
 
 
 def library_front(

@@ -42,7 +42,6 @@ READY_S = 60.0
 """In which the estimator must have loaded what it needs."""
 END_S = 3.0
 """In which it must have ended; then it is ended."""
-_NICE = 5
 _FRAME = Struct("<qqdq")
 """Slot, repetition, time of the frame, how many readings follow."""
 _READING = Struct("<ddd")
@@ -289,13 +288,11 @@ def _work(
 
 
 def _behind() -> None:
-    """An ordinary program, behind the control loop, whatever that is."""
+    """An ordinary program on one core, whatever the control loop is."""
     cv2.setNumThreads(1)
-    if sys.platform != "win32":
+    if sys.platform == "linux":
         with suppress(OSError):
-            if sys.platform == "linux":
-                os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-            os.nice(_NICE)
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 def _answer_all(

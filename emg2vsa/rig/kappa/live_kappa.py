@@ -18,7 +18,7 @@ from casr.dome.library import worlds
 from casr.errors import CasrError
 from casr.frames.force import WINDOW, force_at_exposure
 from casr.stream import StreamScorer
-from emg2vsa.calibration.online import OnlineCalibration, OnlineEstimator, OnlineState, reachable_width
+from emg2vsa.calibration.online import AREA, BOTH, OnlineCalibration, OnlineEstimator, OnlineState
 from emg2vsa.rig.device_settings import RATE_HZ
 from emg2vsa.rig.devices import Frame
 from emg2vsa.runs.score_run import score_settings
@@ -131,8 +131,8 @@ def last_rows(path: Path) -> list[KappaRow]:
 class KappaPlan:
     """What presses are judged by.
 
-    name : of the calibration's file. camera : in mm2; None for a calibration in px2. stop_at : half width, as a share of
-    kappa, at which a press stops; None never stops one.
+    name : of the calibration's file. camera : in mm2; None for a calibration in px2. stop_at : half width, as a share
+    of kappa, at which a press stops; None never stops one.
     """
 
     name: str
@@ -152,10 +152,10 @@ class LiveKappa:
         runs = RunSettings(algorithm=calibration.quantity, force_n=(calibration.start_n, last_n))  # type: ignore[arg-type]
         self._settings = replace(score_settings(runs), force_stop_n=None)
         self._press: _Press | None = None
-        self._stop = ""
+        self._stop, self._presses = "", 0
         # tables are made before the first frame waits for them
         worlds(self._settings.domes)
-        reachable_width(calibration)
+        self._prepare(1)
 
     def frame(self, repetition: int, time_s: float, image: NDArray[np.uint8], readings: Rows) -> KappaRow:
         """The next frame, with the readings since the one before; what is known then, without its latency."""
@@ -186,6 +186,10 @@ class LiveKappa:
             press.trouble or "; ".join(filter(None, (state.doubt, note))),
         )  # fmt: skip
 
+    def _prepare(self, presses: int) -> None:
+        for cues in (AREA, BOTH):
+            self._plan.calibration.expected_reach(float(np.median(self._plan.calibration.kappa)), presses, cues)
+
     def settle(self) -> None:
         """Work for the time in which no frame waits."""
         if self._press is not None and not self._press.trouble:
@@ -195,6 +199,8 @@ class LiveKappa:
         """No more frames of this press come."""
         if self._press is not None:
             self._estimator.finish_press()
+            self._presses += 1
+            self._prepare(self._presses + 1)
         self._press, self._stop = None, ""
 
 
