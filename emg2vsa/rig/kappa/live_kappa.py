@@ -172,7 +172,7 @@ class LiveKappa:
                     if np.isfinite(row_n - zero_n + depth_mm):
                         self._estimator.push_travel(row_n - zero_n, depth_mm)
                 note, area, force_n = "; ".join(seen.notes), seen.area, seen.force_n
-                if seen.phase == "loading":
+                if seen.phase == "loading" and not self._stop:  # what a stopped press says is what it was stopped by
                     state = self._estimator.follow(*press.scorer.curve())
             except CasrError as trouble:
                 press.trouble = str(trouble)
