@@ -18,6 +18,7 @@ STEP_N = 0.2
 "Between two forces at which a press is judged."
 ROUNDING_N = 1e-6
 LEAST_FRAMES, LEAST_ROWS = 3, 5
+_POINTS = 129  # of the force axis, through which the line of travel goes
 REACH = 0.8
 """Share of a force that a press must have reached for its law to be read there: of 20 frames a second the last lies up
 to 0.8 N below the peak."""
@@ -60,16 +61,21 @@ def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Float
 
 
 def cut_travel(force_n: ArrayLike, travel_mm: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
-    """Mean travel per newton (G,), mm/N, from ``start_n`` to each of ``stop_n`` (G,): travel regressed on force.
+    """Mean travel per newton (G,), mm/N, from ``start_n`` to each of ``stop_n`` (G,): a straight line over the forces.
 
-    Rows of the log in their order; those below an earlier force are left out, as in ``cut_rates``.
+    All forces between the two count alike, however long the probe took for them: that differs between specimens. Rows
+    of the log in their order; those below an earlier force are left out, as in ``cut_rates``.
     """
     force, travel = rising(np.asarray(force_n, dtype=np.float64), np.asarray(travel_mm, dtype=np.float64))
-    force, travel = force[force >= start_n], travel[force >= start_n]
-    count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
     slopes = np.full(stop_n.shape, np.nan)
+    if not force.size or force[0] > start_n:
+        return slopes
+    count = np.asarray(np.searchsorted(force, stop_n + ROUNDING_N, side="right"), dtype=np.int64)
     good = _near(force, count, stop_n, LEAST_ROWS)
-    slopes[good], _ = _lines(np.ones_like(force), force, travel, count[good])
+    ends = np.minimum(stop_n[good], force[count[good] - 1])
+    unit = np.linspace(-0.5, 0.5, _POINTS)
+    at = start_n + (ends - start_n)[:, None] * (unit + 0.5)
+    slopes[good] = np.interp(at, force, travel) @ unit / (unit @ unit) / (ends - start_n)
     return np.where(slopes > 0, slopes, np.nan)
 
 

@@ -146,14 +146,16 @@ def fuse_intervals(
     correlation = _correlation(a.reshape(len(a), -1, a.shape[-1]), b.reshape(len(b), -1, b.shape[-1]))
     of_mountings = _correlation(mean_of(a), mean_of(b))
     g_c, g_k = _per_press(cutaneous, c), _per_press(kinesthetic, k)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         shared = np.minimum(c.n, k.n)
         counted = np.sqrt((c.n / c.serial.effective_n) * (k.n / k.serial.effective_n))
         of_presses = correlation * np.sum(g_c * g_k * shared / (c.n * k.n) * counted, axis=1)
         logs = _log_slope(cutaneous, c) * _log_slope(kinesthetic, k)
         unseen = np.sum(c.kappa_step * k.kappa_step, axis=1) + np.sum(c.angle_step * k.angle_step, axis=1)
         unseen += of_mountings * np.sum(c.mounting_step * k.mounting_step, axis=1)
-        covariance = of_presses + logs * (unseen + c.law_step * k.law_step)
+        # errors of the law that would cancel are not counted on: at a part of the press they need not
+        of_law = np.maximum(logs * c.law_step * k.law_step, 0.0)
+        covariance = of_presses + logs * unseen + of_law
         v_c, v_k = _of_log(cutaneous, c), _of_log(kinesthetic, k)
         apart = v_c + v_k - 2 * covariance
         weight = np.clip((v_k - covariance) / apart, 0.0, 1.0)
@@ -164,10 +166,11 @@ def fuse_intervals(
         reach = special.stdtrit(df, 0.5 + 0.5 * cutaneous.settings.confidence) * np.sqrt(variance)
         chi2 = np.log(c.kappa / k.kappa) ** 2 / apart
         p = 2 * special.stdtr(df, -np.sqrt(chi2))
+        low, high = np.exp(middle - reach), np.exp(middle + reach)
     return Fusion(
         kappa=np.exp(middle),
-        low=np.exp(middle - reach),
-        high=np.exp(middle + reach),
+        low=low,
+        high=high,
         weight=weight,
         correlation=correlation,
         chi2=chi2,

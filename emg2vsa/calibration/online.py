@@ -42,7 +42,8 @@ NARROWS = 0.9
 "The rest of a press must be expected to bring the interval below this share of its width, or the press may stop."
 WIDTH_REACHED, NO_GAIN = "width reached", "the rest would narrow it by less than a tenth"
 AREA, BOTH = "area", "area and travel"
-_KAPPAS = 25
+_WHOLLY_OPEN = 20.0
+_KAPPAS = 13
 "Stiffnesses of the table of expected widths."
 
 
@@ -140,12 +141,12 @@ class OnlineCalibration:
         area, depth = rates[:, cut].T, travel[:, cut].T
         c = repeat_interval(cutaneous, area, mountings=mountings, own_noise=False, widened=self._widened[0][cut])
         share = np.abs(c.score_share)
-        if kinesthetic and np.isfinite(depth).any(axis=1).all():
+        if kinesthetic and np.isfinite(depth).any():
             k = repeat_interval(
                 kinesthetic, depth, mountings=mountings, own_noise=False, widened=self._widened[1][cut]
             )  # fmt: skip
             both = fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
-            if np.isfinite(both.kappa).all():
+            if np.isfinite(both.kappa).any():
                 return Judged(both.kappa, both.low, both.high, both.reach, share * both.weight, BOTH, both.p)
         return Judged(c.kappa, c.low, c.high, c.reach, share, AREA, np.full(c.kappa.shape, np.nan))
 
@@ -170,7 +171,7 @@ class OnlineCalibration:
     def half_width(self, kappa: float, reach: float, cues: str = AREA) -> float:
         """Half width, as a share of kappa, of an interval with this ``Judged.reach``."""
         if cues == BOTH:
-            return math.sinh(reach)
+            return math.sinh(reach) if reach < _WHOLLY_OPEN else math.inf
         low, high = interval_of(self.settings.law, kappa, reach)
         return (high - low) / (2 * kappa)
 
