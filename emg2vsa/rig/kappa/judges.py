@@ -155,7 +155,7 @@ class OwnProcess:
 
     def __init__(self, plan: KappaPlan, file: Path, shape: tuple[int, int], zero_s: float | None = None) -> None:
         self.tally = Tally()
-        self._held, self._sent, self._shape = Held(), 0, shape
+        self._held, self._sent, self._closed = Held(), 0, False
         self._memory = SharedMemory(create=True, size=8 * _WORDS + SLOTS * shape[0] * shape[1])
         self._words, self._images = _views(self._memory, shape)
         self._words[:] = 0
@@ -202,6 +202,9 @@ class OwnProcess:
 
     def close(self) -> None:
         """End the process, and give the memory back. ``tally`` is whole then."""
+        if self._closed:
+            return
+        self._closed = True
         self._send(_END)
         with suppress(EOFError, OSError):
             if self._answers.poll(END_S):
