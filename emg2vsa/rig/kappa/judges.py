@@ -42,6 +42,7 @@ READY_S = 60.0
 """In which the estimator must have loaded what it needs."""
 END_S = 3.0
 """In which it must have ended; then it is ended."""
+_NICE = -10
 _FRAME = Struct("<qqdq")
 """Slot, repetition, time of the frame, how many readings follow."""
 _READING = Struct("<ddd")
@@ -291,11 +292,12 @@ def _work(
 
 
 def _behind() -> None:
-    """An ordinary program on one core, whatever the control loop is."""
+    """On one core, behind the control loop, and before ordinary programs where the system permits it."""
     cv2.setNumThreads(1)
     if sys.platform == "linux":
         with suppress(OSError):
             os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+            os.nice(_NICE)
 
 
 def _answer_all(

@@ -18,6 +18,7 @@ from casr.dome.library import worlds
 from casr.errors import CasrError
 from casr.frames.force import WINDOW, force_at_exposure
 from casr.stream import StreamScorer
+from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.online import AREA, BOTH, OnlineCalibration, OnlineEstimator, OnlineState
 from emg2vsa.rig.device_settings import RATE_HZ
 from emg2vsa.rig.devices import Frame
@@ -153,9 +154,11 @@ class LiveKappa:
         self._settings = replace(score_settings(runs), force_stop_n=None)
         self._press: _Press | None = None
         self._stop, self._presses = "", 0
-        # tables are made before the first frame waits for them
+        # what is made once is made before the first frame waits for it
         worlds(self._settings.domes)
         self._prepare(1)
+        force_n = np.linspace(calibration.start_n, last_n, 20)
+        OnlineEstimator(calibration).follow(force_n, force_n**HERTZ)
 
     def frame(self, repetition: int, time_s: float, image: NDArray[np.uint8], readings: Rows) -> KappaRow:
         """The next frame, with the readings since the one before; what is known then, without its latency."""
