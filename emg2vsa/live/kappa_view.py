@@ -30,7 +30,9 @@ class KappaView:
     amplification: float | None = None
     "Percent of kappa for 1 % of CASR."
     stop: str = ""
-    "Why the press was stopped."
+    "Why the press was stopped; empty for a whole one."
+    stop_n: float | None = None
+    "Force of the frame that was enough."
     note: str = ""
 
 
@@ -51,6 +53,7 @@ class KappaTail:
             return None
         told = [row for row in self._rows if math.isfinite(row.kappa_n_per_mm)]
         newest = told[-1] if told else self._rows[-1]
+        enough = next((row for row in self._rows if row.stop), None)
         return KappaView(
             repetition=newest.repetition,
             presses=newest.presses,
@@ -60,7 +63,8 @@ class KappaTail:
             high_n_per_mm=[_number(row.high_n_per_mm) for row in told],
             half_width=_number(newest.half_width),
             amplification=_number(newest.amplification),
-            stop=self._rows[-1].stop,
+            stop=enough.stop if enough else "",
+            stop_n=_number(enough.force_n) if enough else None,
             note=newest.note,
         )
 

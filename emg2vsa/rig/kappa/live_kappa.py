@@ -79,7 +79,7 @@ class KappaRow:
             f"presses: {self.presses}",
             f"1 % of CASR is {self.amplification:.1f} % of kappa",
         ]
-        return "; ".join([*parts, *([f"stopped at {self.force_n:.2f} N: {self.stop}"] if self.stop else [])])
+        return "; ".join([*parts, *([f"stopped: {self.stop} at {self.judged_at_n:g} N"] if self.stop else [])])
 
 
 KAPPA_HEADER = ",".join(each.name for each in fields(KappaRow))

@@ -59,7 +59,7 @@ def test_for_people(press: Path, capsys: Captured) -> None:
     assert "note: " in said.err
 
 
-@pytest.mark.parametrize("pages", [True, False], ids=["images", "one file"])
+@pytest.mark.parametrize("pages", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["images", "one file"])
 def test_a_press_that_is_being_recorded_is_followed_to_its_end(
     press: Path, tmp_path: Path, capsys: Captured, pages: bool
 ) -> None:

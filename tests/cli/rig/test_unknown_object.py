@@ -30,7 +30,7 @@ def test_every_command_does_what_the_page_says(
         assert (program, main(words)) == ("emg2vsa", 0), command
         said = capsys.readouterr().out
     assert said.startswith("kappa: by high-stiffness_0.json (S1, S3, S5, 9 presses); at best ±")
-    assert len(re.findall(r"^kappa after press \d: [\d.]+ N/mm, 95 %: .*; stopped at ", said, flags=re.M)) == 2
+    assert len(re.findall(r"^kappa after press \d: [\d.]+ N/mm, 95 %: .*; stopped: ", said, flags=re.M)) == 2
     folder = Path("runs-virtual/S4_0_high-stiffness")
     for name in re.findall(r"^\| `([^`]+)` \|", text, flags=re.M):
         assert (folder / name).is_file(), name

@@ -1,5 +1,6 @@
-// Curves over the last seconds, or over another quantity, on a canvas. A curve is {values, colour, width, dash}; a level
-// is {at, text}; an area is {low, high, colour}; an axis from left to right is {from, to, labels: [{at, text, align}]}.
+// Curves over the last seconds, or over another quantity, on a canvas. A curve is {values, colour, width, dash}; a level,
+// or a mark on the axis, is {at, text}; an area is {low, high, colour}; an axis from left to right is {from, to, labels:
+// [{at, text, align}]}.
 
 const FONT = '15px system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif';
 const LEFT = 46, RIGHT = 8, TOP = 8, BOTTOM = 22;
@@ -14,7 +15,7 @@ export function lastSeconds(time, windowS, lastLabel) {
 }
 
 // over: where each value of a curve lies on the axis.
-export function draw(canvas, { over, axis, low, high, ticks, levels = [], band = null, areas = [], curves }) {
+export function draw(canvas, { over, axis, low, high, ticks, levels = [], marks = [], band = null, areas = [], curves }) {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name);
   const context = fitted(canvas);
@@ -49,6 +50,7 @@ export function draw(canvas, { over, axis, low, high, ticks, levels = [], band =
   for (const one of areas) area(context, over, one, x, y, colour);
   for (const curve of curves) trace(context, over, curve, x, y, colour);
   context.restore();
+  drawMarks(context, marks, x, height, colour);
 }
 
 export function ticksBetween(low, high, count) {
@@ -77,6 +79,19 @@ function drawLevels(context, levels, y, width, colour) {
     line(context, LEFT, y(at), LEFT + width, y(at));
     context.setLineDash([]);
     context.fillText(text, LEFT + 6, y(at) - 2);
+  }
+}
+
+function drawMarks(context, marks, x, height, colour) {
+  context.strokeStyle = context.fillStyle = colour("--orange");
+  context.lineWidth = 1;
+  context.textAlign = "left";
+  context.textBaseline = "top";
+  for (const { at, text } of marks) {
+    context.setLineDash([7, 5]);
+    line(context, x(at), TOP, x(at), TOP + height);
+    context.setLineDash([]);
+    context.fillText(text, x(at) + 5, TOP);
   }
 }
 

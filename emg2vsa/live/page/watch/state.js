@@ -50,10 +50,9 @@ export function kappaOf(kappa) {
   const number = (v) => (v >= 100 ? v.toFixed(0) : v.toPrecision(3));
   const high = kappa.high_n_per_mm[last] === null ? "rigid" : number(kappa.high_n_per_mm[last]);
   const width = kappa.half_width === null ? "" : ` (±${(100 * kappa.half_width).toFixed(0)} %)`;
-  const presses = kappa.presses === 1 ? "1 press" : `${kappa.presses} presses`;
-  const parts = [`press ${kappa.repetition}`, `${presses} count`];
+  const parts = [`press ${kappa.repetition}`, kappa.presses === 1 ? "1 press counts" : `${kappa.presses} presses count`];
   if (kappa.amplification !== null) parts.push(`1 % of CASR is ${kappa.amplification.toFixed(1)} % of kappa`);
-  if (kappa.stop) parts.push(`stopped at ${kappa.force_n[last].toFixed(2)} N: ${kappa.stop}`);
+  if (kappa.stop) parts.push(`seen enough at ${kappa.stop_n.toFixed(2)} N: ${kappa.stop}`);
   if (kappa.note) parts.push(kappa.note);
   return {
     big: `${number(kappa.kappa_n_per_mm[last])} N/mm`,

@@ -118,6 +118,7 @@ function showKappa(run, kappa) {
   const canvas = $("#kappa canvas"), { high, tops, axis } = kappaAxisOf(kappa, run.f_max_n);
   draw(canvas, {
     over: kappa.force_n, axis, low: 0, high, ticks: ticksBetween(0, high, Math.max(2, canvas.clientHeight / 45)),
+    marks: kappa.stop ? [{ at: kappa.stop_n, text: "seen enough" }] : [],
     areas: [{ low: kappa.low_n_per_mm, high: tops, colour: "--band" }],
     curves: [{ values: kappa.kappa_n_per_mm, colour: "--blue", width: 3 }],
   });
