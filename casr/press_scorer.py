@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -23,7 +24,16 @@ from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
 from casr.front_spread import FEWEST_FRAMES, FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker, pins_in_doubt
-from casr.scored import NO_SCALE, WHOLE_IMAGE, Score, ScoreSettings, SkinSpread, Spread, skin_interval
+from casr.scored import (
+    NO_SCALE,
+    WHOLE_IMAGE,
+    Score,
+    ScoreSettings,
+    SkinScore,
+    SkinSpread,
+    Spread,
+    skin_interval,
+)
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
@@ -49,10 +59,11 @@ class PressScorer:
     ----------
     camera : None leaves areas in px^2.
     settings : how.
+    follow_pins : False: dense flow does without pins after first contact; there is ``skin`` then, and no ``result``.
     """
 
-    def __init__(self, camera: Camera | None, settings: ScoreSettings) -> None:
-        self._camera, self._settings = camera, settings
+    def __init__(self, camera: Camera | None, settings: ScoreSettings, *, follow_pins: bool = True) -> None:
+        self._camera, self._settings, self._follow_pins = camera, settings, follow_pins
         # a region that is given is meant whole; the core is for a contact edge, where the flow has a kink
         flow = replace(settings.flow, core_fraction=1.0) if isinstance(settings.region, Region) else settings.flow
         self._whole_image = settings.region == WHOLE_IMAGE
@@ -94,7 +105,7 @@ class PressScorer:
         Raises PinsError at the third bad frame in a row. ImageError : not an image, or of another size.
         """
         before = self._steps[-1].region if self._steps else self._region
-        pins_px = self._tracker.step(image)
+        pins_px = self._tracker.step(image) if self._follow_pins else self._contact_px
         if not self._is_good(pins_px):
             return None
         try:
@@ -188,20 +199,13 @@ class PressScorer:
         ------
         FramesError : fewer than two frames are good.
         """
-        frames = self._of_good(phase.frames)
-        skipped = sorted(set(phase.frames.tolist()) - set(frames.tolist()))
-        if len(frames) < 2:
-            raise FramesError(
-                "loading phase",
-                wanted="at least two frames in which the pins are seen",
-                found=f"{len(frames)} of {len(phase.frames)}",
-                do="See why pins are lost: are the frames one press, in order?",
-            )
+        frames = self._good_frames(phase)
         steps = self._steps[: len(frames) - 1]
         skin = self._skin(force_n, len(frames))
+        if self._settings.quantity == "skin":
+            self._check(skin.area)
         front = self._front(len(frames))
         doubt, spread = self._front_spread(front, np.arange(len(frames)), force_n, force_zero_sd_n)
-        of_steps = notes_by_frame(frames[1:].tolist(), steps)
         return Score(
             name=name,
             settings=self._settings,
@@ -218,25 +222,70 @@ class PressScorer:
             front=front,
             front_doubt=doubt,
             front_spread=spread,
-            regions=(self._region.polygon_px, *(step.region.polygon_px for step in steps)),
+            regions=self._regions(steps),
             notes=_once(
-                *([] if self._camera else [NO_SCALE]),
-                *phase.notes,
-                *_skipped(skipped),
-                *self._notes,
-                *of_steps,
+                *self._notes_on(phase, frames),
                 *(front.notes if self._settings.quantity == "front" else ()),
                 *_notes_of(skin, spread if self._settings.quantity == "front" else None),
             ),
         )
 
+    def skin(self, phase: LoadingPhase, force_n: Array) -> SkinScore:
+        """What the skin of the first contact says in the good frames of ``phase``; force_n : of all of its frames, N.
+
+        Raises
+        ------
+        FramesError : fewer than two frames are good, or their force does not rise.
+        """
+        frames = self._good_frames(phase)
+        steps = self._steps[: len(frames) - 1]
+        skin = self._skin(force_n, len(frames))
+        return SkinScore(
+            rest_frame=phase.rest,
+            frames=frames,
+            force_n=self._of_good(force_n),
+            divergence=np.array([step.divergence for step in steps]),
+            initial=self._initial,
+            rest=self._rest,
+            contact_px=self._contact_px,
+            area_unit=self.area_unit,
+            skin=skin,
+            regions=self._regions(steps),
+            notes=_once(*self._notes_on(phase, frames), *_notes_of(skin, None)),
+        )
+
+    def _notes_on(self, phase: LoadingPhase, frames: NDArray[np.intp]) -> tuple[str, ...]:
+        """Of the press whatever the quantity; frames : the good ones of the phase."""
+        skipped = sorted(set(phase.frames.tolist()) - set(frames.tolist()))
+        of_steps = notes_by_frame(frames[1:].tolist(), self._steps[: len(frames) - 1])
+        return (*([] if self._camera else [NO_SCALE]), *phase.notes, *_skipped(skipped), *self._notes, *of_steps)
+
+    def _good_frames(self, phase: LoadingPhase) -> NDArray[np.intp]:
+        frames = self._of_good(phase.frames)
+        if len(frames) < 2:
+            raise FramesError(
+                "loading phase",
+                wanted="at least two frames in which the pins are seen",
+                found=f"{len(frames)} of {len(phase.frames)}",
+                do="See why pins are lost: are the frames one press, in order?",
+            )
+        return frames
+
+    def _regions(self, steps: Sequence[FlowStep]) -> tuple[Array, ...]:
+        return (self._region.polygon_px, *(step.region.polygon_px for step in steps))
+
+    def _check(self, area: Array) -> None:
+        """AreaError where an area of the skin is above that of the pin array; a circle is the array's own."""
+        if self._settings.area_rule == "circle":
+            return
+        largest = int(np.argmax(area))
+        pins_px = undistorted(self.pins_px[largest], self._camera)
+        law = "equation (1) as printed" if self._settings.area_law == "paper" else "its growth"
+        area_px2 = float(area[largest]) * self._initial.area_px2 / self._first_area
+        check_area(area_px2, pins_px, f"area of the skin by {law}", self._camera)
+
     def _skin(self, force_n: Array | None, n_frames: int) -> SkinSpread:
         area = self.areas(force_n)[:n_frames]
-        if self._settings.quantity == "skin":
-            largest = int(np.argmax(area))
-            scale = self._initial.area_px2 / self._first_area
-            pins_px = undistorted(self.pins_px[largest], self._camera)
-            check_area(float(area[largest]) * scale, pins_px, "area of the skin", self._camera)
         if force_n is None:
             return SkinSpread(area, None, None)
         rate = self.rate(force_n)

@@ -256,6 +256,24 @@ class Score:
         return plain | {"provenance": provenance}
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SkinScore:
+    """The skin of the first contact alone, in T frames of a press: what ``Score`` holds of it, under the same names."""
+
+    rest_frame: int
+    frames: NDArray[np.intp]
+    force_n: NDArray[np.float64]
+    divergence: NDArray[np.float64]
+    initial: InitialArea
+    rest: Pins
+    contact_px: NDArray[np.float64]
+    area_unit: str
+    skin: SkinSpread
+    regions: tuple[NDArray[np.float64], ...]
+    notes: tuple[str, ...]
+    force_zero: ForceZero | None = None
+
+
 _OF_PINS = ("pins_px", "inside")
 "Names of what is as large as frames times pins."
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.between_specimens import Interpolated, between
 from emg2vsa.errors import DataError
+from emg2vsa.exemplary import Choice, compare_participants
 from emg2vsa.fits import Fits, usable
-from emg2vsa.settings import ProfileSettings, WindowSettings
+from emg2vsa.settings import MEDOID, ProfileSettings, WindowSettings
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,16 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
+class ByRule:
+    """The new specimen's profile by one rule of interpolation, and its error against ``Profiles.new_measured``."""
+
+    rule: str
+    alpha: float
+    profile: Profile
+    error: LeftOut | None
+
+
+@dataclass(frozen=True)
 class Profiles:
     """``profiles`` are the exported, measured specimens in the order given; ``new`` is the interpolated one."""
 
@@ -69,6 +80,10 @@ class Profiles:
     "The exemplary participant; empty: mean over all."
     unit: str
     notes: tuple[str, ...]
+    by_rule: tuple[ByRule, ...] = ()
+    "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
+    choice: Choice | None = None
+    "How far the participants' schedules are apart; None where fewer than two palpated all exported specimens."
 
 
 def build_profiles(
@@ -81,10 +96,12 @@ def build_profiles(
     the window's lower force on: the paper's grid starts at 0 N, where ln F is undefined.
     """
     rows = usable(fits, use)
-    participant = _participant(fits, rows, profile.participant)
+    force_n = np.linspace(*window.force_n, profile.grid_points)
+    exported_names = profile.specimens or tuple(_in_study_order(fits.specimen[rows], stiffness_n_per_mm))
+    choice = compare_participants(fits, rows, exported_names, force_n, profile.participant or "")
+    participant = _participant(fits, rows, profile.participant, choice)
     if participant:
         rows = rows & (fits.participant == participant)
-    force_n = np.linspace(*window.force_n, profile.grid_points)
     names = _in_study_order(fits.specimen[rows], stiffness_n_per_mm)
     measured = {
         name: _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, bool(participant))
@@ -101,7 +118,9 @@ def build_profiles(
         new_measured=reference,
         new_error=_error(reference, new, bracket) if reference and new and bracket else None,
         leave_one_out=_leave_one_out(tuple(measured.values()), profile),
+        by_rule=_by_rule(exported, stiffness_n_per_mm, profile, reference),
         participant=participant,
+        choice=choice,
         unit=fits.activity_unit,
         notes=(
             *_notes(measured, profile, participant, force_n),
@@ -110,18 +129,25 @@ def build_profiles(
     )
 
 
-def _participant(fits: Fits, rows: NDArray[np.bool_], wanted: str | None) -> str:
+def _participant(fits: Fits, rows: NDArray[np.bool_], wanted: str | None, choice: Choice | None) -> str:
     present = list(dict.fromkeys(fits.participant[rows].tolist()))
     if not present:
         raise DataError(
             "profiles", wanted="at least one usable trial", found="none", do="See the reasons in the table of trials."
         )
-    if wanted is not None and wanted not in present:
+    if wanted == MEDOID and len(present) > 1:
+        if choice is None:
+            raise DataError(
+                "profile.participant", wanted="two participants or more with usable trials on every exported specimen",
+                found="fewer", do="Name a participant, or omit it for the mean over all.",
+            )  # fmt: skip
+        return choice.medoid
+    if wanted not in (None, MEDOID) and wanted not in present:
         raise DataError(
             "profile.participant", wanted=f"one of {', '.join(present)} (participants with usable trials)",
-            found=wanted, do="Name another participant, or omit it for the mean over all.",
+            found=str(wanted), do="Name another participant, or omit it for the mean over all.",
         )  # fmt: skip
-    return wanted or (present[0] if len(present) == 1 else "")
+    return present[0] if len(present) == 1 else wanted or ""
 
 
 def _in_study_order(specimens: NDArray[np.str_], stiffness_n_per_mm: Mapping[str, float]) -> list[str]:
@@ -204,6 +230,22 @@ def _reference(measured: Mapping[str, Profile], new: Profile | None, used: Seque
         return measured[new.specimen]
     twins = (p for p in measured.values() if p.stiffness_n_per_mm == new.stiffness_n_per_mm and p.specimen not in used)
     return next(twins, None)
+
+
+def _by_rule(
+    exported: Sequence[Profile],
+    stiffness_n_per_mm: Mapping[str, float],
+    profile: ProfileSettings,
+    reference: Profile | None,
+) -> tuple[ByRule, ...]:
+    found = []
+    for rule in ("bracket", "paper") if profile.new_specimen else ():
+        with suppress(DataError):  # the paper's weight ends at 10 N/mm
+            made, alpha, bracket = _new(exported, stiffness_n_per_mm, replace(profile, interpolation=rule))
+            assert made is not None
+            assert bracket is not None
+            found.append(ByRule(rule, alpha, made, _error(reference, made, bracket) if reference else None))
+    return tuple(found)
 
 
 def _error(measured: Profile, predicted: Profile, bracket: tuple[str, str]) -> LeftOut:

@@ -228,12 +228,16 @@ class HypothesisSettings:
     "Participants whose mean slopes differ by less count as equal, in SDs of repetitions; omitted: equality untested."
 
 
+MEDOID = "medoid"
+"""As exemplary participant: the one whose schedules differ least, on average, from those of the others."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ProfileSettings:
     """Mean trends and the profile of a new specimen."""
 
     participant: str | None = None
-    "Exemplary participant; omitted: mean over all."
+    "Exemplary participant; medoid: the one whose schedules differ least from the others'; omitted: mean over all."
     specimens: tuple[str, ...] = ()
     "Specimens whose profiles are exported; empty: all."
     new_specimen: str | None = None
@@ -346,8 +350,7 @@ class RunSettings:
     """
 
     algorithm: Algorithm = "front"
-    """Contact area: its front in every frame; or the growth of the first contact's skin with the initial area by its
-    edge, hexagons (the paper's new one) or a circle (previous work); paper: as the paper means it."""
+    "front: contact area frame by frame; edge, hexagon, circle: first contact, grown by its skin; paper: the paper's."
     engine: Literal["pin-affine", "horn-schunck", "dis"] | None = None
     "Flow that growth comes from: of the pins, or dense (paper: horn-schunck); omitted: as the algorithm has it."
     force_rule: Literal["exposure", "mean"] | None = None
@@ -370,6 +373,14 @@ class RunSettings:
         """The algorithm's, with the keys that are set."""
         given = {name: getattr(self, name) for name in Recipe._fields}
         return RECIPES[self.algorithm]._replace(**{name: value for name, value in given.items() if value is not None})
+
+    def recipe_of(self, algorithm: str) -> Recipe:
+        """That of an algorithm on the same presses: one of the skin differs from the chosen one by its initial area."""
+        if algorithm == self.algorithm:
+            return self.recipe
+        if algorithm in ("front", "paper"):
+            return RECIPES[algorithm]
+        return self.recipe._replace(area_rule=algorithm)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -86,7 +86,7 @@ class Person:
 
 @dataclass(frozen=True)
 class RunEntry:
-    """A specimen pressed at an angle under a condition; without folders the run is yet to be emulated."""
+    """A specimen pressed at an angle under a condition; ``folders`` of an emulated run are yet to be made."""
 
     specimen: str
     angle_deg: float

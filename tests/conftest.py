@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from emg2vsa.runs import ContactPicture, PressCurve, RunScores
+from emg2vsa.runs import ContactPicture, FirstContact, PressCurve, RunScores
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("EMG2VSA_TEST_DATA", ROOT.parent / "shared" / "data"))
@@ -93,21 +94,38 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         * (1 + 0.02 * rng.standard_normal(presses)),
         curves=curves,
         picture=_picture(float(area[0])),
+        first_contact=_first_contact(),
         notes=("frames dropped: 0",),
     )
 
 
-def _picture(area: float) -> ContactPicture:
+def _pins_at_rest() -> np.ndarray:
     pitch = 20.0
     grid = np.stack(np.meshgrid(np.arange(-7, 8), np.arange(-7, 8)), axis=-1).reshape(-1, 2)
     pins = 150 + pitch * grid @ np.array([[1.0, 0.0], [0.5, np.sqrt(0.75)]])
-    from_centre = np.linalg.norm(pins - 150, axis=1)
-    pins = pins[from_centre < 125]
-    across, down = (np.exp(-((np.arange(300) - at[:, None]) ** 2) / 18) for at in pins.T)
-    image = 12 + 200 * down.T @ across
+    return np.asarray(pins[np.linalg.norm(pins - 150, axis=1) < 125])
+
+
+def _image(pins_px: np.ndarray) -> np.ndarray:
+    across, down = (np.exp(-((np.arange(300) - at[:, None]) ** 2) / 18) for at in pins_px.T)
+    return np.clip(12 + 200 * down.T @ across, 0, 255).astype(np.uint8)
+
+
+def _picture(area: float) -> ContactPicture:
     turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     outline = 150 + 16 * np.sqrt(area / np.pi) * np.column_stack([np.cos(turn), np.sin(turn)])
-    return ContactPicture(np.clip(image, 0, 255).astype(np.uint8), 1.02, outline, area)
+    return ContactPicture(_image(_pins_at_rest()), 1.02, outline, area)
+
+
+@cache
+def _first_contact() -> FirstContact:
+    """Pins within 60 px of the middle move outwards, by up to 4 px and then by up to 6."""
+    rest = _pins_at_rest()
+    out = rest - 150
+    share = np.clip(1 - np.linalg.norm(out, axis=1) / 60, 0, 1)[:, None] * out / 15
+    moved = np.linalg.norm(4 * share, axis=1)
+    frames = np.stack([_image(rest + by * share) for by in (0, 4, 6)])
+    return FirstContact(1, frames, np.array([0.61, 1.12]), rest, rest + 4 * share, np.flatnonzero(moved > 2))
 
 
 @pytest.fixture(scope="session")

@@ -288,3 +288,73 @@ def test_scaling_the_activity_scales_everything() -> None:
     np.testing.assert_array_equal(other.new.v, 8 * one.new.v)
     for first, second in zip(one.leave_one_out, other.leave_one_out, strict=True):
         assert (second.rmse_v, second.relative) == (8 * first.rmse_v, first.relative)
+
+
+def people(levels: dict[str, tuple[float, float]]) -> Fits:
+    """Participants who press S1 and S5: (a, b) on S1, and half of both on S5."""
+    return fits_of([(who, s, k * a, k * b) for who, (a, b) in levels.items() for s, k in (("S1", 1.0), ("S5", 0.5))])
+
+
+def shares(a: float, b: float, force: np.ndarray) -> np.ndarray:
+    """Schedules of such a participant from 0 to 1, written anew."""
+    v = np.concatenate([a + b * np.log(force), (a + b * np.log(force)) / 2])
+    return (v - v.min()) / (v.max() - v.min())
+
+
+def test_the_medoid_is_the_participant_whose_schedules_are_nearest_to_all_others() -> None:
+    levels = {"P1": (10.0, 1.0), "P2": (10.0, 3.0), "P3": (10.0, 4.0), "P4": (10.0, 9.0)}
+    profiles = build(people(levels), participant="medoid", grid_points=50)
+    choice = profiles.choice
+    assert choice is not None
+    force = np.linspace(0.5, 7, 50)
+    own = np.array([shares(a, b, force) for a, b in levels.values()])
+    apart = np.array([[np.sqrt(np.mean((p - q) ** 2)) for q in own] for p in own])
+    np.testing.assert_allclose(choice.to_others, apart.sum(axis=1) / 3, rtol=1e-12)
+    used = int(np.argmin(apart.sum(axis=1)))
+    assert profiles.participant == choice.medoid == list(levels)[used] == "P2"
+    np.testing.assert_allclose(choice.to_used, apart[used], rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(choice.largest, np.abs(own - own[used]).max(axis=1), rtol=1e-12, atol=1e-15)
+
+
+@given(st.floats(0.01, 100.0))
+def test_amplitudes_of_emg_do_not_choose_the_medoid(gain: float) -> None:
+    levels = {"P1": (10.0, 1.0), "P2": (10.0, 3.0), "P3": (10.0, 4.0), "P4": (10.0, 9.0)}
+    amplified = levels | {"P4": (10 * gain, 9 * gain)}
+    plain, loud = (build(people(each), participant="medoid", grid_points=9).choice for each in (levels, amplified))
+    assert plain is not None
+    assert loud is not None
+    np.testing.assert_allclose(plain.to_others, loud.to_others, rtol=1e-9)
+
+
+def test_who_did_not_press_every_specimen_is_no_medoid_and_is_named() -> None:
+    fits = people({"P1": (10.0, 1.0), "P2": (10.0, 3.0), "P3": (10.0, 4.0)})
+    keep = [k for k in range(6) if k != 3]
+    rows = [(str(fits.participant[k]), str(fits.specimen[k]), float(fits.a_v[k]), float(fits.b_v[k])) for k in keep]
+    profiles = build(fits_of(rows), participant="medoid")
+    assert profiles.choice is not None
+    assert (profiles.choice.participants, profiles.choice.left_out) == (("P1", "P3"), ("P2",))
+    assert profiles.participant == "P1"  # of two the first
+    with pytest.raises(DataError, match=r"two participants or more .* but found fewer"):
+        build(fits_of(rows[1:4]), participant="medoid")
+
+
+def test_the_distance_to_the_mean_over_all_where_no_participant_is_chosen() -> None:
+    choice = build(people({"P1": (10.0, 1.0), "P2": (10.0, 3.0)}), grid_points=50).choice
+    assert choice is not None
+    force = np.linspace(0.5, 7, 50)
+    expected = np.sqrt(np.mean((shares(10, 1, force) - shares(10, 2, force)) ** 2))
+    assert choice.to_used[0] == pytest.approx(expected, rel=1e-12)
+    assert build(one_person()).choice is None
+
+
+def test_the_new_specimen_by_both_rules() -> None:
+    fits = one_person()
+    made = build(fits, specimens=("S1", "S3", "S5"), new_specimen="new", new_stiffness_n_per_mm=5.32).by_rule
+    assert [each.rule for each in made] == ["bracket", "paper"]
+    assert [each.alpha for each in made] == pytest.approx([(7.63 - 5.32) / (7.63 - 3.35), 0.532])
+    errors = [each.error for each in made]
+    assert errors[0] is not None
+    assert errors[1] is not None
+    assert errors[0].rmse_v < 1e-12 < errors[1].rmse_v  # a and b are proportional to stiffness, and S2 is as stiff
+    stiff = build(fits, stiffness={"S1": 12.0, "S3": 10.5}, new_specimen="new", new_stiffness_n_per_mm=11.0)
+    assert [each.rule for each in stiff.by_rule] == ["bracket"]

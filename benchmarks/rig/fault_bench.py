@@ -106,7 +106,7 @@ class FaultBench:
         built = self.built
         self.rig = built.told or built.true
         self.emulated = EmulatedRig(
-            EmulatedSettings(gap_mm=GAP_MM, force_rate_hz=500),
+            EmulatedSettings(world="elastic", gap_mm=GAP_MM, force_rate_hz=500),
             SPECIMEN,
             0.0,
             rigid=built.rigid,

@@ -57,12 +57,12 @@ def open_frames(
     notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
     if in_folder:
         force, camera = force or _beside(path, FORCE_FILE), camera or camera_beside(path)
-    forces = readings = None
+    forces = mean_n = readings = None
     if force is not None:
-        forces, force_notes, readings = _forces(Path(force), len(frames), column, force_rule)
+        forces, mean_n, force_notes, readings = _forces(Path(force), len(frames), column, force_rule)
         notes += force_notes
     seen_by = read_camera(camera) if camera is not None else None
-    return FrameSequence(frames, seen_by, forces, tuple(notes), readings)
+    return FrameSequence(frames, seen_by, forces, tuple(notes), readings, mean_n)
 
 
 def _check_frames(path: Path, frames: FileFrames) -> None:
@@ -104,20 +104,23 @@ def camera_beside(press: Path) -> Path | None:
 
 def _forces(
     path: Path, n_frames: int, column: str, rule: str
-) -> tuple[NDArray[np.float64], list[str], ForceReadings | None]:
-    """(n_frames,) force of each frame, N; notes; and the readings behind it where frames can be shifted by them."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str], ForceReadings | None]:
+    """(n_frames,) force of each frame by the rule and by the rule mean, N; notes; and where frames can be shifted by
+    them, the readings."""
     log = read_force_log(path, column=column)
     wild = spikes(log.force_n)
     force_n = np.where(wild, np.nan, log.force_n)
     check_newtons(force_n, path)
-    forces = force_per_frame(
-        force_n, log.frame_index, n_frames,
-        time_s=log.time_s, frame_time_s=log.frame_time_s, rule=rule, where=path,
-    )  # fmt: skip
+    mean_n = forces = force_per_frame(force_n, log.frame_index, n_frames, rule="mean", where=path)
+    if rule != "mean":
+        forces = force_per_frame(
+            force_n, log.frame_index, n_frames,
+            time_s=log.time_s, frame_time_s=log.frame_time_s, rule=rule, where=path,
+        )  # fmt: skip
     without = int(np.isnan(forces).sum())
     notes = [*log.notes, *note_on_spikes(wild, log.force_n, f"of {wild.size} rows of the force log")]
     notes += [f"{without} of {n_frames} frames have no force"] if without else []
-    return forces, notes, _readings(log, force_n, n_frames) if rule == "exposure" else None
+    return forces, mean_n, notes, _readings(log, force_n, n_frames) if rule == "exposure" else None
 
 
 def _readings(log: ForceLog, force_n: NDArray[np.float64], n_frames: int) -> ForceReadings | None:

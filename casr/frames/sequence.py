@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -42,6 +42,8 @@ class FrameSequence:
     force_n : (T,) force of each frame, N, NaN where it is not known; None without a force log.
     notes : what a reader of results ought to know about these frames.
     readings : the log that ``force_n`` comes from, where it has times; frames and force can be shifted by it.
+    mean_force_n : (T,) mean of the log's rows that carry the index of the frame, N, as the paper has it; None without
+        a force log.
 
     Raises
     ------
@@ -54,6 +56,7 @@ class FrameSequence:
     force_n: NDArray[np.float64] | None = None
     notes: tuple[str, ...] = ()
     readings: ForceReadings | None = None
+    mean_force_n: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         height_px, width_px = self.shape
@@ -71,6 +74,17 @@ class FrameSequence:
                 found=f"an array of shape {self.force_n.shape}",
                 do="Average the force rows of each frame first: force_per_frame.",
             )
+
+    def by_mean(self) -> FrameSequence:
+        """The same frames, with the mean of the log's rows as the force of each. FramesError where none is known."""
+        if self.mean_force_n is None:
+            raise FramesError(
+                self.name,
+                wanted="a force log whose rows carry the index of the frame (force rule mean)",
+                found="none" if self.force_n is None else "one force for each frame",
+                do="Give the log, or take the force at exposure.",
+            )
+        return replace(self, force_n=self.mean_force_n, readings=None)
 
     @property
     def name(self) -> str:

@@ -83,9 +83,7 @@ def headline(score: Score) -> list[tuple[str, str, str]]:
         ratio, low, high = score.front_spread.skin_over_front
         facts.append(("Growth, skin over front", f"{ratio:.2f}", f"95 %: {low:.2f} to {high:.2f}"))
     facts += [(f"A_c0 ({name})", value, remark) for name, value, remark in first_areas(score)]
-    facts += [
-        (f"Growth ({spread.quantity})", f"{times:.2f} times", "") for spread, times in _growths(score) if times == times
-    ]
+    facts += [(f"Growth ({quantity})", times, "") for quantity, times in growths(score)]
     facts.append(
         ("Frames", f"{len(score.frames)}", f"{score.frames[0]} to {score.frames[-1]}, rest {score.rest_frame}")
     )
@@ -142,7 +140,12 @@ def first_areas(score: Score) -> list[tuple[str, str, str]]:
 
 def growths(score: Score) -> list[tuple[str, str]]:
     """Quantity and how many times its area grew, from the first to the last frame that is determined."""
-    return [(spread.quantity, f"{times:.3f} times") for spread, times in _growths(score) if times == times]
+    law = " by equation (1) as printed" if score.settings.area_law == "paper" else ""
+    return [
+        (spread.quantity, f"{times:.3f} times{law if spread.quantity == 'skin' else ''}")
+        for spread, times in _growths(score)
+        if times == times
+    ]
 
 
 def _growths(score: Score) -> list[tuple[Spread, float]]:
@@ -178,7 +181,7 @@ def camera_lag(score: Score) -> str:
     """How late the frames are against the force, and what was done about it."""
     lag = score.camera_lag
     if lag is None:
-        said = "not determined: the force log has no times"
+        said = "not determined: that takes forces at exposure, from a log with times"
     elif lag.lag_s is None or lag.sd_s is None:
         said = f"not determined: {lag.why}"
     else:

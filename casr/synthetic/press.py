@@ -55,8 +55,11 @@ class SimulatedPress:
     def sequence(self) -> FrameSequence:
         """The press as a scorer gets it: frames, camera, and the logged force of each frame."""
         log = self.timeline
-        force_n = force_per_frame(log.log_force_n, log.log_frame_index, len(self.frames))
-        return FrameSequence(self.frames, self.settings.camera, force_n)
+        by_rule = [
+            force_per_frame(log.log_force_n, log.log_frame_index, len(self.frames), rule=rule)
+            for rule in ("exposure", "mean")
+        ]
+        return FrameSequence(self.frames, self.settings.camera, by_rule[0], mean_force_n=by_rule[1])
 
 
 def simulate_press(settings: PressSettings | None = None) -> SimulatedPress:

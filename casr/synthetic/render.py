@@ -36,16 +36,30 @@ def render(
     speckle_px : (S, 2) the texture's positions where the skin has moved; those of ``surface`` by default.
     noise_grey, rng : read noise and where it comes from.
     """
+    return exposed(drawn(pins_px, surface, skin, speckle_px), noise_grey, rng)
+
+
+def drawn(
+    pins_px: NDArray[np.float64], surface: Surface, skin: Skin, speckle_px: NDArray[np.float64] | None = None
+) -> NDArray[np.float32]:
+    """(H, W) grey levels before the camera's noise; parameters as those of `render`."""
     grey = surface.static_grey.copy()
     _add_pins(grey, pins_px, surface.pin_grey, skin)
     if surface.speckle_grey.size:
         _add_speckles(grey, surface.speckle_px if speckle_px is None else speckle_px, surface.speckle_grey)
     grey *= surface.visible
+    return grey
+
+
+def exposed(grey: NDArray[np.float32], noise_grey: float, rng: np.random.Generator | None) -> NDArray[np.uint8]:
+    """(H, W) uint8 frame of what was `drawn`, which stays as it is."""
     if noise_grey > 0 and rng is not None:
         noise = rng.standard_normal(grey.shape, dtype=np.float32)
         noise *= np.float32(noise_grey)
-        grey += noise
-    np.rint(grey, out=grey)
+        grey = np.add(grey, noise, out=noise)
+        np.rint(grey, out=grey)
+    else:
+        grey = np.rint(grey)
     return np.clip(grey, 0, 255, out=grey).astype(np.uint8)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from casr.synthetic.appearance import Surface, draw_surface
 from casr.synthetic.draws import Draws
 from casr.synthetic.region import ContactEllipse, Points, Rim
-from casr.synthetic.render import render
+from casr.synthetic.render import drawn, exposed
 from casr.synthetic.settings import PressSettings
 from casr.synthetic.world import ContactState, Pressing
 
@@ -51,6 +51,8 @@ class Scene:
             area_factor=drawn.area,
         )
         self.skin = settings.world.press(pressing)
+        self._still: tuple[ContactState, NDArray[np.float32]] | None = None
+        "State and grey levels of the newest image, which off contact is many frames long the same."
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property
@@ -73,16 +75,12 @@ class Scene:
 
     def image(self, pressed: float | ContactState, frame: int) -> NDArray[np.uint8]:
         """(H, W) frame number ``frame`` of that contact; the number chooses the noise only."""
-        state = self._state(pressed)
-        texture_px = self.surface.speckle_px
-        return render(
-            self.pins_px(state),
-            self.surface,
-            self.settings.skin,
-            speckle_px=self.skin.texture_px(texture_px, state) if texture_px.size else texture_px,
-            noise_grey=self.settings.appearance.noise_grey,
-            rng=self.draws.of("frame", frame),
-        )
+        state, still = self._state(pressed), self._still
+        if still is None or still[0] != state:
+            texture_px = self.surface.speckle_px
+            moved_px = self.skin.texture_px(texture_px, state) if texture_px.size else texture_px
+            still = self._still = state, drawn(self.pins_px(state), self.surface, self.settings.skin, moved_px)
+        return exposed(still[1], self.settings.appearance.noise_grey, self.draws.of("frame", frame))
 
     def skin_growth(self, before_n: float, after_n: float) -> float:
         """ln of how much larger the skin of the first contact becomes in the image between two forces."""

@@ -7,10 +7,10 @@ cues are fused (``fusion``).
 A specimen pressed once shows no noise of its own; that of the known specimens is taken, pooled. The interval is total:
 presses, known stiffnesses, mountings, angle and law (``repeats``), widened where the known specimens reject the law.
 
-A press may stop early for two reasons. The interval is as narrow as wanted. Or the rest of the press is expected to
-narrow it by less than a tenth: that depends on the calibration and the estimate alone, so it is tabulated beforehand.
-The first reason looks at a width that grows with the estimate, so a press that seems soft stops first;
-benchmarks/results/online_kappa.md has the coverage at the stop.
+A press may stop early for two reasons. The interval is as narrow as wanted, at two forces in a row. Or the rest of the
+press is expected to narrow it by less than a tenth: that depends on the calibration and the estimate alone, so it is
+tabulated beforehand. The first reason looks at a width that grows with the estimate, so a press that seems soft stops
+first; benchmarks/results/online_kappa.md has the coverage at the stop.
 """
 
 from __future__ import annotations
@@ -181,10 +181,15 @@ class OnlineCalibration:
 
     @cached_property
     def _widened(self) -> tuple[Floats, Floats]:
-        """(G,) factors on the standard errors of both cues, from the left-out specimens."""
+        """(G,) factors on the standard errors of both cues, from the left-out specimens.
+
+        The largest of all forces at every force: the law is the same one, and a factor that came and went with the
+        chance of a cut would stop presses where it happens to be missing.
+        """
         confidence = self.settings.confidence
-        cutaneous = left_out(self.calibration).widening(confidence)
-        return cutaneous, left_out(self.by_travel).widening(confidence) if self.by_travel else cutaneous
+        factors = [left_out(each).widening(confidence) for each in (self.calibration, self.by_travel) if each]
+        widest = [np.full_like(factor, factor.max()) for factor in factors]
+        return widest[0], widest[-1]
 
     @cached_property
     def _expected(self) -> dict[tuple[int, str], Floats]:
@@ -307,7 +312,8 @@ class OnlineEstimator:
         expected = own.expected_reach(kappa, presses, found.cues)
         rest = float(np.fmin.reduce(expected[at:])) / float(expected[at])
         doubt = f"the cues disagree (p = {found.p[0]:.2g})" if found.p[0] < DISAGREE_P else ""
-        stop = WIDTH_REACHED if half_width <= self._wanted else NO_GAIN if rest > NARROWS else ""
+        narrow = max(half_width, self._state.half_width) <= self._wanted  # twice, as one cut may be so by chance
+        stop = WIDTH_REACHED if narrow else NO_GAIN if rest > NARROWS else ""
         return OnlineState(
             judged_at_n=judged_at_n,
             presses=presses,

@@ -99,10 +99,11 @@ def repeat_interval(
     labels = labels_side_by_side(calibration.labels, scores.shape[1], mountings)
     groups = by_mounting(presses, labels)
     share = share_of_mountings(groups)
-    variance, freedom, n = _noise(groups, own_noise)
+    mean = mean_of(scores)
+    means = np.append(calibration.mean_casr, mean[:, None], axis=1)
+    variance, freedom, n = _noise(groups, means, own_noise)
     serial = serial_of_mountings(groups)
     freedom = freedom * serial.share_of_freedom[:, None]
-    mean = mean_of(scores)
     eta = np.where(calibration.monotone, calibration.fit.eta(mean[:, None])[:, 0], np.nan)
     kappa = kappa_of(law, eta)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -110,7 +111,7 @@ def repeat_interval(
         gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
         of_presses = gradient**2 * variance / serial.effective_n
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
-        of_scores = gradient * np.append(calibration.mean_casr, mean[:, None], axis=1)
+        of_scores = gradient * means
         of_mountings = of_scores * np.sqrt(share)
         mounting = calibration.mounting
         mounting_step = of_mountings * mounting.sd[:, None]
@@ -172,10 +173,11 @@ def _chance(of_presses: Floats, freedom: Floats, weight: Floats, mounting: Mount
         return np.asarray(left**2 * np.sum(of_presses**2 / freedom, axis=1) + between)
 
 
-def _noise(groups: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
+def _noise(groups: Floats, means: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
     """Variance of a single press of a mounting, its degrees of freedom, and presses, each (d, S + 1).
 
-    groups : (d, S + 1, M, R) presses by mounting; the new specimen is last.
+    groups : (d, S + 1, M, R) presses by mounting, means : (d, S + 1); the new specimen is last. One whose presses do
+    not show their noise has that of the noisier of its two neighbours in score, or of all where those show none.
     """
     of_mounting, count = within(groups)
     inside = np.maximum(count - 1.0, 0.0)
@@ -188,7 +190,17 @@ def _noise(groups: Floats, own_noise: bool) -> tuple[Floats, Floats, Ints]:
         freedom = np.where(known, freedom, 0.0)
         total = np.sum(freedom, axis=1, keepdims=True)
         pooled = np.sum(np.where(known, freedom * variance, 0.0), axis=1, keepdims=True) / total
-    return np.where(known, variance, pooled), np.where(known, freedom, total), np.sum(count, axis=-1)
+    variance, freedom = np.where(known, variance, pooled), np.where(known, freedom, total)
+    away = means[:, :-1] - means[:, -1:]
+    sides = [np.where(known[:, :-1] & (side * away >= 0), side * away, np.inf) for side in (1, -1)]
+    nearest = np.stack([np.argmin(side, axis=1) for side in sides], axis=1)
+    there = np.stack([np.isfinite(side).any(axis=1) for side in sides], axis=1)
+    of_nearest = np.where(there, np.take_along_axis(variance, nearest, axis=1), -np.inf)
+    noisier = np.take_along_axis(nearest, np.argmax(of_nearest, axis=1, keepdims=True), axis=1)[:, 0]
+    borrowed, rows = there.any(axis=1) & ~known[:, -1], np.arange(len(groups))
+    variance[:, -1] = np.where(borrowed, variance[rows, noisier], variance[:, -1])
+    freedom[:, -1] = np.where(borrowed, freedom[rows, noisier], freedom[:, -1])
+    return variance, freedom, np.sum(count, axis=-1)
 
 
 def _end(law: Law, eta: Floats) -> Floats:

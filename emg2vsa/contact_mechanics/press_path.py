@@ -122,7 +122,7 @@ class PressPaths:
 
 def simulate_presses(
     contacts: Sequence[PowerLaw],
-    relaxation: Relaxation,
+    relaxation: Relaxation | Sequence[Relaxation],
     drive: Drive,
     steps: Sequence[StiffnessSteps] = (),
     *,
@@ -132,7 +132,7 @@ def simulate_presses(
     step_s: float = 1e-3,
     longest_s: float = 5.0,
 ) -> PressPaths:
-    """One press on each of the ``contacts`` (P,), springs with the ``steps`` (P,) of each.
+    """One press on each of the ``contacts`` (P,), springs with the ``steps`` (P,) of each; one ``relaxation``, or (P,).
 
     Time goes in steps of ``step_s``, each exact for a force that grows evenly within it. DataError where springs have
     no steps, or a press does not come to ``f_max_n`` within ``longest_s``.
@@ -165,7 +165,7 @@ class _Presses:
     def __init__(
         self,
         contacts: Sequence[PowerLaw],
-        relaxation: Relaxation,
+        relaxation: Relaxation | Sequence[Relaxation],
         drive: Drive,
         steps: Sequence[StiffnessSteps],
         tilt: Tilt,

@@ -130,10 +130,18 @@ class ConvolvedForce(Generic[Number]):
     Elastic bodies have alpha 0 and beta 1, so F_c is F to the last bit.
     """
 
-    def __init__(self, relaxation: Relaxation, zero: Number) -> None:
-        self._instant, self._branches, self._taus_s = relaxation.instant, relaxation.branches, relaxation.taus_s
+    def __init__(self, relaxation: Relaxation | Sequence[Relaxation], zero: Number) -> None:
+        """``relaxation`` : of the bodies of all contacts, or one of each contact."""
+        of_each = [relaxation] if isinstance(relaxation, Relaxation) else relaxation
+        self._taus_s = tuple(sorted({tau for each in of_each for tau in each.taus_s}))
+        by_tau = [dict(zip(each.taus_s, each.branches, strict=True)) for each in of_each]
         self._zero: Number = zero
-        self._step_s, self._weights = -1.0, [(1.0, 0.0, 0.0)] * len(self._branches)
+        self._instant: Number = _of_contacts(zero, [each.instant for each in of_each])
+        self._branches: list[Number] = [
+            _of_contacts(zero, [each.get(tau, 0.0) for each in by_tau]) for tau in self._taus_s
+        ]
+        self._step_s = -1.0
+        self._weights: list[tuple[float, Number, Number]] = []
         self.reset()
 
     def reset(self) -> None:
@@ -149,13 +157,13 @@ class ConvolvedForce(Generic[Number]):
             total = total + z
         return total
 
-    def alpha_beta(self, step_s: float) -> tuple[Number, float]:
+    def alpha_beta(self, step_s: float) -> tuple[Number, Number]:
         """F_c = alpha + beta F, that long from now, where F grows evenly from the present force to F."""
         self._weigh(step_s)
         alpha, beta, old_n = self._zero, self._instant, self.force_n
         for z, (left, from_old, from_new) in zip(self._states, self._weights, strict=True):
             alpha = alpha + (left * z + from_old * old_n)
-            beta += from_new
+            beta = beta + from_new
         return alpha, beta
 
     def advance(self, step_s: float, force_n: Number) -> Number:
@@ -186,6 +194,14 @@ class ConvolvedForce(Generic[Number]):
             mean = gone / share if share > 0 else 1.0
             weights.append((1 - gone, branch * (mean - (1 - gone)), branch * (1 - mean)))
         self._step_s, self._weights = step_s, weights
+
+
+def _of_contacts(zero: Number, values: list[float]) -> Number:
+    """One value for all, or those of each contact, in the form of ``zero``."""
+    if isinstance(zero, float):
+        (value,) = values
+        return value
+    return np.asarray(zero + np.array(values), dtype=np.float64)
 
 
 def convolved_force_n(relaxation: Relaxation, time_s: Floats, force_n: Floats) -> Floats:

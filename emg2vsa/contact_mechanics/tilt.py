@@ -7,6 +7,7 @@ Both bodies are incompressible, so a contact resists a sideways way with 2/3 of 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Generic
 
 import numpy as np
@@ -39,7 +40,7 @@ class Shear(Generic[Number]):
 
     def __init__(
         self,
-        relaxation: Relaxation,
+        relaxation: Relaxation | Sequence[Relaxation],
         zero: Number,
         *,
         friction: float,

@@ -18,6 +18,7 @@ from emg2vsa.companions.pairs import PairTests, pair_tests
 from emg2vsa.discrimination.algorithms import AlgorithmComparison, compare_algorithms
 from emg2vsa.discrimination.area import AreaByAngle, AreaBySpecimen, area_by_angle, area_by_specimen
 from emg2vsa.discrimination.conditions import ConditionComparison, compare_conditions
+from emg2vsa.discrimination.contrast import Contrast, contrasts
 from emg2vsa.discrimination.factors import Factors, factors_of
 from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
 from emg2vsa.errors import DataError
@@ -137,7 +138,10 @@ def _largest(p: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Discrimination:
-    """Everything that is tested of the runs; ``notes`` say what could not be."""
+    """Everything that is tested of the runs; ``notes`` say what could not be.
+
+    schedule_of : specimen to the one whose schedule pressed it, where that is another.
+    """
 
     settings: DiscriminationSettings
     table: RunTable
@@ -147,6 +151,8 @@ class Discrimination:
     new: NewSpecimen | None
     algorithms: AlgorithmComparison
     conditions: ConditionComparison
+    contrasts: tuple[Contrast, ...]
+    schedule_of: dict[str, str]
     factors: Factors
     notes: tuple[str, ...]
 
@@ -176,12 +182,14 @@ def discriminate(
     settings: DiscriminationSettings | None = None,
     *,
     mounting_sd: float = 0.0,
+    schedule_of: Mapping[str, str] | None = None,
 ) -> Discrimination:
     """Test ``runs``, one a specimen, angle and condition.
 
     stiffness_n_per_mm : of every specimen, the new one included; only its order is used. new_specimen : the one whose
     stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed. mounting_sd :
-    standard deviation of a score from one mounting to the next, as a share of it, see ``compare_conditions``.
+    standard deviation of a score from one mounting to the next, as a share of it, see ``compare_conditions`` and
+    ``contrasts``. schedule_of : as in ``Discrimination``.
     DataError as ``run_table``, and where fewer than two known specimens were pressed.
     """
     settings = settings or DiscriminationSettings()
@@ -196,6 +204,8 @@ def discriminate(
         new=_beside_neighbours(table, settings),
         algorithms=compare_algorithms(table, settings),
         conditions=compare_conditions(table, settings, mounting_sd),
+        contrasts=contrasts(table, settings.alpha, mounting_sd),
+        schedule_of=dict(schedule_of or {}),
         factors=factors_of(table, settings),
         notes=_notes(table, new_specimen, settings),
     )

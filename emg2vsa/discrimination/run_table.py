@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from emg2vsa.arrays import Floats
+from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
 from emg2vsa.runs import RunScores
 from emg2vsa.stats.clusters import in_order
@@ -24,7 +24,7 @@ class RunTable:
     conditions, angles_deg : (D,), condition by condition and angle by angle. specimens, stiffness_n_per_mm : (S,).
     new : place of the new specimen, -1 where it was not pressed. algorithm : the one whose scores are tested.
     a_c0, start_area, casr : algorithm to (D, S, R), as in ``RunScores``; NaN where there is no score.
-    true_a_c0 : (D, S, R), mm2, NaN unless simulated.
+    true_a_c0 : (D, S, R), mm2, NaN unless simulated. mounting : (D, S, R) number of the mounting, from 1; 0: no press.
     """
 
     conditions: tuple[str, ...]
@@ -38,6 +38,7 @@ class RunTable:
     start_area: dict[str, Floats]
     casr: dict[str, Floats]
     true_a_c0: Floats
+    mounting: Ints
 
     @property
     def known(self) -> list[int]:
@@ -84,6 +85,9 @@ def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]
             table[place][: run.repetitions.size] = _accepted(run, found)
         return table
 
+    mounting = np.zeros(shape, dtype=np.int64)
+    for run, place in zip(runs, places, strict=True):
+        mounting[place][: run.repetitions.size] = run.mounting
     return RunTable(
         conditions=tuple(condition for condition, _ in designs),
         angles_deg=np.array([angle for _, angle in designs]),
@@ -96,6 +100,7 @@ def run_table(runs: Sequence[RunScores], stiffness_n_per_mm: Mapping[str, float]
         start_area={name: sorted_in([run.start_area.get(name) for run in runs]) for name in algorithms},
         casr={name: sorted_in([run.casr.get(name) for run in runs]) for name in algorithms},
         true_a_c0=sorted_in([run.true_a_c0 if run.area_unit == "mm2" else None for run in runs]),
+        mounting=mounting,
     )
 
 

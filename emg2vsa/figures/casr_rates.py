@@ -1,7 +1,7 @@
 """The contact area spread rate.
 
-Figures 10, 12 and 13: contact area against force with a power law, and box plots of the rates, row by row. Figure 14:
-rates by specimen at each angle, pressed rigidly and as people do.
+Figures 10, 12 and 13: dA/dF from frame to frame against force with its fit, and box plots of the rates of the presses,
+row by row. Figure 14: rates by specimen at each angle, pressed rigidly and as people do.
 """
 
 from __future__ import annotations
@@ -15,23 +15,46 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from casr.spread.power_law import fit_power_law
+from casr.spread.rate import MIN_STEP_N
 from emg2vsa.arrays import Floats
 from emg2vsa.figures.boxes import draw_box
-from emg2vsa.figures.canvas import panel_grid, show_zero
+from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import INK, Look
 
-_MARKS = 90
+_MARKS = 120
+_SHARE_SHOWN = 0.98
 
 
 @dataclass(frozen=True)
 class RateSeries:
-    """One specimen of a row. force_n, area : (M,) frames of all presses. casr : (n,) of the presses."""
+    """One specimen of a row. presses : forces (T,) and areas (T,) of the frames of each. casr : (n,) of the presses."""
 
     name: str
     look: Look
-    force_n: Floats
-    area: Floats
+    presses: Sequence[tuple[Floats, Floats]]
     casr: Floats
+
+    @property
+    def quotients(self) -> tuple[Floats, Floats]:
+        """(M,) forces midway and dA/dF from each frame of a press to the next, but for steps of nearly no force."""
+        force_n, rate = [np.empty(0)], [np.empty(0)]
+        for force, area in self.presses:
+            step = np.diff(force)
+            known = np.abs(step) >= MIN_STEP_N
+            force_n.append((force[:-1] + force[1:])[known] / 2)
+            rate.append(np.diff(area)[known] / step[known])
+        return np.concatenate(force_n), np.concatenate(rate)
+
+    @property
+    def fit(self) -> tuple[Floats, Floats]:
+        """(50,) forces and dA/dF of the power law A = c F^m through the areas; (0,) where they have one force."""
+        force_n, area = (np.concatenate([np.empty(0), *(press[part] for press in self.presses)]) for part in (0, 1))
+        known = (force_n > 0) & (area > 0)
+        force_n, area = force_n[known], area[known]
+        if not force_n.size or np.ptp(force_n) == 0:
+            return np.empty(0), np.empty(0)
+        at, law = np.linspace(force_n.min(), force_n.max(), 50), fit_power_law(area, force_n).law
+        return at, law.exponent * law.area(at) / at
 
 
 def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> Figure:
@@ -42,13 +65,14 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
             _raw(raw, series)
         for place, series in enumerate(specimens):
             draw_box(boxes, place, series.casr, series.look)
-        raw.set(ylabel=f"Contact area ({unit})", xlim=(0, None))
-        show_zero(raw, np.concatenate([s.area for s in specimens]) if specimens else [])
+        raw.set(ylabel=f"dA/dF ({unit}/N)", xlim=(0, None))
+        _keep_most(raw, [series.quotients[1] for series in specimens])
         boxes.set_xticks(range(len(specimens)), [series.name for series in specimens])
         boxes.set(xlim=(-0.6, len(specimens) - 0.4), ylabel=f"CASR ({unit}/N)")
         boxes.grid(axis="x", visible=False)
         raw.set_title(title, loc="center")
     panels[-1][0].set_xlabel("Force (N)")
+    _one_scale([boxes for _, boxes in panels])
     named = {series.name: series.look for _, specimens in rows for series in specimens}
     for name, look in named.items():
         panels[0][0].plot(
@@ -59,26 +83,35 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
     return figure
 
 
-def curve_of(series: RateSeries) -> tuple[Floats, Floats]:
-    """(50,) forces and areas of the power law through the frames of all presses; (0,) where they have one force."""
-    known = (series.force_n > 0) & (series.area > 0)
-    force_n, area = series.force_n[known], series.area[known]
-    if not force_n.size or np.ptp(force_n) == 0:
-        return np.empty(0), np.empty(0)
-    at = np.linspace(force_n.min(), force_n.max(), 50)
-    return at, fit_power_law(area, force_n).law.area(at)
+def _one_scale(column: Sequence[Axes]) -> None:
+    low, high = np.transpose([axes.get_ylim() for axes in column])
+    for axes in column:
+        axes.set_ylim(low.min(), high.max())
+
+
+def _keep_most(axes: Axes, rates: Sequence[Floats]) -> None:
+    """A quotient of two small differences may be anything: the scale leaves the furthest of them out, and says so."""
+    together = np.concatenate([np.zeros(1), *rates])
+    far = (1 - _SHARE_SHOWN) / 2
+    low, high = np.quantile(together, (far, 1 - far))
+    room = 0.08 * (high - low) or 1.0
+    low, high = min(low - room, 0.0) if low < 0 else 0.0, high + room
+    axes.set_ylim(low, high)
+    if outside := int(np.count_nonzero((together < low) | (together > high))):
+        axes.text(0.99, 0.97, f"{outside} beyond", transform=axes.transAxes, ha="right", va="top", fontsize=7)
 
 
 def _raw(axes: Axes, series: RateSeries) -> None:
-    if not series.force_n.size:
+    force_n, rate = series.quotients
+    if not force_n.size:
         return
     # a step prime to the frames of a press shows all presses and all forces alike
-    every = max(1, series.force_n.size // _MARKS) | 1
+    every = max(1, force_n.size // _MARKS) | 1
     axes.plot(
-        series.force_n[::every], series.area[::every], linestyle="none", marker=series.look.marker, markersize=2.5,
+        force_n[::every], rate[::every], linestyle="none", marker=series.look.marker, markersize=2.5,
         color=series.look.colour, alpha=0.55, markeredgewidth=0,
     )  # fmt: skip
-    axes.plot(*curve_of(series), color=series.look.colour, linestyle=series.look.dash)
+    axes.plot(*series.fit, color=series.look.colour, linestyle=series.look.dash)
 
 
 _ASIDE = 0.21

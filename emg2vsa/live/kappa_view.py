@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
-
 from emg2vsa.errors import RecordingError
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaRow, rows_of
 

@@ -14,6 +14,7 @@ from emg2vsa.run_folders.find import RUNS_TABLE, find_runs, left_by_emulator, le
 from emg2vsa.study import RecordingEntry, RunEntry, RunsSource, Study
 
 if TYPE_CHECKING:
+    from emg2vsa.rig.experiment import Run
     from emg2vsa.rig_file import RigFile
 
 
@@ -48,8 +49,14 @@ class Campaign:
 
     @cached_property
     def runs(self) -> dict[str, RunEntry]:
-        """``specimen_angle_condition`` to the run."""
+        """``specimen_angle_condition`` to the run, with all its mountings."""
         return {entry.key: entry for entry in self.study.runs}
+
+    @cached_property
+    def mountings(self) -> dict[str, Run]:
+        """Name of its folder to what the emulated rig is to press there, in the order of the experiment; empty for
+        measured runs."""
+        return {} if self.rig is None else {run.name: run for run in self.rig.experiment.ordered_runs()}
 
 
 def campaign(study: Study) -> Campaign:
@@ -67,7 +74,7 @@ def campaign(study: Study) -> Campaign:
         return _measured(study, source)
     # a study without a rig does not wait for all that a rig file loads
     rig: RigFile = importlib.import_module("emg2vsa.rig_file").load_rig(source.rig)
-    unknown = sorted({specimen for specimen, _, _ in rig.experiment.all_runs()} - set(study.pressed_n_per_mm))
+    unknown = sorted({run.specimen for run in rig.experiment.all_runs()} - set(study.pressed_n_per_mm))
     if unknown:
         raise DataError(
             f"{source.rig}, experiment.specimens",
@@ -80,8 +87,14 @@ def campaign(study: Study) -> Campaign:
         f"{study.path.parent / 'runs'} holds {len(left)} run{'s' if len(left) != 1 else ''} that the emulated rig of "
         f"version 0.1.0 made. Move them away from measured ones: emg2vsa clean {study.path} --move-virtual",
     )
-    runs = tuple(RunEntry(*run, ()) for run in rig.experiment.all_runs())
-    return Campaign(replace(study, runs=runs), rig, notes if left else ())
+    runs: dict[tuple[str, float, str], list[Path]] = {}
+    for run in rig.experiment.all_runs():
+        runs.setdefault(run[:3], []).append(source.root / run.name)
+    return Campaign(
+        replace(study, runs=tuple(RunEntry(*cell, tuple(folders)) for cell, folders in runs.items())),
+        rig,
+        notes if left else (),
+    )
 
 
 def left_virtual_runs(study: Study) -> tuple[Path, ...]:

@@ -182,7 +182,7 @@ class Board:
                 known[one.id] = one.result
             elif one.status in REFUSED:
                 known[one.id] = f"failed {digest(self._portable(one.message))}"
-                blocked = one.id if other == item and own.per != "study" else blocked
+                blocked = one.id if own.per == "run" or (other == item and own.per != "study") else blocked
             else:
                 unknown.append(one.id)
         reads: dict[str, FileState | None] = {}

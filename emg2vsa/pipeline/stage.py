@@ -1,6 +1,7 @@
 """What a stage is: each file of ``emg2vsa.pipeline.stages`` declares one as ``STAGE``; nothing else says what it is.
 
-A step is a stage for one item: one recording, one run of the rig, one participant, or the whole study. ``run`` gets
+A step is a stage for one item: one recording, one run of the rig, one of its mountings, one participant, or the whole
+study. ``run`` gets
 what the declaration names and nothing else, so that everything a result depends on is part of the step's key.
 """
 
@@ -83,7 +84,7 @@ class Stage:
     alone : up to so many steps run in the calling process, as starting workers would take longer.
     """
 
-    per: Literal["recording", "run", "participant", "study"]
+    per: Literal["recording", "run", "mounting", "participant", "study"]
     of: Part
     run: Callable[[Given], Any]
     needs: tuple[str, ...] = ()

@@ -19,6 +19,7 @@ ORDER = (
     "hypotheses",
     "profiles",
     "schedules",
+    "stiffness",
     "emulation",
     "runs",
     "discrimination",
@@ -85,6 +86,8 @@ def items(campaign: Campaign, name: str) -> tuple[str, ...]:
             return tuple(campaign.recordings)
         case "run":
             return tuple(campaign.runs)
+        case "mounting":
+            return tuple(campaign.mountings)
         case "participant":
             return tuple(campaign.cells)
         case _:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.calibration.results import CalibrationResults
+from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, usable
@@ -64,6 +65,7 @@ class StudyResults:
     study: Study
     people: People | None = None
     runs: Runs | None = None
+    stiffness: StiffnessEffect | None = None
     failures: tuple[Failure, ...] = ()
     provenance: dict[str, str] = field(default_factory=dict)
     "Versions and digests by name."

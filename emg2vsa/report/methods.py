@@ -14,14 +14,15 @@ from dataclasses import dataclass
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
-from emg2vsa.runs.score_run import score_settings
 from emg2vsa.settings import (
+    MEDOID,
     CalibrationSettings,
     CocontractionSettings,
     DiscriminationSettings,
     FilterSettings,
     FitSettings,
     HypothesisSettings,
+    RunSettings,
     WindowSettings,
 )
 from emg2vsa.study import Person, RecordingEntry, Study
@@ -308,9 +309,15 @@ def _pairs(h: HypothesisSettings) -> str:
     return f"Fisher's LSD without correction for the number of pairs, whose largest p{among} is reported"
 
 
+_WHOSE = {
+    None: "all participants",
+    MEDOID: "one participant, the medoid: the one whose schedules differ least, on average, from those of the others",
+}
+
+
 def _export(study: Study) -> Iterable[str]:
     profile, schedule = study.profile, study.schedule
-    whose = f"participant {profile.participant}" if profile.participant else "all participants"
+    whose = _WHOSE.get(profile.participant, f"participant {profile.participant}")
     yield f"A specimen's profile is the mean of the fits of {whose}."
     if profile.new_specimen:
         yield f"The profile of {profile.new_specimen} was interpolated {_INTERPOLATION[profile.interpolation]}."
@@ -322,14 +329,25 @@ def _export(study: Study) -> Iterable[str]:
     )
 
 
+_FRONT = (
+    "that within the contact front in every frame, found by comparing the motion of the pins with that of "
+    "finite-element contacts"
+)
 _AREA = {
-    "front": "the area within the contact front in every frame, found by comparing the motion of the pins with that "
-    "of finite-element contacts",
     "edge": "the ellipse at the fold of the pins' displacement field",
     "hexagon": "one hexagon for each pin that moved more than {threshold:g} px (Algorithm 1, pins matched one to one)",
     "circle": "the circle through the outermost pin (previous work)",
-    "paper": "one hexagon for each pin whose whole-pixel centroid moved more than {threshold:g} px (Algorithm 1)",
+    "paper": "one hexagon for each pin whose whole-pixel centroid moved more than {threshold:g} px (Algorithm 1, pins "
+    "matched one to one)",
 }
+_FORCE = {"exposure": "the force at their exposure", "mean": "the mean of the forces logged while each was the last"}
+_FLOW = {
+    "pin-affine": "the affine motion of the pins in contact",
+    "horn-schunck": "dense optical flow [@horn]",
+    "dis": "dense optical flow [@kroeger]",
+}
+_GROWTH = {"contact": "its divergence over the contact", "image": "its mean divergence over the whole image"}
+_AREA_LAW = {"ode": "the exponential of its sum", "paper": "equation (1) as printed, which multiplies its sum by force"}
 _RATE = {
     "power": "the mean slope of a power law A = k Fᵐ through area and force from {low:g} to {high:g} N",
     "slope": "the slope of the line through area and force",
@@ -360,13 +378,20 @@ def _pressed(runs: Sequence[RunScores]) -> str:
 
 
 def _scored(study: Study) -> str:
-    how = score_settings(study.scoring)
-    low, high = study.scoring.force_n
-    area = _AREA[study.scoring.algorithm].format(threshold=study.scoring.threshold_px)
-    rate = _RATE["paper" if study.scoring.algorithm == "paper" else how.rate_rule].format(low=low, high=high)
+    start_n, force = study.scoring.force_n[0], _FORCE[study.scoring.recipe.force_rule]
+    return f"Frames of the loading phase from {start_n:g} N were scored, with {force}. {_measured(study.scoring)}"
+
+
+def _measured(settings: RunSettings) -> str:
+    recipe = settings.recipe
+    low, high = settings.force_n
+    rate = _RATE[recipe.rate].format(low=low, high=high)
+    if settings.algorithm == "front":
+        return f"The area was {_FRONT}; CASR was {rate}."
     return (
-        f"Frames of the loading phase from {low:g} N were scored, with the force at their exposure. The initial area "
-        f"was {area}; its growth came from the affine motion of the pins in contact; CASR was {rate}."
+        f"The initial area was {_AREA[recipe.area_rule].format(threshold=settings.threshold_px)}; its growth came from "
+        f"{_FLOW[recipe.engine]}, as {_GROWTH[recipe.region]}; areas followed from it by {_AREA_LAW[recipe.law]}; CASR "
+        f"was {rate}."
     )
 
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
+KAPPA_N_PER_MM = {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}
+"""Stiffness of its specimens by plate indentation, stiffest first."""
+
 ANGLES_DEG = (0.0, 30.0, 45.0)
 AREA_SPECIMENS_P = {0.0: 0.51, 30.0: 0.74, 45.0: 0.61}
 """Kruskal-Wallis of A_c0 between specimens."""
@@ -30,3 +35,25 @@ WORST_ADJ_R2 = {"high-stiffness": 0.8963, "modular": 0.9753, "constant-max": 0.9
 """Of the exponential law, the worst over the angles of ``DESIGNS``."""
 CURVES = {0.0: (10.21, -1.567), 30.0: (14.76, -23.94), 45.0: (8.639, -58.67)}
 """kappa = p exp(q CASR) of the human-like condition: p in N/mm, q per unit of CASR, which is not printed."""
+
+
+def implied_casr(angle_deg: float, kappa_n_per_mm: float) -> float:
+    """CASR at which the paper's curve of this angle gives that stiffness, in the unit that is not printed."""
+    level, rate = CURVES[angle_deg]
+    return math.log(kappa_n_per_mm / level) / rate
+
+
+def implied_ratio(angle_deg: float) -> float:
+    """CASR of the softest specimen over that of the stiffest, as the curve of this angle implies them."""
+    stiffest, *_, softest = KAPPA_N_PER_MM.values()
+    return implied_casr(angle_deg, softest) / implied_casr(angle_deg, stiffest)
+
+
+def largest_ratio() -> float:
+    """The largest such ratio that contact mechanics allows: (kappa_stiffest / kappa_softest)^(2/3).
+
+    The contact of a dome grows as (F / E)^(2/3) (Hertz) with E of sensor and specimen in series, so that a rigid sensor
+    has the largest ratio; stiffness by plate indentation is proportional to E.
+    """
+    stiffest, *_, softest = KAPPA_N_PER_MM.values()
+    return math.cbrt(stiffest / softest) ** 2

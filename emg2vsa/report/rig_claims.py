@@ -1,7 +1,7 @@
 """What the paper claims in numbers of the rig's runs (section VI and Discussion), beside what this study finds.
 
-Every claim is judged by the quantities alone. "Here" is the paper's own test, and for κ its algorithms (circle: old,
-hexagon: new) with its exponential law; the companion is the study's own choice.
+Every claim is judged by the quantities alone. "Here" is the paper's own test, and for κ its algorithms (circle: old;
+paper: its hexagons and equations) with its exponential law; the companion is the study's own choice.
 """
 
 from __future__ import annotations
@@ -12,14 +12,18 @@ import numpy as np
 
 from emg2vsa.report import paper
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested
-from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, listed, p_text, percent, signed
+from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested, verdict_of_all
+from emg2vsa.report.verdicts import dunn_bounds
+from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, listed, number, p_text, percent, signed
 from emg2vsa.rig.force.moving_average import MovingAverage
 
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
-_OLD, _NEW = "circle", "hexagon"
+_OLD, _NEW = "circle", "paper"
+_HEXAGON = "the paper's hexagon"
 _CONSTANT = ("constant-min", "constant-mean", "constant-max")
 _NOT_PRESSED = "No run of this condition and angle was scored."
+_POWERLESS = "This test cannot reach significance for neighbours."
+_PARTLY = "Not every angle was tested."
 _UNTESTED: Verdict = "cannot be tested here"
 
 
@@ -117,7 +121,60 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
             why=not_tested(missing) if known else _NOT_PRESSED,
         )
+    yield _order(results, q, 10, _RIGID, "the rigid motor")
+    yield _order(results, q, 12, _HUMAN_LIKE, "human-like stiffness")
     yield from _new_specimen(results, q, alpha)
+    yield _discriminated(results, q)
+
+
+def _order(results: StudyResults, q: Quantities, figure: int, condition: str, says: str) -> Claim:
+    """Figs 10 and 12: the softer the larger, the new specimen in its place."""
+    designs = [design for design in paper.CASR_WORST_P if design[0] == condition]
+    names = [f"runs.{condition}.{angle:g}" for _, angle in designs]
+    found = [(q.get(f"{name}.casr.rises"), q.get(f"{name}.new.between")) for name in names]
+    known = [each for each in found if None not in each]
+    right, missing = sum(all(each) for each in known), _missing(results, designs)
+    new = results.study.profile.new_specimen or "the new specimen"
+    return Claim(
+        f"fig{figure}_order",
+        f"CASR rises with softness, {new} in its place, with {says} (Fig. {figure})",
+        f"{len(designs)} of {len(designs)} angles",
+        f"{right} of {len(known)} angles" if known else "not tested",
+        right if known else np.nan,
+        verdict_of_all(refuted=right < len(known), complete=len(known) == len(designs) and not missing),
+        why=(not_tested(missing) or _PARTLY * (len(known) < len(designs))) if known else _NOT_PRESSED,
+    )
+
+
+def _discriminated(results: StudyResults, q: Quantities) -> Claim:
+    """Fig. 13: at the mean and the highest level the new specimen is told from both neighbours."""
+    designs = [(condition, 0.0) for condition in paper.ERROR_CONSTANT]
+    alpha = results.study.discrimination.alpha
+    p = {
+        test: _of(q, [f"runs.{c}.0.new.{side}_{test}" for c, _ in designs for side in ("stiffer", "softer")])
+        for test in ("mean_rank_p", "p")
+    }
+    worst, known = _largest(p["mean_rank_p"]), bool(np.isfinite(p["mean_rank_p"]).all())
+    powerless = known and worst >= alpha and _neighbours_bound(results) >= alpha
+    new = results.study.profile.new_specimen or "the new specimen"
+    return Claim(
+        "fig13_new_specimen",
+        f"at the mean and the highest stiffness, {new} is told from its neighbours (Dunn, Fig. 13)",
+        "told apart",
+        p_text(worst) if known else "not tested",
+        worst,
+        _verdict(known and not powerless, worst < alpha),
+        companion=f"Mann-Whitney: {p_text(_largest(p['p']))}" if np.isfinite(p["p"]).all() else "",
+        why=_POWERLESS if powerless else "" if known else _NOT_PRESSED,
+    )
+
+
+def _neighbours_bound(results: StudyResults) -> float:
+    """The least p that the paper's test can give neighbours among all specimens; NaN where their presses differ."""
+    assert results.pressed.discrimination is not None
+    table = results.pressed.discrimination.table
+    bounds = dunn_bounds(np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0])
+    return bounds[1] if bounds else np.nan
 
 
 def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterator[Claim]:
@@ -127,13 +184,13 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
     new = results.study.profile.new_specimen or "the new specimen"
     yield Claim(
         "new_specimen_at_minimum",
-        f"at the lowest constant stiffness, {new} is not told from its stiffer neighbour (Dunn)",
+        f"at the lowest stiffness, {new} is not told from its stiffer neighbour (Dunn, Fig. 13)",
         f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
         p_text(dunn) if known else "not tested",
         dunn,
         _verdict(known, dunn >= alpha),
         companion=f"Mann-Whitney: {p_text(exact)}" if known else "",
-        why="This test cannot reach significance for neighbours." if known else _NOT_PRESSED,
+        why=(_POWERLESS if _neighbours_bound(results) >= alpha else "") if known else _NOT_PRESSED,
     )
 
 
@@ -151,15 +208,20 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         errors = list(printed.values()) if printed else list(paper.ERROR_CONSTANT.values())
         yield _fit(q, key, what, designs, conditions, own, _missing(results, designs))
         yield _error(q, key, what, designs, errors, own)
-    curves = "; ".join(f"{level:g} exp({rate:g} x)" for level, rate in paper.CURVES.values())
-    yield Claim(
+    yield _curves()
+
+
+def _curves() -> Claim:
+    """The unit of CASR cancels in the ratio of two specimens, which contact mechanics bounds."""
+    implied, bound = [paper.implied_ratio(angle) for angle in paper.CURVES], paper.largest_ratio()
+    return Claim(
         "kappa_curves",
         "one exponential curve for each angle gives κ of CASR",
-        curves,
-        "no number",
-        np.nan,
-        _UNTESTED,
-        why="The paper prints no unit of CASR.",
+        "; ".join(f"{level:g} exp({rate:g} x)" for level, rate in paper.CURVES.values()),
+        f"S5 : S1 of {', '.join(number(ratio, 2) for ratio in implied)} implied",
+        max(implied),
+        _verdict(True, max(implied) <= bound),
+        why=f"Contact mechanics allows a ratio of {number(bound, 2)} at most.",
     )
 
 
@@ -188,7 +250,7 @@ def _fit(
         companion=f"by {own}: {bounded(float(companion.min()))}" if np.isfinite(companion).all() else "",
         why=(not_tested(missing) or _undetermined(q, designs))
         if known
-        else f"No law could be fitted to the scores by {_NEW} in every design.",
+        else f"No law could be fitted to the scores by {_HEXAGON} in every design.",
     )
 
 
@@ -197,27 +259,28 @@ def _error(
 ) -> Claim:
     here = _of(q, [f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.error" for c, angle in designs])
     mine = _of(q, [f"runs.{c}.{angle:g}.{own}.kappa.error" for c, angle in designs])
-    known = bool(np.isfinite(here).all())
+    known, undetermined = bool(np.isfinite(here).all()), _undetermined(q, designs)
+    small = bool((np.abs(here) < np.array(printed) + _ROUNDED).all())
     return Claim(
         f"kappa_error_{key}",
         f"the error of κ is small with {what}",
         ", ".join(percent(error, 2) for error in printed),
         ", ".join(signed(100 * error, "%") for error in here) if known else "not defined",
         float(np.abs(here).max()),
-        _verdict(known, bool((np.abs(here) < np.array(printed) + _ROUNDED).all())),
+        _verdict(known and not (small and undetermined), small),
         companion=f"by {own}: {', '.join(signed(100 * error, '%') for error in mine)}"
         if np.isfinite(mine).all()
         else "",
-        why=_undetermined(q, designs) if known else "κ of the new specimen is not known, or the scores determine none.",
+        why=undetermined if known else "κ of the new specimen is not known, or the scores determine none.",
     )
 
 
 def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
     """Says so where the intervals of κ are wider than the range of the known stiffnesses: agreement may be chance."""
-    found = [bool(q.get(f"runs.{c}.{angle:g}.{_NEW}.kappa.determined", True)) for c, angle in designs]
+    found = [bool(q.get(f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.determined", True)) for c, angle in designs]
     if all(found):
         return ""
-    return f"By its interval, κ is not determined in {found.count(False)} of {len(found)} designs."
+    return f"Not determined in {found.count(False)} of {len(found)} designs."
 
 
 _ROUNDED = 0.005
@@ -228,11 +291,11 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """The Discussion: by how many percentage points each step makes the error of κ smaller."""
     own = results.study.scoring.algorithm
     steps = (
-        ("vision", "the new vision algorithm reduces the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
+        ("vision", "hexagons in place of the circle cut the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
          "18 and 15 points"),
-        ("human_like", "human-like stiffness reduces it further", (_RIGID, _NEW), (_HUMAN_LIKE, _NEW), (30.0, 45.0),
+        ("human_like", "human-like stiffness cuts it further", (_RIGID, _NEW), (_HUMAN_LIKE, _NEW), (30.0, 45.0),
          "4 and 9 points"),
-        ("both", "both together reduce it", (_RIGID, _OLD), (_HUMAN_LIKE, _NEW), (0.0, 30.0, 45.0),
+        ("both", "both together cut it", (_RIGID, _OLD), (_HUMAN_LIKE, _NEW), (0.0, 30.0, 45.0),
          f"3 (50{NO_BREAK}%), 22 and 24 points"),
     )  # fmt: skip
     for key, says, before, after, angles, printed in steps:
@@ -250,15 +313,11 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             float(here.min()),
             _verdict(known, bool((here > 0).all())),
             companion=f"by {own}: {_points(mine)}" if np.isfinite(mine).all() else "",
-            why=_same_world(q, key) if known else "κ of the new specimen is not known, or the scores determine none.",
+            why=_undetermined(q, [(c, angle) for c in {before[0], after[0]} for angle in angles])
+            if known
+            else "κ of the new specimen is not known, or the scores determine none.",
         )
     yield _levels(q)
-
-
-def _same_world(q: Quantities, key: str) -> str:
-    if key != "human_like" or not q.get("runs.simulated"):
-        return ""
-    return "In this world, area follows from force alone."
 
 
 def _reduction(

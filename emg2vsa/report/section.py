@@ -160,6 +160,7 @@ _TEMPLATES.filters |= {
     "bounded": wording.bounded,
     "p": wording.p_text,
     "percent": wording.percent,
+    "signed": wording.signed,
     "count": wording.count,
     "listed": wording.listed,
     "bullets": _bullets,

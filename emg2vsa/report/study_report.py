@@ -18,7 +18,7 @@ from emg2vsa.report.latex import latex_table
 from emg2vsa.report.numbers import numbers_tex, results_json, statements_tex
 from emg2vsa.report.section import Content, Section, rendered
 from emg2vsa.report.sections import SECTIONS
-from emg2vsa.report.sections.claims import claim_quantities, claims_table
+from emg2vsa.report.sections.claims import claim_quantities, claims_tables
 from emg2vsa.report.sections.methods import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
@@ -59,7 +59,7 @@ def contents(results: StudyResults) -> Content:
     claims = {section.name: list(section.claims(results, content.quantities)) for section in sections}
     content.quantities = dict(sorted((content.quantities | dict(claim_quantities(claims))).items()))
     if any(claims.values()):
-        content.tables["claims"] = claims_table(claims)
+        content.tables |= {table.name: table for table in claims_tables(claims)}
     for section in sections:
         _add(content.tables, {table.name: table for table in section.tables(results, content.quantities)}, section)
         _add(content.drawings, _drawn(section, results), section)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from emg2vsa.figures.activity_scale import ActivityScale
+from emg2vsa.settings import RunSettings
 
 UNDEFINED = "–"
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -95,3 +96,20 @@ def p_value(p: float) -> str:
 def exact_p(p: float) -> str:
     """A p of the paper, as it prints them: four decimals, two digits below .0001."""
     return bounded(p, 4) if p >= 1e-4 or p != p else number(p, 2)
+
+
+_FLOW = {"pin-affine": "flow of the pins", "horn-schunck": "dense Horn–Schunck flow", "dis": "dense DIS flow"}
+_FORCE = {"exposure": "force at exposure", "mean": "mean force per frame"}
+_LAW = {"ode": "area by the exponential of growth", "paper": "area by equation (1) as printed"}
+_RATE = {"power": "CASR by a power law", "slope": "CASR by a slope", "paper": "CASR by equation (2) as printed"}
+
+
+def scored_by(settings: RunSettings) -> str:
+    """The algorithm that scored the presses and its steps, for captions."""
+    recipe = settings.recipe
+    measured = [_FORCE[recipe.force_rule], _RATE[recipe.rate]]
+    if settings.algorithm != "front":
+        over = "the contact" if recipe.region == "contact" else "the whole image"
+        flow = f"{_FLOW[recipe.engine]} over {over}"
+        measured = [f"initial area by rule {recipe.area_rule}", flow, measured[0], _LAW[recipe.law], measured[1]]
+    return f"algorithm {settings.algorithm}: {', '.join(measured)}"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from emg2vsa.errors import ScheduleError
+from emg2vsa.random_order import random_numbers, shuffled
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
-from emg2vsa.settings import Ge, Gt, MinLen
+from emg2vsa.settings import Ge, Gt, Le, MinLen
 
 if TYPE_CHECKING:
     from emg2vsa.schedules import Schedule
@@ -27,6 +28,20 @@ def _paper_angles() -> dict[Condition, Angles]:
     }
 
 
+class Run(NamedTuple):
+    """One run: a specimen at an angle, in degrees, under a condition; ``mounting`` counts from 1."""
+
+    specimen: str
+    angle_deg: float
+    condition: Condition
+    mounting: int = 1
+
+    @property
+    def name(self) -> str:
+        """Of the run and of its folder."""
+        return run_name(*self)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ExperimentSettings:
     """What is pressed, and how."""
@@ -37,6 +52,17 @@ class ExperimentSettings:
     "Angles between probe and surface normal for each condition run; omitted: the paper's runs, rigid motor included."
     repetitions: Annotated[int, Ge(1)] = 10
     "Presses of each run."
+    mountings: Annotated[int, Ge(1), Le(99)] = 1
+    """How often each specimen is mounted anew at each angle under each condition. Each mounting is a run of its own:
+    presses of one mounting share its errors, so that only several mountings tell an effect from them."""
+    schedule_of: dict[str, str] = field(default_factory=dict)
+    """Specimen to the specimen whose schedules press it, where these are not its own: swapped, or one for all. This is
+    the control that tells what stiffness does from what a schedule knows of its specimen (docs/how-to/controls.md)."""
+    order: Literal["random", "listed"] = "random"
+    """Order of the runs: random, so that what drifts falls on all of them alike; or listed: the first mounting of all,
+    then the second, and within it by condition, angle and specimen as they stand here."""
+    seed: Annotated[int, Ge(0)] = 0
+    "Of the random order: the same seed and the same runs give the same order for ever."
     f_max_n: Annotated[float, Gt(0)] = 7.0
     "The press turns back here."
     f_contact_n: Annotated[float, Gt(0)] = 0.5
@@ -53,14 +79,20 @@ class ExperimentSettings:
     """Specimen to its stiffness by plate indentation, N/mm: it tells the largest force to expect, and how deep a press
     may go. Of a specimen not named here that of [emulated] is taken."""
 
-    def all_runs(self) -> tuple[tuple[str, float, Condition], ...]:
-        """Specimen, angle in degrees and condition of every run, in their order."""
+    def all_runs(self) -> tuple[Run, ...]:
+        """Every run, as listed: the first mounting of all, then the second."""
         return tuple(
-            (specimen, angle_deg, condition)
+            Run(specimen, angle_deg, condition, mounting)
+            for mounting in range(1, self.mountings + 1)
             for condition, angles in self.angles_deg.items()
             for angle_deg in angles
             for specimen in self.specimens
         )
+
+    def ordered_runs(self) -> tuple[Run, ...]:
+        """Every run, in the order in which they are to be done."""
+        listed = self.all_runs()
+        return tuple(shuffled(listed, random_numbers(f"{self.seed}\nruns"))) if self.order == "random" else listed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,16 +129,14 @@ def plate_plan(plate: PlateSettings, experiment: ExperimentSettings, specimen: s
     )
 
 
-def run_name(specimen: str, angle_deg: float, condition: str) -> str:
-    """Name of a run and of its folder."""
-    return f"{specimen}_{angle_deg:g}_{condition}"
+def run_name(specimen: str, angle_deg: float, condition: str, mounting: int = 1) -> str:
+    """Name of a run and of its folder; that of the first mounting names no mounting."""
+    return f"{specimen}_{angle_deg:g}_{condition}" + (f"_mounting-{mounting}" if mounting > 1 else "")
 
 
 def plan_of(
     experiment: ExperimentSettings,
-    specimen: str,
-    angle_deg: float,
-    condition: Condition,
+    run: Run,
     schedules: Sequence[Schedule],
     emulated_n_per_mm: Mapping[str, float] | None = None,
 ) -> RunPlan:
@@ -115,22 +145,27 @@ def plan_of(
     ``emulated_n_per_mm`` : stiffness of specimens on the emulated bench, for those that the experiment does not name.
     """
     return RunPlan(
-        specimen=specimen,
-        angle_deg=angle_deg,
-        condition=condition,
+        specimen=run.specimen,
+        angle_deg=run.angle_deg,
+        condition=run.condition,
+        mounting=run.mounting,
+        schedule_from=experiment.schedule_of.get(run.specimen),
         repetitions=experiment.repetitions,
-        schedule=None if condition == RIGID else _found(schedules, specimen, condition),
+        schedule=None
+        if run.condition == RIGID
+        else schedule_for(schedules, experiment.schedule_of.get(run.specimen, run.specimen), run.condition),
         f_max_n=experiment.f_max_n,
         f_contact_n=experiment.f_contact_n,
         contact_s=experiment.contact_s,
         ramp_mm_per_s=experiment.ramp_mm_per_s,
         travel_mm=experiment.travel_mm,
         pause_s=experiment.pause_s,
-        stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(specimen),
+        stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(run.specimen),
     )
 
 
-def _found(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
+def schedule_for(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
+    """That of a specimen and condition. ScheduleError where there is none."""
     for schedule in schedules:
         if (schedule.specimen, schedule.condition) == (specimen, condition):
             return schedule

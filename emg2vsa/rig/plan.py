@@ -35,6 +35,10 @@ class RunPlan:
     "Between two repetitions."
     plate: bool = False
     "A flat plate presses, in place of the dome of the tactile sensor: for the specimen's own stiffness."
+    schedule_from: str | None = None
+    "Specimen whose schedule presses this one on purpose; None: its own."
+    mounting: int = 1
+    "Which of the times that the specimen was mounted for this run, from 1."
     order: int | None = None
     "Place of the run in the sequence of its experiment, from 1; None where it was asked for alone."
     stiffness_n_per_mm: float | None = None

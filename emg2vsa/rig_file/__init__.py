@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from emg2vsa.rig.device_settings import DeviceSettings
+from emg2vsa.rig.emulated.controls import controlled, counterparts
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig_file.checks import problems_across
 from emg2vsa.rig_file.tables import RigFile, RigTables
@@ -45,13 +46,17 @@ def _rig_file(path: Path, tables: RigTables) -> RigFile:
         force = replace(force, cal_file=str(beside(folder, force.cal_file)))
     schedules = tables.experiment.schedules
     experiment = {each.name: getattr(tables.experiment, each.name) for each in fields(ExperimentSettings)}
+    settings, emulated = ExperimentSettings(**experiment), tables.emulated and controlled(tables.emulated)
+    if emulated and emulated.control == "N3":
+        swapped = counterparts(settings.specimens, emulated.stiffness_n_per_mm)
+        settings = replace(settings, schedule_of=swapped)
     return RigFile(
         path=path,
         rig=tables.rig,
         devices=DeviceSettings(actuator=tables.actuator, motor=tables.motor, force=force, camera=tables.camera),
-        experiment=ExperimentSettings(**experiment),
+        experiment=settings,
         schedules=beside(folder, schedules) if schedules else reports_beside(folder, folder.name) / "schedules",
         runs=beside(folder, tables.experiment.runs),
-        emulated=tables.emulated,
+        emulated=emulated,
         plate=tables.plate,
     )

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
+from emg2vsa.rig.emulated.controls import contradictions
 from emg2vsa.rig.emulated.settings import VISCOELASTIC_KEYS, EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
@@ -37,9 +38,10 @@ def problems_across(tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterat
                 yield from _plate(plate, rig)
         if camera := tables.get("camera"):
             yield from _frames(experiment, camera)
-        yield from _stiffness(experiment)
+        yield from _of_specimens(experiment)
         yield from _motor(experiment, raw)
         yield from _emulated(experiment, tables)
+        yield from _control(experiment, tables, raw)
     yield from _one_board_each(tables)
     if rig:
         yield from _watchdogs(tables, rig)
@@ -82,11 +84,12 @@ def _watchdogs(tables: Mapping[str, Any], rig: RigSettings) -> Iterator[Problem]
             yield Problem(("rig", "guards", "motors_every_s"), wanted, f"{rig.guards.motors_every_s:g}")
 
 
-def _stiffness(experiment: ExperimentSettings) -> Iterator[Problem]:
-    for name in experiment.stiffness_n_per_mm:
-        if name not in experiment.specimens:
-            do = nearest(name, experiment.specimens)
-            yield Problem(("experiment", "stiffness_n_per_mm", name), "a specimen of the experiment", shown(name), do)
+def _of_specimens(experiment: ExperimentSettings) -> Iterator[Problem]:
+    for key in ("stiffness_n_per_mm", "schedule_of"):
+        for name in getattr(experiment, key):
+            if name not in experiment.specimens:
+                do = nearest(name, experiment.specimens)
+                yield Problem(("experiment", key, name), "a specimen of the experiment", shown(name), do)
 
 
 def _names(experiment: ExperimentSettings) -> Iterator[Problem]:
@@ -169,6 +172,18 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iter
     if not 2 * emulated.friction_drop <= emulated.friction and (emulated.friction > 0):
         wanted = f"at most half of emulated.friction, {emulated.friction:g}"
         yield Problem(("emulated", "friction_drop"), wanted, shown(emulated.friction_drop))
+
+
+def _control(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterator[Problem]:
+    emulated = tables.get("emulated")
+    if emulated is None:
+        return
+    for key, wanted, do in contradictions(emulated, raw["emulated"]):
+        yield Problem(("emulated", key), wanted, shown(getattr(emulated, key)), do)
+    if emulated.control == "N3" and experiment.schedule_of:
+        wanted = 'no schedule_of beside control = "N3", which swaps the schedules itself'
+        found = ", ".join(f"{one} = {other}" for one, other in experiment.schedule_of.items())
+        yield Problem(("experiment", "schedule_of"), wanted, found, "Leave it out, or choose another control.")
 
 
 def _one_board_each(tables: Mapping[str, Any]) -> Iterator[Problem]:

@@ -2,38 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from emg2vsa.errors import ScheduleError, SettingError
-from emg2vsa.rig.experiment import plan_of
-from emg2vsa.rig.plan import RIGID, Condition, RunPlan
+from emg2vsa.rig.experiment import Run, plan_of
+from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig_file.tables import RigFile
 from emg2vsa.schedule_files import read_json
 from emg2vsa.schedules import Schedule
 from emg2vsa.study_file.problems import nearest
 
-Run = tuple[str, float, Condition]
-"""Specimen, angle in degrees, condition."""
+__all__ = ["Run", "chosen_runs", "plans_of", "read_schedules"]
 
 
 def chosen_runs(
-    file: RigFile, specimens: Sequence[str] = (), angles_deg: Sequence[float] = (), conditions: Sequence[str] = ()
+    file: RigFile,
+    specimens: Sequence[str] = (),
+    angles_deg: Sequence[float] = (),
+    conditions: Sequence[str] = (),
+    mountings: Sequence[int] = (),
 ) -> tuple[Run, ...]:
-    """Runs of the experiment with these specimens, angles and conditions, in their order; none given is all.
+    """Runs of the experiment with these specimens, angles, conditions and mountings, in order; none given is all.
 
-    SettingError : a name or an angle that the experiment has not, or no run with all of them.
+    SettingError : a name or number that the experiment has not, or no run with all of them.
     """
     keys = {
-        run: {"specimen": run[0], "angle": f"{run[1]:g}", "condition": run[2]} for run in file.experiment.all_runs()
+        run: {
+            "specimen": run.specimen,
+            "angle": f"{run.angle_deg:g}",
+            "condition": run.condition,
+            "mounting": str(run.mounting),
+        }
+        for run in file.experiment.all_runs()
     }
-    asked = {"specimen": specimens, "angle": [f"{angle:g}" for angle in angles_deg], "condition": conditions}
+    asked = {
+        "specimen": specimens,
+        "angle": [f"{angle:g}" for angle in angles_deg],
+        "condition": conditions,
+        "mounting": [str(mounting) for mounting in mountings],
+    }
     for what, names in asked.items():
         known = list(dict.fromkeys(of_run[what] for of_run in keys.values()))
         for name in names:
             if name not in known:
-                do = nearest(name, known if what != "angle" else (), "Add it to [experiment], or choose another.")
+                do = nearest(
+                    name,
+                    known if what in ("specimen", "condition") else (),
+                    "Add it to [experiment], or choose another.",
+                )
                 raise SettingError(f"{file.path}, {what}", wanted=", ".join(known), found=name, do=do)
     chosen = tuple(
         run for run, of_run in keys.items() if all(of_run[what] in names for what, names in asked.items() if names)
@@ -49,11 +67,11 @@ def plans_of(file: RigFile, runs: Sequence[Run], repetitions: int | None = None)
 
     ScheduleError : a schedule is absent, not as it was exported, or for another model of actuator.
     """
-    schedules = read_schedules(file.schedules, runs)
+    schedules = read_schedules(file.schedules, runs, file.experiment.schedule_of)
     _check_springs(file, schedules)
     experiment = replace(file.experiment, repetitions=repetitions or file.experiment.repetitions)
     emulated_n_per_mm = file.emulated.stiffness_n_per_mm if file.emulated else None
-    return tuple(plan_of(experiment, *run, schedules, emulated_n_per_mm) for run in runs)
+    return tuple(plan_of(experiment, run, schedules, emulated_n_per_mm) for run in runs)
 
 
 def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
@@ -69,9 +87,13 @@ def _check_springs(file: RigFile, schedules: Sequence[Schedule]) -> None:
             )
 
 
-def read_schedules(folder: Path, runs: Sequence[Run]) -> tuple[Schedule, ...]:
-    """The schedules that ``runs`` need. ScheduleError names all files that are absent, or the first that is no good."""
-    stems = dict.fromkeys(f"{specimen}_{condition}" for specimen, _, condition in runs if condition != RIGID)
+def read_schedules(folder: Path, runs: Sequence[Run], schedule_of: Mapping[str, str]) -> tuple[Schedule, ...]:
+    """The schedules that ``runs`` need, those of ``schedule_of`` instead of a specimen's own.
+
+    ScheduleError names all files that are absent, or the first that is no good.
+    """
+    pressed = [run for run in runs if run.condition != RIGID]
+    stems = dict.fromkeys(f"{schedule_of.get(run.specimen, run.specimen)}_{run.condition}" for run in pressed)
     paths = [folder / f"{stem}.json" for stem in stems]
     absent = [path.name for path in paths if not path.is_file()]
     if absent:

@@ -57,7 +57,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     indentation.
     """
     repetition = 0
-    for mounting, folder in enumerate(folders, start=1):
+    for mounting, folder in zip(_mountings(folders), folders, strict=True):
         travel, found, stopped = _travel(folder), verdicts(folder), stopped_presses(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)
@@ -84,6 +84,14 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
                 yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting)
             except CasrError as error:
                 yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting)
+
+
+def _mountings(folders: Sequence[Path]) -> list[int]:
+    """Number of each folder's mounting, from 1: the rig continues a mounting in a further folder, as its plan tells."""
+    plans = [_json(folder / PLAN_FILE).get("plan") for folder in folders]
+    told = [plan.get("mounting") if isinstance(plan, dict) else None for plan in plans]
+    own = [m if isinstance(m, int) else folder for folder, m in zip(folders, told, strict=True)]
+    return [list(dict.fromkeys(own)).index(one) + 1 for one in own]
 
 
 def _press_folders(folder: Path) -> list[Path]:

@@ -12,8 +12,8 @@ from emg2vsa.arrays import Floats, Ints
 
 ALGORITHMS = ("front", "edge", "hexagon", "circle", "paper")
 """Vision algorithms: the contact's front followed in every frame (default); the growth of the skin that is in contact
-first, with its initial area by the edge of contact, by hexagons (paper, new) or by a circle (previous work), each with
-the consistent area law and the rate of a power law; and the paper's equations to the letter on hexagons."""
+first, with its initial area by the edge of contact, by hexagons or by a circle (previous work), measured as the run's
+algorithm measures it; and the paper's, whole: ``emg2vsa.settings.RECIPES``."""
 
 PICTURED_N = 1.0
 """Force at which the contacts of different runs are shown side by side, N."""
@@ -25,8 +25,9 @@ _NUMBER = re.compile(r"\d+(\.\d+)?")
 class PressCurve:
     """The loading phase of one press.
 
-    force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm (paper: hexagon); area in px2
-    without a camera file. first_n : force of the first frame of the loading phase, determined or not. travel_force_n,
+    force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm, its area law and force rule;
+    area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
+    frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force. travel_force_n,
     travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
     """
 
@@ -52,19 +53,38 @@ class ContactPicture:
 
 
 @dataclass(frozen=True, eq=False)
+class FirstContact:
+    """What Algorithm 1 sees of one press, for people to look at.
+
+    repetition : of the press. frames : (3, H, W) uint8, at rest, the first in contact and the next. force_n : (2,) of
+    the last two. rest_px, contact_px : (N, 2) pins of the first two, NaN where lost. selected : (n,) rows of those that
+    it counts.
+    """
+
+    repetition: int
+    frames: NDArray[np.uint8]
+    force_n: Floats
+    rest_px: Floats
+    contact_px: Floats
+    selected: Ints
+
+
+@dataclass(frozen=True, eq=False)
 class RunScores:
     """R presses of one run; a press that could not be scored has NaN numbers and its reason.
 
     algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). mounting : (R,)
-    number, from 1, of the folder that a press comes from: the presses between two mountings of the sensor. verdicts :
-    "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired one to one
-    in the first frame of the loading phase; -1 where it is not determined.
-    a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N. a_c0 is the area of
-    the first frame of the loading phase, whose force differs from press to press (front: on the power law of the frames
-    in which it is determined); start_area is the area at the force
-    where the phase begins, on the power law of the press (paper: a_c0). true_a_c0 : (R,) mm2, NaN unless simulated.
+    number, from 1, of the mounting that a press belongs to: each folder is one, unless the rig says that it goes on.
+    verdicts : "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired
+    one to one in the first frame of the loading phase; -1 where it is not determined.
+    a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N; by rate "paper"
+    casr is a sum over frames. a_c0 is the area of the first frame of the loading phase, whose force differs from press
+    to press (front: on the power law of the frames in which it is determined); start_area is the area at the force
+    where the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area
+    is above that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
-    simulated : the run was emulated. notes : once each.
+    simulated : the run was emulated. first_contact : of the first press in which Algorithm 1 finds pins. notes : once
+    each.
     """
 
     specimen: str
@@ -85,6 +105,7 @@ class RunScores:
     indent_n_per_mm: Floats
     curves: tuple[PressCurve, ...]
     picture: ContactPicture | None
+    first_contact: FirstContact | None
     notes: tuple[str, ...]
 
     @property

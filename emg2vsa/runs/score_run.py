@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from casr.errors import CasrError
-from casr.scored import ScoreSettings
 from emg2vsa.arrays import Floats
-from emg2vsa.runs.press import Press, ScoredPress, picture_of, score_press
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve, RunScores
+from emg2vsa.runs.press import Press, ScoredPress, score_press
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
-_AREA_RULES = {"paper": "hexagon", "front": "edge"}
-"Of the skin, where it is not called like the algorithm."
 _NOTHING = PressCurve(np.empty(0), np.empty(0))
-
-
-def score_settings(settings: RunSettings) -> ScoreSettings:
-    """The same in casr's terms."""
-    return ScoreSettings(
-        quantity="front" if settings.algorithm == "front" else "skin",
-        area_rule=_AREA_RULES.get(settings.algorithm, settings.algorithm),
-        threshold_px=settings.threshold_px,
-        force_start_n=settings.force_n[0],
-        force_stop_n=settings.force_n[1],
-        rate_window_n=settings.force_n,
-    )
 
 
 def score_run(
@@ -41,16 +26,13 @@ def score_run(
     notes: tuple[str, ...] = (),
 ) -> RunScores:
     """Scores of all presses, in their order; ``notes`` of the run go before those of its presses."""
-    how = score_settings(settings)
     repetitions: list[int] = []
     mountings: list[int] = []
     reasons: list[str] = []
     scored: list[ScoredPress | None] = []
     unit_of_rejected = "mm2"
-    pictures: list[ContactPicture | None] = []
     for press in presses:
-        found, reason = _tried(press, how)
-        pictures.append(picture_of(press, found, settings.algorithm) if found else None)
+        found, reason = _tried(press, settings)
         if not found:
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
@@ -75,8 +57,21 @@ def score_run(
         true_a_c0=np.full(len(scored), np.nan),
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
         curves=tuple(found.curve if found else _NOTHING for found in scored),
-        picture=min(filter(None, pictures), key=lambda picture: abs(picture.force_n - PICTURED_N), default=None),
-        notes=tuple(dict.fromkeys((*notes, *(note for found in scored if found for note in found.notes)))),
+        picture=min(
+            (found.picture for found in scored if found and found.picture),
+            key=lambda picture: abs(picture.force_n - PICTURED_N),
+            default=None,
+        ),
+        first_contact=next((found.first_contact for found in scored if found and found.first_contact), None),
+        notes=tuple(
+            dict.fromkeys(
+                (
+                    *notes,
+                    *_missing(scored, settings.algorithm),
+                    *(note for found in scored if found for note in found.notes),
+                )
+            )
+        ),
     )
 
 
@@ -85,10 +80,19 @@ def _by_algorithm(numbers: Sequence[dict[str, float] | None]) -> dict[str, Float
     return {name: np.array([own[name] if own else np.nan for own in numbers]) for name in ALGORITHMS}
 
 
-def _tried(press: Press, how: ScoreSettings) -> tuple[ScoredPress | None, str]:
+def _tried(press: Press, settings: RunSettings) -> tuple[ScoredPress | None, str]:
     if press.frames is None:
         return None, press.problem
     try:
-        return score_press(press, how), ""
+        return score_press(press, settings), ""
     except CasrError as error:
         return None, str(error)
+
+
+def _missing(scored: Sequence[ScoredPress | None], algorithm: str) -> Iterator[str]:
+    """Of the runs' algorithm and the paper's: how many presses have no spread rate, and why the first of them."""
+    for name in dict.fromkeys((algorithm, "paper")):
+        reasons = [found.missing[name] for found in scored if found and name in found.missing]
+        if reasons:
+            which = "1 press has" if len(reasons) == 1 else f"{len(reasons)} presses have"
+            yield f"algorithm {name}: {which} no spread rate: {reasons[0]}"

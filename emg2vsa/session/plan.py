@@ -1,24 +1,19 @@
 """The order of a session's presses: drawn once, before the first press, and never again.
 
 The draw depends on nothing but its text: seed, name of the study and code of the participant, each on a line of its
-own, in UTF-8. Random 64-bit numbers are the first eight bytes, most significant first, of the SHA-256 of that text, a
-line feed and a counter (0, 1, 2, ... in decimal). A number below n is such a number modulo n, where it lies below the
-largest multiple of n; else the next is taken. A list is shuffled from its end (Fisher and Yates): for i = n - 1, ..., 1
-element i changes places with element j, a number below i + 1. So the order is the same on every computer and with every
-version of Python, and anybody can draw it again.
+own. How the text decides the order is told in `emg2vsa.random_order`, so that anybody can draw it again.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
-from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
 from emg2vsa.errors import DataError
+from emg2vsa.random_order import random_numbers, shuffled
 from emg2vsa.session_settings import SessionSettings
 
 PLAN_FILE = "plan.json"
@@ -61,12 +56,12 @@ def draw_presses(
     has been pressed as often as every other, give or take one, at any moment; "listed": as listed.
     """
     turns = [("training", name, settings.training_repetitions) for name in settings.training_specimens]
-    random = _numbers(f"{settings.seed}\n{study}\n{participant}")
+    random = random_numbers(f"{settings.seed}\n{study}\n{participant}")
     if settings.order == "interleaved":
         for _ in range(settings.repetitions):
-            turns += [("main", name, 1) for name in _shuffled(specimens, random)]
+            turns += [("main", name, 1) for name in shuffled(specimens, random)]
     else:
-        ordered = _shuffled(specimens, random) if settings.order == "blocked" else specimens
+        ordered = shuffled(specimens, random) if settings.order == "blocked" else specimens
         turns += [("main", name, settings.repetitions) for name in ordered]
     presses: list[PlannedPress] = []
     done: dict[tuple[str, str], int] = {}
@@ -78,20 +73,6 @@ def draw_presses(
             kind: Literal["training", "main"] = "training" if phase == "training" else "main"
             presses.append(PlannedPress(len(presses) + 1, kind, name, done[last], stay))
     return tuple(presses)
-
-
-def _numbers(text: str) -> Iterator[int]:
-    """Random 64-bit numbers."""
-    return (int.from_bytes(hashlib.sha256(f"{text}\n{n}".encode()).digest()[:8], "big") for n in count())
-
-
-def _shuffled(names: Sequence[str], random: Iterator[int]) -> list[str]:
-    shuffled = list(names)
-    for i in range(len(shuffled) - 1, 0, -1):
-        limit = 2**64 // (i + 1) * (i + 1)
-        j = next(number for number in random if number < limit) % (i + 1)
-        shuffled[i], shuffled[j] = shuffled[j], shuffled[i]
-    return shuffled
 
 
 def plan_bytes(plan: Plan) -> bytes:

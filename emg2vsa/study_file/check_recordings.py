@@ -12,6 +12,7 @@ from typing import Any
 
 from emg2vsa.settings import (
     GAUGE_AXES,
+    MEDOID,
     ChannelSettings,
     CocontractionSettings,
     EmgChannelSettings,
@@ -49,7 +50,10 @@ def _profile(profile: ProfileSettings, specimens: Specimens) -> Iterator[Problem
 
 
 def _exemplary(profile: ProfileSettings, ids: tuple[str, ...]) -> Iterator[Problem]:
-    if profile.participant is not None:
+    if MEDOID in ids:
+        do = "Give the participant another code."
+        yield Problem(("participants", "ids"), f"codes other than {MEDOID!r}, which chooses a participant", MEDOID, do)
+    if profile.participant not in (None, MEDOID):
         yield from _unknown([(("profile", "participant"), profile.participant)], ids, "participant")
 
 

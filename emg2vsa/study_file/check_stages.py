@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from emg2vsa.settings import (
+    RECIPES,
     ChannelSettings,
     CocontractionSettings,
     FilterSettings,
@@ -143,6 +144,21 @@ def _step(schedule: ScheduleSettings, window: WindowSettings) -> Iterator[Proble
 
 def _runs(runs: RunsTable) -> Iterator[Problem]:
     yield from _rising(runs.force_n, ("runs", "force_n"))
+    recipe, own = runs.recipe, RECIPES[runs.algorithm]
+    if runs.algorithm == "front":
+        for key in ("engine", "area_rule", "law", "rate", "region"):
+            if getattr(recipe, key) != getattr(own, key):
+                wanted = f"no {key}, or {getattr(own, key)!r}, with algorithm = 'front'"
+                do = "The front is followed by the pins; choose another algorithm, or leave the key out."
+                yield Problem(("runs", key), wanted, repr(getattr(recipe, key)), do)
+        return
+    if runs.algorithm != "paper" and recipe.area_rule != own.area_rule:
+        wanted = f"no area_rule, or {own.area_rule!r}, with algorithm = {runs.algorithm!r}"
+        do = f"Choose algorithm = {recipe.area_rule!r}, or leave area_rule out."
+        yield Problem(("runs", "area_rule"), wanted, repr(recipe.area_rule), do)
+    if recipe.region == "image" and recipe.engine == "pin-affine":
+        wanted, do = "a dense engine with region = 'image'", "Choose horn-schunck or dis, or leave region out."
+        yield Problem(("runs", "engine"), wanted, repr(recipe.engine), do)
 
 
 def _durations(simulation: SimulationSettings) -> Iterator[Problem]:

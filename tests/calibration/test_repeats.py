@@ -121,7 +121,7 @@ def test_a_single_press_borrows_the_noise_of_the_others(hertz):
     calibration = calibrate(hertz.kappa, known, casr_unit="mm2/N")
     one = repeat_interval(calibration, new[:, :1])
     assert 0.93 < coverage(hertz, one) < 0.99
-    assert np.all(one.df[one.serial.rho == 0] > 20)
+    assert np.all(one.df[one.serial.rho == 0] > 9)  # of a neighbour in score, pressed ten times
     borrowed = repeat_interval(calibration, new, own_noise=False)
     np.testing.assert_allclose(borrowed.press_variance[:, 3], np.mean(within(known)[0], axis=1))
 

@@ -96,6 +96,9 @@ def leaves(value):
     if dataclasses.is_dataclass(value):
         for field in dataclasses.fields(value):
             yield from leaves(getattr(value, field.name))
+    elif isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]):
+        for each in value:
+            yield from leaves(each)
     elif isinstance(value, dict):
         for each in value.values():
             yield from leaves(each)

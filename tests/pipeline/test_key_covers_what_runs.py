@@ -30,6 +30,7 @@ STEPS = {
     "hypotheses": "study",
     "profiles": "study",
     "schedules": "study",
+    "stiffness": "study",
     "emulation": "S1_0_modular",
     "runs": "S1_0_modular",
     "discrimination": "study",

@@ -7,7 +7,15 @@ import pytest
 
 from emg2vsa.report.methods import AUTHORS_ADD, filters_as_run, methods
 from emg2vsa.report.references import cited
-from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ProfileSettings, WindowSettings
+from emg2vsa.report.wording import scored_by
+from emg2vsa.settings import (
+    CocontractionSettings,
+    FilterSettings,
+    FitSettings,
+    ProfileSettings,
+    RunSettings,
+    WindowSettings,
+)
 
 ALL_TO_ADD = AUTHORS_ADD.format("participants' age, sex and handedness; ")
 
@@ -112,3 +120,40 @@ def test_every_choice_reads_as_sentences(results, phase, envelope, points, weigh
     )
     text = written(study)
     assert not re.search(r"  | [,.;]|,,|;\.|\{|\}|by weighted by", text)
+
+
+@pytest.mark.parametrize(
+    ("settings", "said", "unsaid"),
+    [
+        (RunSettings(), ("contact front in every frame", "at their exposure", "power law"), ("dense", "equation")),
+        (
+            RunSettings(algorithm="paper"),
+            (
+                "the mean of the forces logged while each was the last", "Algorithm 1, pins matched one to one",
+                "dense optical flow (Horn and Schunck, 1981)", "divergence over the contact", "equation (1) as printed",
+                "equation (2) as printed",
+            ),
+            ("exposure", "power law"),
+        ),
+        (
+            RunSettings(algorithm="edge", engine="dis", region="image", rate="slope"),
+            ("fold of the pins", "(Kroeger et al., 2016)", "mean divergence over the whole image", "slope of the line"),
+            ("Schunck", "equation"),
+        ),
+    ],
+)  # fmt: skip
+def test_every_step_of_scoring_is_named(results, runs, settings, said, unsaid):
+    text = written(replace(results.study, scoring=settings), runs=runs)
+    paragraph = next(line for line in text.splitlines() if line.startswith("Contact area spread rate"))
+    for words in said:
+        assert words in paragraph
+    for words in unsaid:
+        assert words not in paragraph
+
+
+def test_captions_name_the_steps():
+    assert scored_by(RunSettings()) == "algorithm front: force at exposure, CASR by a power law"
+    assert scored_by(RunSettings(algorithm="paper", region="image")) == (
+        "algorithm paper: initial area by rule paper, dense Horn–Schunck flow over the whole image, mean force per "
+        "frame, area by equation (1) as printed, CASR by equation (2) as printed"
+    )

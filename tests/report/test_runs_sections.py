@@ -83,15 +83,17 @@ def rows_of(content, table):
 def test_every_figure_of_section_six_is_there(written):
     names = {path.name for path in (written / "figures").iterdir()}
     for figure in (
-        "fig04_cocontraction", "fig05_schedules", "fig08_initial_area", "fig09_first_contact", "fig10_rigid",
-        "fig11_interpolation", "fig12_human_like", "fig13_constant", "fig14_conditions", "figcal_calibration",
+        "fig02_algorithm_1", "fig04_cocontraction", "fig05_schedules", "fig08_initial_area", "fig09_first_contact",
+        "fig10_rigid",
+        "fig11_interpolation", "fig12_human_like", "fig13_constant", "fig14_conditions", "figa1_pins_by_force",
+        "figcal_calibration",
     ):  # fmt: skip
         assert {f"{figure}.svg", f"{figure}.pdf"} <= names
 
 
 def test_the_page_is_whole_and_says_that_the_rig_is_simulated(written, read_page):
     page = read_page(written / "index.html")
-    assert page.tags.count("svg") == 11
+    assert page.tags.count("svg") == 13
     assert "These runs come from a simulated rig" in page.text
     assert page.text.count("Simulated rig.") >= 7
     for title in ("Presses of the rig", "Initial contact area", "Stiffness of the new specimen"):
@@ -119,19 +121,98 @@ def test_means_and_spreads_are_those_of_the_presses(numbers, some_runs):
     assert numbers[f"{key}.sd"] == pytest.approx(run.casr["front"].std(ddof=1), rel=1e-12)
 
 
-def test_table_one_sets_like_beside_like_and_the_companion_apart(written, calibration):
+@pytest.mark.parametrize("algorithm", ["circle", "paper", "front"])
+def test_table_one_has_each_algorithm_with_both_actuators_beside_the_papers_number(algorithm, written, calibration):
     with (written / "tables/table_one.csv").open() as file:
-        rows = {row["angle_deg"]: row for row in csv.DictReader(file)}
-    of = {c: calibration.find(45.0, c).algorithms for c in ("high-stiffness", "modular")}
-    for column, laws in (
-        ("old_vision", of["high-stiffness"]["circle"]),
-        ("new_vision", of["high-stiffness"]["front"]),
-        ("human_like", of["modular"]["front"]),
-    ):
-        assert float(rows["45.0"][column]) == laws.chosen.error
-        assert float(rows["45.0"][f"{column}_same"]) == laws.paper.error
-    assert rows["30.0"]["human_like_paper"] == "0.03"
-    assert rows["30.0"]["human_like"] == rows["0.0"]["new_vision_paper"] == ""
+        rows = {(row["angle_deg"], row["algorithm"].split()[0]): row for row in csv.DictReader(file)}
+    name = {"paper": "hexagon"}.get(algorithm, algorithm)
+    for condition, key in (("high-stiffness", "rigid"), ("modular", "human_like")):
+        of = calibration.find(45.0, condition).algorithms[algorithm]
+        assert float(rows["45.0", name][key]) == of.chosen.error
+        assert float(rows["45.0", name][f"{key}_same"]) == of.paper.error
+        assert rows["30.0", name][key] == ""  # not pressed at 30°
+    papers = {"circle": ("0.25", ""), "paper": ("0.07", "0.03"), "front": ("", "")}[algorithm]
+    assert (rows["30.0", name]["rigid_paper"], rows["30.0", name]["human_like_paper"]) == papers
+
+
+def test_table_one_shows_no_error_of_what_is_not_determined(whole, calibration):
+    def undetermined(of):
+        return {name: replace(each, chosen=replace(each.chosen, determined=False)) for name, each in of.items()}
+
+    conditions = tuple(replace(each, algorithms=undetermined(each.algorithms)) for each in calibration.conditions)
+    changed = replace(calibration, conditions=conditions)
+    content = contents(replace(whole, runs=replace(whole.runs, calibration=changed)))
+    shown = content.tables["table_one"].shown_rows
+    assert {row["rigid"] for row in shown if row["angle_deg"] == 45} == {"not determined"}
+    assert {row["rigid"] for row in shown if row["angle_deg"] == 30} == {None}
+    assert any(str(row["rigid_same"]).startswith("+") for row in shown)  # by the paper's law some are
+    assert "new vision" not in content.tables["table_one"].html().lower()
+
+
+def test_the_papers_curves_imply_more_than_contact_mechanics_allows(content):
+    """Second opinion: what the curves give back at the CASR that is said to be implied."""
+    rows = rows_of(content, "casr_implied")
+    curves = {0.0: (10.21, -1.567), 30.0: (14.76, -23.94), 45.0: (8.639, -58.67)}
+    for angle, (level, rate) in curves.items():
+        for name, kappa in {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}.items():
+            casr = content.quantities[f"paper.modular.{angle:g}.casr_implied.{name}"]
+            assert level * np.exp(rate * casr) == pytest.approx(kappa, rel=1e-12)
+            assert rows[angle][f"casr_{name}"] == casr
+        assert rows[angle]["ratio"] > rows[angle]["bound"] == content.quantities["paper.casr_ratio_bound"]
+    assert content.quantities["paper.casr_ratio_bound"] == pytest.approx(3.615, abs=1e-3)
+    assert content.quantities["claims.kappa_curves.verdict"] == "does not hold"
+
+
+def test_the_ratio_here_is_that_of_the_presses(content, some_runs):
+    of = {run.specimen: run for run in some_runs if (run.condition, run.angle_deg) == ("modular", 45.0)}
+    expected = of["S5"].casr["front"].mean() / of["S1"].casr["front"].mean()
+    assert rows_of(content, "casr_implied")[45.0]["here"] == pytest.approx(expected, rel=1e-12)
+    assert np.isnan(rows_of(content, "casr_implied")[30.0]["here"])
+
+
+def test_pins_of_algorithm_1_stand_by_the_force_of_its_first_frame(run_of, report_of):
+    def counted(run, pins, first_n):
+        curves = tuple(replace(curve, first_n=n) for curve, n in zip(run.curves, first_n, strict=True))
+        return replace(run, pins_selected=np.array(pins), curves=curves)
+
+    forces = np.linspace(0.5, 0.95, 10)
+    runs = [run_of(name, 0.0, "modular") for name in KNOWN]
+    runs[0] = counted(runs[0], [4, 6, 9, 12, 20, 31, 40, 55, 60, 73], forces)
+    runs[1] = counted(runs[1], [-1, -1, 20, 19, 18, 17, 16, 15, 14, 13], forces)
+    content = report_of(runs)
+    rows = {row["specimen"]: row for row in content.tables["algorithm_1"].rows}
+    assert [rows["S1"][key] for key in ("presses", "least", "median", "most")] == [10, 4, 25.5, 73]
+    assert rows["S1"]["rank_correlation"] == pytest.approx(1.0)
+    assert (rows["S3"]["presses"], rows["S3"]["rank_correlation"]) == (8, pytest.approx(-1.0))
+    assert rows["S3"]["first_low_n"] == forces[2]
+    assert content.quantities["runs.algorithm_1.pins.max"] == 73
+
+
+def test_figure_2_states_its_press_and_is_left_out_without_one(run_of, report_of):
+    runs = [run_of(name, angle, c) for name in KNOWN for angle in (0.0, 30.0) for c in ("high-stiffness", "modular")]
+    caption = report_of(runs).drawings["fig02_algorithm_1"].caption
+    assert "press 1 on S1, high-stiffness, 30°" in caption
+    assert "0.61 N" in caption
+    assert "fig02_algorithm_1" not in report_of([replace(run, first_contact=None) for run in runs]).drawings
+
+
+@pytest.mark.parametrize(("name", "figure"), [("high-stiffness", 10), ("modular", 12)])
+def test_claims_on_the_order_of_the_specimens_follow_the_scores(name, figure, runs, report_of):
+    own = [run for run in runs if run.condition == name]
+    verdict = f"claims.fig{figure}_order.verdict"
+    assert report_of(own).quantities[verdict] == "holds"
+    swapped = [
+        replace(run, specimen={"S3": "S5", "S5": "S3"}.get(run.specimen, run.specimen)) if run.angle_deg == 45 else run
+        for run in own
+    ]
+    assert report_of(swapped).quantities[verdict] == "does not hold"
+    assert report_of([run for run in own if run.angle_deg == 30]).quantities[verdict] == "cannot be tested here"
+
+
+def test_figures_10_to_13_name_their_one_algorithm(content):
+    for figure in ("fig10_rigid", "fig12_human_like", "fig13_constant"):
+        assert "all panels by the front algorithm" in content.drawings[figure].caption
+        assert "raw dA/dF" in content.drawings[figure].caption
 
 
 def test_the_new_specimen_is_compared_by_the_papers_test_and_by_the_companion(content, tested):

@@ -95,13 +95,51 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ["13: experiment.angles_deg: expected an angle of one condition at least, but found none."],
         ),
         (
-            '["S1", "S3"]', '["S1"]\nf_max_n = 12\ntravel_mm = 20\nrepetitions = 2.5',
+            '["S1", "S3"]', '["S1"]\nf_max_n = 12\ntravel_mm = 20\nrepetitions = 2.5\nmountings = 0',
             [
                 "13: experiment.f_max_n: expected a force above contact, 0.5 N, and below the guard "
                 "rig.guards.force_n, "
                 "10 N, but found 12.",
                 "14: experiment.travel_mm: expected at most rig.travel_mm, 15, but found 20.",
                 "15: experiment.repetitions: expected a whole number, but found 2.5.",
+                "16: experiment.mountings: expected a number >= 1, but found 0.",
+            ],
+        ),
+        (
+            "[emulated]", '[emulated]\ncontrol = "N1"\nsensor_relaxation = 0.2\ncontrol_exponent = 0.1',
+            [
+                '16: emulated.sensor_relaxation: expected no sensor_relaxation beside control = "N1", which sets it, '
+                "but found 0.2. Leave it out, or choose another control.",
+                '17: emulated.control_exponent: expected control = "P1" beside it, but found 0.1. Leave it out, or set '
+                "the control.",
+            ],
+        ),
+        (
+            "[emulated]", '[emulated]\ncontrol = "P4"',
+            [
+                "14: emulated.control_specimen: expected a specimen of the bench (S1, S2, S3, S4, S5) beside "
+                """control = "P4", but found \"\". Name the specimen whose modular schedule is right.""",
+            ],
+        ),
+        (
+            "[emulated]", '[emulated]\ncontrol = "N4"',
+            [
+                "15: emulated.control: expected 'none', 'N1', 'N2', 'N3', 'P1', 'P2', 'P3' or 'P4', but found \"N4\". "
+                "Did you mean 'P4'?",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1", "S3"]\nschedule_of = { S1 = "S3", S2 = "S1" }',
+            [
+                "13: experiment.schedule_of.S2: expected a specimen of the experiment, but found \"S2\". Did you mean "
+                "'S3'?",
+            ],
+        ),
+        (
+            '["S1", "S3"]\n\n[emulated]', '["S1", "S3"]\nschedule_of = { S1 = "S3" }\n[emulated]\ncontrol = "N3"',
+            [
+                '13: experiment.schedule_of: expected no schedule_of beside control = "N3", which swaps the schedules '
+                "itself, but found S1 = S3. Leave it out, or choose another control.",
             ],
         ),
         (

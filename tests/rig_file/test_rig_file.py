@@ -8,10 +8,14 @@ from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 
+import pytest
+
+from emg2vsa.errors import SettingError
 from emg2vsa.rig.device_settings import ForceSettings
 from emg2vsa.rig.experiment import ExperimentSettings
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 from emg2vsa.rig_file import RigFile, load_rig
+from emg2vsa.rig_file.plans import chosen_runs
 
 ROOT = Path(__file__).resolve().parents[2]
 Load = Callable[[str], RigFile]
@@ -74,6 +78,16 @@ def test_the_rig_that_comes_with_the_program_says_the_defaults() -> None:
     assert file.schedules == ROOT / "reports" / "palpation" / "schedules"
     assert file.emulated is not None
     assert set(file.experiment.specimens) <= set(file.emulated.stiffness_n_per_mm)
+
+
+def test_every_mounting_is_a_run_of_its_own(load: Load, small: str) -> None:
+    text = small.replace('["S1", "S3"]', '["S1", "S3"]\nangles_deg = { modular = [0] }\nmountings = 2')
+    runs = load(text).experiment.all_runs()
+    names = ["S1_0_modular", "S3_0_modular", "S1_0_modular_mounting-2", "S3_0_modular_mounting-2"]
+    assert [run.name for run in runs] == names
+    assert [run.mounting for run in chosen_runs(load(text), ["S3"], mountings=[2])] == [2]
+    with pytest.raises(SettingError, match="mounting: expected 1, 2, but found 3"):
+        chosen_runs(load(text), mountings=[3])
 
 
 def test_it_names_no_address() -> None:

@@ -40,7 +40,7 @@ class LateCamera:
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     folder, clock, rig = tmp_path_factory.mktemp("runs") / "late", VirtualClock(), RigSettings()
-    bench = EmulatedRig(EmulatedSettings(), SPECIMEN, 0.0, rigid=False, clock=clock, rig=rig)
+    bench = EmulatedRig(EmulatedSettings(world="elastic"), SPECIMEN, 0.0, rigid=False, clock=clock, rig=rig)
     opened = bench.devices()
     devices = Devices(opened.actuator, opened.force, LateCamera(bench.camera, clock))
     facts = {"camera": {"delay_s": 0.0}}

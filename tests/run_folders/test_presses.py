@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 
+from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import PRESSES_FILE
 from emg2vsa.run_folders.presses import read_presses, run_notes
 
@@ -37,6 +40,14 @@ def test_a_run_without_any_frames_has_its_presses(run):
     assert [press.frames for press in read_presses([run])] == [None, None, None]
 
 
+def test_a_press_tells_from_which_folder_it_comes(run, tmp_path):
+    again = run.rename(tmp_path / "tuesday-1")
+    (run / "press-001").mkdir(parents=True)
+    presses = list(read_presses([run, again]))
+    assert [press.mounting for press in presses] == [1, 2, 2, 2]
+    assert [press.repetition for press in presses] == [1, 2, 3, 4]
+
+
 def test_errors_of_a_press_name_its_run(run):
     first = next(read_presses([run]))
     assert first.frames is not None
@@ -50,3 +61,12 @@ def test_what_the_rig_rejected_is_not_scored_and_what_it_doubts_is_told(run):
     assert [press.frames is None for press in presses] == [True, True, False]
     assert presses[0].problem == "monday-1, press 1 was rejected by the rig: encoders broken"
     assert run_notes([run]) == ("monday-1, press 10 is doubtful: 2 % lost",)
+
+
+def test_every_folder_is_a_mounting_unless_the_rig_says_that_it_goes_on(run, tmp_path):
+    folders = [run, *(Path(shutil.copytree(run, tmp_path / f"S1_0_modular{end}")) for end in ("", "-2", "_mounting-2"))]
+    for folder, mounting in zip(folders[1:], (1, 1, 2), strict=True):
+        (folder / PLAN_FILE).write_text(json.dumps({"plan": {"mounting": mounting}}))
+    assert [press.mounting for press in read_presses(folders)] == [1] * 3 + [2] * 6 + [3] * 3
+    (run / PLAN_FILE).write_text('{"plan": {"mounting": [1]}}')
+    assert [press.mounting for press in read_presses(folders)] == [1] * 3 + [2] * 6 + [3] * 3

@@ -72,7 +72,7 @@ def test_a_press_to_check_is_named_in_the_notes(simulated, sequence):
 
 @pytest.mark.parametrize("rule", ["hexagon", "circle", "paper"])
 def test_other_algorithms_have_their_own_initial_area(run, sequence, rule):
-    alone = score(sequence, ScoreSettings())
+    alone = score(sequence if rule != "paper" else sequence.by_mean(), ScoreSettings())
     area = initial_area(alone.rest, alone.contact_px, camera=sequence.camera, rule=rule).area_mm2
     assert run.a_c0[rule][0] == pytest.approx(area)
     if rule != "paper":
@@ -83,7 +83,7 @@ def test_other_algorithms_have_their_own_initial_area(run, sequence, rule):
 def test_scored_by_another_algorithm_the_numbers_are_the_same(run, sequence):
     by_hexagons = scored(press(sequence), settings=RunSettings(algorithm="hexagon"))
     for name in ALGORITHMS:
-        assert by_hexagons.casr[name][0] == pytest.approx(run.casr[name][0], rel=1e-9), name
+        assert by_hexagons.casr[name][0] == pytest.approx(run.casr[name][0], rel=1e-9, nan_ok=True), name
 
 
 def test_presses_that_cannot_be_scored_stay_with_their_reason(run):
@@ -120,7 +120,7 @@ def test_the_area_where_loading_begins_lies_on_the_power_law(run, sequence):
     assert run.a_c0["front"][0] == pytest.approx(np.exp(level) * run.curves[0].first_n ** slope, rel=0.02)
     growth = run.start_area["edge"][0] / run.a_c0["edge"][0]
     assert run.start_area["circle"][0] / run.a_c0["circle"][0] == pytest.approx(growth)
-    assert run.start_area["paper"][0] == run.a_c0["paper"][0]
+    assert run.start_area["paper"][0] == run.a_c0["paper"][0] > 0
 
 
 def test_the_area_where_loading_begins_hangs_on_no_first_frame(run, sequence):

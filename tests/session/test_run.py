@@ -72,6 +72,8 @@ def test_each_character_has_its_verdict_and_check_agrees(play, mistake, verdict,
         (path,) = board.done("trials", (entry.key,))
         trials = artifacts.load(path)
         own = [press for press in played.state.presses if press.specimen == entry.specimen and press.verdict]
+        # an early press ends at once, so far below the upper force that no trial is found in it
+        own = [press for press in own if not any("finds no press" in found for found, _ in press.problems)]
         live = ["rejected" if press.decision == "repeat" else press.verdict for press in own]
         pairs = zip(trials.verdict.tolist(), live, strict=True)
         for checked, judged in pairs:

@@ -181,3 +181,44 @@ def test_bad_limits_of_reading(small: str, problems: Problems, line: str, said: 
 def test_a_bad_spread_of_mountings(small: str, problems: Problems, line: str, said: str) -> None:
     (problem,) = problems(f"{small}[calibration]\n{line}\n")
     assert problem.endswith(said)
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ('engine = "dense"', "runs.engine: expected 'pin-affine', 'horn-schunck' or 'dis', but found \"dense\"."),
+        ('force_rule = "means"', "runs.force_rule: expected 'exposure' or 'mean', but found \"means\"."),
+        ("area_rule = 2", "runs.area_rule: expected 'edge', 'hexagon', 'circle' or 'paper', but found 2."),
+        ('area_rule = "as-printed"', "runs.area_rule: expected 'edge', 'hexagon', 'circle' or 'paper', but found"),
+        ('law = "letter"', "runs.law: expected 'ode' or 'paper', but found \"letter\"."),
+        ("rate = true", "runs.rate: expected 'power', 'slope' or 'paper', but found true."),
+        ('region = "all"', "runs.region: expected 'contact' or 'image', but found \"all\"."),
+        (
+            'law = "paper"',
+            "runs.law: expected no law, or 'ode', with algorithm = 'front', but found 'paper'. The front is followed "
+            "by the pins; choose another algorithm, or leave the key out.",
+        ),
+        (
+            'engine = "dis"',
+            "runs.engine: expected no engine, or 'pin-affine', with algorithm = 'front', but found 'dis'",
+        ),
+        ('rate = "paper"', "runs.rate: expected no rate, or 'power', with algorithm = 'front', but found 'paper'."),
+        (
+            'region = "image"',
+            "runs.region: expected no region, or 'contact', with algorithm = 'front', but found 'image'",
+        ),
+        (
+            'algorithm = "hexagon"\narea_rule = "circle"',
+            "runs.area_rule: expected no area_rule, or 'hexagon', with algorithm = 'hexagon', but found 'circle'. "
+            "Choose algorithm = 'circle', or leave area_rule out.",
+        ),
+        (
+            'algorithm = "edge"\nregion = "image"',
+            "runs.engine: expected a dense engine with region = 'image', but found 'pin-affine'. Choose horn-schunck "
+            "or dis, or leave region out.",
+        ),
+    ],
+)
+def test_steps_of_scoring_that_do_not_go_together(small: str, problems: Problems, lines: str, said: str) -> None:
+    (problem,) = problems(f"{small}[runs]\n{lines}\n")
+    assert problem.partition(": ")[2].startswith(said)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from emg2vsa.settings import PAPER, ReadingSettings
+from emg2vsa.settings import PAPER, RECIPES, ReadingSettings
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study, missing_files
 
@@ -127,6 +127,19 @@ def test_paper_mode_sets_what_the_study_does_not(small: str, load: Load) -> None
     assert (study.fit.points, study.fit.weights) == ("samples", "none")
     assert study.profile.interpolation == "paper"
     assert load(small).fit.points == "bins"
+
+
+def test_paper_mode_scores_presses_as_the_paper_says_unless_told_otherwise(small: str, load: Load) -> None:
+    paper = small.replace('name = "small"', 'name = "small"\nmode = "paper"')
+    steps = ("horn-schunck", "mean", "paper", "paper", "paper", "contact")
+    assert load(f"{paper}[runs]\n").scoring.recipe == steps
+    assert load(f'{paper}[runs]\nregion = "image"\nrate = "slope"\n').scoring.recipe == (*steps[:4], "slope", "image")
+    assert load(f'{paper}[runs]\nalgorithm = "edge"\n').scoring.recipe == RECIPES["edge"]
+    assert load(f"{small}[runs]\n").scoring.recipe == RECIPES["front"]
+    pins = load(f'{paper}[runs]\narea_rule = "circle"\nengine = "pin-affine"\n').scoring.recipe
+    assert (pins.engine, pins.area_rule, pins.law) == ("pin-affine", "circle", "paper")
+    image = load(f'{small}[runs]\nalgorithm = "edge"\nengine = "dis"\nregion = "image"\n').scoring.recipe
+    assert image == RECIPES["edge"]._replace(engine="dis", region="image")
 
 
 def test_paper_mode_holds_in_a_recording_of_its_own(small: str, load: Load) -> None:

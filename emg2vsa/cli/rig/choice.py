@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from casr.command_line import whole_number
+
 if TYPE_CHECKING:
     from emg2vsa.rig_file import RigFile
     from emg2vsa.rig_file.plans import Run
@@ -34,10 +36,18 @@ def add_choice(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--condition", action="append", default=[], choices=CONDITIONS, help="only this condition; may be repeated"
     )
+    parser.add_argument(
+        "--mounting",
+        action="append",
+        default=[],
+        type=whole_number,
+        metavar="N",
+        help="only this mounting, from 1; may be repeated",
+    )
 
 
 def runs_chosen(arguments: argparse.Namespace, file: RigFile) -> tuple[Run, ...]:
     """The runs asked for, or all."""
     from emg2vsa.rig_file.plans import chosen_runs
 
-    return chosen_runs(file, arguments.specimen, arguments.angle, arguments.condition)
+    return chosen_runs(file, arguments.specimen, arguments.angle, arguments.condition, arguments.mounting)

@@ -41,17 +41,20 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig.executor.guards import laxer_guards
-    from emg2vsa.rig.experiment import run_name
     from emg2vsa.rig_file import load_rig
     from emg2vsa.rig_file.plans import plans_of
+    from emg2vsa.rig_file.sequence import ordered
 
     file = load_rig(arguments.rig)
-    runs = runs_chosen(arguments, file)
-    told = {run_name(*one): _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
+    order, chosen = ordered(file.experiment), runs_chosen(arguments, file)
+    runs = [run for run in order.runs if run in chosen]
+    told = {one.name: _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
     if arguments.json:
-        print_json({"limits": _limits(file.rig), "runs": {name: _document(found) for name, found in told.items()}})
+        described = {name: _document(found) for name, found in told.items()}
+        print_json({"limits": _limits(file.rig), "order": order.order, "seed": order.seed, "runs": described})
     else:
         print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
+        print(f"order of the runs: {order}")
         for line in laxer_guards(file.rig):
             print(line)
         print("" if arguments.details else f"\n{_HEAD}")

@@ -72,11 +72,15 @@ def _served(file: RigFile, arguments: argparse.Namespace) -> Iterator[EmulatedSe
     from emg2vsa.errors import SettingError
     from emg2vsa.rig.clock import WallClock, undisturbed
     from emg2vsa.rig.emulated.bench import EmulatedRig
+    from emg2vsa.rig.emulated.controls import ARTIFICIAL
     from emg2vsa.rig.emulated.servers import EmulatedServers
 
     if file.emulated is None:
         do = "Add it (docs/reference/rig-file.md)."
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
+    if file.emulated.control in ARTIFICIAL:
+        where, do = f"{file.path}, emulated.control", "Use rig run --virtual or emg2vsa run, which know the schedules."
+        raise SettingError(where, wanted="a world that needs no schedule", found=file.emulated.control, do=do)
     if not 0 <= arguments.angle < 90:
         raise SettingError(
             "--angle", wanted="0 to below 90 degrees", found=f"{arguments.angle:g}", do="Choose an angle in this range."

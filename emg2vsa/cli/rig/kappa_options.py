@@ -40,8 +40,9 @@ def add_kappa(parser: Group) -> None:
         "--stop-at",
         type=width,
         metavar="PERCENT",
-        help="with --calibration: end the loading of a press when the 95 %% interval of kappa reaches no more than this "
-        "percentage of kappa to either side, or when the rest of the press would narrow it by less than a tenth. Such a press "
+        help="with --calibration: end the loading of a press when the 95 %% interval of kappa reaches no more than "
+        "this share of kappa to either side, or when the rest of the press would narrow it by less than a tenth. Such "
+        "a press "
         "counts as done, and is marked as stopped",
     )
     parser.add_argument(
@@ -138,18 +139,17 @@ def say_kappa(folder: Path) -> None:
 def _of_run(run: Run, opened: Mapping[Path, OnlineCalibration]) -> tuple[Path, OnlineCalibration]:
     from emg2vsa.errors import SettingError
 
-    _, angle_deg, condition = run
     fitting = [
         (path, each)
         for path, each in opened.items()
-        if abs(each.angle_deg - angle_deg) < _SAME_DEG and each.condition == condition
+        if abs(each.angle_deg - run.angle_deg) < _SAME_DEG and each.condition == run.condition
     ]
     if len(fitting) == 1:
         return fitting[0]
     there = ", ".join(f"{path.name}: {each.angle_deg:g} degrees, {each.condition}" for path, each in opened.items())
     raise SettingError(
         "--calibration",
-        wanted=f"one calibration for {angle_deg:g} degrees, {condition}",
+        wanted=f"one calibration for {run.angle_deg:g} degrees, {run.condition}",
         found=there,
         do="Give the calibration of this angle and condition, or choose another run.",
     )
@@ -184,6 +184,7 @@ def emulated_camera(file: RigFile, run: Run) -> Camera:
     from emg2vsa.settings import RIGID
 
     assert file.emulated is not None
-    specimen, angle_deg, condition = run
-    bench = EmulatedRig(file.emulated, specimen, angle_deg, condition == RIGID, VirtualClock(), rig=file.rig)
+    bench = EmulatedRig(
+        file.emulated, run.specimen, run.angle_deg, run.condition == RIGID, VirtualClock(), rig=file.rig
+    )
     return bench.camera.scene.settings.camera

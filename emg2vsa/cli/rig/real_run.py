@@ -29,7 +29,6 @@ from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
-from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.kappa.judges import OwnProcess, write_about
 from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
@@ -57,7 +56,7 @@ def run_for_real(
     presses = repetitions or missing(file, runs[0], root) or file.experiment.repetitions
     (plan,) = plans_of(file, runs, presses)
     check_plan(plan, file.rig)
-    check_same_presses(root, run_name(*runs[0]), plan, file.rig, emulated=file.leads_to_emulated)
+    check_same_presses(root, runs[0].name, plan, file.rig, emulated=file.leads_to_emulated)
     judged = kappa({runs[0]: plan})[runs[0]]
     folder, ended = press_run(file, runs[0], plan, root, kappa=judged, quiet=as_json)
     if as_json:
@@ -68,7 +67,7 @@ def run_for_real(
 def missing(file: RigFile, run: Run, root: Path) -> int:
     """Presses that a run of the experiment still lacks."""
     presses, emulated = file.experiment.repetitions, file.leads_to_emulated
-    return presses_left(root, run_name(*run), presses, emulated=emulated)
+    return presses_left(root, run.name, presses, emulated=emulated)
 
 
 def press_run(
@@ -79,7 +78,7 @@ def press_run(
 
     Raises as `open_rig` and `execute`, and DataError where the run has all its presses: nothing has moved then.
     """
-    folder = new_folder(root, run_name(*run), file.experiment.repetitions, emulated=file.leads_to_emulated)
+    folder = new_folder(root, run.name, file.experiment.repetitions, emulated=file.leads_to_emulated)
     return folder, press_plan(file, plan, folder, kappa=kappa, quiet=quiet)
 
 
@@ -196,14 +195,14 @@ def _list(file: RigFile, runs: Sequence[Run], root: Path, *, as_json: bool) -> N
     presses = file.experiment.repetitions
     left = {run: count for run in runs if (count := missing(file, run, root))}
     if as_json:
-        names = ("specimen", "angle_deg", "condition")
-        to_do = [dict(zip(names, run, strict=True)) | {"presses_left": count} for run, count in left.items()]
+        to_do = [run._asdict() | {"presses_left": count} for run, count in left.items()]
         print_json({"runs": len(runs), "to_do": to_do})
         return
     for run, count in left.items():
-        how = how_ended(root / run_name(*run))
+        how = how_ended(root / run.name)
         note = f"   # {how} before, {presses - count} of {presses} presses" if how else ""
-        print("--specimen {} --angle {:g} --condition {}".format(*run) + note)
+        again = f" --mounting {run.mounting}" if file.experiment.mountings > 1 else ""
+        print(f"--specimen {run.specimen} --angle {run.angle_deg:g} --condition {run.condition}{again}{note}")
     do = "Name one as listed; --all leads through them; --virtual emulates them."
     again = "To repeat one, move its folder away, or choose another folder with --out."
     print(f"{len(runs)} runs, {len(left)} still to do. {do if left else again}", file=sys.stderr)

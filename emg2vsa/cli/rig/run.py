@@ -47,11 +47,12 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument(
         "--order",
-        choices=("file", "random"),
-        help="with --all: order of the rig file (default) or random order; order.json keeps it",
+        choices=("random", "listed"),
+        help="with --all: random order, or as the rig file lists the runs (default: [experiment] order); order.json "
+        "keeps it",
     )
     parser.add_argument(
-        "--seed", type=int, metavar="N", help="seed of --order random (default: a seed is drawn and kept)"
+        "--seed", type=int, metavar="N", help="with --all: seed of the random order (default: [experiment] seed)"
     )
     parser.add_argument("--yes", action="store_true", help="with --all: ask no questions (for scripts)")
     parser.add_argument(
@@ -72,19 +73,20 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.errors import SettingError
     from emg2vsa.rig_file import load_rig
-    from emg2vsa.rig_file.sequence import run_order
+    from emg2vsa.rig_file.sequence import ordered, run_order
 
     for name in ("order", "seed"):
         if getattr(arguments, name) is not None and not arguments.all:
             do = "Add --all, or leave it out."
             raise SettingError(f"--{name}", wanted="--all beside this option", found="one run", do=do)
-    if arguments.seed is not None and (arguments.order == "file" or arguments.seed < 0):
-        do = "Choose --order random and a seed from 0."
-        raise SettingError("--seed", wanted="a seed for a random order", found=str(arguments.seed), do=do)
     if arguments.all and arguments.repetitions:
         do = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
         raise SettingError("--repetitions", wanted="one run", found="--all", do=do)
     file = load_rig(arguments.rig)
+    listed = (arguments.order or file.experiment.order) == "listed"
+    if arguments.seed is not None and (listed or arguments.seed < 0):
+        do = "Choose --order random and a seed from 0."
+        raise SettingError("--seed", wanted="a seed for a random order", found=str(arguments.seed), do=do)
     root = arguments.out or (file.virtual_runs if arguments.virtual else file.runs)
     if arguments.plate:
         from emg2vsa.cli.rig.plate_runs import run_plates
@@ -98,11 +100,11 @@ def run(arguments: argparse.Namespace) -> int:
         options = {"virtual": arguments.virtual, "yes": arguments.yes, "as_json": arguments.json}
         return run_plates(file, arguments.plate, root, **options)
     runs = runs_chosen(arguments, file)
-    order = run_order(root, file.experiment.all_runs(), arguments.order, arguments.seed) if arguments.all else None
+    order = run_order(root, file.experiment, arguments.order, arguments.seed) if arguments.all else None
     if arguments.virtual:
         from emg2vsa.cli.rig.virtual_runs import run_virtually
 
-        jobs = jobs_of(arguments)
+        jobs, order = jobs_of(arguments), order or ordered(file.experiment)
         kappa = partial(kappa_plans, arguments, file)
         return run_virtually(
             file, runs, root, arguments.repetitions, jobs, order=order, kappa=kappa, as_json=arguments.json

@@ -15,7 +15,6 @@ from emg2vsa.cli.rig.kappa_options import KappaPlans
 from emg2vsa.cli.rig.real_run import missing, press_run
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.rig.executor.plan_limits import check_plan
-from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig_file import RigFile
 from emg2vsa.rig_file.plans import Run, plans_of
@@ -45,7 +44,7 @@ def run_sequence(
     plans = dict(zip(todo, plans_of(file, todo), strict=True))
     for run, plan in plans.items():
         check_plan(plan, file.rig)
-        check_same_presses(root, run_name(*run), plan, file.rig, emulated=file.leads_to_emulated)
+        check_same_presses(root, run.name, plan, file.rig, emulated=file.leads_to_emulated)
     judged = kappa(plans)
     done: list[dict[str, Any]] = []
     status = 0
@@ -86,10 +85,10 @@ def run_sequence(
 
 def _placed(number: int, count: int, run: Run, presses: int) -> str:
     """Empty when the specimen lies there; s to leave the run out, q to stop."""
-    specimen, angle_deg, condition = run
-    under = "the rigid motor" if condition == RIGID else f"the qbmove ({condition})"
+    under = "the rigid motor" if run.condition == RIGID else f"the qbmove ({run.condition})"
+    anew = f", mounted anew ({run.mounting})" if run.mounting > 1 else ""
     question = (
-        f"{number}/{count}: put {specimen} at {angle_deg:g} degrees under {under}, {presses} presses. "
+        f"{number}/{count}: put {run.specimen} at {run.angle_deg:g} degrees under {under}{anew}, {presses} presses. "
         "Enter: press it; s: leave it out; q: stop. "
     )
     while (said := answer(question).lower()) not in ("", "s", "q"):

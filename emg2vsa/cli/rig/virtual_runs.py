@@ -20,24 +20,25 @@ from emg2vsa.cli.rig.kappa_options import KappaPlans, say_kappa, say_reachable
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
+from emg2vsa.rig.emulated.controls import ArtificialEffect, effect_of
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
-from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import new_folder, presses_left
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.rig_file import RigFile
-from emg2vsa.rig_file.plans import Run, plans_of
+from emg2vsa.rig_file.plans import Run, plans_of, read_schedules
 from emg2vsa.rig_file.sequence import RunOrder
+from emg2vsa.schedules import Schedule
 
 _BEFORE = "done before"
 
 
-Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path, KappaPlan | None]
+Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path, ArtificialEffect | None, KappaPlan | None]
 
 
 def run_virtually(
@@ -47,22 +48,23 @@ def run_virtually(
     repetitions: int | None,
     jobs: int,
     *,
-    order: RunOrder | None = None,
+    order: RunOrder,
     kappa: KappaPlans,
     as_json: bool = False,
 ) -> int:
-    """The presses that ``runs`` lack, in ``order`` where there is one; exit status.
+    """The presses that ``runs`` lack, in ``order``; exit status.
 
     SettingError : the rig file has no emulated rig, or a plan breaks a limit. ScheduleError : as `plans_of`.
     """
     if file.emulated is None:
         do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
         raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
-    runs = [run for run in order.runs if run in runs] if order else runs
+    runs = [run for run in order.runs if run in runs]
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
+    right = _right_schedules(file)
     for run, plan in plans.items():
         check_plan(plan, file.rig)
-        check_same_presses(root, run_name(*run), plan, file.rig, emulated=True)
+        check_same_presses(root, run.name, plan, file.rig, emulated=True)
     judged = kappa(plans)
     for line in () if as_json else laxer_guards(file.rig):
         print(f"guard: {line}")
@@ -70,10 +72,11 @@ def run_virtually(
     results: dict[Run, Ended | str] = {}
     waiting: dict[Run, Job] = {}
     for run, plan in plans.items():
-        if presses := presses_left(root, run_name(*run), plan.repetitions, emulated=True):
-            plans[run] = replace(plan, repetitions=presses, order=order.place(run) if order else None)
-            folder = new_folder(root, run_name(*run), plan.repetitions, emulated=True)
-            waiting[run] = plans[run], file.rig, file.emulated, folder, judged[run]
+        if presses := presses_left(root, run.name, plan.repetitions, emulated=True):
+            plans[run] = replace(plan, repetitions=presses, order=order.place(run) if len(runs) > 1 else None)
+            folder = new_folder(root, run.name, plan.repetitions, emulated=True)
+            effect = effect_of(file.emulated, plan.schedule, right)
+            waiting[run] = plans[run], file.rig, file.emulated, folder, effect, judged[run]
             if (plan_of_kappa := judged[run]) is not None and not as_json:
                 say_reachable(plan_of_kappa, presses)
         else:
@@ -81,15 +84,15 @@ def run_virtually(
     for run, result in _carried_out(waiting, jobs):
         results[run] = result
         line = result if isinstance(result, str) else summary(result, plans[run].repetitions)
-        print(f"{len(results)}/{len(runs)} {run_name(*run)}: {line}", file=sys.stderr, flush=True)
+        print(f"{len(results)}/{len(runs)} {run.name}: {line}", file=sys.stderr, flush=True)
         if isinstance(result, Ended) and result.how == "interrupted":
             raise KeyboardInterrupt
     ends = [result for result in results.values() if isinstance(result, Ended)]
     rig_min, took_min = sum(ended.time_s for ended in ends) / 60, (time.monotonic() - start) / 60
     status = int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
-    for *_, folder, plan_of_kappa in () if as_json else waiting.values():
-        if plan_of_kappa is not None:
-            say_kappa(folder)
+    for job in () if as_json else waiting.values():
+        if job[-1] is not None:
+            say_kappa(job[3])
     if as_json:
         print_json({"folder": str(root), "runs": [_document(run, results[run]) for run in plans]})
         return status
@@ -99,10 +102,9 @@ def run_virtually(
 
 
 def _document(run: Run, result: Ended | str) -> dict[str, Any]:
-    of_run = dict(zip(("specimen", "angle_deg", "condition"), run, strict=True))
     if isinstance(result, Ended):
-        return of_run | {"ended": asdict(result)}
-    return of_run | {"ended": None, "note": result}
+        return run._asdict() | {"ended": asdict(result)}
+    return run._asdict() | {"ended": None, "note": result}
 
 
 def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, Ended | str]]:
@@ -122,8 +124,23 @@ def _carried_out(waiting: Mapping[Run, Job], jobs: int) -> Iterator[tuple[Run, E
             raise
 
 
-def _run(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, kappa: KappaPlan | None) -> Ended:
-    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC), run=folder.name, kappa=kappa)
+def _right_schedules(file: RigFile) -> tuple[Schedule, ...]:
+    """What the noise of control P4 is matched to."""
+    assert file.emulated is not None
+    named = file.emulated.control_specimen
+    return read_schedules(file.schedules, [Run(named, 0.0, "modular")], {}) if named else ()
+
+
+def _run(
+    plan: RunPlan,
+    rig: RigSettings,
+    emulated: EmulatedSettings,
+    folder: Path,
+    effect: ArtificialEffect | None,
+    kappa: KappaPlan | None,
+) -> Ended:
+    started = datetime.now(UTC)
+    return run_virtual(plan, rig, emulated, folder, started=started, run=folder.name, effect=effect, kappa=kappa)
 
 
 def _outcome(make: Callable[[], Ended]) -> Ended | str:
@@ -139,10 +156,11 @@ def _table(results: Mapping[Run, Ended | str], plans: Mapping[Run, RunPlan]) -> 
     """Presses done, condition and angle by specimen."""
     specimens = list(dict.fromkeys(run[0] for run in plans))
     rows = dict.fromkeys(run[1:] for run in plans)
+    several = any(mounting > 1 for _, _, mounting in rows)
     yield f"{'presses done':<27}" + "".join(f"{specimen:>12}" for specimen in specimens)
-    for angle_deg, condition in rows:
-        cells = [_cell(results, plans, (specimen, angle_deg, condition)) for specimen in specimens]
-        title = f"{condition}, {angle_deg:g} degrees"
+    for angle_deg, condition, mounting in rows:
+        cells = [_cell(results, plans, Run(specimen, angle_deg, condition, mounting)) for specimen in specimens]
+        title = f"{condition}, {angle_deg:g} degrees" + (f" ({mounting})" if several else "")
         yield f"{title:<27}" + "".join(f"{cell:>12}" for cell in cells)
 
 

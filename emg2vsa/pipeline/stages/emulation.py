@@ -1,4 +1,4 @@
-"""Emulation: a run of the experiment, carried out by the emulated rig in virtual time."""
+"""Emulation: one mounting of a run of the experiment, carried out by the emulated rig in virtual time."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.rig.emulated.controls import ArtificialEffect
     from emg2vsa.rig.emulated.settings import EmulatedSettings
     from emg2vsa.rig.plan import RunPlan
     from emg2vsa.rig.rig_settings import RigSettings
@@ -21,19 +22,29 @@ STARTED = "2026-01-05T09:00:00+00:00"
 
 def takes(campaign: Campaign, item: str) -> list[Input]:
     """The rigid motor follows no schedule."""
-    return [] if campaign.runs[item].condition == RIGID else [("schedules", "study")]
+    return [] if campaign.mountings[item].condition == RIGID else [("schedules", "study")]
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    """Of the other runs nothing: neither their names nor the stiffness of their specimens."""
+    """Of the other runs no more than the place of this one among them: neither names nor stiffness of specimens."""
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
-    entry, rig, emulated = campaign.runs[item], campaign.rig, campaign.rig.emulated
+    run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
+    schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
     return {
-        "run": (entry.specimen, entry.angle_deg, entry.condition),
-        "experiment": replace(rig.experiment, specimens=(entry.specimen,), angles_deg={}),
+        "run": run,
+        "order": 1 + list(campaign.mountings).index(item),
+        "experiment": replace(
+            rig.experiment,
+            specimens=(run.specimen,),
+            angles_deg={},
+            mountings=1,
+            schedule_of=schedule_of,
+            order="listed",
+            seed=0,
+        ),  # fmt: skip
         "rig": rig.rig,
-        "emulated": emulated.of(entry.specimen),
+        "emulated": emulated.of(run.specimen),
     }
 
 
@@ -51,6 +62,7 @@ def run(given: Given) -> list[Path]:
     import shutil
 
     from emg2vsa.errors import DataError
+    from emg2vsa.rig.emulated.controls import effect_of
     from emg2vsa.rig.experiment import plan_of
     from emg2vsa.rig.record.new_folder import EMULATED_FILE
 
@@ -60,13 +72,12 @@ def run(given: Given) -> list[Path]:
         do = "Choose another root under [runs], or leave rig out of it to score measured runs."
         raise DataError(made, wanted="a free folder for an emulated run", found="a measured run", do=do)
     used = given.settings
-    specimen, angle_deg, condition = used["run"]
-    known = used["emulated"].stiffness_n_per_mm
-    plan = plan_of(used["experiment"], specimen, angle_deg, condition, given.one("schedules") or (), known)
+    known, schedules = used["emulated"].stiffness_n_per_mm, given.one("schedules") or ()
+    plan = replace(plan_of(used["experiment"], used["run"], schedules, known), order=used["order"])
     for left in given.folder.glob(f".{given.item}.*unfinished"):  # by a process that was killed
         shutil.rmtree(left, ignore_errors=True)
     try:
-        _record(plan, used["rig"], used["emulated"], unfinished)
+        _record(plan, used["rig"], used["emulated"], unfinished, effect_of(used["emulated"], plan.schedule, schedules))
         shutil.rmtree(made, ignore_errors=True)
         unfinished.rename(made)
     except BaseException:
@@ -75,7 +86,9 @@ def run(given: Given) -> list[Path]:
     return sorted(path for path in made.rglob("*") if path.is_file())
 
 
-def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path) -> None:
+def _record(
+    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
+) -> None:
     """Carry the run out, whole: what a guard of the emulated rig ends is a result, what the computer ends is none.
 
     OSError : it could not be recorded. KeyboardInterrupt : Ctrl-C, which the executor takes for the end of the run.
@@ -88,7 +101,7 @@ def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder:
     from emg2vsa.rig.record.new_folder import how_ended
 
     try:
-        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED))
+        ended = run_virtual(plan, rig, emulated, folder, started=datetime.fromisoformat(STARTED), effect=effect)
     except DeviceError as error:
         raise OSError(errno.EIO, str(error)) from error
     if ended.how == "interrupted":
@@ -98,7 +111,7 @@ def _record(plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder:
 
 
 STAGE = Stage(
-    per="run",
+    per="mounting",
     of="emulated rig",
     needs=("schedules",),
     run=run,

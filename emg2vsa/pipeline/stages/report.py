@@ -90,7 +90,9 @@ def results_of(given: Given, pages: str = "") -> StudyResults:
     if scores:
         runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
     failures = tuple(Failure(*failure) for failure in given.failures)
-    return StudyResults(given.settings["study"], people, runs, failures, _provenance(given), pages)
+    return StudyResults(
+        given.settings["study"], people, runs, given.one("stiffness"), failures, _provenance(given), pages
+    )
 
 
 def _provenance(given: Given) -> dict[str, str]:
@@ -121,6 +123,7 @@ STAGE = Stage(
         "hypotheses",
         "profiles",
         "schedules",
+        "stiffness",
         "emulation",
         "runs",
         "discrimination",

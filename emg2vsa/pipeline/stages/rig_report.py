@@ -26,6 +26,16 @@ def run(given: Given) -> list[Path]:
 STAGE = replace(
     report.STAGE,
     run=run,
-    needs=("trials", "fits", "profiles", "schedules", "emulation", "runs", "discrimination", "calibration"),
+    needs=(
+        "trials",
+        "fits",
+        "profiles",
+        "schedules",
+        "stiffness",
+        "emulation",
+        "runs",
+        "discrimination",
+        "calibration",
+    ),
     folder=folder,
 )

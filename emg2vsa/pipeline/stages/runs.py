@@ -1,4 +1,4 @@
-"""Runs: every press of one run of the rig, scored by every vision algorithm."""
+"""Runs: every press of one run of the rig, all its mountings, scored by every vision algorithm."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
     world = emulation_settings(campaign, item)
     return used | {
-        "folders": Keyed((source.root / item,), 1),
+        "folders": Keyed(entry.folders, len(entry.folders)),
         "camera": Keyed(None, None),
         "rig": world["rig"],
         "emulated": world["emulated"],
@@ -42,7 +42,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     """What a measured run consists of; the files of an emulated one are the result of its emulation."""
     source = campaign.study.runs_source
     assert source is not None
-    inside = [path for folder in campaign.runs[item].folders for path in _files_in(folder)]
+    inside = [] if campaign.rig else [path for folder in campaign.runs[item].folders for path in _files_in(folder)]
     return {"camera": [source.camera] if source.camera else [], "run": inside}
 
 
@@ -63,7 +63,7 @@ def _files_in(folder: Path) -> list[Path]:
 
 
 def takes(campaign: Campaign, item: str) -> list[tuple[str, str]]:
-    return [] if campaign.rig is None else [("emulation", item)]
+    return [] if campaign.rig is None else [("emulation", folder.name) for folder in campaign.runs[item].folders]
 
 
 def run(given: Given) -> RunScores:

@@ -12,9 +12,9 @@ A section gives, each as a function of the results:
 A text may use: ``q`` (every quantity by its key, as ``q['fit.used']``), ``study``, ``people``, ``runs`` (the parts of
 ``StudyResults``), its own ``words``, and the functions ``table(name)``, ``figure(name)``, ``folded(name, summary)`` (a
 table or figure), ``has(name)`` (whether there is such a table) and ``why_absent(stage)``. Filters: ``number``,
-``bounded``, ``p``, ``percent``, ``count``, ``listed``, ``bullets``. Tables are numbered in the order in which the texts
-show them; a table that no text shows is written to its files alone. Text is escaped, minus and percent are set in one
-way; a name that is not there is an error.
+``bounded``, ``p``, ``percent``, ``signed``, ``count``, ``listed``, ``bullets``. Tables are numbered in the order in
+which the texts show them; a table that no text shows is written to its files alone. Text is escaped, minus and percent
+are set in one way; a name that is not there is an error.
 
 Quantities of all sections are computed first, so that tables, claims and texts of one may use those of another. The
 order of this tuple is the order of the page. A new statistic is computed by its stage (or by the arithmetic beneath)
@@ -25,11 +25,13 @@ from __future__ import annotations
 
 from emg2vsa.report.section import Section
 from emg2vsa.report.sections.actuators import ACTUATORS
+from emg2vsa.report.sections.algorithm_1 import ALGORITHM_1
 from emg2vsa.report.sections.area import AREA
 from emg2vsa.report.sections.claims import CLAIMS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import GLOSSARY
 from emg2vsa.report.sections.hypotheses import HYPOTHESES
+from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import KAPPA
 from emg2vsa.report.sections.methods import METHODS
 from emg2vsa.report.sections.models import MODELS
@@ -40,6 +42,7 @@ from emg2vsa.report.sections.provenance import PROVENANCE
 from emg2vsa.report.sections.rates import RATES
 from emg2vsa.report.sections.runs import RUNS
 from emg2vsa.report.sections.schedules import SCHEDULES
+from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.sections.vision import VISION
 
 SECTIONS: tuple[Section, ...] = (
@@ -52,10 +55,13 @@ SECTIONS: tuple[Section, ...] = (
     SCHEDULES,
     RUNS,
     AREA,
+    ALGORITHM_1,
     RATES,
     VISION,
     ACTUATORS,
+    STIFFNESS,
     KAPPA,
+    IMPLIED,
     MODELS,
     METHODS,
     GLOSSARY,

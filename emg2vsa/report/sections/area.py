@@ -280,7 +280,7 @@ grow with force. The table therefore compares areas at the force where loading b
 <p>The paper pools all specimens of an angle. The companions also compare the angles on each specimen alone.</p>
 {{ folded("verdict_angle", "Tests between angles compared") }}
 {{ folded("area_by_angle", "The area on every specimen") }}
-{{ figure("fig08_initial_area") }}
+{{ folded("fig08_initial_area", "Figure 8: initial area by specimen and by angle") }}
 {{ folded("fig09_first_contact", "Figure 9: contact at each angle at one force") }}
 {{ folded("verdict_runs_normality", "Tests of normality compared") }}
 """

@@ -15,7 +15,7 @@ from emg2vsa.report.wording import count, p_text, percent
 
 ADVANCING_FRONT_ERROR = 0.096
 """Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
-NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter"})
+NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter", "kappa_curves"})
 """Claims on settings and arithmetic: no data can change their verdicts, so they are not counted as results."""
 _KINDS = {"holds": "holds", "does not hold": "fails", "cannot be tested here": "untested"}
 
@@ -28,23 +28,37 @@ def claim_quantities(claims: Mapping[str, Sequence[Claim]]) -> Items:
             yield f"claims.{claim.key}.verdict", claim.verdict
 
 
-def claims_table(claims: Mapping[str, Sequence[Claim]]) -> Table:
-    """All claims in the order of their sections, each with a link to its own."""
-    columns = (
-        Column("says", "Claim of the paper"), Column("verdict", "Verdict"), Column("paper", "Paper"),
-        Column("here", "Here, same test"), Column("companion", "Companion test"), Column("why", "Why"),
-    )  # fmt: skip
+COLUMNS = (
+    Column("says", "Claim of the paper"), Column("verdict", "Verdict"), Column("paper", "Paper"),
+    Column("here", "Here, same test"), Column("companion", "Companion test"), Column("why", "Why"),
+)  # fmt: skip
+
+
+def claims_tables(claims: Mapping[str, Sequence[Claim]]) -> Iterator[Table]:
+    """All claims in the order of their sections, each with a link to its own; people see those on results first."""
     every = [(name, claim) for name, of_section in claims.items() for claim in of_section]
-    rows: tuple[Row, ...] = tuple(
-        {column.key: getattr(claim, column.key) for column in columns}
-        | {"says": claim.says[0].upper() + claim.says[1:]}
-        for _, claim in every
-    )
+    results = [each for each in every if each[1].key not in NOT_RESULTS]
+    caption = "Quantitative claims of the paper beside this study"
+    yield _table("claims", caption, every, shown=results)
+    others = [each for each in every if each[1].key in NOT_RESULTS]
+    yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, others)
+
+
+_Claims = Sequence[tuple[str, Claim]]
+"""Name of the section, and its claim."""
+
+
+def _table(name: str, caption: str, every: _Claims, shown: _Claims) -> Table:
     return Table(
-        "claims", "Quantitative claims of the paper beside this study", columns, rows,
-        kinds=tuple(_KINDS[claim.verdict] for _, claim in every),
-        links=tuple(f"#{name}" for name, _ in every),
+        name, caption, COLUMNS, tuple(_row(claim) for _, claim in every), tuple(_row(claim) for _, claim in shown),
+        kinds=tuple(_KINDS[claim.verdict] for _, claim in shown), links=tuple(f"#{section}" for section, _ in shown),
     )  # fmt: skip
+
+
+def _row(claim: Claim) -> Row:
+    return {column.key: getattr(claim, column.key) for column in COLUMNS} | {
+        "says": claim.says[0].upper() + claim.says[1:]
+    }
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
@@ -149,7 +163,7 @@ def _stiffness(results: StudyResults, q: Quantities) -> str:
     median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
     shared = (
         f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
-        f"which shares nothing: {percent(ADVANCING_FRONT_ERROR, 2)})"
+        f"which shares the law alone: {percent(ADVANCING_FRONT_ERROR, 2)})"
         if q["runs.simulated"]
         else ""
     )
@@ -168,6 +182,7 @@ _TEXT = """
 {% if table("claims") %}
 {{ table("claims") }}
 <p class="small">“Here” is the paper's own test or definition; a companion fits the question better.</p>
+{{ folded("claims_on_settings", "Claims on settings and arithmetic") }}
 {% endif %}
 """
 

@@ -16,15 +16,29 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section
-from emg2vsa.report.table import Column, Table, rows_of
-from emg2vsa.report.wording import SIMULATED, UNDEFINED, interval, number
+from emg2vsa.report.table import Cell, Column, Row, Table
+from emg2vsa.report.wording import SIMULATED, UNDEFINED, interval, number, signed
+from emg2vsa.settings import Recipe, RunSettings
 
-COLUMNS = (
-    ("old_vision", RIGID, "Old vision", paper.ERROR_OLD_VISION),
-    ("new_vision", RIGID, "New vision", paper.ERROR_NEW_VISION),
-    ("human_like", HUMAN_LIKE, "New vision, human-like", paper.ERROR_HUMAN_LIKE),
-)
-"""Key, condition, head, the paper's errors; the first is by the old vision algorithm."""
+ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
+"""Condition, key and head of the two halves of Table I."""
+PRINTED = {
+    ("circle", RIGID): ("old_vision", paper.ERROR_OLD_VISION),
+    ("paper", RIGID): ("new_vision", paper.ERROR_NEW_VISION),
+    ("paper", HUMAN_LIKE): ("human_like", paper.ERROR_HUMAN_LIKE),
+}
+"""Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
+ALGORITHM_NAMES = {
+    "circle": "circle (previous)",
+    "paper": "hexagon (paper)",
+    "hexagon": "filled hexagon (ours)",
+    "edge": "edge (ours)",
+    "front": "front (ours)",
+}
+
+
+LAW_ERRORS = (-0.086, 0.108)
+"""Least and largest median error of κ by the true CASR, over simulated sensors: benchmarks/results/press_worlds.md."""
 
 
 def _found(results: StudyResults) -> CalibrationResults:
@@ -44,7 +58,7 @@ def _design(each: ConditionResult) -> str:
 
 
 def _quantities(results: StudyResults) -> Items:
-    for vision, _, _, errors in COLUMNS:
+    for vision, errors in PRINTED.values():
         for angle, error in errors.items():
             yield f"paper.kappa_error.{vision}.{angle:g}", error
     for condition, error in paper.ERROR_CONSTANT.items():
@@ -88,15 +102,12 @@ def _algorithm(name: str, of: AlgorithmResult) -> Items:
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     found, (algorithm, own) = _found(results), _own(results)
-    old = results.study.discrimination.old_algorithm
+    compared = tuple(dict.fromkeys((results.study.discrimination.old_algorithm, "paper", "front", algorithm)))
     ours = {each.angle_deg for each in found.conditions if each.condition in (RIGID, HUMAN_LIKE)}
-    angles = sorted(ours | set(paper.ANGLES_DEG))
-    cells = {
-        key: [_at(found, angle, condition, old if key == "old_vision" else algorithm) for angle in angles]
-        for key, condition, _, _ in COLUMNS
-    }
-    yield _table_one(found, angles, cells, algorithm, old)
-    yield _table_one_laws(angles, cells)
+    designs = [(angle, name) for angle in sorted(ours | set(paper.ANGLES_DEG)) for name in compared]
+    yield _table_one(found, designs)
+    yield _table_one_intervals(found, designs)
+    yield _recipes(results.study.scoring, compared)
     yield _every(found, algorithm, own)
     yield _laws(own)
 
@@ -106,33 +117,82 @@ def _at(found: CalibrationResults, angle_deg: float, condition: str, algorithm: 
     return each.algorithms.get(algorithm) if each else None
 
 
-_Cells = dict[str, list[AlgorithmResult | None]]
+_Designs = Sequence[tuple[float, str]]
+"""Angle and vision algorithm of every row."""
+_FIRST = (Column("angle_deg", "Angle (°)", digits=2), Column("algorithm", "Vision algorithm"))
+_NOT_DETERMINED = "not determined"
 
 
-def _table_one(found: CalibrationResults, angles: Sequence[float], cells: _Cells, algorithm: str, old: str) -> Table:
-    columns, values = [Column("angle_deg", "Angle (°)", digits=2)], {"angle_deg": list(angles)}
-    for key, _, head, printed in COLUMNS:
+def _table_one(found: CalibrationResults, designs: _Designs) -> Table:
+    columns = [*_FIRST]
+    rows: list[dict[str, Cell]] = [{"angle_deg": angle, "algorithm": ALGORITHM_NAMES[name]} for angle, name in designs]
+    shown = [dict(row) for row in rows]
+    for condition, key, head in ACTUATORS:
         columns += [
             Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2),
             Column(f"{key}_same", f"{head}: here, paper's law (%)", 100.0),
-            Column(key, f"{head}: companion, law of this study (%)", 100.0),
+            Column(key, f"{head}: here, law of this study (%)", 100.0),
         ]
-        values[f"{key}_paper"] = [printed.get(angle, np.nan) for angle in angles]
-        values[f"{key}_same"] = [of.paper.error if of else np.nan for of in cells[key]]
-        values[key] = [of.chosen.error if of else np.nan for of in cells[key]]
+        for row, of_people, (angle, name) in zip(rows, shown, designs, strict=True):
+            of = _at(found, angle, condition, name)
+            _, printed = PRINTED.get((name, condition), ("", {}))
+            row[f"{key}_paper"] = of_people[f"{key}_paper"] = printed.get(angle, np.nan)
+            for place, law in ((f"{key}_same", of and of.paper), (key, of and of.chosen)):
+                row[place] = law.error if law else np.nan
+                of_people[place] = (
+                    signed(100 * law.error) if law and law.determined else _NOT_DETERMINED if law else None
+                )
     caption = (
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm). Ours have a sign, plus "
-        f"for too stiff; old vision is {old}, new vision {algorithm}; –: not in the paper, not pressed here, or no κ"
+        "for too stiff. Not determined: the interval is wider than the range of the known stiffnesses. –: not in the "
+        "paper or not pressed here"
     )
-    return Table("table_one", caption, tuple(columns), rows_of(values))
+    return Table("table_one", caption, tuple(columns), tuple(rows), tuple(shown))
 
 
-def _table_one_laws(angles: Sequence[float], cells: _Cells) -> Table:
-    heads = {f"{key}_interval_n_per_mm": f"{head}: κ and interval (N/mm)" for key, _, head, _ in COLUMNS}
-    columns = (Column("angle_deg", "Angle (°)", digits=2), *(Column(key, head) for key, head in heads.items()))
-    spans = ([span(of.chosen) if of else UNDEFINED for of in cells[key]] for key, _, _, _ in COLUMNS)
-    rows = rows_of({"angle_deg": list(angles), **dict(zip(heads, spans, strict=True))})
-    return Table("table_one_laws", "The intervals of κ behind Table I, by the law of this study", columns, rows)
+def _table_one_intervals(found: CalibrationResults, designs: _Designs) -> Table:
+    columns = [*_FIRST]
+    rows: list[dict[str, Cell]] = [{"angle_deg": angle, "algorithm": ALGORITHM_NAMES[name]} for angle, name in designs]
+    for condition, key, head in ACTUATORS:
+        for suffix, whose in (("same_", "paper's law"), ("", "law of this study")):
+            columns.append(Column(f"{key}_{suffix}interval_n_per_mm", f"{head}: {whose}"))
+            for row, (angle, name) in zip(rows, designs, strict=True):
+                of = _at(found, angle, condition, name)
+                row[columns[-1].key] = span(of.paper if suffix else of.chosen) if of else UNDEFINED
+    return Table("table_one_laws", "κ and its interval behind Table I (N/mm)", tuple(columns), tuple(rows))
+
+
+_STEPS = {
+    "edge": "edge of the contact", "hexagon": "hexagons, filled", "circle": "circle",
+    "pin-affine": "motion of the pins", "horn-schunck": "dense, Horn and Schunck", "dis": "dense, DIS",
+    "exposure": "at exposure", "mean": "mean of its rows", "ode": "A_c0 exp(Σ growth)",
+    "power": "mean slope of a power law", "slope": "slope of a line",
+}  # fmt: skip
+_AS_PRINTED = {"area_rule": "hexagons of Algorithm 1", "law": "equation (1)", "rate": "equation (2)"}
+
+
+def _recipes(settings: RunSettings, algorithms: Sequence[str]) -> Table:
+    """Every step of the algorithms that are compared, by the name of its setting."""
+    columns = (
+        Column("algorithm", "Vision algorithm"), Column("area_rule", "Initial area"), Column("engine", "Growth"),
+        Column("force_rule", "Force of a frame"), Column("law", "Area"), Column("rate", "CASR"),
+        Column("force_low_n", "From (N)"), Column("force_high_n", "To (N)"),
+    )  # fmt: skip
+    rows: list[Row] = []
+    for name in algorithms:
+        recipe = settings.recipe_of(name)
+        steps = {key: _AS_PRINTED[key] if step == "paper" else _STEPS[step] for key, step in _steps(recipe)}
+        if recipe.region == "image":
+            steps["engine"] += ", whole image"
+        if name == "front":
+            steps |= {"area_rule": "front in every frame", "engine": UNDEFINED, "law": UNDEFINED}
+        low, high = settings.force_n
+        rows.append({"algorithm": ALGORITHM_NAMES[name], **steps, "force_low_n": low, "force_high_n": high})
+    return Table("recipes", "How each vision algorithm scores a press", columns, tuple(rows))
+
+
+def _steps(recipe: Recipe) -> list[tuple[str, str]]:
+    return [(key, step) for key, step in recipe._asdict().items() if key != "region"]
 
 
 def span(law: LawResult) -> str:
@@ -157,7 +217,7 @@ def holds(of: AlgorithmResult, truth: float) -> bool | None:
 
 def _every(found: CalibrationResults, algorithm: str, own: Sequence[tuple[ConditionResult, AlgorithmResult]]) -> Table:
     columns = (
-        Column("design", "Condition, angle"), Column("paper_error", "Paper's error (%)", 100.0),
+        Column("design", "Condition, angle"), Column("paper_error", "Paper's error, hexagon (%)", 100.0),
         Column("exponential_error", "Error here, paper's law (%)", 100.0),
         Column("paper_adj_r2", "Paper's worst adj. R²", digits=4),
         Column("adj_r2", "adj. R² here, paper's law", digits=4), Column("kappa_n_per_mm", "κ (N/mm)"),
@@ -258,6 +318,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         "of_held": len(held) - held.count(None),
         "truth_known": found.known_kappa_new == found.known_kappa_new,
         "new": found.new_specimen,
+        "law_errors": [100 * error for error in LAW_ERRORS],
     }
 
 
@@ -265,16 +326,18 @@ _TEXT = """
 <p>{% if not truth_known %}
 The stiffness of {{ new }} is not known, so that no error can be stated.
 {% elif runs.simulated %}
-Both the law of this study and the simulated world let sensor and specimen yield in series, so a small error is no
-evidence for that law.
+Sensor and specimen yield in series in the law of this study and in the simulated world, so a small error is no evidence
+for that law. By the true CASR of other simulated sensors it is {{ law_errors[0] | signed }} to
+{{ law_errors[1] | signed }} % off.
 {% endif %}</p>
 {{ folded("table_one", "Table I of the paper beside ours") }}
-<p>An interval wider than the range of the known stiffnesses determines nothing. κ is determined in
+<p>κ is determined in
 {{ determined }} of {{ designs }} designs{% if of_held %}; the interval holds the known stiffness in {{ held }} of
 {{ of_held }}{% endif %}. The intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because each specimen was mounted
 once.</p>
 {{ folded("table_one_laws", "Intervals of κ behind Table I") }}
+{{ folded("recipes", "How each algorithm scores a press") }}
 {{ folded("kappa_new", "κ in every design") }}
 {{ folded("calibration_laws", "The fitted laws") }}
 {{ folded("figcal_calibration", "Figure C1: calibration of every design") }}

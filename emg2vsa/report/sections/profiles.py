@@ -8,6 +8,7 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from emg2vsa.arrays import Floats
+from emg2vsa.exemplary import Choice
 from emg2vsa.figures.boxes import PairBar, hazen_box
 from emg2vsa.figures.cocontraction import draw_cocontraction, draw_interpolation
 from emg2vsa.figures.palette import looks
@@ -33,6 +34,15 @@ def _quantities(results: StudyResults) -> Items:
         yield f"profiles.{profile.specimen}.a{v}", profile.a_v
         yield f"profiles.{profile.specimen}.b{v}", profile.b_v
         yield f"profiles.{profile.specimen}.n_trials", profile.n_trials
+    if (choice := profiles.choice) is not None:
+        yield "profiles.choice.medoid", choice.medoid
+        percent_of = float(np.ptp(results.study.schedule.stiffness_percent))
+        for name, to_others, to_used, largest in zip(
+            choice.participants, choice.to_others, choice.to_used, choice.largest, strict=True
+        ):
+            yield f"profiles.choice.{name}.to_others_percent", percent_of * float(to_others)
+            yield f"profiles.choice.{name}.to_used_percent", percent_of * float(to_used)
+            yield f"profiles.choice.{name}.largest_percent", percent_of * float(largest)
     for left in profiles.leave_one_out:
         yield f"profiles.leave_one_out.{left.specimen}.rmse{v}", left.rmse_v
         yield f"profiles.leave_one_out.{left.specimen}.relative", left.relative
@@ -41,6 +51,10 @@ def _quantities(results: StudyResults) -> Items:
         yield f"{name}.alpha", profiles.weight_alpha
         yield f"{name}.a{v}", profiles.new.a_v
         yield f"{name}.b{v}", profiles.new.b_v
+        for made in profiles.by_rule:
+            yield f"{name}.by_{made.rule}.alpha", made.alpha
+            if made.error is not None:
+                yield f"{name}.by_{made.rule}.rmse{v}", made.error.rmse_v
         if profiles.new_error is not None:
             yield f"{name}.measured_as", profiles.new_error.specimen
             yield f"{name}.rmse{v}", profiles.new_error.rmse_v
@@ -76,6 +90,30 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         for left in profiles.leave_one_out
     )
     yield Table("leave_one_out", "Each measured profile beside its interpolation from its neighbours", columns, rows)
+
+    if profiles.choice is not None:
+        yield _choice(profiles.choice, results, q)
+
+
+def _choice(choice: Choice, results: StudyResults, q: Quantities) -> Table:
+    columns = (
+        Column("participant", "Participant"),
+        Column("to_others_percent", "Mean distance to the others (points)"),
+        Column("to_used_percent", "Distance to the schedules used (points)"),
+        Column("largest_percent", "Largest difference from them (points)"),
+    )
+    rows: tuple[Row, ...] = tuple(
+        {"participant": name, **{each.key: q[f"profiles.choice.{name}.{each.key}"] for each in columns[1:]}}
+        for name in choice.participants
+    )
+    low, high = results.study.schedule.stiffness_percent
+    caption = (
+        f"Schedules that each participant would give, in points of stiffness percent ({low:g} to {high:g} %): root "
+        f"mean square over specimens and forces. The medoid is {choice.medoid}"
+    )
+    if choice.left_out:
+        caption += f"; {listed(choice.left_out)} did not press every specimen"
+    return Table("exemplary", caption, columns, rows)
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -238,6 +276,7 @@ _TEXT = """
 {% else %}
 <p>Too few specimens of known stiffness to leave one out.</p>
 {% endif %}
+{{ folded("exemplary", "Choice of the participant: how far the schedules would differ") }}
 <details><summary>Notes on the profiles</summary>{{ people.profiles.notes | bullets }}</details>
 {% endif %}
 """

@@ -36,9 +36,11 @@ from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Table, rows_of
 from emg2vsa.report.verdicts import change, dunn_bounds, how_many
 from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value
+from emg2vsa.runs import PressCurve
 
 _RAW = (
-    "Left: contact area against force, a part of the frames of all presses, and a power law through them. Right: CASR."
+    "Left: raw dA/dF from frame to frame of all presses, a part of them, and its fit, the derivative of a power law "
+    "through the areas. Right: CASR of the presses."
 )
 
 
@@ -172,25 +174,31 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         specimens = listed(list(dict.fromkeys(each.name for _, row in rows for each in row)))
         unit = area_unit(table.area_unit)
         told = medians_said([(title, [(each.name, each.casr) for each in row]) for title, row in rows])
-        yield drawing(
-            results, name, f"Contact area against force and CASR, {what}",
-            f"Fig. {number}. CASR of {specimens}, {what}. {_RAW} {BOXES}", f"Median CASR in {unit}/N. {told}.",
-            draw_rates(rows, unit),
-        )  # fmt: skip
+        caption = (
+            f"Fig. {number}. CASR of {specimens}, {what}, all panels by the {table.algorithm} algorithm. {_RAW} {BOXES}"
+        )
+        said, figure = f"Median CASR in {unit}/N. {told}.", draw_rates(rows, unit)
+        yield drawing(results, name, f"dA/dF against force and CASR, {what}", caption, said, figure)
 
 
 def _series(results: StudyResults, look: Mapping[str, Look], design: int) -> Sequence[RateSeries]:
     table = tested(results).table
     of = (table.conditions[design], float(table.angles_deg[design]))
     runs = {run.specimen: run for run in results.pressed.scores if (run.condition, run.angle_deg) == of}
+    as_printed = results.study.scoring.recipe.rate == "paper"
     series = []
     for specimen, scores in zip(table.specimens, table.casr[table.algorithm][design], strict=True):
         if specimen in runs:
-            curves = runs[specimen].curves
-            force = np.concatenate([curve.force_n for curve in curves] or [np.empty(0)])
-            area = np.concatenate([curve.area_mm2 for curve in curves] or [np.empty(0)])
-            series.append(RateSeries(specimen, look[specimen], force, area, finite(scores)))
+            presses = [_points(curve, as_printed) for curve in runs[specimen].curves]
+            series.append(RateSeries(specimen, look[specimen], presses, finite(scores)))
     return series
+
+
+def _points(curve: PressCurve, as_printed: bool) -> tuple[Floats, Floats]:
+    """Forces and areas of a press; the first force is 0 in equation (2) as printed."""
+    force_n = curve.force_n.copy()
+    force_n[:1] = 0.0 if as_printed else force_n[:1]
+    return force_n, curve.area_mm2
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from numpy.typing import NDArray
 
 from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.figures.palette import looks
@@ -12,15 +16,32 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people
 from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
-from emg2vsa.report.wording import number
+from emg2vsa.report.wording import listed, number
 from emg2vsa.schedules import Schedule
+from emg2vsa.schedules.build import build_schedules
 
+_TWO = 2
+_RULES = {"bracket": "bracket", "paper": "κ/10 (paper)"}
 _PAPER_PERCENT, _PAPER_STEP_N = (20.0, 80.0), 0.3
 
 
 def _quantities(results: StudyResults) -> Items:
     for schedule in results.recorded.schedules:
         yield from _schedule(schedule, f"schedules.{schedule.specimen}.{schedule.condition}")
+    for rule, schedule in _by_rule(results).items():
+        name = f"schedules.{schedule.specimen}.by_{rule}"
+        yield f"{name}.min_percent", float(schedule.stiffness_percent.min())
+        yield f"{name}.max_percent", float(schedule.stiffness_percent.max())
+
+
+def _by_rule(results: StudyResults) -> dict[str, Schedule]:
+    """The modular schedule of the new specimen by each rule of interpolation; none where only one can be."""
+    profiles = results.recorded.profiles
+    if profiles is None or not results.recorded.schedules or len(profiles.by_rule) < _TWO:
+        return {}
+    modular = replace(results.study.schedule, conditions=("modular",))
+    made = {each.rule: replace(profiles, new=each.profile, weight_alpha=each.alpha) for each in profiles.by_rule}
+    return {rule: build_schedules(other, modular, {})[-1] for rule, other in made.items()}
 
 
 def _schedule(schedule: Schedule, name: str) -> Items:
@@ -39,6 +60,26 @@ def _schedule(schedule: Schedule, name: str) -> Items:
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     if results.recorded.schedules:
         yield _steps(results.recorded.schedules, results.scale)
+    if by_rule := _by_rule(results):
+        yield _beside(by_rule, results)
+
+
+def _beside(by_rule: Mapping[str, Schedule], results: StudyResults) -> Table:
+    profiles, first = results.recorded.profiles, next(iter(by_rule.values()))
+    assert profiles is not None
+    columns = (
+        Column("from_n", "From (N)"), Column("to_n", "To (N)"),
+        *(Column(f"{rule}_percent", f"{_RULES[rule]}: stiffness (%)") for rule in by_rule),
+        *(Column(f"{rule}_ticks", f"{_RULES[rule]}: preset (ticks)") for rule in by_rule),
+    )  # fmt: skip
+    steps: dict[str, NDArray[Any]] = {"from_n": first.step_force_n[:-1], "to_n": first.step_force_n[1:]}
+    steps |= {f"{rule}_percent": made.stiffness_percent for rule, made in by_rule.items()}
+    steps |= {f"{rule}_ticks": made.preset_ticks for rule, made in by_rule.items()}
+    weights = listed([f"{number(each.alpha, 4)} by {_RULES[each.rule]}" for each in profiles.by_rule])
+    caption = (
+        f"Schedule of {first.specimen} by both rules of interpolation; weight α of the softer neighbour: {weights}"
+    )
+    return Table("schedules_by_rule", caption, columns, rows_of(steps))
 
 
 def _steps(schedules: Sequence[Schedule], scale: ActivityScale) -> Table:
@@ -115,6 +156,7 @@ _TEXT = """
 {% if short %}The last force step is shorter than the others.{% endif %}</p>
 {{ figure("fig05_schedules") }}
 {{ folded("schedules", "Every schedule in numbers") }}
+{{ folded("schedules_by_rule", "The new specimen's schedule by the bracket and by the paper's weight") }}
 {% endif %}
 """
 

@@ -61,9 +61,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 _TEXT = """
-<p>The paper calls "circle" the old algorithm and "hexagon" the new one; a larger gap sets specimens further apart.
-{% if "paper" in runs.discrimination.algorithms.names %}The algorithm "paper" follows equations (1) and (2) to the
-letter, with pins paired one to one.{% endif %}</p>
+<p>"Circle" is the old algorithm; a larger gap sets specimens further apart.
+{% if "paper" in runs.discrimination.algorithms.names %}"Paper" follows the paper in every step.{% endif %}</p>
 {{ folded("algorithms", "The algorithms on the same presses") }}
 """
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from emg2vsa.rig.device_settings import Model
 from emg2vsa.rig.devices import Devices
 from emg2vsa.rig.emulated.box_faults import BoxFaults
 from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
+from emg2vsa.rig.emulated.off_contact import OffContactCycle, OffContactNetFt, OffContactQbmove
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
@@ -26,6 +29,7 @@ from emg2vsa.rig.emulated.rdt_box import BoxSettings, RdtBox, configuration_page
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TrueLoading
 from emg2vsa.rig.emulated.world import World
+from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.force.datagrams import LoopbackDatagrams
 from emg2vsa.rig.force.net_ft import NetFt
 from emg2vsa.rig.force.netft_config import parse_config
@@ -58,6 +62,8 @@ def motor_board(world: World, clock: Clock, home_ticks: int = 0, latency_s: floa
 
 DEVICE_ID = 1
 _AWAY_MM = 1e6
+_NEAR_MM = 0.1
+"""Off the specimen; more than the probe goes in a turn of the loop."""
 TORQUE_NOISE_NM_PER_N = 0.02
 "Noise of the torque over that of the force (guess)."
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
@@ -72,6 +78,7 @@ class EmulatedRig:
     emulated : the bench. specimen, angle_deg : what is on it. rigid : under the rigid motor, else under the qbmove.
     rig : as the drivers are told, and as the bench is built; both actuators begin retracted, at its ``home_ticks``.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
+    mounting : from 1; each has draws of its own. effect : artificial, of a control world.
 
     Attributes
     ----------
@@ -97,10 +104,12 @@ class EmulatedRig:
         run: str = "",
         plate: bool = False,
         mounting: int = 1,
+        effect: ArtificialEffect | None = None,
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting, effect)
+        self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
@@ -122,7 +131,8 @@ class EmulatedRig:
         box = BoxSettings(rate_hz=emulated.force_rate_hz, noise=noise, seed=self._draws.sensor_seed)
         self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
-        self.box = RdtBox(self._wrench, box)
+        self._rotation = self._mounting.tolist()
+        self.box = RdtBox(self._wrenches, box)
         self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
         self._seen = self._draws.seen(0)
         self.camera = EmulatedCamera(self._seen.scene, self._contact, clock, timing=self._draws.frame_timing)
@@ -162,32 +172,55 @@ class EmulatedRig:
         with self._lock:
             self.wire.reset()
 
-    def devices(self) -> Devices:
-        """The real drivers on lines within this process, force sensor and camera started."""
-        board = Qbmove(
-            WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock),
-            DEVICE_ID,
-            model="maker-pro" if self.rigid else self.model,
-            clock=self.clock,
-            stiffness_percent=self.rig.stiffness_percent,
-        )
-        line = LoopbackDatagrams("emulated box", self.box, self.clock)
-        force = NetFt(line, parse_config(configuration_page(self.box)), self.clock)
+    def devices(self, *, exact: bool = True) -> Devices:
+        """The real drivers on lines within this process, force sensor and camera started.
+
+        exact : every turn of the loop is a conversation byte for byte, also off contact. Faults of the wire and of the
+        box are part of the conversation.
+        """
+        line = WireLine("emulated bus", self.answer, lambda: self.wire.due_s, self.clock)
+        box_line = LoopbackDatagrams("emulated box", self.box, self.clock)
+        page = parse_config(configuration_page(self.box))
+        model = "maker-pro" if self.rigid else self.model
+        percent = self.rig.stiffness_percent
+        board: Qbmove
+        force: NetFt
+        if exact:
+            board = Qbmove(line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent)
+            force = NetFt(box_line, page, self.clock)
+        else:
+            board = OffContactQbmove(
+                line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent,
+                firmware=self.firmware, near=self._near,
+            )  # fmt: skip
+            force = OffContactNetFt(box_line, page, self.clock, box=self.box, near=self._near)
         force.start()
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
+
+    def loop(self, *given: Any) -> ControlCycle:
+        """The control loop of a run on `devices` that are not exact."""
+        return OffContactCycle(*given, near=self._near)
+
+    def _near(self) -> bool:
+        self._advance()
+        return self.world.above_mm < _NEAR_MM
 
     def _advance(self) -> None:
         self.firmware.advance()
         self.plan.look(self.clock.now_s(), self.world.normal_force_n)
 
-    def _wrench(self, time_s: float) -> tuple[float, ...]:
+    def _wrenches(self, times_s: Sequence[float]) -> list[Sequence[float]]:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            force_n = self.world.force_n(time_s)
-            force_n[2] += self._force_zero_n
-            return (*(self._mounting @ force_n).tolist(), 0.0, 0.0, 0.0)
+            return [self._turned(self.world.force_n(time_s).tolist()) for time_s in times_s]
+
+    def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
+        # plain numbers: three at a time are too few for arrays to pay
+        x, y, z = force_n
+        z += self._force_zero_n
+        return [a * x + b * y + c * z for a, b, c in self._rotation] + [0.0, 0.0, 0.0]
 
     def _contact(self, time_s: float) -> ContactState:
         with self._lock:
@@ -195,7 +228,7 @@ class EmulatedRig:
             if self.world.press != self._press:
                 self._press, self._seen = self.world.press, self._draws.seen(self.world.press)
                 self._show()
-            return self._seen.state(self.world.touch(time_s))
+            return self._seen.in_frame(self.world.touch(time_s), self._area_rng)
 
     def _show(self) -> None:
         self.camera.scene, self.camera.latency_s = self._seen.scene, self._seen.latency_s

@@ -57,6 +57,8 @@ class FaultyWire:
         "How late answers come; which share of the bytes of both ways gets lost, or has a wrong bit."
 
     def __call__(self, data: bytes) -> bytes:
+        if not self._failing:
+            return self._device(data)
         heard = b"" if self.deaf else _without(self._carry("to device", data), self.ignored)
         answer = self._carry("to host", self._device(heard))
         if self.noisy:
@@ -76,6 +78,13 @@ class FaultyWire:
         while self._coming and self._coming[0][0] <= now_s:
             arrived += self._coming.popleft()[1]
         return arrived
+
+    @property
+    def _failing(self) -> bool:
+        return bool(
+            self._faults or self._coming or self.deaf or self.mute or self.noisy or self.doubled or self.ignored
+            or self.id_shift or self.late_s or self.lost_share or self.wrong_share
+        )  # fmt: skip
 
     @property
     def due_s(self) -> float:

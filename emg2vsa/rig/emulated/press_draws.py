@@ -12,16 +12,20 @@ import numpy as np
 from casr.errors import SettingError as NoScene
 from casr.synthetic import Appearance, ContactState, ContactWorld, Drawn, PressSettings, Scene, TabulatedWorld
 from emg2vsa.actuator import SPRINGS
+from emg2vsa.arrays import Floats
 from emg2vsa.contact_mechanics import Relaxation, adhesive_force_n, area_share, in_series
 from emg2vsa.contact_mechanics.relaxation import specimen_share
 from emg2vsa.errors import SettingError
 from emg2vsa.rig.emulated.camera import FrameTiming
+from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.rig_settings import RigSettings
 
 _OF_SENSOR, _OF_RUN, _OF_FIRST_PRESS = range(3)
+_LEAST_N, _MOST_N, _FORCES = 0.01, 20.0, 400
+"Forces between which contacts of control worlds are looked up."
 _MOST_SD = 2.0
 "Draws stay within so many standard deviations, so that no press is one that a bench would not make."
 
@@ -56,6 +60,7 @@ class SeenPress:
 
     scene : skin and contact. modulus : of the sensor over that of the scene's world. specimen : share in the compliance
     of both. friction, adhesion_mj_per_m2 : of the skin. latency_s : from exposure to arrival of a frame, on average.
+    effect : artificial, of a control world.
     """
 
     scene: Scene
@@ -64,14 +69,22 @@ class SeenPress:
     friction: float
     adhesion_mj_per_m2: float
     latency_s: float
+    effect: ArtificialEffect | None = None
 
-    def state(self, touch: Touch) -> ContactState:
+    def in_frame(self, touch: Touch, rng: np.random.Generator) -> ContactState:
+        """`state` as one frame shows it, with the noise of a control world; rng : of that noise."""
+        noise_sd = self.effect.noise_sd(touch.normal_n) if self.effect else 0.0
+        return self.state(touch, math.exp(noise_sd * float(rng.standard_normal())) if noise_sd else 1.0)
+
+    def state(self, touch: Touch, area_factor: float = 1.0) -> ContactState:
         """What area and pins follow: a contact as large as that of the elastic force, which adhesion enlarges and shear
         shrinks. Adhesion is left out of depth and force, where it is far below the noise."""
         if touch.normal_n <= 0:
             return self.scene.skin.state(0.0)
         # bodies of s times the modulus under s times the force have the same contact
         elastic_n = float(adhesive_force_n(touch.elastic_n, self.adhesion_mj_per_m2)) / self.modulus
+        if self.effect:
+            elastic_n = self._as_large_n(elastic_n, area_factor * self.effect.factor(touch.normal_n))
         state = self.scene.skin.state(elastic_n)
         left = math.sqrt(area_share(touch.shear_n, touch.normal_n, self.friction))
         return replace(state, radius_mm=left * state.radius_mm, tangential_mm=(1 - self.specimen) * touch.sheared_mm)
@@ -79,6 +92,20 @@ class SeenPress:
     def area_mm2(self, touch: Touch) -> float:
         """True contact area."""
         return self.scene.area_mm2(self.state(touch))
+
+    def _as_large_n(self, elastic_n: float, area_factor: float) -> float:
+        """Force under which the contact is larger by the factor; pins follow it as they do any force."""
+        force_n, area_mm2 = self._elastic
+        asked = math.log(area_factor) + np.interp(elastic_n, force_n, np.log(area_mm2))
+        return float(np.interp(asked, np.log(area_mm2), force_n))
+
+    @cached_property
+    def _elastic(self) -> tuple[Floats, Floats]:
+        """Rising force and area, up to the largest contact that the scene can show."""
+        force_n = np.geomspace(_LEAST_N, _MOST_N, _FORCES)
+        area_mm2 = np.array([self.scene.area_mm2(self.scene.skin.state(force)) for force in force_n.tolist()])
+        rising = np.append(True, np.diff(area_mm2) > 0)
+        return force_n[rising], area_mm2[rising]
 
 
 @dataclass(frozen=True)
@@ -91,6 +118,7 @@ class PressDraws:
     angle_deg : as it was meant to be. rigid : under the rigid motor. rig : its gear, and which way it turns.
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     mounting : which of the times, from 1, that sensor and specimen were mounted for the run; each has draws of its own.
+    effect : artificial, of a control world.
     """
 
     emulated: EmulatedSettings
@@ -101,6 +129,7 @@ class PressDraws:
     run: str = ""
     plate: bool = False
     mounting: int = 1
+    effect: ArtificialEffect | None = None
 
     def __post_init__(self) -> None:
         known = self.emulated.stiffness_n_per_mm
@@ -183,6 +212,7 @@ class PressDraws:
             friction=world.skin_friction,
             adhesion_mj_per_m2=max(0.0, e.adhesion_mj_per_m2 + e.adhesion_sd_mj_per_m2 * drawn.adhesion),
             latency_s=max(0.0, e.camera_latency_s + e.camera_latency_sd_s * (self._mounting.latency + drawn.latency)),
+            effect=self.effect,
         )
 
     def force_zero_n(self, press: int) -> float:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from emg2vsa.contact_mechanics import ELASTIC, ConvolvedForce, PowerLaw, Shear
+from emg2vsa.contact_mechanics import ELASTIC, ConvolvedForce, Shear
 from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL, forces_n
 from emg2vsa.rig.emulated.world_settings import WorldSettings
+from emg2vsa.rig.specimen_contact import specimen_contact
 
 
 class PlateContact:
@@ -58,11 +59,7 @@ class Probe:
         self._contact = (
             PlateContact(settings.stiffness_n_per_mm)
             if settings.plate
-            else PowerLaw(
-                settings.contact.modulus_mpa(settings.stiffness_n_per_mm),
-                settings.contact.tip_radius_mm,
-                settings.contact.exponent,
-            )
+            else specimen_contact(settings.stiffness_n_per_mm, settings.contact)
         )
         self._mm_per_rad = math.degrees(settings.mm_per_degree)
         self._tilt_rad = math.radians(settings.angle_deg)

@@ -10,8 +10,8 @@ from __future__ import annotations
 import copy
 import math
 import struct
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -56,6 +56,10 @@ class QbmoveFirmware:
         self._stored = memory or switches.factory()
         self._default = copy.deepcopy(self._stored)
         self._loop = Loop(switches, shaft, clock, motors_rad, loads, latency_s)
+        self._asked: dict[Command, Callable[[], Sequence[int]]] = {
+            Command.GET_MEASUREMENTS: self._measured,
+            Command.GET_CURRENTS: self._loop.motors.currents_ma,
+        }
         self._handlers = self._commands()
         self._start()
 
@@ -67,6 +71,19 @@ class QbmoveFirmware:
         if data:
             self._loop.feed_watchdog(self._watchdog_counts)
         return b"".join(map(self._answer, self._parser.feed(data)))
+
+    def ask(self, command: Command) -> tuple[int, ...]:
+        """The words that answer GET_MEASUREMENTS or GET_CURRENTS, as if a frame had come, for who needs no bytes."""
+        self.advance()
+        self._loop.feed_watchdog(self._watchdog_counts)
+        return tuple(map(_word, self._asked[command]()))
+
+    def tell(self, command: Command, first: int, second: int) -> None:
+        """SET_POS_STIFF or SET_INPUTS with two words, as if a frame had come."""
+        self.advance()
+        self._loop.feed_watchdog(self._watchdog_counts)
+        struct.pack_into(">Bhh", self._buffer, 0, command, first, second)
+        self._handlers[command]()
 
     def advance(self) -> None:
         """Run the control loop up to the clock, for those who look at the world and not at the line."""
@@ -124,8 +141,7 @@ class QbmoveFirmware:
             Command.GET_ACTIVATE: lambda: self._reply(Command.GET_ACTIVATE, bytes((self._loop.current.on,))),
             Command.SET_INPUTS: self._set_inputs,
             Command.GET_INPUTS: self._get_inputs,
-            Command.GET_MEASUREMENTS: lambda: self._reply_words(Command.GET_MEASUREMENTS, *self._measured()),
-            Command.GET_CURRENTS: lambda: self._reply_words(Command.GET_CURRENTS, *self._loop.motors.currents_ma()),
+            **{command: partial(self._answer_words, command) for command in self._asked},
             Command.GET_CURR_AND_MEAS: self._currents_and_measurements,
             Command.SET_POS_STIFF: self._set_position_stiffness,
             Command.GET_VELOCITIES: lambda: self._reply_words(Command.GET_VELOCITIES, 0, 0, 0),
@@ -142,6 +158,9 @@ class QbmoveFirmware:
     def _reply(self, command: int, payload: bytes) -> bytes:
         # listens to the stored id, answers with the one that has been set
         return frame(self._shadow.device_id, command, payload)
+
+    def _answer_words(self, command: Command) -> bytes:
+        return self._reply_words(command, *self._asked[command]())
 
     def _reply_words(self, command: int, *values: int) -> bytes:
         return self._reply(command, struct.pack(f">{len(values)}h", *map(_word, values)))
@@ -184,7 +203,7 @@ class QbmoveFirmware:
         position, stiffness = self._words(2)
         low, high, most = self._current.limits[0], self._current.limits[1], self._current.max_stiffness
         at = max(min(position << self._shadow.resolutions[0], high - most), low + most)
-        preset = int(np.float32(most) / np.float32(32768) * np.float32(stiffness))
+        preset = _preset(most, stiffness)
         self._loop.command((at + preset, at - preset))
         return b""
 
@@ -242,7 +261,7 @@ class QbmoveFirmware:
                 limited(at + by, k, self._current)
                 for k, (at, by) in enumerate(zip(self._loop.new.ticks, moved, strict=False))
             ]
-            self._loop.new = replace(self._loop.new, ticks=(ticks[0], ticks[1]))
+            self._loop.new = References((ticks[0], ticks[1]), self._loop.new.on)
         self._keep()
         return self._acknowledge(Command.STORE_PARAMS, old_id)
 
@@ -272,6 +291,12 @@ class QbmoveFirmware:
         on = self._loop.current.on
         now = Now(self._references(), tuple(self._measured()), motors.currents_ma(), on, supply_mv)
         return info_text(self._current, self._shadow, now, self._switches)
+
+
+@lru_cache(maxsize=256)
+def _preset(most: int, stiffness: int) -> int:
+    """In single precision, as the firmware computes it."""
+    return int(np.float32(most) / np.float32(32768) * np.float32(stiffness))
 
 
 def _word(value: int) -> int:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.qbmove_memory import Memory
@@ -30,8 +29,7 @@ class Shaft(Protocol):
         """Angle of the shaft, rad, with the motors there since ``time_s``; times never go back."""
 
 
-@dataclass(frozen=True)
-class References:
+class References(NamedTuple):
     """Where the motors are to go, internal ticks, and whether they are on."""
 
     ticks: Pair = (0, 0)
@@ -67,7 +65,7 @@ class Loop:
         if self._latency_ms:
             self._commanded.append((self._now_ms + self._latency_ms, ticks))
         else:
-            self.new = replace(self.new, ticks=ticks)
+            self.new = self.new._replace(ticks=ticks)
 
     def activate(self, references: References) -> None:
         """At once, and instead of what has been commanded before."""
@@ -82,10 +80,15 @@ class Loop:
         while self._now_ms < until_ms:
             if self._now_ms >= self._watchdog_ms:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
-                self.new, self._watchdog_ms = replace(self.new, on=0), _NEVER_MS
-            resting = self._turn(current, shadow)
-            # nothing moves and nothing is on its way: only the watchdog can change that
-            self._now_ms = max(self._now_ms + 1, min(until_ms, self._watchdog_ms)) if resting else self._now_ms + 1
+                self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
+            while self._commanded and self._commanded[0][0] <= self._now_ms:
+                self.new = self.new._replace(ticks=self._commanded.popleft()[1])
+            # only the watchdog, a command, or a load that may stall a motor, comes between
+            plain = not (current.input_mode or self.motors.strained or self.current.on != self.new.on)
+            next_ms = self._commanded[0][0] if self._commanded else until_ms
+            turns = max(1, min(until_ms, self._watchdog_ms, next_ms) - self._now_ms) if plain else 1
+            self._turns(turns, current, shadow)
+            self._now_ms += turns
             if self.motors.strained:
                 self._turn_shaft()
         self._turn_shaft()
@@ -106,19 +109,16 @@ class Loop:
         self.motors.turn_shaft(self._shaft.shaft_rad(self._now_ms / 1000, angles_rad))
         self.motors.loads_nm = self._loads(angles_rad)
 
-    def _turn(self, current: Memory, shadow: Memory) -> bool:
-        while self._commanded and self._commanded[0][0] <= self._now_ms:
-            self.new = replace(self.new, ticks=self._commanded.popleft()[1])
+    def _turns(self, turns: int, current: Memory, shadow: Memory) -> None:
+        """So many turns: the motors follow the newest references from the second on."""
         ticks = self.current.ticks
         if current.input_mode:
             shaft = self.motors.measured(shadow)[2]
             ticks = limited(shaft, 0, current), limited(shaft, 1, current)
         on = self.current.on if self.bridge_on is None else self.bridge_on
         powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
-        still = self.motors.step(ticks, current, shadow, powered)
-        settled = self.old is self.current is self.new
-        self.old, self.current = self.current, self.new
-        return still and settled and not self._commanded
+        self.motors.run([(1, ticks), (turns - 1, self.new.ticks)], current, shadow, powered)
+        self.old, self.current = self.current if turns == 1 else self.new, self.new
 
 
 def limited(ticks: int, motor: int, memory: Memory) -> int:

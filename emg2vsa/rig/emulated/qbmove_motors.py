@@ -114,6 +114,39 @@ class Motors:
                 self._at[motor] += self._full_step * pwm / PWM_MOST
         return still
 
+    def run(self, plan: Sequence[tuple[int, Pair]], memory: Memory, scale: Memory, powered: tuple[bool, bool]) -> None:
+        """Many times `step`, with the loads as they are.
+
+        plan : numbers of steps, and the references that they follow."""
+        faults = self.faults
+        if memory.control_mode != _POSITION or self._limits_rate or faults.frozen or faults.jammed or faults.unsupplied:
+            for turns, references in plan:
+                for _ in range(turns):
+                    if self.step(references, memory, scale, powered):
+                        break
+            return
+        for motor in (0, 1):
+            # as in `step`, with everything at hand that does not change from turn to turn
+            shift = faults.jumped_ticks[motor] * INTERNAL_PER_TICK + scale.offsets[motor]
+            lost, multiplier = self._turns_lost[motor] * INTERNAL_PER_TURN, scale.multipliers[motor]
+            proportional, derivative = self._sign * memory.position_pid[0], self._sign * memory.position_pid[2]
+            on, full_step, load_nm, most_nm = powered[motor], self._full_step, self.loads_nm[motor], self._most_nm
+            free_up, free_down = load_nm < most_nm, -load_nm < most_nm
+            at, seen, pwm = self._at[motor], self._seen[motor], self.pwm[motor]
+            for turns, references in plan:
+                reference = references[motor]
+                for _ in range(turns):
+                    before, pwm_before = seen, pwm
+                    seen = int((math.floor(at / ENCODER_STEP) * ENCODER_STEP + shift - lost) * multiplier)
+                    pwm = (proportional * (reference - seen) >> 16) + (derivative * (before - seen) >> 16) if on else 0
+                    if not -PWM_MOST <= pwm <= PWM_MOST:
+                        pwm = PWM_MOST if pwm > 0 else -PWM_MOST
+                    if pwm == pwm_before == 0 and seen == before:
+                        break
+                    if free_up if pwm >= 0 else free_down:
+                        at += full_step * pwm / PWM_MOST
+            self._at[motor], self._seen[motor], self.pwm[motor] = at, seen, pwm
+
     def currents_ma(self) -> Pair:
         """Motor currents, with the sign of the PWM."""
         return self._current_ma(0), self._current_ma(1)

@@ -27,10 +27,25 @@ class FrameParser:
 
     def feed(self, data: bytes) -> Iterator[bytes]:
         """Bodies, or ``INFO_REQUEST``, one at a time: what the one changes counts for the next."""
-        for byte in data:
-            body = self._state(byte)
+        at = 0
+        while at < len(data):
+            end = self._end_of_frame(data, at)
+            if end:
+                self._last, mine = b"", data[at + 2] in (BROADCAST_ID, self._own_id())
+                body = data[at + 4 : end] if mine else b""
+            else:
+                end, body = at + 1, self._state(data[at])
             if body:
                 yield body
+            at = end
+
+    def _end_of_frame(self, data: bytes, at: int) -> int:
+        """Where the frame ends that begins there, of which all has come at once; 0 of any other byte."""
+        if self._state != self._hunt or self._last[-1:] == HEADER[:1] or data[at : at + 2] != HEADER:
+            return 0
+        length = data[at + 3] if at + 3 < len(data) else 0
+        end = at + 4 + length
+        return end if LEAST_LENGTH <= length <= MOST_LENGTH and end <= len(data) else 0
 
     def _hunt(self, byte: int) -> bytes:
         self._last = (self._last + bytes((byte,)))[-3:]

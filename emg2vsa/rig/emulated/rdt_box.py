@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from operator import add, gt, mul, sub, truediv
 
 import numpy as np
-from numpy.typing import NDArray
 
 from emg2vsa.rig.emulated.box_faults import BoxFaults, Client, FaultyPost
 from emg2vsa.rig.force.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
@@ -23,6 +22,11 @@ AXIA_OUT_OF_RANGE = 0xC0000000
 _LEAST, _MOST = -(2**31), 2**31 - 1
 _NOISE_BLOCK = 256
 "Draws made at once; the records come out the same for any number."
+
+_NO_LOAD = (0.0,) * 6
+
+Wrenches = Callable[[Sequence[float]], Sequence[Sequence[float]]]
+"""(R,) times, s, that never go back, to (R, 6) force, N, and torque, N·m, on the sensor at these times."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,7 @@ class _Stream:
     per_datagram: int
     next_s: float
     rdt_sequence: int = 0
+    last_s: float = 0.0
     waiting: list[bytes] = field(default_factory=list)
 
 
@@ -72,22 +77,20 @@ class RdtBox:
 
     Parameters
     ----------
-    wrench : (6,) force, N, and torque, N·m, on the sensor at a time, s; asked at times that never go back.
+    wrenches : on the sensor, asked once for all records that are due.
     settings : how it is set up.
     """
 
-    def __init__(
-        self, wrench: Callable[[float], Sequence[float] | NDArray[np.float64]], settings: BoxSettings | None = None
-    ) -> None:
+    def __init__(self, wrenches: Wrenches, settings: BoxSettings | None = None) -> None:
         self.settings = s = settings or BoxSettings()
         self.faults = BoxFaults()
-        self._wrench = wrench
+        self._wrenches = wrenches
         # plain numbers: six at a time are too few for arrays to pay
         self._size = [s.n_per_unit] * 3 + [s.nm_per_unit] * 3
         self._counts_per_unit = [s.counts_per_force] * 3 + [s.counts_per_torque] * 3
         self._noise = _noise(s)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
-        self._bias = [0.0] * 6
+        self._bias: Sequence[float] = _NO_LOAD
         self._skipped = 0
         self._stream: _Stream | None = None
         self._post = FaultyPost()
@@ -113,57 +116,87 @@ class RdtBox:
             self._stream = _Stream(client, count or math.inf, per_datagram, first / INTERNAL_RATE_HZ)
             self._post.forget()
         elif command == Command.BIAS:
-            self._bias = self._load(time_s)
+            (self._bias,) = self._loads([time_s])
 
     def run_until(self, time_s: float) -> None:
         """Send every record that is due."""
-        while (stream := self._stream) and stream.next_s <= time_s + 1e-9:
-            self._measure(stream)
-            stream.left -= 1
-            if len(stream.waiting) == stream.per_datagram or not stream.left:
-                self._send(stream)
-            if not stream.left:
-                self._stream = None
-            sample = round(stream.next_s * INTERNAL_RATE_HZ) + self.settings.divisor
-            stream.next_s = sample / INTERNAL_RATE_HZ
+        stream = self._stream
+        for record, at_s in self.records_until(time_s):
+            assert stream is not None
+            stream.waiting.append(record_bytes(record))
+            if len(stream.waiting) == stream.per_datagram:
+                self._send(stream, at_s)
+        if stream and stream.waiting and not stream.left:
+            self._send(stream, stream.last_s)
         self._post.deliver(time_s)
+
+    def records_until(self, time_s: float, *, free: bool = False) -> list[tuple[Record, float]]:
+        """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them.
+
+        free : nothing has touched the probe since the records before, so that one load stands for all."""
+        if (stream := self._stream) is None:
+            return []
+        times_s = []
+        while stream.next_s <= time_s + 1e-9 and stream.left:
+            times_s.append(stream.next_s)
+            stream.left -= 1
+            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + self.settings.divisor) / INTERNAL_RATE_HZ
+        if not times_s:
+            return []
+        stream.last_s = times_s[-1]
+        if not stream.left:
+            self._stream = None
+        loads = self._loads(times_s[-1:]) * len(times_s) if free else self._loads(times_s)
+        return [(self._measured(stream, at_s, load), at_s) for at_s, load in zip(times_s, loads, strict=True)]
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
         """Status word and the six counts at a time."""
-        load = self._load(time_s)
+        return self._read(self._loads([time_s])[0])
+
+    def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
         out_of_range = self.faults.saturated or True in map(gt, map(abs, load), self.settings.rating)
         if not self.faults.stuck:
-            quiet = map(sub, load, self._bias)
-            noisy = map(mul, map(add, quiet, next(self._noise)), self._counts_per_unit)
-            # beyond 32 bits means far out of range, which the status tells
-            self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
+            noise, of_noise = next(self._noise)
+            if any(load) or any(self._bias):
+                noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
+                # beyond 32 bits means far out of range, which the status tells
+                self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
+            else:
+                self._counts = of_noise
         if self.faults.overflow:
             self._counts = (_MOST,) * 6
         return self._alarm if out_of_range else 0, self._counts
 
-    def _load(self, time_s: float) -> list[float]:
-        """Six loads in the box's units, before bias."""
-        wrench = self._wrench(max(0.0, time_s - self.faults.lag_s))
-        return list(map(truediv, self.faults.felt(wrench, time_s), self._size))
+    def _loads(self, times_s: Sequence[float]) -> list[Sequence[float]]:
+        """Six loads in the box's units at each time, before bias."""
+        lag_s = self.faults.lag_s
+        wrenches = self._wrenches([max(0.0, time_s - lag_s) for time_s in times_s] if lag_s else times_s)
+        faults, adds = self.faults, bool(self.faults.push_n or self.faults.drift_n_per_s)
+        return [
+            list(map(truediv, faults.felt(wrench, time_s), self._size)) if adds or any(wrench) else _NO_LOAD
+            for wrench, time_s in zip(wrenches, times_s, strict=True)
+        ]
 
-    def _measure(self, stream: _Stream) -> None:
+    def _measured(self, stream: _Stream, time_s: float, load: Sequence[float]) -> Record:
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
         stream.rdt_sequence = (stream.rdt_sequence + 1) % 2**32
-        ft_sequence = (round(stream.next_s * INTERNAL_RATE_HZ) + self._skipped) % 2**32
-        record = Record(stream.rdt_sequence, ft_sequence, *self.reading(stream.next_s))
-        stream.waiting.append(record_bytes(record))
+        ft_sequence = (round(time_s * INTERNAL_RATE_HZ) + self._skipped) % 2**32
+        return Record(stream.rdt_sequence, ft_sequence, *self._read(load))
 
-    def _send(self, stream: _Stream) -> None:
-        self._post.send(b"".join(stream.waiting), stream.next_s, stream.client, self.faults)
+    def _send(self, stream: _Stream, time_s: float) -> None:
+        self._post.send(b"".join(stream.waiting), time_s, stream.client, self.faults)
         stream.waiting.clear()
 
 
-def _noise(settings: BoxSettings) -> Iterator[list[float]]:
-    """Noise of the six counts, in the box's units, record by record."""
+def _noise(settings: BoxSettings) -> Iterator[tuple[list[float], tuple[int, ...]]]:
+    """Noise of the six counts, record by record: in the box's units, and the counts that it alone makes."""
     rng = np.random.default_rng(settings.seed)
     size = np.repeat(settings.noise, 3)
+    per_unit = np.repeat([settings.counts_per_force, settings.counts_per_torque], 3)
     while True:
-        yield from (size * rng.standard_normal((_NOISE_BLOCK, 6))).tolist()
+        noise = size * rng.standard_normal((_NOISE_BLOCK, 6))
+        counts = np.rint(noise * per_unit).clip(_LEAST, _MOST).astype(int).tolist()
+        yield from zip(noise.tolist(), map(tuple, counts), strict=True)
 
 
 def configuration_page(box: RdtBox) -> bytes:

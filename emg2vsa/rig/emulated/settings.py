@@ -92,6 +92,17 @@ class EmulatedSettings:
     "Relative standard deviation of the sensor's modulus from mounting to mounting (guess: batch, 1 K)."
     seed: Annotated[int, Ge(0)] = 0
     "Same seed, same bytes."
+    control: Literal["none", "N1", "N2", "N3", "P1", "P2", "P3", "P4"] = "none"
+    """A world with a known answer, to test the analysis with (docs/how-to/controls.md): without an effect N1 elastic
+    bodies, N2 all defaults, N3 all defaults with swapped schedules; with one P1 on the area, P2 by timing, P3 on sums
+    over frames, P4 on the noise of the area. The control sets the keys that its world needs."""
+    control_exponent: Annotated[float, Ge(0), Le(0.2)] = 0.05
+    "P1: areas are multiplied with the stiffness in N m/rad to minus this power."
+    control_specimen: str = ""
+    "P4: areas are least noisy with the stiffness of this specimen's modular schedule."
+    exact: bool = False
+    """true: in virtual time devices and drivers speak byte for byte also while nothing touches the probe. The same run
+    comes out, in three times the time; a test compares the two."""
     behind_ports: bool = False
     "Set by emg2vsa rig emulate in the file it writes: the ports lead to emulated devices, and runs are marked so."
 

@@ -13,8 +13,10 @@ from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.bench import EmulatedRig
+from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.truth import TRUTH_FILE, truth_text
+from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
@@ -34,15 +36,15 @@ def run_virtual(
     *,
     started: datetime,
     run: str = "",
-    mounting: int = 1,
+    effect: ArtificialEffect | None = None,
     kappa: KappaPlan | None = None,
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
-    run that goes on in another folder does not repeat its presses; the run's own where none is given. ``mounting`` :
-    which mounting of the run, from 1; each has draws of its own. ``kappa`` : judge each press while it goes on.
+    run that goes on in another folder does not repeat its presses; the run's own where none is given. ``effect`` :
+    artificial, of a control world. ``kappa`` : judge each press while it goes on.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -51,7 +53,7 @@ def run_virtual(
         do = "Choose another; no run is ever overwritten."
         raise DeviceError(folder, wanted="a new folder, or an empty one", found="files in it", do=do)
     clock = VirtualClock()
-    name = run or run_name(plan.specimen, plan.angle_deg, plan.condition)
+    name = run or run_name(plan.specimen, plan.angle_deg, plan.condition, plan.mounting)
     bench = EmulatedRig(
         emulated,
         plan.specimen,
@@ -61,18 +63,20 @@ def run_virtual(
         rig=rig,
         run=name,
         plate=plan.plate,
-        mounting=mounting,
+        mounting=plan.mounting,
+        effect=effect,
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")
-    devices = bench.devices()
+    devices = bench.devices(exact=emulated.exact)
     if plan.plate:
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
+    cycle = ControlCycle if emulated.exact else bench.loop
     judge = None if kappa is None else SameProcess(kappa, folder / KAPPA_FILE)
     try:
-        ended = execute(plan, rig, devices, folder, clock, started=started, judge=judge)
+        ended = execute(plan, rig, devices, folder, clock, started=started, cycle=cycle, judge=judge)
     finally:
         if judge is not None:
             judge.close()

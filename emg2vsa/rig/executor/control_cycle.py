@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import NamedTuple
 
 from emg2vsa.actuator import ticks_of_percent
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import Clock
+from emg2vsa.rig.clock import Beat, Clock
 from emg2vsa.rig.devices import Devices, ForceSample
 from emg2vsa.rig.executor.expected import most_past_contact_mm
-from emg2vsa.rig.executor.guards import Moment, size, tripped
+from emg2vsa.rig.executor.guards import AFTER_READING, GUARDS, Check, Moment, size, tripped
 from emg2vsa.rig.executor.motion import Motion, advance
 from emg2vsa.rig.executor.safe_end import Start
 from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
@@ -33,7 +33,8 @@ _PRESET_TICKS_PER_S = 8000
 GAINS = 0.74, 1.2
 """Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
 springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
-_UNREAD: Readings = (None, None, None, None, None)
+UNREAD: Readings = (None, None, None, None, None)
+"""Of a turn that did not come so far."""
 
 
 class Force(NamedTuple):
@@ -79,12 +80,17 @@ class ControlCycle:
         self._active = True
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_ticks))
 
+    def go_on(self, beat: Beat) -> tuple[Motion, float]:
+        """The turn at the next due time; the motion after it, and when it began."""
+        now_s, late_s = beat.wait()
+        return self.turn(now_s, late_s), now_s
+
     def turn(self, now_s: float, late_s: float) -> Motion:
         """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""
         assert self.motion is not None
         before = self.motion
         force = self._feel()
-        readings = _UNREAD
+        readings = UNREAD
         try:
             self._look(now_s)
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
@@ -105,7 +111,7 @@ class ControlCycle:
             if (wanted.phase, before.phase) == ("retract", "load"):
                 self._compare()
             self._ask(now_s)
-            self._judge(force, wanted, now_s, late_s)
+            self._judge(force, wanted, now_s, late_s, AFTER_READING)
         finally:
             self._log(now_s, late_s, force, readings)
         return self.motion
@@ -148,7 +154,7 @@ class ControlCycle:
             self._note_peak(sample)
         row = Row(
             self._clock.now_s(), self.motion.repetition, "escape", time_s, force_n, None, position_ticks, preset_ticks,
-            *_UNREAD, self._record.frame_index,
+            *UNREAD, self._record.frame_index,
         )  # fmt: skip
         try:
             self._record.row(row._replace(**full_force(sample)) if sample else row)
@@ -165,6 +171,9 @@ class ControlCycle:
     def _feel(self) -> Force:
         with ending("stale sensor"):
             sample = self._devices.force.read()
+        return self._felt(sample)
+
+    def _felt(self, sample: ForceSample) -> Force:
         assert self.motion is not None
         self._note_peak(sample)
         self._witnesses.feel(sample, self.motion.phase)
@@ -191,7 +200,9 @@ class ControlCycle:
                 self._active = self._devices.actuator.is_active()
             self._asked_s = now_s
 
-    def _judge(self, force: Force, wanted: Motion, now_s: float, late_s: float) -> None:
+    def _judge(
+        self, force: Force, wanted: Motion, now_s: float, late_s: float, guards: Mapping[str, Check] = GUARDS
+    ) -> None:
         before = self._before or force
         moment = Moment(
             now_s=now_s, late_s=late_s, period_s=self._rig.period_s,
@@ -201,7 +212,7 @@ class ControlCycle:
             depth_mm=wanted.depth_mm, travel_mm=self._plan.travel_mm, active=self._active,
             seen=self._witnesses.seen, contact_n=self._plan.f_contact_n,
         )  # fmt: skip
-        if found := tripped(moment, self._limits):
+        if found := tripped(moment, self._limits, guards):
             raise EndRun("guard", *found)
 
     def _enter(self, wanted: Motion, force: Force) -> None:
@@ -252,13 +263,23 @@ class ControlCycle:
 
     def _log(self, now_s: float, late_s: float, force: Force, readings: Readings) -> None:
         assert self.motion is not None
-        position, preset = self._sent or (None, None)
-        row = Row(
-            now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            position, preset, *readings, self._record.frame_index, late_s,
-        )._replace(**full_force(force.sample))  # fmt: skip
+        row = self._row(now_s, late_s, force, readings, self.motion, self._sent or (None, None))
         with ending("recording"):
             self._record.row(row)
+
+    def _row(
+        self,
+        now_s: float,
+        late_s: float,
+        force: Force,
+        readings: Readings,
+        motion: Motion,
+        sent: tuple[int | None, int | None],
+    ) -> Row:
+        return Row(
+            now_s, motion.repetition, motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
+            *sent, *readings, self._record.frame_index, late_s, *full_force(force.sample).values(),
+        )  # fmt: skip
 
 
 @contextmanager

@@ -33,6 +33,7 @@ def execute(
     stop: Callable[[], str | None] = lambda: None,
     facts: Mapping[str, Any] | None = None,
     background: bool = False,
+    cycle: Callable[..., ControlCycle] = ControlCycle,
     judge: PressJudge | None = None,
 ) -> Ended:
     """Run ``plan`` and record it in ``folder``; how it ended.
@@ -41,6 +42,7 @@ def execute(
     ``stop`` is asked in every turn, and ends the run by naming a reason: a signal that has come, a button. ``started``
     is the date and time at 0 s of ``clock``. ``facts`` : what the devices say of themselves, for plan.json.
     ``background`` : a thread writes to the disk, so that the loop never waits for it; wanted where time is real.
+    ``cycle`` : makes the control loop.
     ``judge`` : is shown the frames and forces of each press, and may end its loading before F_max.
 
     Raises
@@ -59,7 +61,7 @@ def execute(
         )  # fmt: skip
         record.plan(plan, rig, facts)
         with ahead():
-            return _recorded(plan, rig, devices, record, clock, stop)
+            return _recorded(plan, rig, devices, record, clock, stop, cycle(plan, rig, devices, record, clock))
 
 
 def _recorded(
@@ -69,8 +71,8 @@ def _recorded(
     record: RunRecord,
     clock: Clock,
     stop: Callable[[], str | None],
+    cycle: ControlCycle,
 ) -> Ended:
-    cycle = ControlCycle(plan, rig, devices, record, clock)
     beat = Beat(clock, rig.period_s)
     end = EndRun("interrupted", "Ctrl-C", "interrupted at the keyboard")
     try:
@@ -94,8 +96,7 @@ def _press_all(cycle: ControlCycle, beat: Beat, record: RunRecord, stop: Callabl
     while True:
         if reason := stop():
             raise EndRun("stopped", reason, "asked to stop")
-        now_s, late_s = beat.wait()
-        motion = cycle.turn(now_s, late_s)
+        motion, now_s = cycle.go_on(beat)
         if motion.phase == "done":
             return
         if motion.since_s == now_s and motion.phase == "retract":

@@ -7,20 +7,21 @@ encoder tells how deep the probe is.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 
 from emg2vsa.rig.devices import ForceSample, Rating
 from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
-_GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
+GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
 """Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
 _STEEPEST_RAD = math.radians(85)
+_LOADS = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _INWARDS = ("approach", "contact", "load")
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Seen:
     """What `Witnesses` make of several turns. None is what is not known, or not to be judged now."""
 
@@ -46,7 +47,7 @@ class Seen:
     "On the way home: by how much the force has grown from its smallest there."
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Moment:
     """What the guards look at, once in each turn of the loop."""
 
@@ -106,10 +107,10 @@ def overload(moment: Moment, limits: GuardSettings) -> str | None:
     """More than the force sensor is made for."""
     if moment.rating is None:
         return None
-    loads = (*moment.force.force_n.tolist(), *moment.force.torque_nm.tolist())
-    for name, load, most in zip(("Fx", "Fy", "Fz", "Tx", "Ty", "Tz"), loads, sum(moment.rating, ()), strict=True):
-        if found := _above(abs(load), most, f"{name}, the sensor's rating"):
-            return found
+    loads = moment.force.force_n.tolist() + moment.force.torque_nm.tolist()
+    for name, load, most in zip(_LOADS, loads, moment.rating.force_n + moment.rating.torque_nm, strict=True):
+        if abs(load) > most:
+            return _above(abs(load), most, f"{name}, the sensor's rating")
     return None
 
 
@@ -130,7 +131,7 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
     larger_n = max(abs(moment.seen.spring_n), abs(moment.seen.felt_n))
     limit_n = limits.spring_gap_n
     if moment.phase in _INWARDS:
-        limit_n = min(limit_n, _GAP_AT_REST_N + _GAP_SHARE * larger_n)
+        limit_n = min(limit_n, GAP_AT_REST_N + _GAP_SHARE * larger_n)
     # the skin's friction holds probe and shaft, and the sensor feels it
     limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))
     text = f"N between {moment.seen.spring_n:.1f} N by the springs and {moment.seen.felt_n:.1f} N felt"
@@ -244,9 +245,19 @@ GUARDS: dict[str, Check] = {
 stay behind their commands, and springs are known by the motors' encoders, so what explains them comes before them."""
 
 
-def tripped(moment: Moment, limits: GuardSettings) -> tuple[str, str] | None:
-    """Name and words of the first guard that speaks."""
-    for name, check in GUARDS.items():
+AFTER_READING = {
+    name: GUARDS[name]
+    for name in (
+        "lost device", "following", "untrusted force", "springs at rest", "spring limit", "no contact", "past contact",
+        "motor current",
+    )
+}  # fmt: skip
+"""Those that may speak anew when the actuator has been read in a turn in which none has spoken before."""
+
+
+def tripped(moment: Moment, limits: GuardSettings, guards: Mapping[str, Check] = GUARDS) -> tuple[str, str] | None:
+    """Name and words of the first of ``guards`` that speaks."""
+    for name, check in guards.items():
         if found := check(moment, limits):
             return name, found
     return None

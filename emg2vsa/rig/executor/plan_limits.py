@@ -84,7 +84,8 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
 
 
 def _schedule_rules(plan: RunPlan, schedule: Schedule, rig: RigSettings) -> Iterator[Rule]:
-    yield "specimen", schedule.specimen == plan.specimen, plan.specimen, schedule.specimen
+    own = plan.schedule_from or plan.specimen
+    yield "specimen", schedule.specimen == own, own, schedule.specimen
     yield "condition", schedule.condition == plan.condition, plan.condition, schedule.condition
     for name, wanted, found in (
         ("ramp.gear_mm_per_degree", rig.gear_mm_per_degree, schedule.ramp.gear_mm_per_degree),

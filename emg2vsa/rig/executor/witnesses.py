@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Collection
-from dataclasses import replace
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.rig.devices import ForceSample, Measurements
-from emg2vsa.rig.executor.guards import Seen, size
+from emg2vsa.rig.executor.guards import Seen
 from emg2vsa.rig.executor.motion import Motion, Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
@@ -23,7 +22,7 @@ _AT_REST_S = 0.55
 """Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20
-_DEAD_S = 0.02
+DEAD_S = 0.02
 """From a command until a motor begins to follow, at most: bus and firmware."""
 
 
@@ -68,9 +67,8 @@ class Witnesses:
         if phase == "home":
             self._lowest_n = min(self._lowest_n, felt_n)
             rise_n = felt_n - self._lowest_n
-        self.seen = replace(
-            self.seen, still_mm=self._stillness.still_mm, still_s=self._stillness.still_s, rise_n=rise_n
-        )
+        seen = self.seen
+        seen.still_mm, seen.still_s, seen.rise_n = self._stillness.still_mm, self._stillness.still_s, rise_n
 
     def send(self, position_ticks: int, preset_ticks: int, now_s: float) -> None:
         """What is commanded now."""
@@ -82,7 +80,7 @@ class Witnesses:
         """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
         after the turn, whose phase ``begins`` with it or goes on."""
         self._at = at
-        spring_n = None if self._springs is None else spring_force_n(at, self._springs, self._rig)
+        spring_n = self.spring_of(at)
         if motion.phase == "load" and begins:
             self._loads.clear()
         if motion.phase == "load" and spring_n is not None and felt_n >= _LEAST_N:
@@ -90,16 +88,42 @@ class Witnesses:
         shaft_mm = self._rig.depth_at(at.shaft)
         if motion.phase == "contact" and begins:
             self._contact_mm = shaft_mm
-        self.seen = replace(
-            self.seen,
-            astray_ticks=self._motors.astray_ticks(at),
-            spring_n=spring_n,
-            spring_rest_n=spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None,
-            felt_n=felt_n,
-            current_ma=self._current.see(currents_ma),
-            approach_mm=shaft_mm if motion.phase == "approach" else None,
-            past_contact_mm=shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None,
-        )
+        seen = self.seen
+        seen.astray_ticks = self._motors.astray_ticks(at)
+        seen.spring_n, seen.felt_n = spring_n, felt_n
+        seen.spring_rest_n = spring_n if motion.stiff and at_rest(motion, self._sent_s or 0.0) else None
+        seen.current_ma = self._current.see(currents_ma)
+        seen.approach_mm = shaft_mm if motion.phase == "approach" else None
+        seen.past_contact_mm = shaft_mm - self._contact_mm if motion.phase in ("contact", "load") else None
+
+    def spring_of(self, at: Measurements) -> float | None:
+        """Force on the probe by the springs, N; None without springs."""
+        return None if self._springs is None else spring_force_n(at, self._springs, self._rig)
+
+    def astray_ticks(self, at: Measurements) -> float:
+        """How far the farther motor, read right after the command, is from where it may be."""
+        return self._motors.astray_ticks(at)
+
+    def surely_idles(self, currents_ma: tuple[int, int], most_ma: float) -> bool:
+        """Whether the mean current with that reading, and as many more of its size, stays below a limit."""
+        return self._current.most_ma <= most_ma and max(map(abs, currents_ma)) <= most_ma
+
+    def skim(
+        self,
+        samples: Sequence[ForceSample],
+        currents_ma: Sequence[tuple[int, int]],
+        at: Measurements | None,
+        phase: Phase,
+    ) -> None:
+        """Turns of one phase in which nothing was near, each with another reading of the force than the one before, the
+        last with the encoders ``at``; of the turn after them `feel` and `read` are told."""
+        if at is None:
+            return
+        self._stillness.skim(samples, phase)
+        self._vectors.extend(sample.force_n for sample in samples[-self._rig.filter_samples :])
+        for pair in currents_ma:
+            self._current.see(pair)
+        self._at = at
 
 
 def at_rest(motion: Motion, now_s: float) -> bool:
@@ -109,16 +133,18 @@ def at_rest(motion: Motion, now_s: float) -> bool:
 
 def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
     """Length of the mean of (3,) vectors."""
-    mean: NDArray[np.float64] = sum(vectors, np.zeros(3)) / len(vectors)
-    return float(size(mean))
+    # plain numbers: three at a time are too few for arrays to pay
+    x, y, z = (sum(parts) / len(vectors) for parts in zip(*(vector.tolist() for vector in vectors), strict=True))
+    return math.sqrt(x * x + y * y + z * z)
 
 
 class SlowMotors:
     """Where each motor may be: between a slow follower of its commands and the commands themselves.
 
-    The follower is of first order and of limited speed, and begins `_DEAD_S` after a command. Where it is set slower than usual, the usual one bounds as
-    well: where commands turn back, a quicker motor is still beyond them. A motor that is quicker is between
-    them; one that stands still falls behind the follower, and one that runs away is beyond the commands.
+    The follower is of first order and of limited speed, and begins `DEAD_S` after a command. Where it is set slower
+    than usual, the usual one bounds as well: where commands turn back, a quicker motor is still beyond them. A motor
+    that is quicker is between them; one that stands still falls behind the follower, and one that runs away is beyond
+    the commands.
     """
 
     def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
@@ -141,7 +167,7 @@ class SlowMotors:
                     slow[motor] += max(-most, min(most, share * (command - slow[motor])))
         new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
         self._before, self._sent = self._sent or self._slow[0], list(map(float, new))
-        self._on_their_way.append((self._now_s + _DEAD_S, self._sent))
+        self._on_their_way.append((self._now_s + DEAD_S, self._sent))
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
             self._obeyed = self._on_their_way.popleft()[1]
 
@@ -149,10 +175,10 @@ class SlowMotors:
         """How far outside of that the farther motor is, read right after the command."""
         if self._sent is None:
             return 0.0
-        return max(
-            float(max(min(bounds) - seen, seen - max(bounds), 0.0))
-            for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True)
-        )
+        farthest = 0.0
+        for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True):
+            farthest = max(farthest, min(bounds) - seen, seen - max(bounds))
+        return farthest
 
     def _seen(self, at: Measurements) -> tuple[float, ...]:
         return (at.motor_1,) if self._rigid else (at.motor_1, at.motor_2)
@@ -184,12 +210,25 @@ class Stillness:
         restless = not self._calm and self._changes >= _RESTLESS_CHANGES
         self.still_s = sample.time_s - self._changed_s if restless else None
 
+    def skim(self, samples: Sequence[ForceSample], phase: Phase) -> None:
+        """Samples that differ, each from the one before; ``phase`` is not load."""
+        if phase in ("approach", "pause"):
+            self._calm = self._calm or (self._last is not None and samples[0].time_s - self._changed_s > _RESTLESS_S)
+            self._changes += len(samples)
+        last = samples[-1]
+        self._last, self._changed_s = (last.force_n.tobytes(), last.torque_nm.tobytes()), last.time_s
+
 
 class MeanCurrent:
     """Of the last turns, mA, of the motor that draws more."""
 
     def __init__(self) -> None:
         self._seen: deque[tuple[int, int]] = deque(maxlen=_CURRENT_TURNS)
+
+    @property
+    def most_ma(self) -> float:
+        """Largest of either motor."""
+        return max((abs(current) for pair in self._seen for current in pair), default=0)
 
     def see(self, currents_ma: tuple[int, int]) -> float:
         """One more reading; the mean with it, 0 before there are enough."""

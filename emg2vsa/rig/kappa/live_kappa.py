@@ -6,7 +6,7 @@ import csv
 import io
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from casr.camera import Camera
 from casr.dome.library import worlds
 from casr.errors import CasrError
+from casr.flow.estimate import FlowSettings
 from casr.frames.force import WINDOW, force_at_exposure
+from casr.scored import ScoreSettings
 from casr.stream import StreamScorer
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.online import AREA, BOTH, OnlineCalibration, OnlineEstimator, OnlineState
 from emg2vsa.rig.device_settings import RATE_HZ
 from emg2vsa.rig.devices import Frame
-from emg2vsa.runs.score_run import score_settings
-from emg2vsa.settings import RunSettings
+from emg2vsa.settings import RECIPES
 
 KAPPA_FILE, ABOUT_FILE = "kappa.csv", "kappa.json"
 HOLD_S = WINDOW / RATE_HZ
@@ -150,8 +151,15 @@ class LiveKappa:
         self._plan = plan
         self._estimator = OnlineEstimator(calibration, plan.stop_at or 0.0)
         last_n = float(calibration.forces_n[-1])
-        runs = RunSettings(algorithm=calibration.quantity, force_n=(calibration.start_n, last_n))  # type: ignore[arg-type]
-        self._settings = replace(score_settings(runs), force_stop_n=None)
+        recipe = RECIPES[calibration.quantity]
+        self._settings = ScoreSettings(
+            quantity="front" if calibration.quantity == "front" else "skin",
+            flow=FlowSettings(engine=recipe.engine),
+            area_rule=recipe.area_rule,
+            area_law=recipe.law,
+            force_start_n=calibration.start_n,
+            rate_window_n=(calibration.start_n, last_n),
+        )
         self._press: _Press | None = None
         self._stop, self._presses = "", 0
         # what is made once is made before the first frame waits for it

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -57,14 +58,24 @@ class QbmoveLimits:
 
     def check_position(self, position_ticks: int) -> None:
         """DeviceError outside the positions that leave room for full stiffness: the firmware clips to them."""
-        low, high = roomy_positions(self.info)
+        low, high = self._positions
         self._inside("position", position_ticks, low, high, "ticks, at which every stiffness has room")
 
     def check_preset(self, preset_ticks: int) -> None:
         """DeviceError outside the study's range of stiffness."""
+        low, high = self._presets
+        if not low <= preset_ticks <= high:
+            range_text = "ticks, {:g} to {:g} % of the device's maximum".format(*self.stiffness_percent)
+            self._inside("stiffness preset", preset_ticks, low, high, range_text)
+
+    @cached_property
+    def _presets(self) -> tuple[int, int]:
         low, high = ticks_of_percent(self.stiffness_percent, self.info.max_stiffness_ticks)
-        range_text = "ticks, {:g} to {:g} % of the device's maximum".format(*self.stiffness_percent)
-        self._inside("stiffness preset", preset_ticks, int(low), int(high), range_text)
+        return int(low), int(high)
+
+    @cached_property
+    def _positions(self) -> tuple[int, int]:
+        return roomy_positions(self.info)
 
     def _inside(self, what: str, value: int, low: int, high: int, text: str) -> None:
         if not low <= value <= high:
@@ -80,6 +91,7 @@ def roomy_positions(info: QbmoveInfo) -> tuple[int, int]:
     return max(lows) + info.max_stiffness_ticks, min(highs) - info.max_stiffness_ticks
 
 
+@lru_cache
 def stiffness_on_wire(preset_ticks: int, max_stiffness_ticks: int) -> int:
     """The stiffness of SET_POS_STIFF for which the firmware comes to this very preset, 0 to max_stiffness_ticks - 1.
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import reduce
+from functools import lru_cache, reduce
 from operator import xor
+from typing import NamedTuple
 
 from emg2vsa.rig.device_settings import Generation
 
@@ -58,8 +59,7 @@ def frame(device_id: int, command: int, payload: bytes = b"") -> bytes:
     return HEADER + bytes((device_id, len(body) + 1)) + body + bytes((lrc(body),))
 
 
-@dataclass(frozen=True)
-class Reply:
+class Reply(NamedTuple):
     """One good reply."""
 
     device_id: int
@@ -97,13 +97,13 @@ class Wanted:
         return lrc(body[:covered]) == body[-1]
 
 
+@lru_cache
 def wanted(device_id: int | None, command: int, payload_bytes: int) -> Wanted:
     """The short reply to ``command``, which carries so many bytes."""
     return Wanted(device_id, frozenset((command,)), {payload_bytes + 2: payload_bytes + 2})
 
 
-@dataclass(frozen=True)
-class Search:
+class Search(NamedTuple):
     """What a search through the bytes heard so far has brought."""
 
     reply: Reply | None

@@ -117,15 +117,28 @@ class RunRecord:
 
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
-        self.log.append(row)
+        self.rows([row])
+
+    def rows(self, rows: Sequence[Row]) -> None:
+        """Log rows, in one piece."""
+        self.log.append(*rows)
         if self._tally is not None:
-            self._tally.row(row)
-        if self._press is not None and row.force_n is not None and row.force_time_s is not None:
-            self._press.force(row.force_time_s, row.force_n)
-            if self._judge is not None:
-                loading = row.phase == "load" and row.shaft_ticks is not None
-                depth_mm = self._rig.depth_at(row.shaft_ticks) if loading else math.nan
-                self._judge.force(row.force_time_s, row.force_n, depth_mm)
+            for row in rows:
+                self._tally.row(row)
+        if self._press is not None:
+            self._press.forces(
+                [
+                    (row.force_time_s, row.force_n)
+                    for row in rows
+                    if row.force_n is not None and row.force_time_s is not None
+                ]
+            )
+        if self._press is not None and self._judge is not None:
+            for row in rows:
+                if row.force_n is not None and row.force_time_s is not None:
+                    shaft_ticks = row.shaft_ticks if row.phase == "load" else None
+                    depth_mm = math.nan if shaft_ticks is None else self._rig.depth_at(shaft_ticks)
+                    self._judge.force(row.force_time_s, row.force_n, depth_mm)
 
     def enough(self, force_n: float) -> bool:
         """Whether the judge has seen enough of the press that is being loaded; the press then counts as stopped at this

@@ -111,9 +111,9 @@ def force_box(participant: EmulatedParticipant, axis: tuple[float, float, float]
     """The box under the specimen. axis : direction, in the sensor's axes, in which a pressing finger pushes."""
     direction = np.array(axis) / np.linalg.norm(axis)
 
-    def wrench(time_s: float) -> Sequence[float]:
-        force_n = float(felt_n(participant, np.array([time_s]))[0])
-        return [*(force_n * direction).tolist(), 0.0, 0.0, 0.0]
+    def wrenches(times_s: Sequence[float]) -> list[list[float]]:
+        forces_n = felt_n(participant, np.array(times_s))
+        return [[*force_n, 0.0, 0.0, 0.0] for force_n in np.outer(forces_n, direction).tolist()]
 
     noise = participant.person.force_noise_n, TORQUE_NOISE_NM
-    return RdtBox(wrench, BoxSettings(rate_hz=rate_hz, noise=noise, seed=participant.person.seed[0]))
+    return RdtBox(wrenches, BoxSettings(rate_hz=rate_hz, noise=noise, seed=participant.person.seed[0]))

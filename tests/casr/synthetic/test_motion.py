@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 
 from casr.errors import SettingError
 from casr.specimens import SPECIMENS
-from casr.synthetic import ContactEllipse, ContactWorld, PressSettings, Scene
+from casr.synthetic import ContactEllipse, ContactWorld, PressSettings, Scene, TabulatedWorld
 from casr.synthetic.motion import lever, spread, true_divergence
 from casr.synthetic.region import Rim
 
@@ -155,3 +157,24 @@ def test_overload_grows_the_contact_no_further_than_the_rim() -> None:
     scene = _scene(stiffness_n_per_mm=1.11, angle_deg=45.0)
     assert scene.contact(1000.0).gap_px(scene.rim) > 1.9
     assert scene.contact(7.0).area_px2 < scene.contact(1000.0).area_px2
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 45.0])
+@pytest.mark.parametrize("world", [ContactWorld(), TabulatedWorld()], ids=["sticking", "finite-elements"])
+def test_friction_pulls_the_skin_of_the_contact_the_way_the_surface_climbs(world, angle_deg: float) -> None:
+    scene = Scene(PressSettings(world=world, angle_deg=angle_deg, centre_sd_mm=0.0, stiffness_n_per_mm=1.11))
+    state = scene.skin.state(5.0)
+    free_px, pulled_px = scene.pins_px(state), scene.pins_px(replace(state, tangential_mm=0.5))
+    moved_px = pulled_px - free_px
+    contact = scene.contact(state)
+    inside, far = contact.depth(free_px) < 0.9, contact.depth(free_px) > 2
+    assert np.count_nonzero(inside) > 5
+    along_px = 0.5 * np.cos(np.radians(angle_deg)) / scene.settings.camera.mm_per_px[0]
+    # tips of a tilted dome come nearer to the camera as well, and so seem to go farther
+    most = 1.001 if isinstance(world, ContactWorld) else 1.2 if angle_deg == 0 else 2.0
+    assert np.all((moved_px[inside, 0] > 0.95 * along_px) & (moved_px[inside, 0] < most * along_px))
+    assert np.abs(moved_px[inside, 1]).max() < 0.3 * along_px
+    assert np.all(np.hypot(*moved_px[far].T) < 0.35 * along_px)
+    farthest = np.hypot(*(free_px - contact.centre_px).T).argmax()
+    assert np.hypot(*moved_px[farthest]) < 0.2 * along_px
+    assert scene.area_mm2(replace(state, tangential_mm=0.5)) == scene.area_mm2(state)

@@ -19,6 +19,17 @@ ALL = ("--all", "--virtual", "--jobs", 1)
 RUNS = ["S1_0_high-stiffness", "S3_0_high-stiffness", "S1_0_modular", "S3_0_modular", "S1_30_modular", "S3_30_modular"]
 
 
+RANDOM = [
+    "S3_30_modular",
+    "S3_0_modular",
+    "S1_0_high-stiffness",
+    "S1_0_modular",
+    "S1_30_modular",
+    "S3_0_high-stiffness",
+]
+"""Of seed 0, for ever."""
+
+
 def order_of(runs: Path) -> list[str]:
     kept = json.loads((runs / "order.json").read_text())
     return ["{specimen}_{angle_deg:g}_{condition}".format(**run) for run in kept["runs"]]
@@ -59,6 +70,24 @@ def test_a_random_order_is_kept_and_a_stopped_sequence_goes_on(
     assert order_of(runs) == order
 
 
+def test_runs_are_in_random_order_unless_the_rig_file_lists_them(
+    rig: Rig, rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    drawn = rig("dry-run", rig_file())[1].split("order of the runs: ")[1]
+    assert drawn.startswith("random with seed 0\n")
+    assert [line.split()[0] for line in drawn.splitlines() if "_0_" in line or "_30_" in line] == RANDOM
+    other = rig("dry-run", rig_file(("[experiment]", "[experiment]\nseed = 1")), "--json")[1]
+    assert json.loads(other)["seed"] == 1
+    assert sorted(json.loads(other)["runs"]) == sorted(RUNS)
+    assert list(json.loads(other)["runs"]) != RANDOM
+    path = rig_file(("[experiment]", '[experiment]\norder = "listed"'), ("repetitions = 2", "repetitions = 1"))
+    assert list(json.loads(rig("dry-run", path, "--json")[1])["runs"]) == RUNS
+    assert rig("run", path, *ALL)[0] == 0
+    assert order_of(tmp_path / "runs-virtual") == RUNS
+    status, _, err = rig("run", path, *ALL, "--seed", 1)
+    assert (status, "--seed: expected a seed for a random order" in err) == (2, True)
+
+
 def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[..., Path], tmp_path: Path) -> None:
     path, runs = rig_file(), tmp_path / "runs-virtual"
     one = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "modular")
@@ -74,11 +103,11 @@ def test_a_run_that_goes_on_makes_other_presses(rig: Rig, rig_file: Callable[...
     [
         (("--order", "random"), "--order: expected --all beside this option, but found one run."),
         (("--seed", 1), "--seed: expected --all beside this option, but found one run."),
-        (("--all", "--order", "file", "--seed", 1), "--seed: expected a seed for a random order, but found 1."),
+        (("--all", "--order", "listed", "--seed", 1), "--seed: expected a seed for a random order, but found 1."),
         (("--all", "--repetitions", 3), "--repetitions: expected one run, but found --all."),
         (
             ("--all", "--order", "random", "--seed", 4),
-            "order.json: expected order random with seed 4, but found file, begun.",
+            "order.json: expected order random with seed 4, but found listed, begun.",
         ),
     ],
 )
@@ -130,7 +159,7 @@ class Rigged:
         return self.answers.pop(0) if self.answers else ""
 
     def press(self, file: Any, run: Any, plan: Any, root: Path, *, quiet: bool) -> tuple[Path, Any]:
-        name = real_run.run_name(*run)
+        name = run.name
         folder = real_run.new_folder(root, name, file.experiment.repetitions, emulated=False)
         how, good, *away = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)
         folder.mkdir(parents=True)

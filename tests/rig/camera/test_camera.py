@@ -14,7 +14,7 @@ from casr.synthetic import PressSettings, Scene
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.camera.opencv_camera import FramePace, OpenCvCamera, fitted, lock_settings
 from emg2vsa.rig.clock import VirtualClock, WallClock
-from emg2vsa.rig.emulated.camera import EmulatedCamera
+from emg2vsa.rig.emulated.camera import EmulatedCamera, FrameTiming
 from emg2vsa.rig.emulated.camera_server import CameraServer
 from emg2vsa.rig.record.press_recorder import PressRecorder
 
@@ -218,6 +218,28 @@ def test_the_emulated_camera_sees_the_force_of_its_time(clock, scene):
     for index, frame in enumerate(frames):
         np.testing.assert_array_equal(frame.image, scene.image(index / 2, index))
     assert camera.frames() == []
+
+
+def test_frames_arrive_late_and_bear_their_arrival_less_the_mean_latency(clock, scene):
+    asked_s = []
+    timing = FrameTiming(0.035, jitter_s=0.005, late_share=0.02, late_s=0.03, seed=3)
+    camera = EmulatedCamera(scene, lambda time_s: asked_s.append(time_s) or 0.0, clock, timing=timing)
+    camera.latency_s = 0.038  # of this press; nobody tells the rig
+    camera.start()
+    stamps_s = []
+    for tick in range(1, 20_000):
+        clock.sleep_until(tick / 200)
+        for frame in camera.frames():
+            assert clock.now_s() - 0.005 <= frame.time_s + 0.035 <= clock.now_s() + 1e-9
+            stamps_s.append(frame.time_s)
+    # what is seen is that of the exposure
+    np.testing.assert_allclose(asked_s, np.arange(len(asked_s)) / 20, atol=1e-9)
+    late_s = np.array(stamps_s) - asked_s
+    usual = late_s[late_s < 0.02]
+    assert np.mean(usual) == pytest.approx(0.003, abs=0.0005)
+    assert np.std(usual) == pytest.approx(0.005, rel=0.06)
+    assert np.mean(late_s > 0.02) == pytest.approx(0.02, abs=0.008)
+    assert np.all(np.diff(stamps_s) >= 0)
 
 
 def test_emulated_faults(clock, scene):

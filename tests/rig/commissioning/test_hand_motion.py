@@ -33,12 +33,14 @@ class Bench:
 
         def run(until_s: float, moving: Any) -> None:
             truly(until_s, moving)
-            self.peak_n = max(self.peak_n, self.true_n(self.rig.world._path.end_rad))
+            self.peak_n = max(self.peak_n, self.true_n(self.rig.world._path.end_s))
 
         self.rig.world._run = run  # type: ignore[method-assign]
 
-    def true_n(self, shaft_rad: float) -> float:
-        return float(np.linalg.norm(self.rig.world._probe.force_n(shaft_rad)))
+    def true_n(self, time_s: float) -> float:
+        world = self.rig.world
+        touch = world._path.touch(time_s) if world._probe.remembers else world._probe.elastic_touch(world._path.end_rad)
+        return float(np.linalg.norm(world._probe.force_n(touch)))
 
     def press(self, faults: tuple[str, ...], *, until_n: float, deg_per_s: float) -> str:
         """Towards the specimen; the error, or nothing."""

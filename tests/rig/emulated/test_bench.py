@@ -28,10 +28,12 @@ from emg2vsa.rig.qbmove.transport import LoopbackLine, SerialLine
 from emg2vsa.rig.record.press_counts import BUSY
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
+ELASTIC = EmulatedSettings(world="elastic")
+
 
 @pytest.fixture
 def bench() -> EmulatedRig:
-    return EmulatedRig(EmulatedSettings(), "S1", 0.0, False, VirtualClock())
+    return EmulatedRig(ELASTIC, "S1", 0.0, False, VirtualClock())
 
 
 def press_to(bench: EmulatedRig, devices: Devices, depth_mm: float) -> float:
@@ -45,7 +47,7 @@ def press_to(bench: EmulatedRig, devices: Devices, depth_mm: float) -> float:
 
 
 def draws(**changes: object) -> PressDraws:
-    return PressDraws(EmulatedSettings(**changes), "S1", 30.0, False, RigSettings(), "run")  # type: ignore[arg-type]
+    return PressDraws(EmulatedSettings(**{"world": "elastic"} | changes), "S1", 30.0, False, RigSettings(), "run")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, -0.6, 0.8), (0, 0, -1), (0.04, 0, -0.999), (0, 0, -0.9995), (1, 0, 0)])
@@ -58,7 +60,7 @@ def test_the_push_is_felt_along_the_axis_of_the_rig_file(axis: tuple[float, floa
 
 
 def test_presses_differ_and_come_again() -> None:
-    settings = EmulatedSettings()
+    settings = ELASTIC
     worlds = [draws().world(press) for press in range(50)]
     assert worlds == [draws().world(press) for press in range(50)]
     assert len({world.angle_deg for world in worlds}) == 1
@@ -116,7 +118,7 @@ def test_frames_are_drawn_when_looked_at(bench: EmulatedRig, monkeypatch: pytest
     frames = devices.camera.frames()
     assert (len(frames), drawn) == (3, [])
     assert frames[2].image is frames[2].image
-    assert drawn == [(0.0, 2)]
+    assert [(state.normal_n, number) for state, number in drawn] == [(0.0, 2)]
     np.testing.assert_array_equal(frames[0].image, scene.image(0.0, 0))
 
 

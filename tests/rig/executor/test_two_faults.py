@@ -31,7 +31,7 @@ class Pressed:
     def __init__(self, plan: RunPlan, emulated: EmulatedSettings | None = None) -> None:
         self.clock, self.plan = VirtualClock(), plan
         rigid = plan.condition == RIGID
-        emulated = emulated or EmulatedSettings(seed=14)
+        emulated = emulated or EmulatedSettings(world="elastic", seed=14)
         self.bench = EmulatedRig(emulated, plan.specimen, plan.angle_deg, rigid, self.clock, run=plan.condition)
         self.peak_n, self.rest_n = 0.0, 0.0
 
@@ -78,7 +78,9 @@ def test_a_zero_of_the_shaft_a_tenth_of_a_millimetre_off_is_told(
 
 
 def test_a_noisy_sensor_is_no_preload(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pressed = Pressed(modular_plan(3, specimen="S3", pause_s=0.5), EmulatedSettings(force_noise_n=0.2, seed=3))
+    pressed = Pressed(
+        modular_plan(3, specimen="S3", pause_s=0.5), EmulatedSettings(world="elastic", force_noise_n=0.2, seed=3)
+    )
     ended = pressed.run(tmp_path / "run", monkeypatch)
     assert (ended.how, ended.cause, ended.repetitions_done) == ("completed", "", 3)
 

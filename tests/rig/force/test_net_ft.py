@@ -20,7 +20,8 @@ class Rig:
 
     def __init__(self, load=lambda time_s: LOAD, *, buffered=False, **settings):
         self.clock = VirtualClock()
-        self.box = RdtBox(load, BoxSettings(**({"noise": (1e-6, 1e-6)} | settings)))
+        settings = {"noise": (1e-6, 1e-6)} | settings
+        self.box = RdtBox(lambda times_s: list(map(load, times_s)), BoxSettings(**settings))
         line = LoopbackDatagrams("box", self.box, self.clock)
         self.sensor = NetFt(line, parse_config(configuration_page(self.box)), self.clock, buffered=buffered)
         self.sensor.start()

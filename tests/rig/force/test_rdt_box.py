@@ -26,7 +26,7 @@ QUIET = {"noise": (0.0, 0.0), "counts_per_force": 1000, "counts_per_torque": 10}
 
 
 def quiet_box(**settings):
-    return RdtBox(lambda time_s: LOAD, BoxSettings(**(QUIET | settings)))
+    return RdtBox(lambda times_s: [LOAD] * len(times_s), BoxSettings(**(QUIET | settings)))
 
 
 def heard(box, *requests, until_s=0.01):
@@ -97,7 +97,9 @@ def test_equal_seeds_give_equal_noise():
 
 @pytest.fixture
 def server():
-    box = RdtBox(lambda time_s: LOAD, BoxSettings(force_unit="kN", n_per_unit=1e3, counts_per_force=10_000_000))
+    box = RdtBox(
+        lambda times_s: [LOAD] * len(times_s), BoxSettings(force_unit="kN", n_per_unit=1e3, counts_per_force=10_000_000)
+    )
     clock = WallClock()
     with RdtServer(box, clock) as server:
         yield server
@@ -166,7 +168,7 @@ def test_the_newest_client_wins_over_udp(server):
 
 
 def test_a_port_where_nobody_listens():
-    with RdtServer(RdtBox(lambda time_s: LOAD), WallClock()) as server:
+    with RdtServer(RdtBox(lambda times_s: [LOAD] * len(times_s)), WallClock()) as server:
         sensor = opened(server, WallClock())
     with pytest.raises(DeviceError, match="refused"):
         sensor.start()

@@ -6,6 +6,7 @@ import itertools
 import math
 import struct
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from emg2vsa.rig.clock import VirtualClock
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
 from emg2vsa.rig.emulated.qbmove_switches import ADVANCED, MAKER_PRO, Switches
+from emg2vsa.rig.qbmove.packets import lrc
 
 PING, PONG = "3a3a 01 02 00 00", "3a3a 01 02 00 00"
 ACTIVATE, IS_ACTIVE = "3a3a 01 03 80 03 83", "3a3a 01 02 81 81"
@@ -334,3 +336,24 @@ def test_a_calibrating_device_is_deaf_for_a_while_and_a_bootloader_until_reset()
     assert bench.say(PING, after_ms=60000) == ""
     bench.device.reset()
     assert bench.say(PING) == hexed(PONG)
+
+
+def test_a_command_is_known_to_the_motors_after_the_latency() -> None:
+    clock = VirtualClock()
+    at = 1e-6  # off the edge of an encoder's step
+    prompt, late = (
+        QbmoveFirmware(MAKER_PRO, Free(), clock, motors_rad=(at, at), latency_s=latency_s) for latency_s in (0.0, 0.015)
+    )
+    seen: dict[QbmoveFirmware, list[float]] = {prompt: [], late: []}
+    for device in seen:
+        device(bytes.fromhex(ACTIVATE))
+    for k in range(300):
+        for device, angles in seen.items():
+            if k in (10, 100, 105):  # one on its way is not lost to the next
+                ticks = {10: 800, 100: 1600, 105: -400}[k]
+                body = bytes([0x82]) + struct.pack(">hh", ticks, ticks)
+                device(b"::" + bytes((1, len(body) + 1)) + body + bytes((lrc(body),)))
+            angles.append(device.motors.angles_rad()[0])
+        clock.sleep_until(clock.now_s() + 0.001)
+    assert max(seen[prompt]) > 0.1
+    np.testing.assert_array_equal(seen[late][15:], seen[prompt][:-15])

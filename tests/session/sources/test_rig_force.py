@@ -24,8 +24,8 @@ class Bench:
 
     def __init__(self, *, bias: bool = False, rate_hz: float = RATE_HZ, **settings: object) -> None:
         self.clock = VirtualClock()
-        load = lambda time_s: [2.0, 0.0, -time_s, 0.0, 0.0, 0.0]  # noqa: E731
-        self.box = RdtBox(load, BoxSettings(rate_hz=rate_hz, noise=(1e-6, 1e-6)))
+        loads = lambda times_s: [[2.0, 0.0, -time_s, 0.0, 0.0, 0.0] for time_s in times_s]  # noqa: E731
+        self.box = RdtBox(loads, BoxSettings(rate_hz=rate_hz, noise=(1e-6, 1e-6)))
         line = LoopbackDatagrams("box", self.box, self.clock)
         sensor = NetFt(line, parse_config(configuration_page(self.box)), self.clock, stale_s=0.5, **settings)
         self.source = RigForce(

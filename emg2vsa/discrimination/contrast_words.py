@@ -1,0 +1,131 @@
+"""What the contrasts say, in words: for `emg2vsa run` and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from emg2vsa.discrimination.contrast import Contrast, Estimates
+from emg2vsa.discrimination.discriminate import Discrimination
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+
+_MEASURES = {"slope": "CASR by slope", "frame_sum": "CASR by equation (2), a sum over frames,"}
+_NAMES = {HUMAN_LIKE: "human-like stiffness", RIGID: "the rigid motor"}
+
+
+def contrast_words(found: Discrimination) -> list[str]:
+    """Sentences that are true of the runs; none where nothing was compared."""
+    said = [line for contrast in found.contrasts for line in _of_measure(found, contrast)]
+    return [*said, *_leak(found), *_gaps(found)] if said else []
+
+
+def change_percent(of: Estimates, i: int) -> str:
+    """A difference of logarithms as a change of the ratio, ``+0.4 % [-4.1, +5.2]``."""
+    ends = [100 * np.expm1(float(each[i])) for each in (of.estimate, of.low, of.high)]
+    estimate, low, high = (f"{end:+.1f}" for end in ends)
+    return f"{estimate} % [{low}, {high}]" if np.isfinite(ends).all() else f"{estimate} %, interval not determined"
+
+
+def headline(contrast: Contrast, conditions: Sequence[str]) -> int | None:
+    """Number of the comparison that is tested first; None where the human-like condition met no rigid motor."""
+    rows = zip(contrast.one.tolist(), contrast.other.tolist(), contrast.pair.tolist(), strict=True)
+    for i, (one, other, pair) in enumerate(rows):  # by rising angle
+        if (conditions[one], conditions[other], pair) == (HUMAN_LIKE, RIGID, 0):
+            return i
+    return None
+
+
+def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
+    table = found.table
+    i = headline(contrast, table.conditions)
+    if i is None:
+        return
+    measure, pair = _MEASURES[contrast.measure], _pair(contrast, 0)
+    change, against = change_percent(contrast.changes, i), "against the rigid motor"
+    counts = contrast.mountings[[contrast.one[i], contrast.other[i]]]
+    mounted = f"p = {contrast.p_adjusted[i]:.2g}, {_mountings(int(counts.min()))}"
+    match contrast.verdicts[i]:
+        case "raises" | "lowers" as verdict:
+            yield f"Human-like stiffness {verdict} the contrast {pair} of {measure} {against}: {change} ({mounted})."
+        case "not shown":
+            yield (
+                f"Human-like stiffness does not raise the contrast {pair} of {measure} {against} by more than "
+                f"mountings scatter: {change} ({mounted})."
+            )
+        case _ if counts.min() < 2:
+            yield (
+                f"Whether human-like stiffness raises the contrast {pair} of {measure} {against} cannot be told, as "
+                f"specimens were mounted once. It is {change} if mountings differ by {100 * contrast.assumed_sd:g} % "
+                "(SD, assumed). Set [experiment] mountings to 3 or more to tell."
+            )
+        case _:
+            yield f"Whether human-like stiffness raises the contrast {pair} of {measure} {against} cannot be told."
+    others = [
+        f"{_NAMES.get(table.conditions[one], table.conditions[one])} at {table.angles_deg[one]:g}° {verdict} "
+        f"{_pair(contrast, int(k))} against {_NAMES.get(table.conditions[other], table.conditions[other])} "
+        f"({change_percent(contrast.changes, j)})"
+        for j, (one, other, k, verdict) in enumerate(
+            zip(contrast.one, contrast.other, contrast.pair, contrast.verdicts, strict=True)
+        )
+        if j != i and verdict in ("raises", "lowers")
+    ]
+    if others:
+        yield f"Also by this measure: {'; '.join(others)}."
+
+
+def _leak(found: Discrimination) -> Iterator[str]:
+    """Whether an effect follows the specimen or its schedule."""
+    effects = [c for c in found.contrasts if any(verdict in ("raises", "lowers") for verdict in c.verdicts)]
+    pressed_with = {name: found.schedule_of.get(name, name) for name in found.table.specimens}
+    if len(set(pressed_with.values())) == 1:
+        yield "All specimens were pressed with the same schedules, so that no schedule tells the specimens apart."
+        return
+    if found.schedule_of:
+        told = ", ".join(f"{one} with those of {other}" for one, other in found.schedule_of.items())
+        yield f"Specimens were pressed with the schedules of others: {told}."
+        yield from (_order(found, contrast) for contrast in found.contrasts)
+        return
+    if effects:
+        yield (
+            "The schedules differ between specimens, so that a schedule carries the label of its specimen, and the "
+            "effect may be that of the label. Swapped schedules decide: press again with [experiment] schedule_of "
+            "(docs/how-to/controls.md)."
+        )
+
+
+def _order(found: Discrimination, contrast: Contrast) -> str:
+    """Whether a measure ranks specimens by their stiffness although the schedules are swapped."""
+    table, last = found.table, len(contrast.pairs) - 1
+    human = table.of_condition(HUMAN_LIKE)
+    if not human:
+        return f"{_MEASURES[contrast.measure]} was not measured with human-like stiffness."
+    level = human[0] * len(contrast.pairs) + last
+    low, high = float(contrast.levels.low[level]), float(contrast.levels.high[level])
+    softer, stiffer = contrast.pairs[last]
+    measure = _MEASURES[contrast.measure]
+    ratio = f"{softer} : {stiffer} {change_percent(contrast.levels, level)}"
+    if low > 0:
+        return f"{measure} keeps the order of {stiffer} and {softer} ({ratio}): it follows the specimen."
+    if high < 0:
+        return f"{measure} reverses {stiffer} and {softer} ({ratio}): it follows the schedule, not the specimen."
+    return f"Whether {measure} keeps the order of {stiffer} and {softer} cannot be told ({ratio})."
+
+
+def _gaps(found: Discrimination) -> Iterator[str]:
+    """Conditions by how far they set the closest specimens apart, at the smallest angle."""
+    table, compared = found.table, found.conditions
+    designs = [i for i in range(len(table.conditions)) if table.angles_deg[i] == table.angles_deg.min()]
+    by_gap = sorted((i for i in designs if np.isfinite(compared.gaps.gap[i])), key=lambda i: -compared.gaps.gap[i])
+    if len(by_gap) > 1:
+        told = ", ".join(f"{table.conditions[i]} {compared.gaps.gap[i]:.1f}" for i in by_gap)
+        stiffer, softer = compared.pair
+        yield f"Distance of {stiffer} and {softer} in SDs of a press, by condition: {told}."
+
+
+def _pair(contrast: Contrast, place: int) -> str:
+    return " : ".join(contrast.pairs[place])
+
+
+def _mountings(count: int) -> str:
+    return f"{count} mountings of each specimen" if count > 1 else "one mounting, which is assumed to be like any other"

@@ -1,0 +1,83 @@
+"""Which participant stands for all, and how much the schedule hangs on that choice (paper IV.B: "exemplary")."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats
+from emg2vsa.fits import Fits
+from emg2vsa.settings import MEDOID
+
+
+@dataclass(frozen=True)
+class Choice:
+    """P participants with usable trials on every exported specimen, and how far their schedules are apart.
+
+    The distance of two participants is the root mean square, over specimens and over forces of the window, of the
+    difference of their schedules as a share of the mapped range: each participant's co-contraction is mapped from its
+    own smallest to its own largest value, as eq. (7) does. Amplitudes of EMG do not enter.
+    """
+
+    participants: tuple[str, ...]
+    to_others: Floats
+    "(P,) mean distance to the other participants; the smallest is the medoid's."
+    to_used: Floats
+    "(P,) distance to the schedule that is used."
+    largest: Floats
+    "(P,) largest difference to the schedule that is used, at any force of any specimen."
+    left_out: tuple[str, ...]
+    "Participants without usable trials on one of the specimens."
+
+    @property
+    def medoid(self) -> str:
+        """The participant nearest to all others; the first of several."""
+        return self.participants[int(np.argmin(self.to_others))]
+
+
+def compare_participants(
+    fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str], force_n: Floats, used: str
+) -> Choice | None:
+    """How far the schedules of the participants are apart; None where fewer than two have every specimen.
+
+    rows : (N,) usable trials of ``fits``. force_n : (G,) at which curves are compared. used : the participant whose
+    schedule is used, ``settings.MEDOID`` for the medoid, empty for the mean over participants.
+    """
+    present = list(dict.fromkeys(fits.participant[rows].tolist()))
+    means = {name: _mean_coefficients(fits, rows & (fits.participant == name), specimens) for name in present}
+    whole = [name for name in present if np.isfinite(means[name]).all()]
+    if len(whole) < 2:
+        return None
+    shares = np.array([_share(means[name], force_n) for name in whole])
+    between = np.sqrt(np.mean((shares[:, None] - shares[None]) ** 2, axis=(2, 3)))
+    to_others = between.sum(axis=1) / (len(whole) - 1)
+    if used:
+        mine = shares[int(np.argmin(to_others)) if used == MEDOID or used not in whole else whole.index(used)]
+    else:
+        mine = _share(np.mean([means[name] for name in whole], axis=0), force_n)
+    return Choice(
+        participants=tuple(whole),
+        to_others=to_others,
+        to_used=np.sqrt(np.mean((shares - mine) ** 2, axis=(1, 2))),
+        largest=np.abs(shares - mine).max(axis=(1, 2)),
+        left_out=tuple(name for name in present if name not in whole),
+    )
+
+
+def _mean_coefficients(fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str]) -> Floats:
+    """(S, 2) mean a and b; NaN where there is no trial."""
+    found = np.full((len(specimens), 2), np.nan)
+    for s, specimen in enumerate(specimens):
+        if (these := rows & (fits.specimen == specimen)).any():
+            found[s] = fits.a_v[these].mean(), fits.b_v[these].mean()
+    return found
+
+
+def _share(coefficients: Floats, force_n: Floats) -> Floats:
+    """(S, G) co-contraction from 0 at its smallest to 1 at its largest value; 0 where it does not vary."""
+    v = coefficients[:, :1] + coefficients[:, 1:] * np.log(force_n)
+    span = float(np.ptp(v))
+    return (v - v.min()) / span if span > 0 else np.zeros_like(v)

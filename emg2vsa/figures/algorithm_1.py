@@ -1,0 +1,139 @@
+"""Algorithm 1, which finds the initial area.
+
+Figure 2: its steps in one press, as the paper shows them, and the flow that follows. Figure A1: the pins that it counts
+against the force of the first frame in contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from casr.contact_area.rules import lattice_cell
+from casr.flow.divergence import divergence, region_mask
+from casr.flow.region import Region
+from casr.pins import PinSettings, pin_pitch_px
+from casr.pins.blobs import above_surroundings
+from casr.pins.detect import fit_view
+from casr.pins.sites import lattice_kind
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.figures.canvas import panel_grid
+from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW, Look
+from emg2vsa.runs import FirstContact
+
+_BRIGHTEST = 255
+_ARROWS_PX = 12
+"""Between arrows of the flow."""
+
+
+def draw_steps(seen: FirstContact, flow_px: NDArray[np.floating[Any]]) -> Figure:
+    """flow_px : (H, W, 2) from the first frame in contact to the next, NaN where it is not known."""
+    figure, rows = panel_grid(2, [1] * 4, 41, (2, 2, 2, 7), (4, 8))
+    axes = [each for row in rows for each in row]
+    rest, contact, _ = seen.frames
+    titles = (
+        "frame", "mask", "centroids at rest", "centroids in contact", "selected pins", "one hexagon each", "flow",
+        "divergence",
+    )  # fmt: skip
+    for each, title in zip(axes, titles, strict=True):
+        each.set_title(title, loc="center")
+        each.set_axis_off()
+    frame, mask, at_rest, in_contact, selected, hexagons, flow, growth = axes
+    _grey(frame, contact)
+    _grey(mask, _BRIGHTEST * _mask(contact))
+    for where, image, pins in ((at_rest, rest, seen.rest_px), (in_contact, contact, seen.contact_px)):
+        _grey(where, image)
+        where.plot(*pins.T, linestyle="none", marker="+", markersize=3.5, color=YELLOW, markeredgewidth=0.8)
+    _grey(selected, contact)
+    start, end = seen.rest_px[seen.selected], seen.contact_px[seen.selected]
+    selected.plot(*end.T, linestyle="none", marker="o", markersize=4, markerfacecolor="none", markeredgecolor=YELLOW)
+    selected.quiver(*start.T, *(end - start).T, angles="xy", scale_units="xy", scale=0.25, color=SKY, width=0.008)
+    _grey(hexagons, contact)
+    cell = lattice_cell(pin_pitch_px(seen.rest_px), lattice_kind(seen.rest_px))
+    hexagons.add_collection(
+        PolyCollection(list(end[:, None] + cell), facecolors=(*_rgb(YELLOW), 0.25), edgecolors=YELLOW, linewidths=0.8)
+    )
+    of_skin = np.where(_skin(seen), flow_px.transpose(2, 0, 1), np.nan).transpose(1, 2, 0)
+    _flow(flow, contact, of_skin)
+    _divergence(growth, of_skin)
+    return figure
+
+
+def _skin(seen: FirstContact) -> NDArray[np.bool_]:
+    """(H, W) what the pins enclose: flow is not seen where nothing is."""
+    hull = Region.from_points(seen.contact_px[np.isfinite(seen.contact_px).all(axis=1)])
+    return np.asarray(region_mask(hull.polygon_px, seen.frames.shape[1:]) > 0)
+
+
+def _rgb(colour: str) -> tuple[float, ...]:
+    return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
+
+
+def _grey(axes: Axes, image: NDArray[np.uint8]) -> None:
+    axes.imshow(image, cmap="gray", vmin=0, vmax=_BRIGHTEST, interpolation="nearest")
+
+
+def _mask(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(H, W) 0 or 1: what the search for pins takes for a bright blob."""
+    view, _ = fit_view(image, PinSettings())
+    _, mask = above_surroundings(view.grey(image), view.block_px, view.contrast)
+    height, width = image.shape
+    return np.asarray(cv2.resize((mask > 0).astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST))
+
+
+def _flow(axes: Axes, image: NDArray[np.uint8], flow_px: NDArray[np.floating[Any]]) -> None:
+    _grey(axes, (image // 3).astype(np.uint8))
+    height, width = image.shape
+    y, x = np.mgrid[_ARROWS_PX // 2 : height : _ARROWS_PX, _ARROWS_PX // 2 : width : _ARROWS_PX]
+    u, v = (flow_px[y, x, part] for part in (0, 1))
+    axes.quiver(x, y, u, v, angles="xy", scale_units="xy", scale=0.1, color=SKY, width=0.008)
+
+
+def _divergence(axes: Axes, flow_px: NDArray[np.floating[Any]]) -> None:
+    """One scale to both sides of zero: blue shrinks, yellow grows, white is still."""
+    field = 100 * divergence(flow_px.astype(np.float32))
+    most = float(np.nanpercentile(np.abs(field), 99.5)) or 1.0
+    shown = np.clip(np.nan_to_num(field) / most, -1, 1)[..., None]
+    ends = np.where(shown > 0, np.array(_rgb(YELLOW)), np.array(_rgb(BLUE)))
+    axes.imshow(1 - np.abs(shown) * (1 - ends), interpolation="nearest")
+    axes.text(0.02, 0.02, f"±{most:.2g} %/frame", transform=axes.transAxes, color=INK, fontsize=7)
+
+
+@dataclass(frozen=True)
+class PinCounts:
+    """One specimen at one angle: force_n (n,) of the first frame of each press, and the pins (n,) selected in it."""
+
+    name: str
+    look: Look
+    force_n: Floats
+    pins: Ints
+
+
+def draw_pin_counts(panels: Sequence[tuple[str, Sequence[PinCounts]]]) -> Figure:
+    """panels : title and specimens, stiffest first."""
+    figure, (row,) = panel_grid(1, [1] * len(panels), 46, (13, 2, 11, 13), (6, 0))
+    for axes, (title, specimens) in zip(row, panels, strict=True):
+        for each in specimens:
+            axes.plot(
+                each.force_n, each.pins, linestyle="none", marker=each.look.marker, markersize=4,
+                color=each.look.colour, alpha=0.8, markeredgecolor=INK, markeredgewidth=0.3, label=each.name,
+            )  # fmt: skip
+        axes.set_title(title, loc="center")
+        axes.set_xlabel("Force of the first frame (N)")
+    high = max(axes.get_ylim()[1] for axes in row)
+    left, right = np.transpose([axes.get_xlim() for axes in row])
+    for axes in row:
+        axes.set(ylim=(0, high), xlim=(left.min(), right.max()))
+        axes.tick_params(labelleft=axes is row[0])
+    row[0].set_ylabel("Pins selected, n")
+    handles, labels = max((axes.get_legend_handles_labels() for axes in row), key=lambda each: len(each[1]))
+    figure.legend(handles, labels, loc="upper center", ncols=max(1, len(labels)))
+    return figure

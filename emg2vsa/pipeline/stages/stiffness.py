@@ -1,0 +1,94 @@
+"""Stiffness: what that of the actuator can do to the spread rates of the study's specimens, by mechanics alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Given, Stage
+from emg2vsa.settings import RIGID
+
+if TYPE_CHECKING:
+    from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
+    from emg2vsa.pipeline.campaign import Campaign
+
+
+def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    """Of the bench only what moves and creeps: neither its scatter nor its devices."""
+    from emg2vsa.rig.device_settings import RATE_HZ
+
+    assert campaign.rig is not None
+    assert campaign.rig.emulated is not None
+    rig, emulated, experiment = campaign.rig, campaign.rig.emulated, campaign.rig.experiment
+    known = [name for name in experiment.specimens if name in emulated.stiffness_n_per_mm]
+    return {
+        "stiffness": {name: emulated.stiffness_n_per_mm[name] for name in known},
+        "relaxation": {name: emulated.relaxation_of(name) for name in known},
+        "sensor_relaxation": emulated.sensor_relaxation,
+        "skin": emulated.skin,
+        "springs": emulated.springs,
+        "preset_latency_s": emulated.preset_latency_s,
+        "camera": (emulated.camera_latency_sd_s, emulated.camera_jitter_s, emulated.force_noise_n),
+        "gear_mm_per_degree": rig.rig.gear_mm_per_degree,
+        "ramp_mm_per_s": experiment.ramp_mm_per_s,
+        "window_n": (experiment.f_contact_n, experiment.f_max_n),
+        "rate_hz": rig.devices.camera.rate_hz if rig.devices.camera else RATE_HZ,
+        "percent": campaign.study.schedule.stiffness_percent,
+        "max_preset_ticks": campaign.study.schedule.max_preset_ticks,
+    }
+
+
+def run(given: Given) -> StiffnessEffect | None:
+    """None where fewer than two specimens have all schedules."""
+    import numpy as np
+
+    from casr.synthetic import ContactWorld, TabulatedWorld
+    from emg2vsa.actuator import SPRINGS, ticks_of_percent
+    from emg2vsa.contact_mechanics import Drive, StiffnessSteps
+    from emg2vsa.contact_mechanics.camera_frames import FrameErrors
+    from emg2vsa.contact_mechanics.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
+
+    used, world = given.settings, ContactWorld()
+    steps: dict[str, dict[str, StiffnessSteps]] = {}
+    for schedule in given.one("schedules") or ():
+        own = steps.setdefault(schedule.condition, {})
+        own[schedule.specimen] = StiffnessSteps(schedule.step_force_n, schedule.preset_ticks.astype(np.float64))
+    by_stiffness = sorted(used["stiffness"].items(), key=lambda each: -each[1])
+    stiffness = {name: each for name, each in by_stiffness if all(name in own for own in steps.values())}
+    if len(stiffness) < 2:
+        return None
+    for percent in used["percent"]:
+        ticks = float(ticks_of_percent(percent, used["max_preset_ticks"]))
+        steps[f"all-{percent:g}"] = dict.fromkeys(stiffness, StiffnessSteps.constant(ticks))
+    skin = TabulatedWorld() if used["skin"] == "finite-elements" else world
+    bench = Bench(
+        stiffness_mpa={name: each / (2 * world.punch_radius_mm) for name, each in stiffness.items()},
+        sensor_mpa=world.sensor_modulus_mpa,
+        tip_radius_mm=world.tip_radius_mm,
+        exponent=world.exponent,
+        area_mm2=lambda name, force: np.pi * skin.radius_mm(force, stiffness[name]) ** 2,
+        drive=Drive(
+            springs=SPRINGS[used["springs"]], speed_mm_per_s=used["ramp_mm_per_s"],
+            mm_per_degree=used["gear_mm_per_degree"], preset_latency_s=used["preset_latency_s"],
+        ),
+        steps=steps,
+        window_n=used["window_n"],
+        rate_hz=used["rate_hz"],
+    )  # fmt: skip
+    latency_sd_s, jitter_s, force_n = used["camera"]
+    errors = FrameErrors(area_share=AREA_NOISE, force_n=force_n, latency_sd_s=latency_sd_s, jitter_s=jitter_s)
+    return stiffness_effect(bench, materials_of(used["sensor_relaxation"], used["relaxation"]), errors, RIGID)
+
+
+def says(effect: StiffnessEffect | None) -> str:
+    return "" if effect else "What stiffness can do is told of two specimens or more with schedules."
+
+
+STAGE = Stage(
+    per="study",
+    of="emulated rig",
+    needs=("schedules",),
+    run=run,
+    settings=settings,
+    says=says,
+    gives="What stiffness can do is",
+)

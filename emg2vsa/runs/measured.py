@@ -1,0 +1,205 @@
+"""What every vision algorithm makes of one press: its front by the pins, and the growth of skin by each recipe."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+
+import numpy as np
+
+from casr.camera import undistorted
+from casr.contact_area import InitialArea, initial_area
+from casr.contact_area.array import array_area_px2
+from casr.errors import CasrError, NoContactError
+from casr.flow.estimate import FlowSettings
+from casr.frames import FrameSequence
+from casr.press_forces import press_forces
+from casr.score import score, score_skin
+from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.settings import RECIPES, Recipe, RunSettings
+
+_REACH = 0.8
+"""At 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."""
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """Of one algorithm, NaN where it finds nothing; ``missing`` : why there is no rate.
+
+    area, outlines_px : (T,) and T outlines, of the frames.
+    """
+
+    a_c0: float = np.nan
+    start_area: float = np.nan
+    casr: float = np.nan
+    area: Floats = field(default_factory=lambda: np.empty(0))
+    outlines_px: tuple[Floats, ...] = ()
+    missing: str = ""
+
+
+class Measured:
+    """A press, by its pins and by what else the recipes ask for.
+
+    The front and the growth of skin by the pins' flow come from one pass over the frames. A recipe with another engine,
+    force rule, law, rate or region takes a further one. The rule of the initial area takes none: growth does not depend
+    on it.
+
+    Attributes
+    ----------
+    skin : by the recipe of the settings.
+
+    Raises
+    ------
+    CasrError : the algorithm of the settings finds nothing.
+    """
+
+    def __init__(self, frames: FrameSequence, settings: RunSettings) -> None:
+        self._frames, self._settings, own = frames, settings, settings.recipe
+        is_front = settings.algorithm == "front"
+        self._by_pins = own if is_front or _growth(own) == _growth(RECIPES["front"]) else RECIPES["front"]
+        self._skins: dict[Recipe, SkinScore] = {}
+        self._seen: Score | None = None
+        try:
+            by_skin = own == self._by_pins and not is_front
+            self._seen = score(*self._asked(self._by_pins, "skin" if by_skin else "front"))
+            self._skins[_growth(self._by_pins)] = _skin_of(self._seen)
+        except CasrError:
+            if own == self._by_pins:
+                raise
+        self.skin = self._skin_by(own)
+        if is_front:
+            self._need_front()
+        elif self.skin.initial.rule != own.area_rule:
+            raise CasrError(
+                frames.name,
+                wanted=f"an initial area by rule {own.area_rule!r}",
+                found=" ".join(self.skin.initial.notes),
+                do="Look at the first frames (casr score --page); if they are as they should be, set another "
+                "algorithm.",
+            )
+
+    def _need_front(self) -> None:
+        assert self._seen is not None
+        if self._seen.rate is None:
+            raise CasrError(
+                self._frames.name,
+                wanted="a contact front that can be followed",
+                found=self._seen.front_doubt,
+                do="Look at the frames (casr score --page), or set another algorithm under [runs].",
+            )
+
+    def numbers(self, algorithm: str) -> Numbers:
+        """Those of one algorithm; with the reason where it has none."""
+        try:
+            return self._front() if algorithm == "front" else self._by_skin(self._settings.recipe_of(algorithm))
+        except CasrError as error:
+            return Numbers(missing=f"expected {error.wanted}, but found {error.found}")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the press's numbers should know."""
+        doubts = self._seen.doubts if self._seen else ()
+        return (*(f"check {self._frames.name}: {doubt}" for doubt in doubts), *self.skin.notes)
+
+    @property
+    def selected(self) -> Ints | None:
+        """(n,) rows of the pins that Algorithm 1 counts: moved beyond the threshold, in whole pixels; None: unknown."""
+        try:
+            return self._initial(self.skin, "paper").selected.astype(np.int64)
+        except NoContactError:
+            return np.empty(0, dtype=np.int64)
+        except CasrError:
+            return None
+
+    def _front(self) -> Numbers:
+        """Area in the first frame and where loading begins, on the front's power law, and its rate."""
+        seen = self._seen
+        if seen is None or seen.force_n is None or seen.front_spread is None or seen.front_spread.rate is None:
+            return Numbers(missing=seen.front_doubt if seen else "the pins cannot be followed")
+        rate = seen.front_spread.rate
+        assert rate.law is not None
+        start_n, first_n = self._settings.force_n[0], float(seen.force_n[0])
+        area, outlines = seen.by("front").area, tuple(seen.front.edge_px)
+        return Numbers(rate.law.area(first_n), rate.law.area(start_n), rate.value, area, outlines)
+
+    def _by_skin(self, recipe: Recipe) -> Numbers:
+        found = self._skin_by(recipe)
+        initial = self._initial(found, recipe.area_rule)
+        if initial.rule != recipe.area_rule:
+            return Numbers(missing=f"expected an initial area by its rule, but found: {' '.join(initial.notes)}")
+        a_c0 = initial.area_px2 if initial.area_mm2 is None else initial.area_mm2
+        times, rate = a_c0 / found.skin.area[0], found.skin.rate
+        assert rate is not None
+        growth = rate.law.area(self._settings.force_n[0]) / found.skin.area[0] if rate.law else 1.0
+        area = times * found.skin.area
+        if missing := self._beyond_array(found, initial, area):
+            return Numbers(a_c0, a_c0 * growth, missing=missing)
+        return Numbers(a_c0, a_c0 * growth, float(times * rate.value), area, found.regions)
+
+    def _beyond_array(self, found: SkinScore, initial: InitialArea, area: Floats) -> str:
+        """What to say of areas above that of the pin array, which cannot be; a circle is of the array anyway."""
+        if initial.rule == "circle":
+            return ""
+        scale = 1.0 if initial.area_mm2 is None else initial.area_mm2 / initial.area_px2
+        array = scale * array_area_px2(undistorted(found.contact_px, self._frames.camera))
+        last = int(np.argmax(area))
+        if not area[last] > array:
+            return ""
+        unit = found.area_unit.replace("2", "²")
+        return (
+            f"expected at most the area of the pin array, {array:.5g} {unit}, but found {area[last]:.5g} {unit} by the "
+            f"area law at {found.force_n[last]:.2f} N"
+        )
+
+    def _initial(self, found: SkinScore, rule: str) -> InitialArea:
+        if found.initial.rule == rule:
+            return found.initial
+        camera, threshold_px = self._frames.camera, self._settings.threshold_px
+        return initial_area(found.rest, found.contact_px, camera=camera, rule=rule, threshold_px=threshold_px)
+
+    def _skin_by(self, recipe: Recipe) -> SkinScore:
+        key = _growth(recipe)
+        if key not in self._skins:
+            taken = self._seen.frames if self._seen else np.empty(0, dtype=np.intp)
+            bad = np.setdiff1d(np.arange(taken[0], taken[-1]), taken) if taken.size else taken
+            self._skins[key] = score_skin(*self._asked(recipe, "skin"), bad.tolist())
+        return self._skins[key]
+
+    def _asked(self, recipe: Recipe, quantity: str) -> tuple[FrameSequence, ScoreSettings]:
+        """The frames with their forces, and a recipe in casr's terms.
+
+        Loading ends at the largest force where no frame was taken at F_max: the press turns back between two. CasrError
+        where that is far below: a law through the first newtons says little of the others.
+        """
+        frames = self._frames.by_mean() if recipe.force_rule == "mean" else self._frames
+        start_n, stop_n = self._settings.force_n
+        asked = ScoreSettings(
+            quantity=quantity,
+            flow=FlowSettings(engine=recipe.engine),
+            area_rule=recipe.area_rule,
+            area_law=recipe.law,
+            rate_rule=recipe.rate,
+            threshold_px=self._settings.threshold_px,
+            force_start_n=start_n,
+            force_stop_n=stop_n,
+            rate_window_n=(start_n, stop_n),
+            region=WHOLE_IMAGE if recipe.region == "image" else None,
+        )
+        peak_n = float(np.nanmax(press_forces(frames, asked).force_n, initial=0.0))
+        if peak_n < _REACH * stop_n:
+            raise CasrError(
+                frames.name,
+                wanted=f"a press that reaches {_REACH * stop_n:.3g} N, {_REACH:.0%} of the force to score to",
+                found=f"{peak_n:.3g} N at most",
+                do="Press again, or lower force_n under [runs].",
+            )
+        return frames, asked if peak_n >= stop_n else replace(asked, force_stop_n=None)
+
+
+def _growth(recipe: Recipe) -> Recipe:
+    """What growth depends on."""
+    return recipe._replace(area_rule="")
+
+
+def _skin_of(seen: Score) -> SkinScore:
+    return SkinScore(**{each.name: getattr(seen, each.name) for each in fields(SkinScore)})

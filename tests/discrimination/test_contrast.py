@@ -1,0 +1,147 @@
+"""Contrasts over mountings: known answers, coverage, order of the tests, and words that are true."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from emg2vsa.discrimination import discriminate
+from emg2vsa.discrimination.contrast import contrasts
+from emg2vsa.discrimination.contrast_words import contrast_words, headline
+from emg2vsa.discrimination.run_table import run_table
+from emg2vsa.settings import DiscriminationSettings
+
+FEW = DiscriminationSettings(resamples=50)
+SPECIMENS = ("S1", "S_new", "S3", "S5")
+TRUE_LN = {"S1": 2.0, "S_new": 2.07, "S3": 2.19, "S5": 2.553}
+
+
+@pytest.fixture
+def world(run_of):
+    """Runs with given ln CASR: mountings and presses of a cell, scatter of both, and what a condition adds."""
+
+    one = run_of("S1", 0.0, "modular", presses=1)
+
+    def runs(mountings, presses, mounting_sd, press_sd, seed=0, adds=None, frame_sum=None):
+        rng = np.random.default_rng(seed)
+        made = []
+        for condition in ("high-stiffness", "modular", "constant-mean"):
+            for specimen in SPECIMENS:
+                own = TRUE_LN[specimen] + (adds or {}).get((condition, specimen), 0.0)
+                noise = np.repeat(mounting_sd * rng.standard_normal(mountings), presses)
+                casr = np.exp(own + noise + press_sd * rng.standard_normal(noise.size))
+                summed = np.exp(own + (frame_sum or {}).get((condition, specimen), 0.0) + noise)
+                numbers = np.repeat(np.arange(1, mountings + 1), presses)
+                made.append(of_presses(one, specimen, condition, numbers, {"front": casr, "paper": summed}))
+        return made
+
+    return runs
+
+
+def of_presses(run, specimen, condition, mounting, casr):
+    """A run with as many presses as ``mounting`` has numbers."""
+    n = mounting.size
+    each = {name: np.resize(getattr(run, name), n) for name in ("repetitions", "true_a_c0", "indent_n_per_mm")}
+    areas = {name: {key: np.resize(run.a_c0["front"], n) for key in casr} for name in ("a_c0", "start_area")}
+    return replace(
+        run, specimen=specimen, condition=condition, mounting=mounting, casr=casr, verdicts=("ok",) * n,
+        reasons=("",) * n, curves=run.curves * n, **each, **areas,
+    )  # fmt: skip
+
+
+def measured(runs, stiffness_n_per_mm, sd=0.025):
+    return contrasts(run_table(runs, stiffness_n_per_mm, "S_new"), 0.05, sd)
+
+
+def test_estimate_interval_and_p_are_those_of_the_mountings_means(world, stiffness_n_per_mm):
+    runs = world(3, 4, 0.02, 0.03)
+    slope, frame_sum = measured(runs, stiffness_n_per_mm)
+    assert (slope.algorithm, frame_sum.algorithm) == ("front", "paper")
+    assert slope.pairs == (("S5", "S1"), ("S_new", "S1"))
+    i = headline(slope, ("high-stiffness", "modular", "constant-mean"))
+    by_name = {(run.condition, run.specimen): np.log(run.casr["front"]).reshape(3, 4).mean(axis=1) for run in runs}
+    cells = [by_name[c, s] for c in ("modular", "high-stiffness") for s in ("S5", "S1")]
+    estimate = cells[0].mean() - cells[1].mean() - cells[2].mean() + cells[3].mean()
+    error = np.sqrt(sum(cell.var(ddof=1) for cell in cells) / 4 * 4 / 3)
+    assert slope.changes.estimate[i] == pytest.approx(estimate)
+    assert slope.changes.df[i] == 8
+    assert slope.changes.p[i] == pytest.approx(2 * stats.t.sf(abs(estimate) / error, 8))
+    assert slope.changes.high[i] - estimate == pytest.approx(stats.t.ppf(0.975, 8) * error)
+    assert slope.mountings.tolist() == [3, 3, 3]
+
+
+def test_presses_of_one_mounting_are_no_replicates(world, stiffness_n_per_mm):
+    """Sixty presses that tell nothing of mountings: in a world without an effect as few as alpha are found."""
+    found = 0
+    for seed in range(200):
+        (slope, _) = measured(world(3, 20, 0.03, 0.01, seed), stiffness_n_per_mm)
+        found += any(verdict in ("raises", "lowers") for verdict in slope.verdicts)
+    assert found <= stats.binom.ppf(0.999, 200, 0.05)
+
+
+def test_an_effect_is_found_and_the_interval_holds_it(world, stiffness_n_per_mm):
+    adds, held = {("modular", "S5"): 0.15}, 0
+    for seed in range(100):
+        (slope, _) = measured(world(3, 3, 0.025, 0.03, seed, adds), stiffness_n_per_mm)
+        held += bool(slope.changes.low[0] < 0.15 < slope.changes.high[0])
+    assert 88 <= held <= 100
+    found = [measured(world(3, 3, 0.025, 0.03, seed, adds), stiffness_n_per_mm)[0].verdicts[0] for seed in range(20)]
+    assert found.count("raises") >= 17
+    assert (
+        measured(world(3, 3, 0.01, 0.01, 0, {("modular", "S5"): -0.2}), stiffness_n_per_mm)[0].verdicts[0] == "lowers"
+    )
+
+
+def test_nothing_is_claimed_behind_a_first_test_that_found_nothing(world, stiffness_n_per_mm):
+    (slope, _) = measured(world(3, 3, 0.01, 0.01, 1, {("constant-mean", "S5"): 0.5}), stiffness_n_per_mm)
+    found = discriminate(world(3, 3, 0.01, 0.01, 1), stiffness_n_per_mm, "S_new", FEW).table
+    first = headline(slope, found.conditions)
+    assert slope.changes.p.min() < 1e-6
+    assert slope.p_adjusted == pytest.approx(np.maximum(slope.p_adjusted, slope.changes.p[first]))
+    assert set(slope.verdicts) == {"not shown"}
+
+
+def test_one_mounting_tells_nothing_unless_mountings_are_said_to_be_alike(world, stiffness_n_per_mm):
+    runs = world(1, 10, 0.0, 0.01, 0, {("modular", "S5"): 0.3})
+    (slope, _) = measured(runs, stiffness_n_per_mm, 0.025)
+    assert set(slope.verdicts) == {"cannot be told"}
+    width = slope.changes.high[0] - slope.changes.low[0]
+    assert width == pytest.approx(2 * 1.96 * np.sqrt(4 * (0.025**2 + 0.01**2 / 10)), rel=0.05)
+    (alike, _) = measured(runs, stiffness_n_per_mm, 0.0)
+    assert alike.verdicts[0] == "raises"
+    assert alike.changes.df[0] == 36
+
+
+def test_words_say_what_is_true(world, stiffness_n_per_mm):
+    def said(runs, **more):
+        found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.025, **more)
+        return " ".join(contrast_words(found))
+
+    none = said(world(3, 3, 0.01, 0.01))
+    assert "Human-like stiffness does not raise the contrast S5 : S1 of CASR by slope" in none
+    assert "3 mountings of each specimen" in none
+    assert "label" not in none
+
+    once = said(world(1, 3, 0.01, 0.01))
+    assert "cannot be told, as specimens were mounted once" in once
+    assert "2.5 % (SD, assumed)" in once
+
+    effect = said(world(3, 3, 0.005, 0.005, 0, {("modular", "S5"): 0.11}))
+    assert "Human-like stiffness raises the contrast S5 : S1 of CASR by slope against the rigid motor: +11" in effect
+    assert "carries the label of its specimen" in effect
+
+    swapped = {"S1": "S5", "S5": "S1", "S_new": "S3", "S3": "S_new"}
+    leak = world(3, 3, 0.005, 0.005, 0, frame_sum={("modular", "S_new"): -0.2})
+    words = said(leak, schedule_of=swapped)
+    assert "CASR by slope keeps the order of S1 and S_new" in words
+    assert "reverses S1 and S_new" in words
+    same = said(leak, schedule_of={"S1": "S3", "S5": "S3", "S_new": "S3"})
+    assert "no schedule tells the specimens apart" in same
+
+
+def test_runs_of_one_condition_say_nothing(run_of, stiffness_n_per_mm):
+    found = discriminate([run_of(name, 0.0, "modular") for name in SPECIMENS], stiffness_n_per_mm, "S_new", FEW)
+    assert contrast_words(found) == []
