@@ -199,7 +199,7 @@ class LiveKappa:
 
     def _prepare(self, presses: int) -> None:
         for cues in (AREA, BOTH):
-            self._plan.calibration.expected_reach(float(np.median(self._plan.calibration.kappa)), presses, cues)
+            self._plan.calibration.expected_reach(self._plan.calibration.kappa, presses, cues)
 
     def settle(self) -> None:
         """Work for the time in which no frame waits."""

@@ -98,7 +98,7 @@ def test_a_process_of_its_own_says_the_same_and_asks_to_stop(press: Press, plan:
     end_s = time.monotonic() + 20
     while there.stop(1) == "" and time.monotonic() < end_s:
         time.sleep(0.01)
-    assert there.stop(1) == said[-1] != ""
+    assert there.stop(1).startswith(WIDTH_REACHED)
     assert there.stop(2) == ""
     there.close()
     assert (there.tally.dropped, there.tally.trouble) == (0, "")
@@ -157,7 +157,7 @@ def test_a_process_ends_with_the_one_that_started_it(beside: OwnProcess) -> None
 
 def test_a_calibration_that_cannot_be_used_is_said_before_the_first_press(press: Press, tmp_path: Path) -> None:
     calibration = known_calibration(quantity="no such quantity")
-    with pytest.raises(DeviceError, match="the estimator: expected a process that starts, but found SettingError"):
+    with pytest.raises(DeviceError, match="the estimator: expected a process that starts, but found KeyError"):
         OwnProcess(KappaPlan("x", calibration, press.camera, None), tmp_path / "kappa.csv", (300, 300))
 
 
