@@ -100,3 +100,6 @@ def test_the_plot_holds_the_newest_interval_and_cuts_endless_ones(computed: Any)
     assert found["tops"][1:] == [5.0, 4.4]
     assert [label["text"] for label in found["axis"]["labels"]][:3] == ["0", "1 N", "2 N"]
     assert computed("kappaAxisOf", VIEW | {"kappa_n_per_mm": [], "high_n_per_mm": []}, 7)["high"] > 0
+    assert computed("newestBarOf", VIEW | {"kappa_n_per_mm": []}, []) == []
+    (bar,) = computed("newestBarOf", VIEW, found["tops"])
+    assert (bar["at"], bar["low"], bar["value"], bar["high"]) == (2.0, 2.5, 3.35, 4.4)

@@ -1,6 +1,6 @@
-// Curves over the last seconds, or over another quantity, on a canvas. A curve is {values, colour, width, dash}; a level,
-// or a mark on the axis, is {at, text}; an area is {low, high, colour}; an axis from left to right is {from, to, labels:
-// [{at, text, align}]}.
+// Curves over the last seconds, or over another quantity, on a canvas. A curve is {values, colour, width, dash}; a
+// level, or a mark on the axis, is {at, text}; a bar is {at, value, low, high, colour}; an area is {low, high, colour};
+// an axis from left to right is {from, to, labels: [{at, text, align}]}.
 
 const FONT = '15px system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif';
 const LEFT = 46, RIGHT = 8, TOP = 8, BOTTOM = 22;
@@ -15,7 +15,7 @@ export function lastSeconds(time, windowS, lastLabel) {
 }
 
 // over: where each value of a curve lies on the axis.
-export function draw(canvas, { over, axis, low, high, ticks, levels = [], marks = [], band = null, areas = [], curves }) {
+export function draw(canvas, { over, axis, low, high, ticks, levels = [], marks = [], bars = [], band = null, areas = [], curves }) {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name);
   const context = fitted(canvas);
@@ -49,6 +49,7 @@ export function draw(canvas, { over, axis, low, high, ticks, levels = [], marks 
   context.clip();
   for (const one of areas) area(context, over, one, x, y, colour);
   for (const curve of curves) trace(context, over, curve, x, y, colour);
+  for (const one of bars) bar(context, one, x, y, colour);
   context.restore();
   drawMarks(context, marks, x, height, colour);
 }
@@ -109,6 +110,16 @@ function trace(context, over, { values, colour: name, width, dash = [] }, x, y, 
   }
   context.stroke();
   context.setLineDash([]);
+}
+
+function bar(context, { at, value, low, high, colour: name }, x, y, colour) {
+  context.strokeStyle = context.fillStyle = colour(name);
+  context.lineWidth = 2;
+  line(context, x(at), y(low), x(at), y(high));
+  for (const end of [low, high]) line(context, x(at) - 6, y(end), x(at) + 6, y(end));
+  context.beginPath();
+  context.arc(x(at), y(value), 5, 0, 2 * Math.PI);
+  context.fill();
 }
 
 function area(context, over, { low, high, colour: name }, x, y, colour) {

@@ -70,6 +70,13 @@ export function kappaAxisOf(kappa, fMaxN) {
   return { high, tops: kappa.high_n_per_mm.map((v) => v ?? 10 * high), axis: { from: 0, to: 1.05 * fMaxN, labels } };
 }
 
+// The newest interval, which a press that stops at its first one has no band for.
+export function newestBarOf(kappa, tops) {
+  const last = kappa.kappa_n_per_mm.length - 1;
+  if (last < 0) return [];
+  return [{ at: kappa.force_n[last], value: kappa.kappa_n_per_mm[last], low: kappa.low_n_per_mm[last], high: tops[last], colour: "--blue" }];
+}
+
 // {kind, title, hint, enabled}
 export function stopStateOf({ now, silentS }, { askedS, failure }, nowS) {
   if (!now?.run || now.ended) return { kind: "", title: "STOP", hint: now?.ended ? "the run is over" : "nothing is running", enabled: false };

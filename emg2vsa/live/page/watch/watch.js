@@ -1,6 +1,6 @@
 // Follows the server's stream of moments (emg2vsa/live/snapshot.py) and shows them; sends the stop.
 import { draw, lastSeconds, ticksBetween } from "./plot.js";
-import { frameToAsk, healthOf, kappaAxisOf, kappaOf, messageOf, pressesOf, stopStateOf } from "./state.js";
+import { frameToAsk, healthOf, kappaAxisOf, kappaOf, messageOf, newestBarOf, pressesOf, stopStateOf } from "./state.js";
 
 const WINDOW_S = 15;
 const TOKEN = location.pathname.split("/")[1];
@@ -121,6 +121,7 @@ function showKappa(run, kappa) {
     marks: kappa.stop ? [{ at: kappa.stop_n, text: "seen enough" }] : [],
     areas: [{ low: kappa.low_n_per_mm, high: tops, colour: "--band" }],
     curves: [{ values: kappa.kappa_n_per_mm, colour: "--blue", width: 3 }],
+    bars: newestBarOf(kappa, tops),
   });
 }
 
