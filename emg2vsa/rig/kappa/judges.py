@@ -162,7 +162,7 @@ class OwnProcess:
         self._words[:] = 0
         context = multiprocessing.get_context("spawn")
         there, to = context.Pipe(duplex=False)
-        self._to: Connection | None = to
+        self._to: Any = to  # a connection, of another type on Windows; None once the process has gone
         self._answers, from_there = context.Pipe(duplex=False)
         self._process = context.Process(
             target=_work, args=(plan, file, shape, zero_s, self._memory.name, there, from_there), daemon=True
