@@ -128,14 +128,15 @@ def add_json(parser: Group) -> None:
 
 def print_json(value: object) -> None:
     """JSON with sorted keys; a number that is not finite becomes null, which every reader knows."""
-    print(json.dumps(_finite(value), indent=2, sort_keys=True))
+    print(json.dumps(finite(value), indent=2, sort_keys=True))
 
 
-def _finite(value: object) -> object:
+def finite(value: object) -> object:
+    """The same with null for every number that is not finite, for JSON."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     if isinstance(value, float) and value - value != 0:
         return None
     return value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from casr.camera import Camera, undistorted
 from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.array import check_area
-from casr.contact_area.follow import contact_front
+from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
 from casr.dome.library import worlds
 from casr.errors import AreaError, FramesError, PinsError
@@ -21,12 +22,24 @@ from casr.flow.pin_engine import need_pins_inside
 from casr.flow.region import Region
 from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
-from casr.front_spread import FrontSpread, front_doubt, front_spread
+from casr.front_spread import FEWEST_FRAMES, FrontSpread, front_doubt, front_spread
 from casr.pins import PinTracker, pins_in_doubt
-from casr.scored import NO_SCALE, WHOLE_IMAGE, Score, ScoreSettings, SkinScore, SkinSpread, skin_interval
+from casr.scored import (
+    NO_SCALE,
+    WHOLE_IMAGE,
+    Score,
+    ScoreSettings,
+    SkinScore,
+    SkinSpread,
+    Spread,
+    skin_interval,
+)
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
 Array = NDArray[np.float64]
+
+MOST_FOLLOWED = 48
+"Frames that a front is fitted to while the press goes on: a frame has to be answered before the next one comes."
 
 
 class PressScorer:
@@ -151,12 +164,6 @@ class PressScorer:
         good = np.array(self.good, np.intp)
         return of_frames[good[good < len(of_frames)]]
 
-    def area_now(self, force_n: float) -> float:
-        """Area of the first contact's skin, in ``area_unit``, in the last frame, whose force this is."""
-        law = self._settings.area_law
-        growth = self.log_growth if law == "ode" else self._divergence
-        return float(contact_areas(self._first_area, [growth], [0.0, force_n], law=law)[-1])
-
     def rate(self, force_n: Array) -> SpreadRate:
         """Rate at which the skin of the first contact grows, over the first frames, whose forces these are."""
         return self._rate_of(self.areas(force_n), self._of_good(force_n))
@@ -164,6 +171,10 @@ class PressScorer:
     def _rate_of(self, area: Array, force_n: Array) -> SpreadRate:
         s = self._settings
         return spread_rate(area, force_n, rule=s.rate_rule, area_unit=self.area_unit, window_n=s.rate_window_n)
+
+    @cached_property
+    def _front_so_far(self) -> FrontSoFar:
+        return FrontSoFar(self._camera, worlds(self._settings.domes))
 
     @property
     def _first_area(self) -> float:
@@ -194,12 +205,7 @@ class PressScorer:
         if self._settings.quantity == "skin":
             self._check(skin.area)
         front = self._front(len(frames))
-        doubt = front_doubt(front) or self._beyond_pins(front)
-        spread = None
-        if not doubt:
-            growth = np.array([step.log_growth for step in steps])
-            of_good = None if force_n is None else self._of_good(force_n)
-            spread = front_spread(front, growth, of_good, self._rate_of, force_zero_sd_n)
+        doubt, spread = self._front_spread(front, np.arange(len(frames)), force_n, force_zero_sd_n)
         return Score(
             name=name,
             settings=self._settings,
@@ -289,12 +295,72 @@ class PressScorer:
         pins_px = np.array(self.pins_px[:n_frames])
         return contact_front(self._rest.centroids_px, pins_px, self._camera, worlds(self._settings.domes))
 
-    def _beyond_pins(self, front: ContactFront) -> str:
-        """Why a front that is larger than the pin array cannot be; empty where it is not."""
-        for frame in np.flatnonzero(front.determined):
-            area_px2 = self._flat(Region(front.edge_px[frame])).area_px2
+    def _front_spread(
+        self, front: ContactFront, frames: NDArray[np.intp], force_n: Array | None, force_zero_sd_n: float | None
+    ) -> tuple[str, FrontSpread | None]:
+        """Why no area can be told from a front in some of the good frames, and its rate where it can."""
+        if doubt := front_doubt(front) or self._beyond_pins(front, frames):
+            return doubt, None
+        grown = np.concatenate([[0.0], np.cumsum([step.log_growth for step in self._steps])])
+        of_good = None if force_n is None else self._of_good(force_n)[frames]
+        return "", front_spread(front, np.diff(grown[frames]), of_good, self._rate_of, force_zero_sd_n)
+
+    def follow(self, force_n: Array) -> Array:
+        """(T,) area of the good frames so far by the quantity of the settings, NaN where a front is not determined.
+
+        A front is fitted to no more than ``MOST_FOLLOWED`` of the frames, spread over the press; the others have NaN.
+
+        Parameters
+        ----------
+        force_n : (T,) of all frames since first contact, N.
+
+        Raises
+        ------
+        PinsError : fewer than seven pins in some frame.
+        """
+        if self._settings.quantity == "skin":
+            return self.areas(force_n)
+        area = np.full(len(self.good), np.nan)
+        if len(self.good) < FEWEST_FRAMES:  # so few tell no front
+            return area
+        frames = self._followed()
+        front = self._front_so_far.of(self._rest.centroids_px, np.array([self.pins_px[frame] for frame in frames]))
+        if front_doubt(front) == "" and self._beyond_pins(front, frames, slice(-1, None)) == "":
+            area[frames] = np.where(front.determined, front.area, np.nan)
+        return area
+
+    def _followed(self) -> NDArray[np.intp]:
+        """Those of the good frames that the front is followed in; the last is one of them."""
+        last = len(self.good) - 1
+        return np.unique(np.linspace(0, last, min(last + 1, MOST_FOLLOWED)).round().astype(np.intp))
+
+    def so_far(self, force_n: Array) -> Spread | None:
+        """What the quantity says after the last ``follow``; None where no rate is known yet. Forces of ``follow``."""
+        try:
+            if self._settings.quantity == "skin":
+                rate = self.rate(force_n)
+                return Spread("skin", self.areas(force_n), rate, skin_interval(rate, self._initial.relative_sd), "")
+            if (front := self._front_so_far.front) is None:
+                return None
+            doubt, spread = self._front_spread(front, self._followed(), force_n, None)
+        except FramesError:  # too few frames, or forces that have not risen
+            return None
+        return Spread("front", front.area, spread.rate, spread.interval, doubt) if spread else None
+
+    def settle(self) -> None:
+        """Work that ``so_far`` leaves for the time in which no frame waits."""
+        if self._settings.quantity == "front" and len(self.good) > 1:
+            pins_px = np.array([self.pins_px[frame] for frame in self._followed()])
+            self._front_so_far.settle(self._rest.centroids_px, pins_px)
+
+    def _beyond_pins(self, front: ContactFront, frames: NDArray[np.intp], some: slice = slice(None)) -> str:
+        """Why a front that is larger than the pin array cannot be; empty where it is not. frames : those of the good
+        that the front is of. some : of these that are judged."""
+        for row in np.arange(len(front.area))[some][front.determined[some]]:
+            area_px2 = self._flat(Region(front.edge_px[row])).area_px2
             try:
-                check_area(area_px2, undistorted(self.pins_px[frame], self._camera), "front", self._camera)
+                pins_px = undistorted(self.pins_px[frames[row]], self._camera)
+                check_area(area_px2, pins_px, "front", self._camera)
             except AreaError as error:
                 return f"the edge lies beyond the pins ({error})"
         return ""

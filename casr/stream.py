@@ -15,9 +15,8 @@ from casr.errors import FramesError, NoContactError, PinsError
 from casr.frames import LoadingPhase, RestingForce, check_newtons, loading_phase, notes_on_zero, spikes
 from casr.press_scorer import PressScorer
 from casr.rest_frame import RestFrame
-from casr.scored import Score, ScoreSettings
+from casr.scored import Score, ScoreSettings, Spread
 from casr.skin_motion import SkinMotion
-from casr.spread import SpreadRate
 
 PHASES = ("rest", "loading", "done")
 SKIPPED = "the pins cannot be told: this frame is skipped"
@@ -30,14 +29,16 @@ class StreamState:
     Parameters
     ----------
     frame : index of the frame, from 0. phase : one of ``PHASES``.
-    area : contact area in ``area_unit`` (``mm2`` or ``px2``), by the law of the settings; None out of contact and in a
-        frame that is skipped because its pins cannot be told.
-    log_growth : since first contact; None where the area is.
+    force_n : of the frame, N, above the level at rest; NaN where none is known.
+    area : contact area in ``area_unit`` (``mm2`` or ``px2``), by the quantity of the settings; None out of contact,
+        where a front is not determined, and in a frame that is skipped because its pins cannot be told.
+    log_growth : of the skin of the first contact since then; None out of contact and in a frame that is skipped.
     notes : of this frame; also why the contact can no longer be followed, if so.
     """
 
     frame: int
     phase: str
+    force_n: float
     area: float | None = None
     area_unit: str = ""
     log_growth: float | None = None
@@ -65,7 +66,7 @@ class StreamScorer:
         self._resting = RestingForce(self._settings.force_start_n)
         self._force_n = array("d")
         self._contacts: list[_Contact] = []
-        self._phase = "rest"
+        self._phase, self._rested = "rest", 0
 
     def push(self, image: NDArray[Any], force_n: float) -> StreamState:
         """Take the next frame and its force, N; NaN where there is none: such a frame is skipped.
@@ -79,13 +80,15 @@ class StreamScorer:
         """
         self._force_n.append(force_n)
         if self._phase == "done" or np.isnan(force_n):
-            return self._state(())
+            return self._state(force_n, ())
         touches = self._resting.touches(force_n)
         if not (touches if self._settings.tare else force_n >= self._settings.force_start_n):
             self._part()
+            self._rested += bool(self._contacts)
             self._rest.take(image, force_n, self._zero_n)
-            return self._state(())
+            return self._state(force_n - self._zero_n, ())
         force_n -= self._zero_n
+        self._rested = 0
         if self._phase == "rest":
             self._contacts.append(_Contact(self._camera, self._settings, len(self._force_n) - 1))
             self._phase = "loading"
@@ -93,13 +96,21 @@ class StreamScorer:
         stop_n = self._settings.force_stop_n
         if stop_n is not None and force_n >= stop_n:
             self._phase = "done"
-        return self._state(notes)
+        return self._state(force_n, notes)
 
-    def rate(self) -> SpreadRate:
-        """Spread rate from first contact to the last frame. Raises FramesError when there is none yet."""
-        if self._phase == "rest":
-            raise FramesError("stream", wanted="frames in contact", found="none yet", do="Ask again during loading.")
-        return self._contacts[-1].rate()
+    def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Force (T,), N, and area (T,) of the present contact so far, in the frames whose area is known. The areas of
+        earlier frames change a little with every frame, for a front is fitted to all of them."""
+        return self._contacts[-1].curve() if self._phase != "rest" else (np.empty(0), np.empty(0))
+
+    def spread(self) -> Spread | None:
+        """Spread rate and total interval of the present contact so far; None while they are not known."""
+        return self._contacts[-1].spread() if self._phase != "rest" else None
+
+    def settle(self) -> None:
+        """Work that ``push`` leaves for the time in which no frame waits: what ``push`` answers next is surer then."""
+        if self._phase != "rest":
+            self._contacts[-1].settle()
 
     def finish(self) -> Score:
         """Score of the press among the frames so far; more may be pushed after. Raises what ``score`` would."""
@@ -143,11 +154,16 @@ class StreamScorer:
                 kept.append(contact)
         self._contacts = kept
 
-    def _state(self, notes: tuple[str, ...]) -> StreamState:
+    @property
+    def rested(self) -> int:
+        """Frames out of contact since the last contact; 0 before the first and during one."""
+        return self._rested
+
+    def _state(self, force_n: float, notes: tuple[str, ...]) -> StreamState:
         frame = len(self._force_n) - 1
         if self._phase == "rest":
-            return StreamState(frame, "rest", notes=notes)
-        return self._contacts[-1].state(frame, self._phase, notes)
+            return StreamState(frame, "rest", force_n, notes=notes)
+        return self._contacts[-1].state(frame, self._phase, force_n, notes)
 
 
 def _spikes_scored(phase: LoadingPhase, force_n: NDArray[np.float64]) -> tuple[str, ...]:
@@ -167,6 +183,7 @@ class _Contact:
         self._trouble: NoContactError | PinsError | None = None
         self._n_taken = 0
         self._bad = False
+        self._area = np.empty(0)
         self.first, self.peak_n = first, 0.0
 
     def take(self, rest: RestFrame, image: NDArray[Any], force_n: float, zero_n: float) -> tuple[str, ...]:
@@ -193,20 +210,39 @@ class _Contact:
             notes = () if step is None else step.notes
         self._motion.take(self.first + self._n_taken, image)
         self._n_taken += 1
-        return (SKIPPED,) if self._bad else notes
+        if self._bad:
+            return (SKIPPED,)
+        try:
+            self._area = self._scorer.follow(np.array(self._force_n))
+        except PinsError as trouble:  # as the front has it; the press is still followed
+            self._area = np.empty(0)
+            return (*notes, str(trouble))
+        return notes
 
-    def state(self, frame: int, phase: str, notes: tuple[str, ...]) -> StreamState:
+    def state(self, frame: int, phase: str, force_n: float, notes: tuple[str, ...]) -> StreamState:
         if self._trouble is not None or self._bad:
-            return StreamState(frame, phase, notes=notes)
-        area = self._scorer.area_now(self._force_n[-1])
-        return StreamState(frame, phase, area, self._scorer.area_unit, self._scorer.log_growth, notes)
+            return StreamState(frame, phase, force_n, notes=notes)
+        area = self._area[-1] if self._area.size else np.nan
+        return StreamState(
+            frame,
+            phase,
+            force_n,
+            area=float(area) if np.isfinite(area) else None,
+            area_unit=self._scorer.area_unit,
+            log_growth=self._scorer.log_growth,
+            notes=notes,
+        )
 
-    def rate(self) -> SpreadRate:
-        if self._trouble is not None:
-            raise self._trouble
-        if not self._scorer.good:
-            raise FramesError("stream", wanted="a frame in contact with pins", found="none yet", do="Ask again later.")
-        return self._scorer.rate(np.array(self._force_n))
+    def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        known = np.isfinite(self._area)
+        return np.array(self._force_n)[self._scorer.good[: known.size]][known], self._area[known]
+
+    def spread(self) -> Spread | None:
+        return None if self._trouble or not self._area.size else self._scorer.so_far(np.array(self._force_n))
+
+    def settle(self) -> None:
+        if self._trouble is None:
+            self._scorer.settle()
 
     def result(self, phase: LoadingPhase, force_n: NDArray[np.float64], zero_sd_n: float | None) -> Score:
         if self._trouble is not None and self._n_taken < len(phase.frames):

@@ -24,7 +24,7 @@ from casr.cli.arguments import (
     positive,
     say_notes,
 )
-from casr.command_line import Commands, add_command, add_json, print_json
+from casr.command_line import Commands, Group, add_command, add_json, print_json
 from casr.errors import CasrError, SettingError
 
 if TYPE_CHECKING:
@@ -54,6 +54,18 @@ def add_to(commands: Commands) -> None:
         help="a press: a folder of images, a TIFF, AVI, MP4 or .npy file, or a press folder (frames, force.csv, "
         "camera.toml); or a folder of presses",
     )
+    method = add_method(parser)
+    lag = method.add_mutually_exclusive_group()
+    add_lag(lag)
+    lag.add_argument(
+        "--correct-lag", action="store_true",
+        help="find that lag, from when the pins begin to move and the force to rise, and take it off",
+    )  # fmt: skip
+    _add_outputs(parser.add_argument_group("output"))
+
+
+def add_method(parser: argparse.ArgumentParser) -> Group:
+    """How a press is scored; the group of these options."""
     method = parser.add_argument_group("method")
     method.add_argument(
         "--quantity", choices=QUANTITIES, default=QUANTITIES[0],
@@ -87,16 +99,19 @@ def add_to(commands: Commands) -> None:
         help=f"force to stop at, N (default: the highest; the mean rate goes to {PAPER_STOP_N:g})",
     )  # fmt: skip
     add_tare(method)
-    lag = method.add_mutually_exclusive_group()
-    lag.add_argument(
+    return method
+
+
+def add_lag(parser: Group) -> None:
+    """How late the frames are."""
+    parser.add_argument(
         "--camera-lag", type=number, default=0.0, metavar="SECONDS",
         help="the frames were taken so long before their times in the force log",
     )  # fmt: skip
-    lag.add_argument(
-        "--correct-lag", action="store_true",
-        help="find that lag, from when the pins begin to move and the force to rise, and take it off",
-    )  # fmt: skip
-    output = parser.add_argument_group("output")
+
+
+def _add_outputs(output: Group) -> None:
+    """What is written of a press."""
     add_json(output)
     output.add_argument(
         "--page",
@@ -113,13 +128,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    if (arguments.stop_n or PAPER_STOP_N) <= arguments.start_n:
-        raise SettingError(
-            "--stop-n",
-            wanted=f"more than --start-n, {arguments.start_n:g} N",
-            found=f"{arguments.stop_n or PAPER_STOP_N:g} N",
-            do="Correct one of the two.",
-        )
+    check_forces(arguments)
     from casr.frame_files import find_presses
 
     found = find_presses(arguments.path)
@@ -132,6 +141,17 @@ def run(arguments: argparse.Namespace) -> int:
         )
     _check_outputs(arguments, found)
     return _one(arguments, found[0]) if found == [arguments.path] else _many(arguments, found)
+
+
+def check_forces(arguments: argparse.Namespace) -> None:
+    """SettingError where scoring would stop before it starts."""
+    if (arguments.stop_n or PAPER_STOP_N) <= arguments.start_n:
+        raise SettingError(
+            "--stop-n",
+            wanted=f"more than --start-n, {arguments.start_n:g} N",
+            found=f"{arguments.stop_n or PAPER_STOP_N:g} N",
+            do="Correct one of the two.",
+        )
 
 
 def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
@@ -173,7 +193,7 @@ def _one(arguments: argparse.Namespace, path: Path) -> int:
     if arguments.json:
         print_json(scored.to_dict())
     else:
-        print(_block(scored))
+        print(block_of(scored))
     return 0
 
 
@@ -275,7 +295,7 @@ def _check_outputs(arguments: argparse.Namespace, found: list[Path]) -> None:
             )  # fmt: skip
 
 
-def _block(score: Score) -> str:
+def block_of(score: Score) -> str:
     """One press, a fact per line."""
     from casr.page.wording import (
         camera_lag,

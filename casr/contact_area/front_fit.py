@@ -49,7 +49,13 @@ class FrontFit:
 
 
 def fit_front(
-    view: DomeView, library: Library, rest_px: Array, pins_px: Array, like: FrontFit | None = None
+    view: DomeView,
+    library: Library,
+    rest_px: Array,
+    pins_px: Array,
+    like: FrontFit | None = None,
+    near: FrontFit | None = None,
+    looks: int = 2,
 ) -> FrontFit:
     """Fit the places of pins.
 
@@ -57,6 +63,8 @@ def fit_front(
     ----------
     rest_px : (N, 2) at rest, without distortion. pins_px : (T, N, 2) in contact; NaN where a pin is lost.
     like : take centre and worlds of this fit instead of finding them.
+    near : find them, and begin at the centre of this fit.
+    looks : at all worlds, 1 or 2: one is half the work, and enough where the centre is nearly known.
     """
     moved_px, seen = _moved(rest_px, pins_px)
     search = _Search(view, library, view.directions(rest_px), moved_px, seen)
@@ -64,7 +72,8 @@ def fit_front(
         axis, worlds = view.directions(like.view.rest_px(like.axis[None]))[0], like.worlds
     else:
         some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
-        axis, worlds = search.of(some).chosen()
+        start = None if near is None else view.directions(near.view.rest_px(near.axis[None]))[0]
+        axis, worlds = search.of(some).chosen(start, looks)
     radius, cost, bend = search.fit(axis, worlds)
     misfit = cost.sum(axis=1)
     order = np.argsort(misfit, kind="stable")
@@ -96,12 +105,13 @@ class _Search:
         """The same press in fewer frames."""
         return _Search(self._view, self._library, self._directions, self._moved_px[frames], self._seen[frames])
 
-    def chosen(self) -> tuple[Array, Rows]:
-        """(3,) direction of the contact's middle, and the worlds that explain the press best."""
+    def chosen(self, start: Array | None, looks: int) -> tuple[Array, Rows]:
+        """(3,) direction of the contact's middle, and the worlds that explain the press best. start : where it nearly
+        is; None where nobody knows."""
         weight = (self._moved_px[-1] ** 2).sum(axis=-1) ** 1.5 + 1e-12
-        axis = _unit(weight @ self._directions)
+        axis = _unit(weight @ self._directions) if start is None else start
         worlds = np.arange(self._library.n_worlds)
-        for kept in _KEPT:
+        for kept in _KEPT[-looks:]:
             misfit = self.fit(axis, np.arange(self._library.n_worlds), _COARSE)[1].sum(axis=1)
             worlds = np.argsort(misfit, kind="stable")[:kept]
             axis = self._centred(axis, worlds[:_CENTRED_BY])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -38,17 +39,50 @@ _UNKNOWN_DEPTH_MM = 50.0
 _KEPT = 24
 
 
-def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library: Library) -> ContactFront:
+def library_fits(
+    rest_px: Array,
+    pins_px: Array,
+    camera: Camera | None,
+    library: Library,
+    like: Sequence[FrontFit] | None = None,
+    near: Sequence[FrontFit] | None = None,
+    looks: int = 2,
+) -> list[FrontFit]:
+    """The worlds that explain T frames best, for each of the sensors that it may be.
+
+    Parameters
+    ----------
+    rest_px, pins_px, camera : of ``library_front``.
+    like : earlier fits of the same press, whose centres and worlds are taken: a twentieth of the work.
+    near : earlier fits of the same press, from whose centres new ones and their worlds are found.
+    looks : of ``fit_front``.
+    """
+    flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
+    if like is not None:
+        return [fit_front(fit.view, library, flat_rest, flat_pins, like=fit) for fit in like]
+    if near is not None:
+        return [fit_front(fit.view, library, flat_rest, flat_pins, near=fit, looks=looks) for fit in near]
+    return [fit_front(view, library, flat_rest, flat_pins, looks=looks) for view in _views(flat_rest, camera)[0]]
+
+
+def library_front(
+    rest_px: Array,
+    pins_px: Array,
+    camera: Camera | None,
+    library: Library,
+    fits: Sequence[FrontFit] | None = None,
+) -> ContactFront:
     """The contact in T frames.
 
     Parameters
     ----------
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
     camera : None leaves areas in px^2, and the size of the dome unknown.
+    fits : of ``library_fits`` for these frames; None finds them.
     """
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
-    views, said = _views(flat_rest, camera)
-    fits = [fit_front(view, library, flat_rest, flat_pins) for view in views]
+    said = _views(flat_rest, camera)[1]
+    fits = library_fits(rest_px, pins_px, camera, library) if fits is None else fits
     best = min(fits, key=lambda fit: fit.misfit_px2[0])
     every = ((misfit, fit, row) for fit in fits for row, misfit in enumerate(fit.misfit_px2.tolist()))
     ranked = sorted(every, key=lambda each: each[0])[:_KEPT]

@@ -14,7 +14,7 @@ from casr.errors import FramesError
 from casr.frame_files.trouble import unreadable
 
 _TIMES = ("time_s", "frame_time_s")
-REMARKS = ("doubtful:", "rejected:")
+REMARKS = ("doubtful:", "rejected:", "stopped:")
 "A comment that begins so is what the recorder of the press thought of it, and becomes a note."
 NEWTONS = {"mn": 1e-3, "cn": 1e-2, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
 "Of each unit that may end the name of a force column, in place of n."
@@ -60,7 +60,19 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     FramesError : not readable, no such columns, a row of another length, a cell that is no number, a time or frame
         index running backwards; the message names the line.
     """
-    table = _read_table(Path(path))
+    path = Path(path)
+    return _log_of(_table_of(path, _text(path).splitlines()), column)
+
+
+def read_growing_log(path: Path, *, column: str = "force_n") -> ForceLog | None:
+    """The log that somebody is writing, as far as its lines are whole; None before the first row. Errors as
+    `read_force_log`."""
+    text = _text(path)
+    lines = text[: text.rfind("\n") + 1].splitlines()
+    return None if len(_content(lines)) < 2 else _log_of(_table_of(path, lines), column)
+
+
+def _log_of(table: _Table, column: str) -> ForceLog:
     force_n, unit_notes = _newtons(table, column.lower())
     frame_index = table.numbers("frame_index")
     time_s, frame_time_s = (table.numbers(name) if name in table.header else None for name in _TIMES)
@@ -72,7 +84,10 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
     placed = np.isfinite(frame_index)
     if not (placed & np.isfinite(force_n)).any():
         raise FramesError(
-            path, wanted="rows with a force and a frame index", found="none", do="Give the force log of the press."
+            table.path,
+            wanted="rows with a force and a frame index",
+            found="none",
+            do="Give the force log of the press.",
         )
     notes = table.remarks + unit_notes + _notes(int(np.isnan(force_n).sum()), int((~placed).sum()), len(force_n))
     if frame_time_s is not None:
@@ -198,11 +213,15 @@ class _Table:
         )
 
 
-def _read_table(path: Path) -> _Table:
+def _content(text: list[str]) -> list[tuple[int, str]]:
+    """Lines that are neither empty nor comments, with their numbers from 1."""
+    return [(n, line) for n, line in enumerate(text, 1) if line.strip() and line.lstrip()[0] != "#"]
+
+
+def _table_of(path: Path, text: list[str]) -> _Table:
     """Comma, semicolon or tab between cells, told by the header; # starts a comment line; decimal comma unless the
     comma separates. Raises FramesError for an unreadable or empty file and for a row of another length."""
-    text = _text(path).splitlines()
-    lines = [(n, line) for n, line in enumerate(text, 1) if line.strip() and line.lstrip()[0] != "#"]
+    lines = _content(text)
     comments = [line.strip().lstrip("# ") for line in text if line.lstrip().startswith("#")]
     if len(lines) < 2:
         raise FramesError(

@@ -56,7 +56,7 @@ def open_frames(
     _check_frames(path, frames)
     notes = [*frames.notes, *(_ignored(path) if in_folder else [])]
     if in_folder:
-        force, camera = force or _beside(path, FORCE_FILE), camera or _camera_of(path)
+        force, camera = force or _beside(path, FORCE_FILE), camera or camera_beside(path)
     forces = mean_n = readings = None
     if force is not None:
         forces, mean_n, force_notes, readings = _forces(Path(force), len(frames), column, force_rule)
@@ -97,7 +97,7 @@ def _beside(path: Path, name: str) -> Path | None:
     return path / name if (path / name).exists() else None
 
 
-def _camera_of(press: Path) -> Path | None:
+def camera_beside(press: Path) -> Path | None:
     """The rig writes one camera file for all presses of a run."""
     return _beside(press, CAMERA_FILE) or _beside(press.absolute().parent, CAMERA_FILE)
 

@@ -265,6 +265,15 @@ class OnlineEstimator:
     def push(self, force_n: float, area: float) -> OnlineState:
         """The next frame of the press: its force, N, and contact area; NaN where it is not determined."""
         self._curve.append((force_n, area))
+        return self._looked_at(force_n)
+
+    def follow(self, force_n: Floats, area: Floats) -> OnlineState:
+        """The press so far, force (T,) and area (T,) of its frames, in place of what was pushed: the areas of earlier
+        frames change a little while a front is followed."""
+        self._curve = list(zip(force_n.tolist(), area.tolist(), strict=True))
+        return self._looked_at(float(force_n.max(initial=-np.inf)))
+
+    def _looked_at(self, force_n: float) -> OnlineState:
         largest_n = max(self._state.force_n, force_n) if np.isfinite(force_n) else self._state.force_n
         reached = int(np.searchsorted(self._calibration.forces_n, largest_n + ROUNDING_N, side="right")) - 1
         if reached > self._reached:

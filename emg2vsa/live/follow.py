@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError
+from emg2vsa.live.kappa_view import KappaTail
 from emg2vsa.live.log_tail import LogTail
 from emg2vsa.live.run_facts import RunFacts, read_ending, read_run
 from emg2vsa.live.snapshot import Curves, Snapshot, curves_of
@@ -70,6 +71,7 @@ class _Run:
     def __init__(self, path: Path, facts: RunFacts, rig: RigSettings) -> None:
         self.path, self.facts, self._rig = path, facts, rig
         self._tail = LogTail(path / "log.csv")
+        self._kappa = KappaTail(path)
         self._row: Row | None = None
         self._largest_n, self._across_n = largest_forces(path)
         self._turns = self._late_turns = 0
@@ -96,6 +98,7 @@ class _Run:
             latest_ms=round(1e3 * self._latest_s, 1),
             frame=f"{self._row.repetition}-{self._row.frame_index}" if self._row and self._row.frame_index >= 0 else "",
             age_s=None if modified_s is None else max(0.0, now_s - modified_s),
+            kappa=self._kappa.look(),
             stop_requested=stop_requested(self.path),
             ended=ended,
         )

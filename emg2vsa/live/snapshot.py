@@ -7,6 +7,7 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from emg2vsa.live.kappa_view import KappaView
 from emg2vsa.live.run_facts import Ending, RunFacts
 from emg2vsa.rig.record.run_log import Row
 from emg2vsa.rig.rig_settings import RigSettings
@@ -60,6 +61,8 @@ class Snapshot:
     "Changes with every frame; empty when there is none."
     age_s: float | None = None
     "Since the log last grew; None without a log."
+    kappa: KappaView | None = None
+    "None where presses are not judged while they go on."
     stop_requested: bool = False
     ended: Ending | None = None
     trouble: str = ""

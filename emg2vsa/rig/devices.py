@@ -128,6 +128,22 @@ class Camera(Protocol):
         """Stop and give the device back."""
 
 
+class PressJudge(Protocol):
+    """Looks on while presses are recorded, and never waits: every method returns at once and raises nothing."""
+
+    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
+        """A reading that was kept of the press, and the depth of the shaft then; NaN except in loading."""
+
+    def frame(self, repetition: int, frame: Frame) -> None:
+        """A frame that was kept of the press."""
+
+    def stop(self, repetition: int) -> str:
+        """Why this press may stop now; empty while it is to go on."""
+
+    def press_over(self) -> None:
+        """No more of this press is kept."""
+
+
 class Measurements(NamedTuple):
     """Encoder readings, ticks."""
 

@@ -20,7 +20,7 @@ from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
-from emg2vsa.rig.record.press_counts import peak_forces_n, verdicts
+from emg2vsa.rig.record.press_counts import peak_forces_n, stopped_presses, verdicts
 from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.runs.press import Press
 
@@ -59,7 +59,8 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     """
     repetition = 0
     for mounting, folder in zip(_mountings(folders), folders, strict=True):
-        travel, found, peaks_n = _travel(folder), verdicts(folder), peak_forces_n(folder)
+        travel, peaks_n = _travel(folder), peak_forces_n(folder)
+        found, stopped = verdicts(folder), stopped_presses(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)
         for number, path in enumerate(_press_folders(folder), start=1):
@@ -70,6 +71,11 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
             unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
             if verdict == "rejected":
                 reason = f"{folder.name}, press {_number(path, number)} was rejected by the rig: {why}"
+            elif short := stopped.get(_number(path, number)):
+                reason = f"{folder.name}, press {_number(path, number)} is no whole press: it was stopped {short}"
+            else:
+                reason = ""
+            if reason:
                 yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting, peak_n)
                 continue
             try:

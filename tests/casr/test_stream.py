@@ -64,7 +64,7 @@ def test_same_numbers_as_from_a_recording(press: Frames, engine: str) -> None:
 
 @pytest.mark.parametrize("law", ["ode", "paper"])
 def test_to_a_force_and_with_either_law(press: Frames, law: str) -> None:
-    settings = ScoreSettings(force_start_n=0.8, force_stop_n=4.0, area_law=law)
+    settings = ScoreSettings(quantity="skin", force_start_n=0.8, force_stop_n=4.0, area_law=law)
     found, states = streamed(*press, settings)
     assert_same(found, score(FrameSequence(ArrayFrames(press[0]), None, press[1]), settings))
     assert states[-1].phase == "done"
@@ -106,23 +106,54 @@ def test_the_same_static_frame_however_the_force_rests(press: Frames, seed: int)
     assert_same(found, score(FrameSequence(ArrayFrames(images[order]), None, force), settings))
 
 
-def test_state_and_rate_after_each_frame() -> None:
+def test_state_and_rate_of_the_skin_after_each_frame() -> None:
     images, force = pressed(ContactWorld())  # in which the skin inside the contact grows as the contact does
-    stream = StreamScorer()
-    with pytest.raises(FramesError, match="in contact"):
-        stream.rate()
-    states, rates = [], []
+    stream = StreamScorer(settings=ScoreSettings(quantity="skin"))
+    assert stream.spread() is None
+    states, spreads = [], []
     for image, f in zip(images[:40], force, strict=False):
         states.append(stream.push(image, float(f)))
-        if len([s for s in states if s.phase == "loading"]) >= 2:
-            rates.append(stream.rate().value)
+        spreads.append(stream.spread())
     loading = [state for state in states if state.phase == "loading"]
     assert [state.frame for state in states] == list(range(40))
     assert all(state.area is None for state in states if state.phase == "rest")
     areas = np.array([state.area for state in loading], dtype=float)
     np.testing.assert_allclose(areas / areas[0], np.exp([state.log_growth or 0.0 for state in loading]), rtol=1e-9)
     assert areas[-1] > 2 * areas[0]
+    rates = [spread.rate.value for spread in spreads if spread is not None and spread.rate is not None]
+    assert len(rates) >= len(loading) - 2
     assert min(rates) > 0
+
+
+@pytest.mark.parametrize("settled", [True, False])
+def test_front_after_each_frame_is_nearly_that_of_the_finished_press(settled: bool) -> None:
+    """Against the score of the whole recording, of a world whose edge is computed by finite elements."""
+    made = simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S2"], world=TabulatedWorld()))
+    line, n = made.timeline, int(made.truth.loading_frames[-1]) + 1
+    force = force_per_frame(line.log_force_n, line.log_frame_index, len(made.frames))[:n]
+    images = np.stack([made.frames.read(index) for index in range(n)])
+    stream, states = StreamScorer(made.settings.camera), []
+    for image, f in zip(images, force, strict=True):
+        states.append(stream.push(image, float(f)))
+        if settled:
+            stream.settle()
+    recording = score(FrameSequence(ArrayFrames(images), made.settings.camera, force))
+    assert recording.rate is not None
+    at_the_time = {state.frame: state.area for state in states if state.area is not None}
+    share = np.array([at_the_time[int(k)] / a - 1 for k, a in zip(recording.frames, recording.area, strict=True)
+                      if int(k) in at_the_time])  # fmt: skip
+    assert share.size >= 0.8 * len(recording.frames)
+    assert np.abs(share).max() < 0.03  # as little as the first frames know; areas alone are known to 2.5 %
+    assert np.median(np.abs(share)) < 2e-3
+    spread = stream.spread()
+    assert spread is not None
+    assert spread.rate is not None
+    assert spread.interval is not None
+    assert spread.rate.value == pytest.approx(recording.rate.value, rel=1e-3)
+    force_n, area = stream.curve()
+    at = np.searchsorted(recording.force_n, force_n)  # of long presses some frames are passed over
+    np.testing.assert_allclose(area, recording.area[at], rtol=2e-3)
+    assert force_n[-1] == pytest.approx(states[-1].force_n)
 
 
 def test_lost_pins_do_not_stop_the_rig_but_the_score(press: Frames) -> None:
@@ -162,7 +193,7 @@ def test_no_contact(press: Frames) -> None:
 @pytest.mark.slow
 def test_memory_does_not_grow_with_the_sequence(press: Frames) -> None:
     images, force = press
-    stream = StreamScorer()
+    stream = StreamScorer(settings=ScoreSettings(quantity="skin"))
     tracemalloc.start()
     used = []
     for index in range(2000):

@@ -6,7 +6,8 @@ import contextlib
 import json
 import sys
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,18 +15,23 @@ from typing import Any, Self
 
 from casr.atomic import write_text_atomic
 from casr.command_line import print_json
+from casr.frame_files import write_camera
+from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.cli.rig.ending import told
+from emg2vsa.cli.rig.kappa_options import KappaPlans, say_kappa, say_reachable
 from emg2vsa.cli.rig.prove_watchdog import remark
 from emg2vsa.cli.rig.rig_lock import rig_lock
 from emg2vsa.cli.rig.same_presses import check_same_presses
-from emg2vsa.errors import DeviceError
-from emg2vsa.rig.clock import WallClock, undisturbed
+from emg2vsa.errors import DeviceError, SettingError
+from emg2vsa.rig.clock import Clock, WallClock, undisturbed
 from emg2vsa.rig.commissioning.watchdog import read_proofs
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.executor.stop_requests import StopRequests
 from emg2vsa.rig.force.moving_average import MovingAverage
+from emg2vsa.rig.kappa.judges import OwnProcess, write_about
+from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
 from emg2vsa.rig.open_rig import OpenRig, board_settings, open_rig
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.rig.record.ended import Ended
@@ -38,7 +44,9 @@ _LOOK_S = 0.2
 _TAIL_BYTES = 512
 
 
-def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None, *, as_json: bool) -> int:
+def run_for_real(
+    file: RigFile, runs: Sequence[Run], root: Path, repetitions: int | None, *, kappa: KappaPlans, as_json: bool
+) -> int:
     """The one run of ``runs``, as many presses as it still lacks; more than one are listed. Exit status."""
     if root == file.runs and not file.leads_to_emulated:
         _tell_left(file)
@@ -49,7 +57,8 @@ def run_for_real(file: RigFile, runs: Sequence[Run], root: Path, repetitions: in
     (plan,) = plans_of(file, runs, presses)
     check_plan(plan, file.rig)
     check_same_presses(root, runs[0].name, plan, file.rig, emulated=file.leads_to_emulated)
-    folder, ended = press_run(file, runs[0], plan, root, quiet=as_json)
+    judged = kappa({runs[0]: plan})[runs[0]]
+    folder, ended = press_run(file, runs[0], plan, root, kappa=judged, quiet=as_json)
     if as_json:
         print_json({"folder": str(folder), "ended": asdict(ended)})
     return int(ended.how != "completed")
@@ -61,22 +70,28 @@ def missing(file: RigFile, run: Run, root: Path) -> int:
     return presses_left(root, run.name, presses, emulated=emulated)
 
 
-def press_run(file: RigFile, run: Run, plan: RunPlan, root: Path, *, quiet: bool = False) -> tuple[Path, Ended]:
-    """Carry out ``plan`` on the devices of the rig file, in a new folder; it, and how the run ended.
+def press_run(
+    file: RigFile, run: Run, plan: RunPlan, root: Path, *, kappa: KappaPlan | None = None, quiet: bool = False
+) -> tuple[Path, Ended]:
+    """Carry out ``plan`` on the devices of the rig file, in a new folder; it, and how the run ended. ``kappa`` : judge
+    each press while it goes on.
 
     Raises as `open_rig` and `execute`, and DataError where the run has all its presses: nothing has moved then.
     """
     folder = new_folder(root, run.name, file.experiment.repetitions, emulated=file.leads_to_emulated)
-    return folder, press_plan(file, plan, folder, quiet=quiet)
+    return folder, press_plan(file, plan, folder, kappa=kappa, quiet=quiet)
 
 
-def press_plan(file: RigFile, plan: RunPlan, folder: Path, *, quiet: bool = False) -> Ended:
+def press_plan(
+    file: RigFile, plan: RunPlan, folder: Path, *, kappa: KappaPlan | None = None, quiet: bool = False
+) -> Ended:
     """Carry out ``plan`` on the devices of the rig file, recorded in ``folder``. Raises as `open_rig` and `execute`."""
     clock, started = WallClock(), datetime.now(UTC)
     ended = None
     try:
         with (
             rig_lock(file.path, folder),
+            _judge(file, kappa, plan.repetitions, folder, clock, quiet=quiet) as judge,
             undisturbed(),
             StopRequests(folder) as stop,
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
@@ -90,9 +105,12 @@ def press_plan(file: RigFile, plan: RunPlan, folder: Path, *, quiet: bool = Fals
                 ended = execute(
                     plan, opened.rig, opened.devices, folder, clock,
                     started=started, stop=stop, facts=opened.facts | {"watchdog": proof}, background=True,
+                    judge=judge,
                 )  # fmt: skip
             if not quiet:
                 print(told(ended, plan.repetitions, folder, opened.rig))
+        if kappa is not None and not quiet:
+            say_kappa(folder)
     except DeviceError as error:
         if ended is None:
             raise
@@ -100,6 +118,33 @@ def press_plan(file: RigFile, plan: RunPlan, folder: Path, *, quiet: bool = Fals
         print(f"emg2vsa: {error}", file=sys.stderr)
         ended = replace(ended, how="failed", cause="device", why=str(error))
     return ended
+
+
+@contextlib.contextmanager
+def _judge(
+    file: RigFile, kappa: KappaPlan | None, presses: int, folder: Path, clock: Clock, *, quiet: bool
+) -> Iterator[OwnProcess | None]:
+    """A process that judges the presses, and what it was shown in kappa.json; None where nobody asked for it."""
+    if kappa is None:
+        yield None
+        return
+    if file.devices.camera is None:
+        raise SettingError(
+            file.path, wanted="a table [camera]: kappa is told by frames", found="none",
+            do="Add it (docs/reference/rig-file.md), or leave out --calibration.",
+        )  # fmt: skip
+    if not quiet:
+        say_reachable(kappa, presses)
+    shape = file.devices.camera.height, file.devices.camera.width
+    judge = OwnProcess(kappa, folder / KAPPA_FILE, shape, time.perf_counter() - clock.now_s())
+    try:
+        yield judge
+    finally:
+        judge.close()
+        if folder.is_dir():
+            write_about(folder, kappa, judge.tally)
+            if kappa.camera is not None and not (folder / CAMERA_FILE).exists():
+                write_camera(folder / CAMERA_FILE, kappa.camera)
 
 
 def _watchdog(file: RigFile, condition: Condition, opened: OpenRig) -> tuple[str, dict[str, Any] | None]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 from casr.command_line import Commands, add_command, add_json, whole_number
 from emg2vsa.cli.arguments import add_jobs, jobs_of
 from emg2vsa.cli.rig.choice import add_choice, add_rig, runs_chosen
+from emg2vsa.cli.rig.kappa_options import add_kappa, kappa_plans
 
 
 def add_to(commands: Commands) -> None:
@@ -63,6 +65,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--virtual", action="store_true", help="use an emulated rig, faster than real time; no device is opened"
     )
+    add_kappa(parser.add_argument_group("kappa while the finger presses"))
     add_jobs(parser)
     add_json(parser)
 
@@ -88,6 +91,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plate:
         from emg2vsa.cli.rig.plate_runs import run_plates
 
+        if arguments.calibration:
+            do = "Leave out --calibration: a plate has no pins."
+            raise SettingError("--calibration", wanted="presses of the tactile sensor", found="--plate", do=do)
         if arguments.all or arguments.specimen or arguments.angle or arguments.condition or arguments.repetitions:
             do = "Leave the others out: [plate] says how its trials go."
             raise SettingError("--plate", wanted="--plate alone", found="a choice of runs beside it", do=do)
@@ -99,11 +105,16 @@ def run(arguments: argparse.Namespace) -> int:
         from emg2vsa.cli.rig.virtual_runs import run_virtually
 
         jobs, order = jobs_of(arguments), order or ordered(file.experiment)
-        return run_virtually(file, runs, root, arguments.repetitions, jobs, order=order, as_json=arguments.json)
+        kappa = partial(kappa_plans, arguments, file)
+        return run_virtually(
+            file, runs, root, arguments.repetitions, jobs, order=order, kappa=kappa, as_json=arguments.json
+        )
     if order:
         from emg2vsa.cli.rig.run_sequence import run_sequence
 
-        return run_sequence(file, runs, root, order, yes=arguments.yes, as_json=arguments.json)
+        kappa = partial(kappa_plans, arguments, file)
+        return run_sequence(file, runs, root, order, kappa=kappa, yes=arguments.yes, as_json=arguments.json)
     from emg2vsa.cli.rig.real_run import run_for_real
 
-    return run_for_real(file, runs, root, arguments.repetitions, as_json=arguments.json)
+    kappa = partial(kappa_plans, arguments, file)
+    return run_for_real(file, runs, root, arguments.repetitions, kappa=kappa, as_json=arguments.json)

@@ -11,6 +11,7 @@ from typing import Any
 from casr.command_line import print_json
 from emg2vsa.cli.rig.ending import UNSAFE
 from emg2vsa.cli.rig.hand import answer
+from emg2vsa.cli.rig.kappa_options import KappaPlans
 from emg2vsa.cli.rig.real_run import missing, press_run
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.rig.executor.plan_limits import check_plan
@@ -23,7 +24,16 @@ _ROUNDS = 3
 """So often presses that were rejected are repeated before the sequence ends."""
 
 
-def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder, *, yes: bool, as_json: bool) -> int:
+def run_sequence(
+    file: RigFile,
+    runs: Sequence[Run],
+    root: Path,
+    order: RunOrder,
+    *,
+    kappa: KappaPlans,
+    yes: bool,
+    as_json: bool,
+) -> int:
     """All presses that ``runs`` still lack, in ``order``; exit status.
 
     A run whose presses were rejected is repeated; one that ends otherwise ends the sequence, which the same command
@@ -35,6 +45,7 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
     for run, plan in plans.items():
         check_plan(plan, file.rig)
         check_same_presses(root, run.name, plan, file.rig, emulated=file.leads_to_emulated)
+    judged = kappa(plans)
     done: list[dict[str, Any]] = []
     status = 0
     for number, run in enumerate(todo, start=1):
@@ -50,7 +61,7 @@ def run_sequence(file: RigFile, runs: Sequence[Run], root: Path, order: RunOrder
             if not (presses := missing(file, run, root)):
                 break
             plan = replace(plans[run], repetitions=presses, order=order.place(run))
-            folder, ended = press_run(file, run, plan, root, quiet=as_json)
+            folder, ended = press_run(file, run, plan, root, kappa=judged[run], quiet=as_json)
             done.append({"folder": str(folder), "ended": asdict(ended)})
             status = status or int(ended.how != "completed")
             left_safe = ended.retracted and ended.deactivated

@@ -16,6 +16,7 @@ from typing import Any
 
 from casr.command_line import print_json
 from emg2vsa.cli.rig.ending import summary
+from emg2vsa.cli.rig.kappa_options import KappaPlans, say_kappa, say_reachable
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.errors import Emg2vsaError, SettingError
 from emg2vsa.pipeline.pool import end_with_parent
@@ -24,6 +25,7 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import new_folder, presses_left
@@ -36,7 +38,7 @@ from emg2vsa.schedules import Schedule
 _BEFORE = "done before"
 
 
-Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path, ArtificialEffect | None]
+Job = tuple[RunPlan, RigSettings, EmulatedSettings, Path, ArtificialEffect | None, KappaPlan | None]
 
 
 def run_virtually(
@@ -47,6 +49,7 @@ def run_virtually(
     jobs: int,
     *,
     order: RunOrder,
+    kappa: KappaPlans,
     as_json: bool = False,
 ) -> int:
     """The presses that ``runs`` lack, in ``order``; exit status.
@@ -62,6 +65,7 @@ def run_virtually(
     for run, plan in plans.items():
         check_plan(plan, file.rig)
         check_same_presses(root, run.name, plan, file.rig, emulated=True)
+    judged = kappa(plans)
     for line in () if as_json else laxer_guards(file.rig):
         print(f"guard: {line}")
     start = time.monotonic()
@@ -71,7 +75,10 @@ def run_virtually(
         if presses := presses_left(root, run.name, plan.repetitions, emulated=True):
             plans[run] = replace(plan, repetitions=presses, order=order.place(run) if len(runs) > 1 else None)
             folder = new_folder(root, run.name, plan.repetitions, emulated=True)
-            waiting[run] = plans[run], file.rig, file.emulated, folder, effect_of(file.emulated, plan.schedule, right)
+            effect = effect_of(file.emulated, plan.schedule, right)
+            waiting[run] = plans[run], file.rig, file.emulated, folder, effect, judged[run]
+            if (plan_of_kappa := judged[run]) is not None and not as_json:
+                say_reachable(plan_of_kappa, presses)
         else:
             results[run] = _BEFORE
     for run, result in _carried_out(waiting, jobs):
@@ -83,6 +90,9 @@ def run_virtually(
     ends = [result for result in results.values() if isinstance(result, Ended)]
     rig_min, took_min = sum(ended.time_s for ended in ends) / 60, (time.monotonic() - start) / 60
     status = int(any(ended.how != "completed" for ended in ends) or len(ends) < len(waiting))
+    for job in () if as_json else waiting.values():
+        if job[-1] is not None:
+            say_kappa(job[3])
     if as_json:
         print_json({"folder": str(root), "runs": [_document(run, results[run]) for run in plans]})
         return status
@@ -123,9 +133,15 @@ def _right_schedules(file: RigFile) -> tuple[Schedule, ...]:
 
 
 def _run(
-    plan: RunPlan, rig: RigSettings, emulated: EmulatedSettings, folder: Path, effect: ArtificialEffect | None
+    plan: RunPlan,
+    rig: RigSettings,
+    emulated: EmulatedSettings,
+    folder: Path,
+    effect: ArtificialEffect | None,
+    kappa: KappaPlan | None,
 ) -> Ended:
-    return run_virtual(plan, rig, emulated, folder, started=datetime.now(UTC), run=folder.name, effect=effect)
+    started = datetime.now(UTC)
+    return run_virtual(plan, rig, emulated, folder, started=started, run=folder.name, effect=effect, kappa=kappa)
 
 
 def _outcome(make: Callable[[], Ended]) -> Ended | str:

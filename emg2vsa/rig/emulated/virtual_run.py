@@ -20,6 +20,8 @@ from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
+from emg2vsa.rig.kappa.judges import SameProcess, write_about
+from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import EMULATED_FILE
@@ -35,13 +37,14 @@ def run_virtual(
     started: datetime,
     run: str = "",
     effect: ArtificialEffect | None = None,
+    kappa: KappaPlan | None = None,
 ) -> Ended:
     """Carry out ``plan`` and record it in ``folder``, with the real executor and drivers; how it ended.
 
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
     run that goes on in another folder does not repeat its presses; the run's own where none is given. ``effect`` :
-    artificial, of a control world.
+    artificial, of a control world. ``kappa`` : judge each press while it goes on.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -71,7 +74,14 @@ def run_virtual(
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
     cycle = ControlCycle if emulated.exact else bench.loop
-    ended = execute(plan, rig, devices, folder, clock, started=started, cycle=cycle)
+    judge = None if kappa is None else SameProcess(kappa, folder / KAPPA_FILE)
+    try:
+        ended = execute(plan, rig, devices, folder, clock, started=started, cycle=cycle, judge=judge)
+    finally:
+        if judge is not None:
+            judge.close()
+    if kappa is not None and judge is not None:
+        write_about(folder, kappa, judge.tally)
     if not plan.plate:
         write_text_atomic(folder / TRUTH_FILE, truth_text(bench.loadings()))
     return ended

@@ -95,6 +95,8 @@ class ControlCycle:
             self._look(now_s)
             growth_n_per_s = self._average.growth_per_s
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s, growth_n_per_s)
+            if wanted.phase == "load" and self._record.enough(force.filtered_n):
+                wanted = replace(wanted, phase="retract", since_s=now_s)
             self._judge(force, wanted, now_s, late_s)
             if at_rest(wanted, now_s):
                 self._free(

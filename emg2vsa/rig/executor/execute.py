@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from emg2vsa.rig.clock import Beat, Clock, ahead
-from emg2vsa.rig.devices import Devices
+from emg2vsa.rig.devices import Devices, PressJudge
 from emg2vsa.rig.executor.control_cycle import ControlCycle
 from emg2vsa.rig.executor.plan_limits import check_plan, check_rating
 from emg2vsa.rig.executor.safe_end import SafeEnd, make_safe
@@ -34,6 +34,7 @@ def execute(
     facts: Mapping[str, Any] | None = None,
     background: bool = False,
     cycle: Callable[..., ControlCycle] = ControlCycle,
+    judge: PressJudge | None = None,
 ) -> Ended:
     """Run ``plan`` and record it in ``folder``; how it ended.
 
@@ -42,6 +43,7 @@ def execute(
     is the date and time at 0 s of ``clock``. ``facts`` : what the devices say of themselves, for plan.json.
     ``background`` : a thread writes to the disk, so that the loop never waits for it; wanted where time is real.
     ``cycle`` : makes the control loop.
+    ``judge`` : is shown the frames and forces of each press, and may end its loading before F_max.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def execute(
         seen = devices.camera
         record = RunRecord(
             folder, started, seen.shape if seen else None,
-            delay_s=seen.delay_s if seen else 0.0, disk=disk, force_counts=devices.force.counts,
+            delay_s=seen.delay_s if seen else 0.0, disk=disk, force_counts=devices.force.counts, judge=judge,
         )  # fmt: skip
         record.plan(plan, rig, facts)
         with ahead():

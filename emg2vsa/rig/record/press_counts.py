@@ -48,6 +48,8 @@ class PressCounts:
     "Largest force along push_axis, of either sign, as measured."
     peak_lateral_n: float
     "Largest force across it."
+    stopped: str = ""
+    "At which force and why a press was stopped before the force of a whole one; empty for a whole press."
 
 
 HEADER = ",".join(field.name for field in fields(PressCounts))
@@ -77,6 +79,12 @@ def peak_forces_n(folder: Path) -> dict[int, float]:
         with contextlib.suppress(ValueError, TypeError, KeyError):
             found[int(row["repetition"])] = float(row["peak_force_n"])
     return found
+
+
+def stopped_presses(folder: Path) -> dict[int, str]:
+    """Repetition to force and reason of the presses that were stopped early, of the run in ``folder``."""
+    said = {row.get("repetition") or "": row.get("stopped") or "" for row in _rows(folder)}
+    return {int(number): why for number, why in said.items() if number.isdecimal() and why}
 
 
 def _rows(folder: Path) -> list[dict[str, str]]:
@@ -115,6 +123,13 @@ class PressTally:
         self._turns = self._late = self._missing = self._frames = self._frames_missing = 0
         self._latest_s = self._peak_n = self._lateral_n = 0.0
         self._doubts: list[tuple[Verdict, str]] = []
+        self.stopped = ""
+        "As in `PressCounts`."
+
+    @property
+    def repetition(self) -> int:
+        """Number of the press, from 1."""
+        return self._repetition
 
     def row(self, row: Row) -> None:
         """A turn."""
@@ -156,7 +171,7 @@ class PressTally:
             self._repetition, verdict, "; ".join(why for _, why in found), self._begun_s, self._turned_s,
             self._turns, self._late, self._missing, self._latest_s,
             came.records, came.lost, came.late, came.duplicated, came.refused,
-            self._frames, self._frames_missing, self._peak_n, self._lateral_n,
+            self._frames, self._frames_missing, self._peak_n, self._lateral_n, self.stopped,
         )  # fmt: skip
 
     def _judged(self, came: ForceCounts) -> Iterator[tuple[Verdict, str]]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from emg2vsa.errors import DeviceError
-from emg2vsa.rig.devices import ForceCounts, ForceSample, Frame
+from emg2vsa.rig.devices import ForceCounts, ForceSample, Frame, PressJudge
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.append_file import AppendFile
 from emg2vsa.rig.record.disk import AT_ONCE, Disk
@@ -38,7 +38,7 @@ class RunRecord:
 
     ``started`` : date and time at 0 s of the log's clock. ``frame_shape`` : (height, width) px; None without a camera.
     ``delay_s`` : of the camera; frames are on their way for so long. ``disk`` : who writes. ``force_counts`` : of the
-    force sensor, at any moment.
+    force sensor, at any moment. ``judge`` : is shown what is kept of a press, and may say that it has seen enough.
     """
 
     def __init__(
@@ -50,8 +50,10 @@ class RunRecord:
         delay_s: float = 0.0,
         disk: Disk = AT_ONCE,
         force_counts: Callable[[], ForceCounts] = ForceCounts,
+        judge: PressJudge | None = None,
     ) -> None:
         self._folder, self._started, self._frame_shape, self._delay_s = folder, started, frame_shape, delay_s
+        self._judge = judge
         self._disk, self._force_counts, self._rig = disk, force_counts, RigSettings()
         # says from the start that the run was killed: so a killed run says so itself, and a full disk hides no cause
         self._ended = AppendFile(folder / "ended.json", disk)
@@ -105,6 +107,8 @@ class RunRecord:
             self._press.frame(frame.image, frame.time_s)
             if self._tally:
                 self._tally.frame(frame)
+                if self._judge is not None:
+                    self._judge.frame(self._tally.repetition, frame)
 
     @property
     def frame_index(self) -> int:
@@ -129,6 +133,20 @@ class RunRecord:
                     if row.force_n is not None and row.force_time_s is not None
                 ]
             )
+        if self._press is not None and self._judge is not None:
+            for row in rows:
+                if row.force_n is not None and row.force_time_s is not None:
+                    shaft_ticks = row.shaft_ticks if row.phase == "load" else None
+                    depth_mm = math.nan if shaft_ticks is None else self._rig.depth_at(shaft_ticks)
+                    self._judge.force(row.force_time_s, row.force_n, depth_mm)
+
+    def enough(self, force_n: float) -> bool:
+        """Whether the judge has seen enough of the press that is being loaded; the press then counts as stopped at this
+        force, and not as a whole one."""
+        if self._judge is None or self._tally is None or not (why := self._judge.stop(self._tally.repetition)):
+            return False
+        self._tally.stopped = f"at {force_n:.2f} N: {why}"
+        return True
 
     def all_forces(self, samples: Callable[[], Sequence[ForceSample]]) -> None:
         """Keep all that the sensor has measured, where the rig file wants that; ``samples`` is asked only then."""
@@ -186,7 +204,11 @@ class RunRecord:
             counts = self._tally.counts() if self._tally else None
             if counts and counts.verdict != "ok":
                 press.remark(f"{counts.verdict}: {counts.why}")
+            if counts and counts.stopped:
+                press.remark(f"stopped: {counts.stopped}")
             press.close()
+            if self._judge is not None:
+                self._judge.press_over()
 
     def _close_tally(self, time_s: float) -> None:
         if self._tally is None:

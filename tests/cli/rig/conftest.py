@@ -111,6 +111,23 @@ def served(rig_file: Callable[..., Path]) -> Iterator[SimpleNamespace]:
 
 
 @pytest.fixture
+def served_rigid(rig_file: Callable[..., Path]) -> Iterator[SimpleNamespace]:
+    """S3 under the rigid motor of an emulated rig whose bodies are elastic; as ``served``."""
+    emulated = EmulatedSettings(gap_mm=2.0, world="elastic")
+    bench = EmulatedRig(emulated, "S3", 0.0, True, WallClock())
+    with EmulatedServers(bench) as servers:
+        force = servers.force
+        path = rig_file(
+            ("gap_mm = 2", 'gap_mm = 2\nworld = "elastic"\nbehind_ports = true'),
+            port=servers.idle_port, motor_port=servers.port, rdt_port=force.rdt_port, http_port=force.http_port,
+            camera=servers.camera_url,
+        )  # fmt: skip
+        # slow enough for twenty frames, and a lost camera is lost while it presses
+        path.write_text(path.read_text().replace("ramp_mm_per_s = 8", "ramp_mm_per_s = 2").replace("camera_s = 5", ""))
+        yield SimpleNamespace(path=path, bench=bench, servers=servers)
+
+
+@pytest.fixture
 def rig(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
     """Run ``emg2vsa rig ...``: exit status, output, error stream."""
 

@@ -1,5 +1,5 @@
 // Follows the session's stream (emg2vsa/session/views.py) and sends what the operator asks for.
-import { draw, ticksBetween } from "./plot.js";
+import { draw, lastSeconds, ticksBetween } from "./plot.js";
 import {
   askedBy, cellsOf, countOf, intervalOf, messageOf, microvolts, nameOf, primaryOf, shownPress, upcoming, verdictOf,
 } from "./state.js";
@@ -255,7 +255,8 @@ function figure(name, keys) {
 function plot(where, low, high, lines, areas, levels) {
   const canvas = where.querySelector("canvas");
   draw(canvas, {
-    low, high, levels, areas, time: traces.time_s, windowS: WINDOW_S, lastLabel: state?.ended || document.body.matches(".stale") ? "last" : "now",
+    low, high, levels, areas, over: traces.time_s,
+    axis: lastSeconds(traces.time_s, WINDOW_S, state?.ended || document.body.matches(".stale") ? "last" : "now"),
     ticks: ticksBetween(low, high, Math.max(4, canvas.clientHeight / 35)),
     curves: lines.map(([values, width]) => ({ values, colour: "--blue", width })),
   });

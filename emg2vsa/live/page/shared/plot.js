@@ -1,16 +1,26 @@
-// Curves over the last seconds on a canvas. A curve is {values, colour, width, dash}; a level is {at, text}; an area
-// is {low, high, colour}.
+// Curves over the last seconds, or over another quantity, on a canvas. A curve is {values, colour, width, dash}; a
+// level, or a mark on the axis, is {at, text}; a bar is {at, value, low, high, colour}; an area is {low, high, colour};
+// an axis from left to right is {from, to, labels: [{at, text, align}]}.
 
 const FONT = '15px system-ui, "Segoe UI", "DejaVu Sans", Arial, sans-serif';
 const LEFT = 46, RIGHT = 8, TOP = 8, BOTTOM = 22;
 
-export function draw(canvas, { time, windowS, low, high, ticks, levels = [], band = null, areas = [], curves, lastLabel }) {
+// The axis of the last windowS seconds.
+export function lastSeconds(time, windowS, lastLabel) {
+  const end = time.length ? time[time.length - 1] : 0, labels = [];
+  for (let back = 0; back < windowS; back += 5) {
+    labels.push({ at: end - back, text: back ? `−${back} s` : lastLabel, align: back ? "center" : "right" });
+  }
+  return { from: end - windowS, to: end, labels };
+}
+
+// over: where each value of a curve lies on the axis.
+export function draw(canvas, { over, axis, low, high, ticks, levels = [], marks = [], bars = [], band = null, areas = [], curves }) {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(name);
   const context = fitted(canvas);
   const width = canvas.clientWidth - LEFT - RIGHT, height = canvas.clientHeight - TOP - BOTTOM;
-  const end = time.length ? time[time.length - 1] : 0;
-  const x = (t) => LEFT + width * (1 + (t - end) / windowS);
+  const x = (at) => LEFT + (width * (at - axis.from)) / (axis.to - axis.from);
   const y = (v) => TOP + height * (1 - (v - low) / (high - low));
 
   context.font = FONT;
@@ -28,18 +38,20 @@ export function draw(canvas, { time, windowS, low, high, ticks, levels = [], ban
     context.fillText(String(tick), LEFT - 7, y(tick));
   }
   context.textBaseline = "bottom";
-  for (let back = 0; back < windowS; back += 5) {
-    context.textAlign = back ? "center" : "right";
-    context.fillText(back ? `−${back} s` : lastLabel, x(end - back), canvas.clientHeight);
+  for (const { at, text, align } of axis.labels) {
+    context.textAlign = align;
+    context.fillText(text, x(at), canvas.clientHeight);
   }
   drawLevels(context, levels, y, width, colour);
   context.save();
   context.beginPath();
   context.rect(LEFT, 0, width, canvas.clientHeight - BOTTOM);
   context.clip();
-  for (const one of areas) area(context, time, one, x, y, colour);
-  for (const curve of curves) trace(context, time, curve, x, y, colour);
+  for (const one of areas) area(context, over, one, x, y, colour);
+  for (const curve of curves) trace(context, over, curve, x, y, colour);
+  for (const one of bars) bar(context, one, x, y, colour);
   context.restore();
+  drawMarks(context, marks, x, height, colour);
 }
 
 export function ticksBetween(low, high, count) {
@@ -71,27 +83,50 @@ function drawLevels(context, levels, y, width, colour) {
   }
 }
 
-function trace(context, time, { values, colour: name, width, dash = [] }, x, y, colour) {
+function drawMarks(context, marks, x, height, colour) {
+  context.strokeStyle = context.fillStyle = colour("--orange");
+  context.lineWidth = 1;
+  context.textAlign = "left";
+  context.textBaseline = "top";
+  for (const { at, text } of marks) {
+    context.setLineDash([7, 5]);
+    line(context, x(at), TOP, x(at), TOP + height);
+    context.setLineDash([]);
+    context.fillText(text, x(at) + 5, TOP);
+  }
+}
+
+function trace(context, over, { values, colour: name, width, dash = [] }, x, y, colour) {
   context.strokeStyle = colour(name);
   context.lineWidth = width;
   context.lineJoin = "round";
   context.setLineDash(dash);
   context.beginPath();
   let pen = false;
-  for (let i = 0; i < time.length; i++) {
+  for (let i = 0; i < over.length; i++) {
     if (values[i] === null) { pen = false; continue; }
-    if (pen) context.lineTo(x(time[i]), y(values[i])); else context.moveTo(x(time[i]), y(values[i]));
+    if (pen) context.lineTo(x(over[i]), y(values[i])); else context.moveTo(x(over[i]), y(values[i]));
     pen = true;
   }
   context.stroke();
   context.setLineDash([]);
 }
 
-function area(context, time, { low, high, colour: name }, x, y, colour) {
+function bar(context, { at, value, low, high, colour: name }, x, y, colour) {
+  context.strokeStyle = context.fillStyle = colour(name);
+  context.lineWidth = 2;
+  line(context, x(at), y(low), x(at), y(high));
+  for (const end of [low, high]) line(context, x(at) - 6, y(end), x(at) + 6, y(end));
+  context.beginPath();
+  context.arc(x(at), y(value), 5, 0, 2 * Math.PI);
+  context.fill();
+}
+
+function area(context, over, { low, high, colour: name }, x, y, colour) {
   context.fillStyle = colour(name);
   context.beginPath();
-  for (let i = 0; i < time.length; i++) context.lineTo(x(time[i]), y(high[i]));
-  for (let i = time.length - 1; i >= 0; i--) context.lineTo(x(time[i]), y(low[i]));
+  for (let i = 0; i < over.length; i++) context.lineTo(x(over[i]), y(high[i]));
+  for (let i = over.length - 1; i >= 0; i--) context.lineTo(x(over[i]), y(low[i]));
   context.fill();
 }
 

@@ -43,6 +43,40 @@ export function pressesOf(repetitions, done, pressing) {
   return Array.from({ length: parts }, (_, i) => (i < filled ? "done" : i === filled && pressing ? "now" : ""));
 }
 
+// Kappa of the press that was judged last, in words.
+export function kappaOf(kappa) {
+  const last = kappa.kappa_n_per_mm.length - 1;
+  if (last < 0) return { big: "–", interval: "", judged: kappa.note || "not determined yet" };
+  const number = (v) => (v >= 100 ? v.toFixed(0) : v.toPrecision(3));
+  const high = kappa.high_n_per_mm[last] === null ? "rigid" : number(kappa.high_n_per_mm[last]);
+  const width = kappa.half_width === null ? "" : ` (±${(100 * kappa.half_width).toFixed(0)} %)`;
+  const parts = [`press ${kappa.repetition}`, kappa.presses === 1 ? "1 press counts" : `${kappa.presses} presses count`];
+  if (kappa.amplification !== null) parts.push(`1 % of CASR is ${kappa.amplification.toFixed(1)} % of kappa`);
+  if (kappa.stop) parts.push(`seen enough at ${kappa.stop_n.toFixed(2)} N: ${kappa.stop}`);
+  if (kappa.note) parts.push(kappa.note);
+  return {
+    big: `${number(kappa.kappa_n_per_mm[last])} N/mm`,
+    interval: `${number(kappa.low_n_per_mm[last])} to ${high} N/mm${width}`,
+    judged: parts.join(" · "),
+  };
+}
+
+// The plot of kappa over force: its height, the upper ends of the intervals within it, and the axis of force.
+export function kappaAxisOf(kappa, fMaxN) {
+  const last = kappa.kappa_n_per_mm.length - 1;
+  const newest = last < 0 ? 1 : Math.max(kappa.kappa_n_per_mm[last], 0.1);
+  const high = Math.max(2 * newest, Math.min(4 * newest, 1.1 * (kappa.high_n_per_mm[last] ?? 4 * newest)));
+  const labels = Array.from({ length: Math.floor(fMaxN) + 1 }, (_, n) => ({ at: n, text: n ? `${n} N` : "0", align: "center" }));
+  return { high, tops: kappa.high_n_per_mm.map((v) => v ?? 10 * high), axis: { from: 0, to: 1.05 * fMaxN, labels } };
+}
+
+// The newest interval, which a press that stops at its first one has no band for.
+export function newestBarOf(kappa, tops) {
+  const last = kappa.kappa_n_per_mm.length - 1;
+  if (last < 0) return [];
+  return [{ at: kappa.force_n[last], value: kappa.kappa_n_per_mm[last], low: kappa.low_n_per_mm[last], high: tops[last], colour: "--blue" }];
+}
+
 // {kind, title, hint, enabled}
 export function stopStateOf({ now, silentS }, { askedS, failure }, nowS) {
   if (!now?.run || now.ended) return { kind: "", title: "STOP", hint: now?.ended ? "the run is over" : "nothing is running", enabled: false };

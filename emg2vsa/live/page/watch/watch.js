@@ -1,6 +1,6 @@
 // Follows the server's stream of moments (emg2vsa/live/snapshot.py) and shows them; sends the stop.
-import { draw, ticksBetween } from "./plot.js";
-import { frameToAsk, healthOf, messageOf, pressesOf, stopStateOf } from "./state.js";
+import { draw, lastSeconds, ticksBetween } from "./plot.js";
+import { frameToAsk, healthOf, kappaAxisOf, kappaOf, messageOf, newestBarOf, pressesOf, stopStateOf } from "./state.js";
 
 const WINDOW_S = 15;
 const TOKEN = location.pathname.split("/")[1];
@@ -69,6 +69,8 @@ function showRun({ run, phase, repetition, frame, ended, presses_done: done, ...
   showPresses(run?.repetitions ?? 0, done, Boolean(repetition > done && !ended));
   $("#curves").hidden = $("#camera").hidden = !run;
   if (run && curves) showCurves(run);
+  $("#kappa").hidden = !(run && rest.kappa);
+  if (run && rest.kappa) showKappa(run, rest.kappa);
   showFrame(run, frame);
 }
 
@@ -107,11 +109,28 @@ function showCurves(run) {
   read("#depth", last(curves.shaft_mm), last(curves.depth_mm), (v) => `${fixed(v, 2)} mm`);
 }
 
+function showKappa(run, kappa) {
+  const { big, interval, judged } = kappaOf(kappa);
+  write("#kappa .big", big);
+  write("#kappa .key b", interval);
+  write("#judged", judged);
+  $("#judged").className = kappa.stop ? "stopped" : "";
+  const canvas = $("#kappa canvas"), { high, tops, axis } = kappaAxisOf(kappa, run.f_max_n);
+  draw(canvas, {
+    over: kappa.force_n, axis, low: 0, high, ticks: ticksBetween(0, high, Math.max(2, canvas.clientHeight / 45)),
+    marks: kappa.stop ? [{ at: kappa.stop_n, text: "seen enough" }] : [],
+    areas: [{ low: kappa.low_n_per_mm, high: tops, colour: "--band" }],
+    curves: [{ values: kappa.kappa_n_per_mm, colour: "--blue", width: 3 }],
+    bars: newestBarOf(kappa, tops),
+  });
+}
+
 function plot(where, axis, lines) {
   const canvas = $(`${where} canvas`);
   const ticks = ticksBetween(axis.low, axis.high, Math.max(2, canvas.clientHeight / 45));
   draw(canvas, {
-    ...axis, ticks, time: curves.time_s, windowS: WINDOW_S, lastLabel: document.body.matches(".dim, .over") ? "last" : "now",
+    ...axis, ticks, over: curves.time_s,
+    axis: lastSeconds(curves.time_s, WINDOW_S, document.body.matches(".dim, .over") ? "last" : "now"),
     curves: lines.map(([values, colour, width, dash]) => ({ values, colour, width, dash })),
   });
 }

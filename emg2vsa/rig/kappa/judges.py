@@ -1,0 +1,365 @@
+"""Who judges the presses of a run: its own process where time is virtual, a process beside it where time is real."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from multiprocessing.shared_memory import SharedMemory
+from pathlib import Path
+from struct import Struct
+from typing import Any, Protocol, TextIO
+
+import cv2
+import numpy as np
+
+from casr.atomic import write_text_atomic
+from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
+from emg2vsa.errors import DeviceError
+from emg2vsa.rig.devices import Frame, PressJudge
+from emg2vsa.rig.kappa.live_kappa import (
+    ABOUT_FILE,
+    KAPPA_HEADER,
+    Held,
+    KappaPlan,
+    KappaRow,
+    LiveKappa,
+    Rows,
+    Tally,
+    line_of,
+)
+
+SLOTS = 16
+"""Frames that may wait for the estimator: 0.8 s of them."""
+READY_S = 60.0
+"""In which the estimator must have loaded what it needs."""
+END_S = 3.0
+"""In which it must have ended; then it is ended."""
+_NICE = -10
+_FRAME = Struct("<qqdq")
+"""Slot, repetition, time of the frame, how many readings follow."""
+_READING = Struct("<ddd")
+_OVER, _END = b"over", b"end"
+_TAKEN, _STOP, _ANSWERED = 0, 1, 2
+_WORDS = 8
+"""Counters of 8 bytes before the frames, each written by one side alone: slots taken, press to stop, answers."""
+
+
+class KappaJudge(PressJudge, Protocol):
+    """Keeps the account of what it was shown."""
+
+    tally: Tally
+
+    def close(self) -> None:
+        """The run is over."""
+
+
+class SameProcess:
+    """Answers each frame before the run goes on: the same run gives the same rows.
+
+    Parameters
+    ----------
+    plan : how presses are judged. file : where rows go.
+    """
+
+    def __init__(self, plan: KappaPlan, file: Path) -> None:
+        self.tally = Tally()
+        self._kappa, self._held, self._stop = LiveKappa(plan), Held(), _Stops()
+        self._rows = new_rows(file)
+
+    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
+        self._held.force(time_s, force_n, depth_mm)
+        self._answer(over=False)
+
+    def frame(self, repetition: int, frame: Frame) -> None:
+        self.tally.frames += 1
+        self._held.frame(repetition, frame)
+
+    def stop(self, repetition: int) -> str:
+        return self._stop.of(repetition)
+
+    def press_over(self) -> None:
+        self._answer(over=True)
+        if not self.tally.trouble:
+            self._kappa.press_over()
+
+    def close(self) -> None:
+        self._rows.close()
+
+    def _answer(self, *, over: bool) -> None:
+        for repetition, frame, readings in self._held.ready(over=over):
+            if self.tally.trouble:
+                return
+            try:
+                row = self._kappa.frame(repetition, frame.time_s, frame.image, readings)
+                self._kappa.settle()
+            except Exception as error:  # whatever goes wrong here, the press goes on
+                self.tally.trouble = f"{type(error).__name__}: {error}"
+                return
+            self.tally.answered += 1
+            self._rows.write(line_of(row))
+            self._stop.see(row)
+
+
+class _Stops:
+    def __init__(self) -> None:
+        self._word = 0
+
+    def see(self, row: KappaRow) -> None:
+        self._word = stop_word(row) or self._word
+
+    def of(self, repetition: int) -> str:
+        return stop_text(self._word, repetition)
+
+
+_REASONS = (WIDTH_REACHED, NO_GAIN)
+_REASON_BITS, _WIDTH_BITS = 4, 20
+
+
+def stop_word(row: KappaRow) -> int:
+    """Repetition, reason and half width in one number of 8 bytes, which is written at once; 0 while a press goes on."""
+    if row.stop not in _REASONS:
+        return 0
+    permille = min(round(1000 * row.half_width), 2**_WIDTH_BITS - 1) if np.isfinite(row.half_width) else 0
+    return (row.repetition << _REASON_BITS | _REASONS.index(row.stop)) << _WIDTH_BITS | permille
+
+
+def stop_text(word: int, repetition: int) -> str:
+    """Why this press stops, with the width it has reached; empty for another press, or none."""
+    head, permille = divmod(word, 2**_WIDTH_BITS)
+    number, reason = divmod(head, 2**_REASON_BITS)
+    return "" if word == 0 or number != repetition else f"{_REASONS[reason]}, kappa to {permille / 10:g} %"
+
+
+class OwnProcess:
+    """Hands frames and readings to a process beside the run; the control loop never waits for that.
+
+    Frames go through shared memory, ``SLOTS`` at most at a time. Where all are taken a frame is dropped, for the
+    estimator alone, and counted. A process that hangs or dies ends no press: it goes on to its full force.
+
+    Parameters
+    ----------
+    plan : how presses are judged. file : where the process writes its rows. shape : (height, width) of the frames, px.
+    zero_s : ``time.perf_counter`` at 0 s of the run's clock; None where that is not real time.
+
+    Raises
+    ------
+    DeviceError : the process could not be started.
+    """
+
+    def __init__(self, plan: KappaPlan, file: Path, shape: tuple[int, int], zero_s: float | None = None) -> None:
+        self.tally = Tally()
+        self._held, self._sent, self._closed = Held(), 0, False
+        self._memory = SharedMemory(create=True, size=8 * _WORDS + SLOTS * shape[0] * shape[1])
+        self._words, self._images = _views(self._memory, shape)
+        self._words[:] = 0
+        context = multiprocessing.get_context("spawn")
+        there, to = context.Pipe(duplex=False)
+        self._to: Any = to  # a connection, of another type on Windows; None once the process has gone
+        self._answers, from_there = context.Pipe(duplex=False)
+        self._process = context.Process(
+            target=_work, args=(plan, file, shape, zero_s, self._memory.name, there, from_there), daemon=True
+        )
+        with _one_thread():
+            self._process.start()
+        there.close()
+        from_there.close()
+        try:
+            ready = self._answers.recv() if self._answers.poll(READY_S) else "no answer"
+        except EOFError:
+            ready = "it ended at once"
+        if ready is not None:
+            ready = ready[1] if isinstance(ready, tuple) else ready
+            self.close()
+            do = "Start the run again, or leave out --calibration."
+            raise DeviceError("the estimator", wanted="a process that starts", found=str(ready), do=do)
+
+    @property
+    def pid(self) -> int | None:
+        """Number of the process."""
+        return self._process.pid
+
+    def force(self, time_s: float, force_n: float, depth_mm: float) -> None:
+        self._held.force(time_s, force_n, depth_mm)
+        self._hand_over(over=False)
+
+    def frame(self, repetition: int, frame: Frame) -> None:
+        self.tally.frames += 1
+        self._held.frame(repetition, frame)
+
+    def stop(self, repetition: int) -> str:
+        return stop_text(int(self._words[_STOP]), repetition)
+
+    def press_over(self) -> None:
+        self._hand_over(over=True)
+        self._send(_OVER)
+
+    def close(self) -> None:
+        """End the process, and give the memory back. ``tally`` is whole then."""
+        if self._closed:
+            return
+        self._closed = True
+        self._send(_END)
+        with suppress(EOFError, OSError):
+            if self._answers.poll(END_S):
+                self.tally.latencies_s, self.tally.trouble = self._answers.recv()
+        self._process.join(END_S if self._to is not None else 0.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join(END_S)
+            self.tally.trouble = self.tally.trouble or "it did not end, and was ended"
+        elif self._process.exitcode:
+            self.tally.trouble = self.tally.trouble or f"its process ended with status {self._process.exitcode}"
+        self.tally.answered = int(self._words[_ANSWERED])
+        del self._words, self._images
+        self._memory.close()
+        with suppress(FileNotFoundError):
+            self._memory.unlink()
+
+    def _hand_over(self, *, over: bool) -> None:
+        for repetition, frame, readings in self._held.ready(over=over):
+            if self._to is None or self._sent - int(self._words[_TAKEN]) >= SLOTS:
+                self.tally.dropped += 1
+                continue
+            slot = self._sent % SLOTS
+            self._images[slot] = frame.image
+            head = _FRAME.pack(slot, repetition, frame.time_s, len(readings))
+            if self._send(head + b"".join(_READING.pack(*reading) for reading in readings)):
+                self._sent += 1
+
+    def _send(self, message: bytes) -> bool:
+        """Never waits: no more messages are on their way than fit into the pipe, for every frame takes a slot."""
+        if self._to is None:
+            return False
+        try:
+            self._to.send_bytes(message)
+        except OSError:
+            self.tally.trouble = "its process ended while presses went on"
+            self._to = None
+            return False
+        return True
+
+
+def _views(memory: SharedMemory, shape: tuple[int, int]) -> tuple[Any, Any]:
+    words = np.ndarray(_WORDS, np.int64, memory.buf)
+    return words, np.ndarray((SLOTS, *shape), np.uint8, memory.buf, offset=8 * _WORDS)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """A process that is started within leaves the other cores to the control loop."""
+    names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _work(
+    plan: KappaPlan, file: Path, shape: tuple[int, int], zero_s: float | None, memory_name: str,
+    messages: Connection, answers: Connection,
+) -> None:  # fmt: skip
+    """The process beside the run: it ends with it, also where that is killed, for its pipe ends then."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run ends this process
+    _behind()
+    memory = SharedMemory(memory_name)
+    words, images = _views(memory, shape)
+    latencies_s: list[float] = []
+    trouble = ""
+    try:
+        kappa = LiveKappa(plan)
+        answers.send(None)
+        _answer_all(kappa, messages, words, images, file, zero_s, latencies_s)
+    except Exception as error:
+        trouble = f"{type(error).__name__}: {error}"
+    with suppress(OSError):
+        answers.send((latencies_s, trouble))
+    del words, images
+    memory.close()
+
+
+def _behind() -> None:
+    """On one core, behind the control loop, and before ordinary programs where the system permits it."""
+    cv2.setNumThreads(1)
+    if sys.platform == "linux":
+        with suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+            os.nice(_NICE)
+
+
+def _answer_all(
+    kappa: LiveKappa,
+    messages: Connection,
+    words: Any,
+    images: Any,
+    file: Path,
+    zero_s: float | None,
+    latencies_s: list[float],
+) -> None:
+    rows: TextIO | None = None  # the folder of the run is there with its first frame
+    while (message := _next(messages)) != _END:
+        if message == _OVER:
+            kappa.press_over()
+            continue
+        slot, repetition, time_s, n_readings = _FRAME.unpack_from(message)
+        readings: Rows = list(_READING.iter_unpack(message[_FRAME.size :]))[:n_readings]
+        image = images[slot].copy()
+        words[_TAKEN] += 1
+        row = kappa.frame(repetition, time_s, image, readings)
+        words[_STOP] = stop_word(row) or words[_STOP]
+        if zero_s is not None:
+            row = replace(row, latency_s=time.perf_counter() - zero_s - time_s)
+            latencies_s.append(row.latency_s)
+        words[_ANSWERED] += 1
+        rows = rows or new_rows(file)
+        rows.write(line_of(row))
+        rows.flush()
+        if not messages.poll(0):
+            kappa.settle()
+    if rows is not None:
+        rows.close()
+
+
+def _next(messages: Connection) -> bytes:
+    try:
+        return messages.recv_bytes()
+    except (EOFError, OSError):  # the run is no more
+        return _END
+
+
+def new_rows(file: Path) -> TextIO:
+    """A new kappa.csv. OSError where there is one."""
+    rows = file.open("x", encoding="utf-8", newline="")
+    rows.write(f"{KAPPA_HEADER}\n")
+    return rows
+
+
+def write_about(folder: Path, plan: KappaPlan, tally: Tally) -> None:
+    """kappa.json beside kappa.csv: by which calibration, and what became of the frames."""
+    own = plan.calibration
+    document = {
+        "calibration": plan.name,
+        "specimens": list(own.specimens),
+        "known_presses": own.presses,
+        "quantity": own.quantity,
+        "area_unit": own.area_unit,
+        "angle_deg": own.angle_deg,
+        "condition": own.condition,
+        "simulated": own.simulated,
+        "stop_at": plan.stop_at,
+        **tally.about(),
+    }
+    write_text_atomic(folder / ABOUT_FILE, json.dumps(document, indent=2) + "\n")

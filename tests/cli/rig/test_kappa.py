@@ -1,0 +1,217 @@
+"""``emg2vsa rig run --calibration``: kappa while the finger presses, and presses that end early."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from benchmarks.rig.known_calibration import known_calibration
+from emg2vsa.calibration_file import write_calibration
+from emg2vsa.rig.record.new_folder import good_presses
+from emg2vsa.rig.record.press_counts import stopped_presses, verdicts
+from emg2vsa.run_folders.presses import read_presses
+
+Rig = Callable[..., tuple[int, str, str]]
+RigFile = Callable[..., Path]
+ELASTIC = ("gap_mm = 2", 'gap_mm = 2\nworld = "elastic"')
+ONE = ("--virtual", "--specimen", "S3", "--condition", "high-stiffness", "--jobs", 1)
+
+
+@pytest.fixture
+def slow_rig(rig_file: RigFile) -> Path:
+    """Twenty frames a press, and areas by force alone."""
+    path = rig_file(ELASTIC)
+    path.write_text(path.read_text().replace("ramp_mm_per_s = 8", "ramp_mm_per_s = 3"))
+    return path
+
+
+@pytest.fixture
+def known(tmp_path: Path) -> Path:
+    return write_calibration(tmp_path / "known.json", known_calibration())
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text().splitlines()))
+
+
+def test_presses_are_judged_and_end_early(rig: Rig, slow_rig: Path, known: Path, tmp_path: Path) -> None:
+    status, out, err = rig("run", slow_rig, *ONE, "--calibration", known, "--stop-at", "40%")
+    assert status == 0, err
+    folder = tmp_path / "runs-virtual" / "S3_0_high-stiffness"
+    presses = table(folder / "presses.csv")
+    assert [press["verdict"] for press in presses] == ["ok", "ok"]
+    assert all("N: width reached, kappa to " in press["stopped"] for press in presses)
+    assert all(float(press["peak_force_n"]) < 4 for press in presses), "a whole press goes to 5 N"
+    rows = [row for row in table(folder / "kappa.csv") if row["stop"]]
+    assert [int(row["repetition"]) for row in rows] == [1, 2]
+    for row in rows:
+        assert float(row["half_width"]) <= 0.4
+        assert float(row["low_n_per_mm"]) < 3.35 < float(row["high_n_per_mm"])
+        assert row["latency_s"] == ""
+    about = json.loads((folder / "kappa.json").read_text())
+    assert (about["calibration"], about["stop_at"], about["dropped"]) == ("known.json", 0.4, 0)
+    assert about["answered"] == about["frames"] == len(table(folder / "kappa.csv"))
+    assert "kappa: by known.json (A, B, C, D, E, 30 presses); at best ±" in out
+    assert "kappa after press 2: 3." in out
+    # they are done, and no whole presses
+    assert good_presses(folder) == 2
+    assert set(stopped_presses(folder)) == {1, 2}
+    assert verdicts(folder)[1] == ("ok", "")
+    read = list(read_presses([folder]))
+    assert [press.frames for press in read] == [None, None]
+    assert "is no whole press: it was stopped at" in read[0].problem
+    assert "# stopped: at " in (folder / "press-001" / "force.csv").read_text()
+
+
+def test_the_same_run_gives_the_same_rows_and_without_a_width_whole_presses(
+    rig: Rig, rig_file: RigFile, known: Path, tmp_path: Path
+) -> None:
+    files = []
+    for name in ("first", "again"):
+        options = ("--out", tmp_path / name, "--repetitions", 1, "--calibration", known)
+        status, _, err = rig("run", rig_file(ELASTIC), *ONE, *options)
+        assert status == 0, err
+        folder = tmp_path / name / "S3_0_high-stiffness"
+        files.append((folder / "kappa.csv").read_bytes())
+        assert table(folder / "presses.csv")[0]["stopped"] == ""
+        assert float(table(folder / "presses.csv")[0]["peak_force_n"]) >= 5
+    assert files[0] == files[1]
+    status, _, err = rig("run", rig_file(ELASTIC), *ONE, "--out", tmp_path / "none", "--repetitions", 1)
+    assert status == 0, err
+    without = tmp_path / "none" / "S3_0_high-stiffness" / "log.csv"
+    assert without.read_bytes() == (tmp_path / "first" / "S3_0_high-stiffness" / "log.csv").read_bytes()
+
+
+def test_a_width_that_cannot_be_reached_is_said_before_the_first_press(
+    rig: Rig, rig_file: RigFile, known: Path
+) -> None:
+    options = ("--repetitions", 1, "--calibration", known, "--stop-at", 1)
+    status, _, err = rig("run", rig_file(ELASTIC), *ONE, *options)
+    assert status == 0
+    first, second = err.splitlines()[:2]
+    assert first.startswith("emg2vsa: a width of ±1.0% cannot be reached with this calibration")
+    assert second.startswith("1/1 ")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--stop-at", "5"), "--stop-at: expected --calibration beside this option, but found none."),
+        (("--camera", "c.toml"), "--camera: expected --calibration beside this option, but found none."),
+        (("--calibration", "none.json"), "none.json: expected a calibration file, but found No such file"),
+        (("--calibration", "broken.json"), "broken.json: expected a JSON object"),
+        (("--calibration", "old.json"), "old.json, version: expected version"),
+        (("--calibration", "edited.json"), "edited.json, sha256: expected the digest"),
+        (("--calibration", "other.json"), "--calibration: expected one calibration for 0 degrees, high-stiffness, but "
+         "found other.json: 30 degrees, modular."),
+        (("--calibration", "known.json", "--calibration", "twice.json"), "expected one calibration for 0 degrees"),
+        (("--calibration", "pixels.json", "--camera", "c.toml"), "--camera: expected a calibration in mm2"),
+        (("--calibration", "known.json", "--camera", "c.toml"), "c.toml"),
+        (("--calibration", "quantity.json"), "quantity.json, quantity: expected front or edge"),
+        (("--calibration", "unit.json"), "unit.json, area_unit: expected mm2 or px2"),
+        (("--calibration", "known.json", "--plate", "S3"), "--calibration: expected presses of the tactile sensor"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line_and_nothing_moves(
+    rig: Rig, rig_file: RigFile, known: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    options: tuple[str, ...], said: str,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    document = json.loads(known.read_text())
+    (tmp_path / "broken.json").write_text("{")
+    (tmp_path / "old.json").write_text(json.dumps(document | {"version": 0}))
+    (tmp_path / "edited.json").write_text(json.dumps(document | {"angle_deg": 30}))
+    write_calibration(tmp_path / "other.json", known_calibration("modular", 30.0))
+    write_calibration(tmp_path / "twice.json", known_calibration())
+    write_calibration(tmp_path / "pixels.json", known_calibration(area_unit="px2"))
+    write_calibration(tmp_path / "quantity.json", known_calibration(quantity="hexagons"))
+    write_calibration(tmp_path / "unit.json", known_calibration(area_unit="in2"))
+    chosen = ONE if "--plate" not in options else ("--virtual",)
+    status, _, err = rig("run", rig_file(), *chosen, *options)
+    assert status == 2
+    assert said in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "runs-virtual").exists()
+
+
+@pytest.mark.parametrize("width", ["0", "0.05", "101", "-5", "five", "nan", "5 N"])
+def test_a_width_out_of_range_is_refused(
+    rig: Rig, rig_file: RigFile, known: Path, width: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_:
+        rig("run", rig_file(), *ONE, "--calibration", known, f"--stop-at={width}")
+    assert exit_.value.code == 2
+    assert "expected a percentage of kappa from 0.5 to 100, such as 5, but found" in capsys.readouterr().err
+
+
+def test_a_calibration_of_the_emulated_rig_judges_no_real_one(
+    rig: Rig, rig_file: RigFile, known: Path, tmp_path: Path
+) -> None:
+    real = ("--specimen", "S3", "--condition", "high-stiffness")
+    status, _, err = rig("run", rig_file(), *real, "--calibration", known)
+    assert status == 2
+    assert "expected a calibration by presses of a real rig, but found one by presses of an emulated rig" in err
+    measured = write_calibration(tmp_path / "measured.json", known_calibration(simulated=False))
+    status, _, err = rig("run", rig_file(), *real, "--calibration", measured)
+    assert status == 2
+    assert f"{tmp_path / 'camera.toml'}: expected the camera file of the tactile camera" in err
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("ended", ["", "killed", "no camera"])
+def test_beside_a_run_in_real_time(
+    rig: Rig, served_rigid: SimpleNamespace, known: Path, tmp_path: Path, ended: str
+) -> None:
+    """A process that is killed ends no press; a camera that is lost ends the run as it does without one."""
+    folder = tmp_path / "runs" / "S3_0_high-stiffness"
+
+    def break_it() -> None:
+        end_s = time.monotonic() + 60
+        while not (folder / "press-001" / "frames.tif").exists() and time.monotonic() < end_s:
+            time.sleep(0.01)
+        if ended == "killed":
+            os.kill(estimator_of(os.getpid()), signal.SIGKILL)
+        elif ended == "no camera":
+            served_rigid.bench.camera.faults.mute = True
+
+    thread = threading.Thread(target=break_it)
+    thread.start()
+    options = ("--specimen", "S3", "--condition", "high-stiffness", "--repetitions", 1)
+    status, out, err = rig("run", served_rigid.path, *options, "--calibration", known, "--stop-at", 40)
+    thread.join()
+    about = json.loads((folder / "kappa.json").read_text())
+    press = table(folder / "presses.csv")[0]
+    if ended == "no camera":
+        assert status == 1
+        assert "lost camera" in out
+        assert about["trouble"] == ""
+        return
+    assert status == 0, out + err
+    assert "left: probe retracted, motors off" in out
+    if ended == "killed":
+        assert press["stopped"] == ""
+        assert float(press["peak_force_n"]) >= 5
+        assert "ended" in about["trouble"]
+        assert "frames were left out by the estimator" in err
+    else:
+        assert "width reached" in press["stopped"]
+        assert about["latency"]["median_s"] < 1
+        assert (folder / "camera.toml").is_file()
+
+
+def estimator_of(parent: int) -> int:
+    """The child of this process that multiprocessing has started, but no resource tracker."""
+    for each in Path("/proc").glob("[0-9]*/stat"):
+        fields = each.read_text().rpartition(")")[2].split()
+        if int(fields[1]) == parent and "spawn_main" in each.with_name("cmdline").read_text():
+            return int(each.parent.name)
+    raise AssertionError("no estimator")
