@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
-from emg2vsa.fits import Fits
-from emg2vsa.settings import MEDOID
+from emg2vsa.fits import Fits, usable
+from emg2vsa.settings import MEDOID, ProfileSettings, WindowSettings
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,16 @@ class Choice:
 
 
 def compare_participants(
-    fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str], force_n: Floats, used: str
+    fits: Fits, stiffness_n_per_mm: Mapping[str, float], profile: ProfileSettings, window: WindowSettings, use: str
 ) -> Choice | None:
-    """How far the schedules of the participants are apart; None where fewer than two have every specimen.
+    """How far the participants' schedules are apart; None where fewer than two have every exported specimen.
 
-    rows : (N,) usable trials of ``fits``. force_n : (G,) at which curves are compared. used : the participant whose
-    schedule is used, ``settings.MEDOID`` for the medoid, empty for the mean over participants.
+    The arguments are those of ``profiles.build_profiles``; what is used is the participant that ``profile`` names, the
+    medoid, or the mean over participants.
     """
+    rows, used = usable(fits, use), profile.participant
+    specimens = profile.specimens or in_study_order(fits.specimen[rows], stiffness_n_per_mm)
+    force_n = np.linspace(*window.force_n, profile.grid_points)
     present = list(dict.fromkeys(fits.participant[rows].tolist()))
     means = {name: _mean_coefficients(fits, rows & (fits.participant == name), specimens) for name in present}
     whole = [name for name in present if np.isfinite(means[name]).all()]
@@ -65,6 +68,11 @@ def compare_participants(
         largest=np.abs(shares - mine).max(axis=(1, 2)),
         left_out=tuple(name for name in present if name not in whole),
     )
+
+
+def in_study_order(specimens: NDArray[np.str_], stiffness_n_per_mm: Mapping[str, float]) -> list[str]:
+    present = dict.fromkeys(specimens.tolist())
+    return [name for name in dict.fromkeys([*stiffness_n_per_mm, *present]) if name in present]
 
 
 def _mean_coefficients(fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str]) -> Floats:

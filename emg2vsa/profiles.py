@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.between_specimens import Interpolated, between
 from emg2vsa.errors import DataError
-from emg2vsa.exemplary import Choice, compare_participants
+from emg2vsa.exemplary import Choice, in_study_order
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import MEDOID, ProfileSettings, WindowSettings
 
@@ -82,14 +82,19 @@ class Profiles:
     notes: tuple[str, ...]
     by_rule: tuple[ByRule, ...] = ()
     "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
-    choice: Choice | None = None
-    "How far the participants' schedules are apart; None where fewer than two palpated all exported specimens."
 
 
 def build_profiles(
-    fits: Fits, stiffness_n_per_mm: Mapping[str, float], profile: ProfileSettings, window: WindowSettings, use: str
+    fits: Fits,
+    stiffness_n_per_mm: Mapping[str, float],
+    profile: ProfileSettings,
+    window: WindowSettings,
+    use: str,
+    choice: Choice | None = None,
 ) -> Profiles:
     """Profiles of all usable trials (``use`` as in ``fits.usable``); DataError where one asked for cannot be made.
+
+    choice : the comparison of participants, where ``profile.participant`` asks for the medoid.
 
     A profile's a and b are the means over the trials of one participant, or the means of the participants' means. The
     mean of fitted curves is the curve of the mean coefficients, the law being linear in them. Curves are evaluated from
@@ -97,12 +102,10 @@ def build_profiles(
     """
     rows = usable(fits, use)
     force_n = np.linspace(*window.force_n, profile.grid_points)
-    exported_names = profile.specimens or tuple(_in_study_order(fits.specimen[rows], stiffness_n_per_mm))
-    choice = compare_participants(fits, rows, exported_names, force_n, profile.participant or "")
     participant = _participant(fits, rows, profile.participant, choice)
     if participant:
         rows = rows & (fits.participant == participant)
-    names = _in_study_order(fits.specimen[rows], stiffness_n_per_mm)
+    names = in_study_order(fits.specimen[rows], stiffness_n_per_mm)
     measured = {
         name: _measured(fits, rows & (fits.specimen == name), name, stiffness_n_per_mm, force_n, bool(participant))
         for name in names
@@ -120,7 +123,6 @@ def build_profiles(
         leave_one_out=_leave_one_out(tuple(measured.values()), profile),
         by_rule=_by_rule(exported, stiffness_n_per_mm, profile, reference),
         participant=participant,
-        choice=choice,
         unit=fits.activity_unit,
         notes=(
             *_notes(measured, profile, participant, force_n),
@@ -148,11 +150,6 @@ def _participant(fits: Fits, rows: NDArray[np.bool_], wanted: str | None, choice
             found=str(wanted), do="Name another participant, or omit it for the mean over all.",
         )  # fmt: skip
     return present[0] if len(present) == 1 else wanted or ""
-
-
-def _in_study_order(specimens: NDArray[np.str_], stiffness_n_per_mm: Mapping[str, float]) -> list[str]:
-    present = dict.fromkeys(specimens.tolist())
-    return [name for name in dict.fromkeys([*stiffness_n_per_mm, *present]) if name in present]
 
 
 def _measured(

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emg2vsa.errors import DataError, InputError
+from emg2vsa.exemplary import Choice, compare_participants
 from emg2vsa.fits import Fits
 from emg2vsa.profiles import Profiles, build_profiles
 from emg2vsa.settings import ProfileSettings, WindowSettings
@@ -37,7 +38,12 @@ def fits_of(rows: Sequence[Row], verdict: str | Sequence[str] = "ok") -> Fits:
 
 
 def build(fits: Fits, use: str = "ok+warned", stiffness: dict[str, float] | None = None, **profile: Any) -> Profiles:
-    return build_profiles(fits, stiffness or STIFFNESS, ProfileSettings(**profile), WindowSettings(), use)
+    how = stiffness or STIFFNESS, ProfileSettings(**profile), WindowSettings(), use
+    return build_profiles(fits, *how, compare_participants(fits, *how))
+
+
+def compared(fits: Fits, **profile: Any) -> Choice | None:
+    return compare_participants(fits, STIFFNESS, ProfileSettings(**profile), WindowSettings(), "ok+warned")
 
 
 def one_person(noise: float = 0.0) -> Fits:
@@ -304,7 +310,7 @@ def shares(a: float, b: float, force: np.ndarray) -> np.ndarray:
 def test_the_medoid_is_the_participant_whose_schedules_are_nearest_to_all_others() -> None:
     levels = {"P1": (10.0, 1.0), "P2": (10.0, 3.0), "P3": (10.0, 4.0), "P4": (10.0, 9.0)}
     profiles = build(people(levels), participant="medoid", grid_points=50)
-    choice = profiles.choice
+    choice = compared(people(levels), participant="medoid", grid_points=50)
     assert choice is not None
     force = np.linspace(0.5, 7, 50)
     own = np.array([shares(a, b, force) for a, b in levels.values()])
@@ -320,7 +326,7 @@ def test_the_medoid_is_the_participant_whose_schedules_are_nearest_to_all_others
 def test_amplitudes_of_emg_do_not_choose_the_medoid(gain: float) -> None:
     levels = {"P1": (10.0, 1.0), "P2": (10.0, 3.0), "P3": (10.0, 4.0), "P4": (10.0, 9.0)}
     amplified = levels | {"P4": (10 * gain, 9 * gain)}
-    plain, loud = (build(people(each), participant="medoid", grid_points=9).choice for each in (levels, amplified))
+    plain, loud = (compared(people(each), participant="medoid", grid_points=9) for each in (levels, amplified))
     assert plain is not None
     assert loud is not None
     np.testing.assert_allclose(plain.to_others, loud.to_others, rtol=1e-9)
@@ -330,21 +336,21 @@ def test_who_did_not_press_every_specimen_is_no_medoid_and_is_named() -> None:
     fits = people({"P1": (10.0, 1.0), "P2": (10.0, 3.0), "P3": (10.0, 4.0)})
     keep = [k for k in range(6) if k != 3]
     rows = [(str(fits.participant[k]), str(fits.specimen[k]), float(fits.a_v[k]), float(fits.b_v[k])) for k in keep]
-    profiles = build(fits_of(rows), participant="medoid")
-    assert profiles.choice is not None
-    assert (profiles.choice.participants, profiles.choice.left_out) == (("P1", "P3"), ("P2",))
-    assert profiles.participant == "P1"  # of two the first
+    choice = compared(fits_of(rows), participant="medoid")
+    assert choice is not None
+    assert (choice.participants, choice.left_out) == (("P1", "P3"), ("P2",))
+    assert build(fits_of(rows), participant="medoid").participant == "P1"  # of two the first
     with pytest.raises(DataError, match=r"two participants or more .* but found fewer"):
         build(fits_of(rows[1:4]), participant="medoid")
 
 
 def test_the_distance_to_the_mean_over_all_where_no_participant_is_chosen() -> None:
-    choice = build(people({"P1": (10.0, 1.0), "P2": (10.0, 3.0)}), grid_points=50).choice
+    choice = compared(people({"P1": (10.0, 1.0), "P2": (10.0, 3.0)}), grid_points=50)
     assert choice is not None
     force = np.linspace(0.5, 7, 50)
     expected = np.sqrt(np.mean((shares(10, 1, force) - shares(10, 2, force)) ** 2))
     assert choice.to_used[0] == pytest.approx(expected, rel=1e-12)
-    assert build(one_person()).choice is None
+    assert compared(one_person()) is None
 
 
 def test_the_new_specimen_by_both_rules() -> None:

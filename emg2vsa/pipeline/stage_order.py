@@ -17,6 +17,7 @@ ORDER = (
     "fits",
     "pages",
     "hypotheses",
+    "exemplary",
     "profiles",
     "schedules",
     "stiffness",

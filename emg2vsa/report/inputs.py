@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
 from emg2vsa.discrimination import Discrimination
+from emg2vsa.exemplary import Choice
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
@@ -31,6 +32,8 @@ class People:
     trials: tuple[Trials, ...] = ()
     "Their samples are not needed: see ``without_samples``."
     hypotheses: Hypotheses | None = None
+    choice: Choice | None = None
+    "How far the participants' schedules are apart."
     profiles: Profiles | None = None
     schedules: tuple[Schedule, ...] = ()
     truth: Truth | None = None

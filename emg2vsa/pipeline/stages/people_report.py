@@ -26,6 +26,6 @@ def run(given: Given) -> list[Path]:
 STAGE = replace(
     report.STAGE,
     run=run,
-    needs=("trials", "fits", "pages", "hypotheses", "profiles", "schedules"),
+    needs=("trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules"),
     folder=folder,
 )

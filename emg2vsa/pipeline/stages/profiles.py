@@ -28,8 +28,10 @@ def run(given: Given) -> Profiles:
     used = given.settings
     return build_profiles(
         concatenate(given.all("fits")), used["specimens"], used["profile"], used["window.force_n"],
-        used["hypotheses.use"],
+        used["hypotheses.use"], given.one("exemplary"),
     )  # fmt: skip
 
 
-STAGE = Stage(per="study", of="people", needs=("fits",), run=run, settings=settings, gives="The mean profiles are")
+STAGE = Stage(
+    per="study", of="people", needs=("fits", "exemplary"), run=run, settings=settings, gives="The mean profiles are"
+)

@@ -29,6 +29,7 @@ STAGE = replace(
     needs=(
         "trials",
         "fits",
+        "exemplary",
         "profiles",
         "schedules",
         "stiffness",

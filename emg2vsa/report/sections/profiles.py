@@ -34,7 +34,7 @@ def _quantities(results: StudyResults) -> Items:
         yield f"profiles.{profile.specimen}.a{v}", profile.a_v
         yield f"profiles.{profile.specimen}.b{v}", profile.b_v
         yield f"profiles.{profile.specimen}.n_trials", profile.n_trials
-    if (choice := profiles.choice) is not None:
+    if (choice := results.recorded.choice) is not None:
         yield "profiles.choice.medoid", choice.medoid
         percent_of = float(np.ptp(results.study.schedule.stiffness_percent))
         for name, to_others, to_used, largest in zip(
@@ -91,8 +91,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     )
     yield Table("leave_one_out", "Each measured profile beside its interpolation from its neighbours", columns, rows)
 
-    if profiles.choice is not None:
-        yield _choice(profiles.choice, results, q)
+    if results.recorded.choice is not None:
+        yield _choice(results.recorded.choice, results, q)
 
 
 def _choice(choice: Choice, results: StudyResults, q: Quantities) -> Table:

@@ -1,0 +1,37 @@
+"""Exemplary: how far the participants' schedules are apart, and which participant is the medoid.
+
+A stage of its own, so that a change in one participant's recordings goes no further than it changes the profiles.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Given, Stage
+from emg2vsa.pipeline.stages import profiles
+
+if TYPE_CHECKING:
+    from emg2vsa.exemplary import Choice
+    from emg2vsa.pipeline.campaign import Campaign
+
+
+def settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    return profiles.settings(campaign, item)
+
+
+def run(given: Given) -> Choice | None:
+    """None where fewer than two participants pressed every exported specimen."""
+    from emg2vsa.exemplary import compare_participants
+    from emg2vsa.fits import concatenate
+
+    used = given.settings
+    return compare_participants(
+        concatenate(given.all("fits")), used["specimens"], used["profile"], used["window.force_n"],
+        used["hypotheses.use"],
+    )  # fmt: skip
+
+
+STAGE = Stage(
+    per="study", of="people", needs=("fits",), run=run, settings=settings,
+    gives="The comparison of the participants' schedules is",
+)  # fmt: skip
