@@ -149,7 +149,7 @@ def main(count: int = EXPERIMENTS) -> None:
         "# Presses needed for a width of κ",
         "",
         f"`python -m benchmarks.next_press`: {count} experiments a row. S2 (5.32 N/mm) is unknown, S1, S3 and S5 were",
-        f"mounted three times and pressed four times each. A cell is: presses, mountings (medians; an experiment gives",
+        "mounted three times and pressed four times each. A cell is: presses, mountings (medians; an experiment gives",
         f"up after {MOST} presses) and the share of experiments that reach the half width. Coverage is at the end of",
         "each experiment, of the belief over all conditions and of the interval of the condition pressed last.",
         "",
