@@ -140,7 +140,8 @@ def main(count: int = EXPERIMENTS) -> None:
         "",
         f"`python -m benchmarks.online_kappa`: {count} experiments a row, each with a calibration of its own on S1, S3",
         "and S5 and one press of the unknown specimen in a mounting of its own. Presses are curves with the scatter of",
-        "camera, force sensor, landing and mounting (no frames). Low scatter asks for 5 %; default scatter asks for 1.2 times the half width that",
+        "camera, force sensor, landing and mounting (no frames). Low scatter asks for 5 %; default scatter asks for",
+        "1.2 times the half width that",
         "is promised before the first press. One standard error of a coverage of 95 % is 2 % in a row.",
         "",
     ]
