@@ -31,7 +31,7 @@ from emg2vsa.settings import CalibrationSettings
 
 RESULTS = Path(__file__).parent / "results" / "online_kappa.md"
 UNKNOWN = {"S2": 5.32, "2.2 N/mm": 2.2}
-EXPERIMENTS = 80
+EXPERIMENTS = 60
 SPARE = 1.2
 "Times the width that is promised before the first press: what is asked for with default scatter."
 
@@ -139,8 +139,9 @@ def main(count: int = EXPERIMENTS) -> None:
         "# κ while the finger presses",
         "",
         f"`python -m benchmarks.online_kappa`: {count} experiments a row, each with a calibration of its own on S1, S3",
-        "and S5 and one press of the unknown specimen in a mounting of its own. Areas are curves with the scatter of",
-        "docs/decisions (no frames). Low scatter asks for 5 %; default scatter asks for 1.2 times the half width that",
+        "and S5 and one press of the unknown specimen in a mounting of its own. Presses are curves with the scatter of",
+        "camera, force sensor, landing and mounting (no frames). Low scatter asks for 5 %; default scatter asks for",
+        "1.2 times the half width that",
         "is promised before the first press. One standard error of a coverage of 95 % is 2 % in a row.",
         "",
     ]

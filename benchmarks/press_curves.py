@@ -203,10 +203,16 @@ class Bench:
             pressed.append([self.press(k, each) for each in mounted for _ in range(presses)])
         rates = cut_all(cut_rates, [[(p.force_n, p.area_mm2) for p in own] for own in pressed], START_N, forces)
         travel = cut_all(cut_travel, [[(p.row_n, p.travel_mm) for p in own] for own in pressed], START_N, forces)
-        powers = [np.polyfit(np.log(p.force_n[1:]), np.log(p.area_mm2[1:]), 1)[0] for own in pressed for p in own]
+        powers = [_power(p.force_n, p.area_mm2) for own in pressed for p in own]
         labels = np.tile(np.repeat(np.arange(1, mountings + 1), presses), (len(kappa), 1))
         return OnlineCalibration(
             specimens=KNOWN, kappa=np.array(kappa), kappa_se=np.zeros(len(kappa)), quantity=quantity, area_unit="mm2",
             angle_deg=0.0, condition="constant-mean", start_n=START_N, forces_n=forces, rates=rates, travel=travel,
             mounting=labels, settings=settings, growth=float(np.median(powers)), simulated=True,
         )  # fmt: skip
+
+
+def _power(force_n: Floats, area_mm2: Floats) -> float:
+    """p of A ~ F^p in the loading phase."""
+    used = force_n >= START_N
+    return float(np.polyfit(np.log(force_n[used]), np.log(area_mm2[used]), 1)[0])

@@ -36,12 +36,6 @@ class MountingScatter:
     between: Floats
     of_presses: Floats
 
-    def source(self, i: int = 0) -> str:
-        """Where the SD of calibration ``i`` is from."""
-        if self.freedom[i] == 0:
-            return "assumed"
-        return f"estimated, {self.freedom[i]:g} degrees of freedom"
-
 
 def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> MountingScatter:
     """Of presses (d, S, R) with the number of their mounting (S, R)."""
