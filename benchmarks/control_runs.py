@@ -1,5 +1,8 @@
 """Control worlds end to end, from frames: ``python -m benchmarks.control_runs OUT [WORLD ...] [--seeds N]``.
 
+``python -m benchmarks.control_runs OUT --scatter STUDY`` writes what presses and mountings of a study that has been run
+scatter by: a line of JSON with the SD of ln CASR by condition.
+
 Every experiment is a study of its own: the emulated rig presses four specimens with the rigid motor and with human-like
 stiffness, three mountings of two presses, and ``emg2vsa run`` says what it finds. OUT gets one line of JSON for each.
 """
@@ -62,6 +65,27 @@ def experiment(world: str, seed: int, folder: Path) -> dict[str, object]:
     return told | {"presses": int((table.mounting > 0).sum()), "words": contrast_words(found)}
 
 
+def scatter(study: Path) -> dict[str, dict[str, float]]:
+    """Condition to the SD of ln CASR from press to press of a mounting, and between mountings, over specimens."""
+    (path,) = (study.parent / ".emg2vsa" / f"control-{study.stem}" / "store" / "discrimination" / "study").glob(
+        "*.result"
+    )
+    table = artifacts.load(path).table
+    found = {}
+    for d, condition in enumerate(table.conditions):
+        within, between, presses = [], [], []
+        for s in range(len(table.specimens)):
+            logs, mounting = np.log(table.casr[table.algorithm][d, s]), table.mounting[d, s]
+            own = [logs[(mounting == m) & np.isfinite(logs)] for m in range(1, mounting.max() + 1)]
+            within += [each.var(ddof=1) for each in own]
+            between.append(np.var([each.mean() for each in own], ddof=1))
+            presses += [each.size for each in own]
+        press = float(np.mean(within))
+        mounting_variance = max(0.0, float(np.mean(between)) - press * float(np.mean(1 / np.array(presses))))
+        found[condition] = {"press_sd": press**0.5, "mounting_sd": mounting_variance**0.5, "presses": sum(presses)}
+    return found
+
+
 def _mean(table, algorithm: str, design: int, specimen: int) -> float:  # type: ignore[no-untyped-def]
     return float(np.nanmean(table.casr[algorithm][design, specimen]))
 
@@ -71,7 +95,11 @@ def main(words: list[str]) -> int:
     parser.add_argument("out", type=Path)
     parser.add_argument("worlds", nargs="*", default=["N1", "N2", "N3"])
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--scatter", type=Path, metavar="STUDY")
     arguments = parser.parse_args(words)
+    if arguments.scatter:
+        arguments.out.write_text(json.dumps(scatter(arguments.scatter), indent=1) + "\n")
+        return 0
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(1, arguments.seeds + 1):
             for world in arguments.worlds:

@@ -42,6 +42,10 @@ class Estimates:
     p: Floats
     df: Floats
 
+    def at(self, i: int) -> tuple[float, float, float]:
+        """Estimate, low and high."""
+        return float(self.estimate[i]), float(self.low[i]), float(self.high[i])
+
 
 @dataclass(frozen=True, eq=False)
 class Contrast:

@@ -22,7 +22,7 @@ def contrast_words(found: Discrimination) -> list[str]:
 
 def change_percent(of: Estimates, i: int) -> str:
     """A difference of logarithms as a change of the ratio, ``+0.4 % [-4.1, +5.2]``."""
-    ends = [100 * np.expm1(float(each[i])) for each in (of.estimate, of.low, of.high)]
+    ends = [100 * np.expm1(end) for end in of.at(i)]
     estimate, low, high = (f"{end:+.1f}" for end in ends)
     return f"{estimate} % [{low}, {high}]" if np.isfinite(ends).all() else f"{estimate} %, interval not determined"
 
@@ -84,7 +84,8 @@ def _leak(found: Discrimination) -> Iterator[str]:
     if found.schedule_of:
         told = ", ".join(f"{one} with those of {other}" for one, other in found.schedule_of.items())
         yield f"Specimens were pressed with the schedules of others: {told}."
-        yield from (_order(found, contrast) for contrast in found.contrasts)
+        if found.table.of_condition(HUMAN_LIKE):
+            yield from (_order(found, contrast) for contrast in found.contrasts)
         return
     if effects:
         yield (
@@ -96,20 +97,18 @@ def _leak(found: Discrimination) -> Iterator[str]:
 
 def _order(found: Discrimination, contrast: Contrast) -> str:
     """Whether a measure ranks specimens by their stiffness although the schedules are swapped."""
-    table, last = found.table, len(contrast.pairs) - 1
-    human = table.of_condition(HUMAN_LIKE)
-    if not human:
-        return f"{_MEASURES[contrast.measure]} was not measured with human-like stiffness."
-    level = human[0] * len(contrast.pairs) + last
-    low, high = float(contrast.levels.low[level]), float(contrast.levels.high[level])
-    softer, stiffer = contrast.pairs[last]
-    measure = _MEASURES[contrast.measure]
-    ratio = f"{softer} : {stiffer} {change_percent(contrast.levels, level)}"
-    if low > 0:
-        return f"{measure} keeps the order of {stiffer} and {softer} ({ratio}): it follows the specimen."
-    if high < 0:
-        return f"{measure} reverses {stiffer} and {softer} ({ratio}): it follows the schedule, not the specimen."
-    return f"Whether {measure} keeps the order of {stiffer} and {softer} cannot be told ({ratio})."
+    said: list[str] = []
+    for k, (softer, stiffer) in enumerate(contrast.pairs):
+        level = found.table.of_condition(HUMAN_LIKE)[0] * len(contrast.pairs) + k
+        _, low, high = contrast.levels.at(level)
+        ratio = f"{softer} : {stiffer} {change_percent(contrast.levels, level)}"
+        if low > 0:
+            said.append(f"keeps the order of {stiffer} and {softer} ({ratio}), as the specimens have it")
+        elif high < 0:
+            said.append(f"reverses {stiffer} and {softer} ({ratio}): it follows the schedule, not the specimen")
+        else:
+            said.append(f"does not tell {stiffer} and {softer} apart ({ratio})")
+    return f"Under human-like stiffness {_MEASURES[contrast.measure]} {'; it '.join(said)}."
 
 
 def _gaps(found: Discrimination) -> Iterator[str]:

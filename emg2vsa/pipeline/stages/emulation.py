@@ -42,7 +42,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
             schedule_of=schedule_of,
             order="listed",
             seed=0,
-        ),  # fmt: skip
+        ),
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
     }
@@ -115,6 +115,7 @@ STAGE = Stage(
     of="emulated rig",
     needs=("schedules",),
     run=run,
+    loads=("emg2vsa.rig.emulated.virtual_run",),
     settings=settings,
     takes=takes,
     folder=folder,

@@ -7,7 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from emg2vsa.discrimination.conditions import ConditionComparison
-from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
+from emg2vsa.discrimination.contrast import Contrast
+from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, headline
+from emg2vsa.discrimination.discriminate import Discrimination
+from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.figures.casr_rates import ConditionBoxes, draw_conditions
 from emg2vsa.report.designs import (
     BOXES,
@@ -28,10 +31,15 @@ from emg2vsa.report.designs import (
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Quantities, Section
-from emg2vsa.report.table import Column, Table, rows_of
+from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.table import Column, Row, Table, rows_of
 from emg2vsa.report.wording import UNDEFINED, area_unit, interval, listed
 
+_MEASURES = {"slope": "slope", "frame_sum": "equation (2)"}
+_WHY = {
+    "not shown": "No change beyond the scatter of mountings is shown.",
+    "cannot be told": "Specimens were mounted once under each condition.",
+}
 _VERDICTS = {True: "better", False: "worse", None: "undecided"}
 
 
@@ -49,6 +57,26 @@ def _quantities(results: StudyResults) -> Items:
         for key, ratio in (("level_ratio", compared.level_ratio), ("cv_ratio", compared.cv_ratio)):
             yield from with_interval(f"{name}.{key}", *interval_of(ratio, i))
         yield f"{name}.verdict", _VERDICTS[compared.wins(i)]
+    for contrast in found.contrasts:
+        yield from _contrast_quantities(contrast, table)
+
+
+def _contrast_quantities(contrast: Contrast, table: RunTable) -> Items:
+    """``contrast.slope.modular.0.S5_S1`` is the logarithm of the ratio of two specimens, and so on."""
+    begin, pairs = f"contrast.{contrast.measure}", ["_".join(pair) for pair in contrast.pairs]
+    designs = [f"{c}.{a:g}" for c, a in zip(table.conditions, table.angles_deg.tolist(), strict=True)]
+    yield f"{begin}.algorithm", contrast.algorithm
+    for d, design in enumerate(designs):
+        yield f"{begin}.{design}.mountings", int(contrast.mountings[d])
+        for k, pair in enumerate(pairs):
+            yield from with_interval(f"{begin}.{design}.{pair}", *contrast.levels.at(d * len(pairs) + k))
+    for i, (one, other, k) in enumerate(zip(contrast.one, contrast.other, contrast.pair, strict=True)):
+        name = f"{begin}.{table.conditions[one]}_against_{table.conditions[other]}.{table.angles_deg[one]:g}.{pairs[k]}"
+        yield from with_interval(f"{name}.change", *contrast.changes.at(i))
+        yield f"{name}.df", float(contrast.changes.df[i])
+        yield f"{name}.p", float(contrast.changes.p[i])
+        yield f"{name}.p_adjusted", float(contrast.p_adjusted[i])
+        yield f"{name}.verdict", contrast.verdicts[i]
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
@@ -90,6 +118,56 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         f"with {level} interval"
     )
     yield Table("conditions", caption, each, rows)
+    yield _contrast_table(found)
+
+
+def _contrast_table(found: Discrimination) -> Table:
+    """Contrasts under every condition against every other that it is compared with."""
+    columns = (
+        Column("of", "CASR"), Column("pair", "Pair"), Column("compared", "Condition, against"),
+        Column("change", "Contrast: change"), Column("p", "p"), Column("p_adjusted", "p, corrected"),
+        Column("df", "df"), Column("verdict", "The condition"),
+    )  # fmt: skip
+    rows: list[Row] = [
+        {
+            "of": _MEASURES[contrast.measure],
+            "pair": " : ".join(contrast.pairs[pair]),
+            "compared": f"{design_name(found.table, one)}, against {found.table.conditions[other]}",
+            "change": change_percent(contrast.changes, i),
+            "p": float(contrast.changes.p[i]),
+            "p_adjusted": float(contrast.p_adjusted[i]),
+            "df": float(contrast.changes.df[i]),
+            "verdict": contrast.verdicts[i],
+        }
+        for contrast in found.contrasts
+        for i, (one, other, pair) in enumerate(
+            zip(contrast.one.tolist(), contrast.other.tolist(), contrast.pair.tolist(), strict=True)
+        )
+    ]
+    fewest = min((int(contrast.mountings.min()) for contrast in found.contrasts), default=0)
+    over = f"{fewest} mountings of each cell" if fewest > 1 else "cells mounted once, their scatter assumed"
+    caption = (
+        f"Contrast, the ratio of CASR of two specimens, by condition; {over}, "
+        f"{100 * (1 - found.settings.alpha):g}% intervals"
+    )
+    return Table("contrasts", caption, columns, tuple(rows))
+
+
+def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    found = tested(results)
+    for contrast in found.contrasts:
+        i = headline(contrast, found.table.conditions)
+        if contrast.measure == "slope" and i is not None:
+            verdict = contrast.verdicts[i]
+            yield Claim(
+                "human_like_measured",
+                "human-like stiffness raises the contrast of specimens, as measured",
+                "yes",
+                f"{' : '.join(contrast.pairs[0])} {change_percent(contrast.changes, i)}",
+                float(contrast.changes.estimate[i]),
+                "holds" if verdict == "raises" else "does not hold" if verdict == "lowers" else "cannot be tested here",
+                why="" if verdict in ("raises", "lowers") else _WHY[verdict],
+            )
 
 
 def level_change(compared: ConditionComparison, i: int) -> str:
@@ -131,10 +209,12 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 
 _TEXT = """
 <p>A gap is Hedges' g, the difference of mean CASR of two specimens over the SD of their presses; the pair is chosen
-once over all conditions. {% if runs.simulated %}In the simulated world the contact area follows from force alone, so
-that the actuator changes only how far the force steps from frame to frame. {% endif %}Every condition is a mounting of
-its own: the interval of the difference assumes an SD of {{ mounting_sd_percent | number(2) }} % of CASR from mounting
-to mounting, and those of the gaps do not include it.</p>
+once over all conditions. {% if fewest < 2 %}Every condition is a mounting of its own: the interval of the difference
+assumes an SD of {{ mounting_sd_percent | number(2) }} % of CASR from mounting to mounting, and those of the gaps do not
+include it.{% endif %}</p>
+{% if said %}<p>{{ said[0] }}</p>
+{% endif %}
+{{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
 {{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
 {{ folded("conditions", "Every condition alone") }}
 {{ figure("fig14_conditions") }}
@@ -142,9 +222,14 @@ to mounting, and those of the gaps do not include it.</p>
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    return {"mounting_sd_percent": results.study.calibration.mounting_sd_percent}
+    found = tested(results)
+    return {
+        "mounting_sd_percent": results.study.calibration.mounting_sd_percent,
+        "fewest": min((int(contrast.mountings.min()) for contrast in found.contrasts), default=0),
+        "said": contrast_words(found),
+    }
 
 
 ACTUATORS = Section(
-    "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, words=_words
+    "actuators", "Rigid and human-like actuation", _TEXT, of_tests, _quantities, _tables, _drawings, _claims, _words
 )
