@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import Library, Rows
-from casr.dome.view import DomeView
+from casr.dome.view import OUTER_RADIUS_MM, DomeView, PinsAroundAxis
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
@@ -36,7 +36,8 @@ class FrontFit:
 
     view : of the sensor. worlds : (K,) rows of the library. axis : (3,) direction of the contact's middle from the
     centre of the dome. radius_mm : (K, T). scatter : (K, T) standard error of ln radius for the scatter of pins.
-    misfit_px2 : (K,) squared motion left over in all frames, of ``moved_px2`` in all.
+    misfit_px2 : (K,) squared motion left over in all frames, of ``moved_px2`` in all. sheared : whether the contact
+    might be pulled along the surface.
     """
 
     view: DomeView
@@ -46,6 +47,7 @@ class FrontFit:
     scatter: Array
     misfit_px2: Array
     moved_px2: float
+    sheared: bool = False
 
 
 def fit_front(
@@ -56,6 +58,8 @@ def fit_front(
     like: FrontFit | None = None,
     near: FrontFit | None = None,
     looks: int = 2,
+    *,
+    sheared: bool = False,
 ) -> FrontFit:
     """Fit the places of pins.
 
@@ -65,9 +69,11 @@ def fit_front(
     like : take centre and worlds of this fit instead of finding them.
     near : find them, and begin at the centre of this fit.
     looks : at all worlds, 1 or 2: one is half the work, and enough where the centre is nearly known.
+    sheared : the contact may also be pulled along the surface, by any way in any direction in each frame.
     """
     moved_px, seen = _moved(rest_px, pins_px)
-    search = _Search(view, library, view.directions(rest_px), moved_px, seen)
+    sheared = sheared or (like is not None and like.sheared)
+    search = _Search(view, library, view.directions(rest_px), moved_px, seen, sheared=sheared)
     if like is not None:
         axis, worlds = view.directions(like.view.rest_px(like.axis[None]))[0], like.worlds
     else:
@@ -79,7 +85,9 @@ def fit_front(
     order = np.argsort(misfit, kind="stable")
     freedom = 2 * max(int(seen.sum()), 1)
     scatter = np.sqrt(2 * misfit[:, None] / freedom / bend) / radius
-    return FrontFit(view, worlds[order], axis, radius[order], scatter[order], misfit[order], float((moved_px**2).sum()))
+    return FrontFit(
+        view, worlds[order], axis, radius[order], scatter[order], misfit[order], float((moved_px**2).sum()), sheared
+    )
 
 
 def _moved(rest_px: Array, pins_px: Array) -> tuple[Array, Mask]:
@@ -94,16 +102,25 @@ def _moved(rest_px: Array, pins_px: Array) -> tuple[Array, Mask]:
 class _Search:
     """One press held against worlds."""
 
-    def __init__(self, view: DomeView, library: Library, directions: Array, moved_px: Array, seen: Mask) -> None:
+    def __init__(
+        self, view: DomeView, library: Library, directions: Array, moved_px: Array, seen: Mask, *, sheared: bool
+    ) -> None:
         self._view, self._library, self._directions = view, library, directions
-        self._moved_px, self._seen = moved_px, seen
+        self._moved_px, self._seen, self._sheared = moved_px, seen, sheared
         self._power = (moved_px**2).sum(axis=(1, 2)).astype(np.float32)
         self._flat = np.ascontiguousarray(moved_px.reshape(len(moved_px), -1).T, dtype=np.float32)
         self._mask = np.ascontiguousarray(seen.T, dtype=np.float32)
 
     def of(self, frames: Rows) -> _Search:
         """The same press in fewer frames."""
-        return _Search(self._view, self._library, self._directions, self._moved_px[frames], self._seen[frames])
+        return _Search(
+            self._view,
+            self._library,
+            self._directions,
+            self._moved_px[frames],
+            self._seen[frames],
+            sheared=self._sheared,
+        )
 
     def chosen(self, start: Array | None, looks: int) -> tuple[Array, Rows]:
         """(3,) direction of the contact's middle, and the worlds that explain the press best. start : where it nearly
@@ -123,9 +140,15 @@ class _Search:
         u_r, u_z, tilt = self._library.motion_at(around.arc_mm, worlds, radii)
         motion = around.moved_px(u_r, u_z, tilt)
         shared, size = self._products(motion)
-        pull = PULL * self._power
+        power, pull = self._power, PULL * self._power
+        if self._sheared:
+            along = self._along(around, self._library.radius_mm[radii])
+            seen, own = along @ self._flat, np.einsum("wrn,rkn->wrk", motion.reshape(*motion.shape[:2], -1), along)
+            shared = shared - np.einsum("wrk,rkt->wrt", own, seen)
+            size = np.maximum(size - (own**2).sum(axis=-1)[..., None], 1e-6)
+            power = np.maximum(power - (seen**2).sum(axis=1), 0.0)
         amplitude = (shared + pull) / (size + pull)
-        cost = self._power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
+        cost = power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
         radius = self._library.radius_mm[radii]
         step = radius[1] - radius[0]
         best = np.clip(np.argmin(cost, axis=1), 1, radius.size - 2)
@@ -147,6 +170,20 @@ class _Search:
         square = (motion**2).sum(axis=-1) @ self._mask
         sums = ((motion[..., k] @ self._mask) ** 2 for k in range(2))
         return shared, square - sum(sums) / np.maximum(self._mask.sum(axis=0), 1)
+
+    def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array32:
+        """(R, 2, 2 N) unit motions of pins, without the common shift, whose contact of each radius is pulled along the
+        surface in either direction; outside it the skin goes along as about a sheared disc (Johnson 1985, 3.7)."""
+        view = self._view
+        tips = view.tip_radius_mm * self._directions
+        away = tips[:, 2:] + view.behind_mm
+        across = np.linalg.svd(around.axis[None])[2][1:]
+        moves = np.stack([view.focal_px * (e[:2] - tips[:, :2] * e[2] / away) / away for e in across])
+        edge_rad = np.arcsin(np.clip(radius_mm / OUTER_RADIUS_MM, 0.0, 1.0))[:, None]
+        share = 2 / np.pi * np.arcsin(np.minimum(edge_rad / np.maximum(around.angle, 1e-9), 1.0))
+        pulled = share[:, None, :, None] * moves
+        pulled = (pulled - pulled.mean(axis=2, keepdims=True)).reshape(radius_mm.size, 2, -1)
+        return np.linalg.qr(pulled.transpose(0, 2, 1))[0].transpose(0, 2, 1).astype(np.float32)
 
     def _centred(self, axis: Array, worlds: Rows) -> Array:
         """The direction of least cost near ``axis``, by Newton's method with numerical derivatives."""

@@ -20,7 +20,7 @@ from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
 from casr.score import score
 from casr.spread import SpreadRate, spread_rate
-from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, TimelineSettings, World, simulate_press
+from casr.synthetic import ContactWorld, PressSettings, Scene, TabulatedWorld, TimelineSettings, World, simulate_press
 
 Array = NDArray[np.float64]
 
@@ -288,3 +288,20 @@ def test_a_camera_at_another_depth_is_doubted(depth_mm: float) -> None:
     wrong = replace(made.sequence(), camera=replace(made.settings.camera, depth_mm=depth_mm))
     found = score(wrong)
     assert found.doubts or found.front_doubt
+
+
+def test_friction_on_a_slope_does_not_move_the_front() -> None:
+    """Skin that is pulled along the surface, otherwise than the fit has it, as the contact has grown meanwhile."""
+    scene = Scene(PressSettings(angle_deg=45.0, stiffness_n_per_mm=3.35, centre_sd_mm=0.0))
+    states = [scene.skin.state(force_n) for force_n in np.linspace(0.5, 5.0, 8).tolist()]
+    pulled = [replace(state, tangential_mm=0.7 * state.normal_n / 5) for state in states]
+    noise_px = np.random.default_rng(1).normal(0, NOISE_PX, (8, len(scene.rest_px), 2))
+    fronts = [
+        library_front(scene.rest_px, np.array([scene.pins_px(state) for state in each]) + noise_px, CAMERA, worlds())
+        for each in (states, pulled)
+    ]
+    true = np.array([scene.area_mm2(state) for state in states])
+    free, held = (np.diff(np.log(front.area[[2, -1]]))[0] / np.diff(np.log(true[[2, -1]]))[0] for front in fronts)
+    assert fronts[1].misfit < 0.08
+    assert held == pytest.approx(free, abs=0.12)
+    assert front_doubt(fronts[1]) == ""

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from casr.errors import SettingError
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactEllipse, ContactWorld, PressSettings, Scene, TabulatedWorld
-from casr.synthetic.motion import lever, spread, true_divergence
+from casr.synthetic.motion import lever, sheared, spread, true_divergence
 from casr.synthetic.region import Rim
 
 RIM = Rim((149.5, 149.5), 140.0)
@@ -167,14 +167,23 @@ def test_friction_pulls_the_skin_of_the_contact_the_way_the_surface_climbs(world
     free_px, pulled_px = scene.pins_px(state), scene.pins_px(replace(state, tangential_mm=0.5))
     moved_px = pulled_px - free_px
     contact = scene.contact(state)
-    inside, far = contact.depth(free_px) < 0.9, contact.depth(free_px) > 2
-    assert np.count_nonzero(inside) > 5
+    inside, far = contact.depth(free_px) < 0.4, contact.depth(free_px) > 2
+    assert np.count_nonzero(inside) > 0
     along_px = 0.5 * np.cos(np.radians(angle_deg)) / scene.settings.camera.mm_per_px[0]
     # tips of a tilted dome come nearer to the camera as well, and so seem to go farther
     most = 1.001 if isinstance(world, ContactWorld) else 1.2 if angle_deg == 0 else 2.0
-    assert np.all((moved_px[inside, 0] > 0.95 * along_px) & (moved_px[inside, 0] < most * along_px))
+    assert np.all((moved_px[inside, 0] > 0.96 * along_px) & (moved_px[inside, 0] < most * along_px))
     assert np.abs(moved_px[inside, 1]).max() < 0.3 * along_px
     assert np.all(np.hypot(*moved_px[far].T) < 0.35 * along_px)
     farthest = np.hypot(*(free_px - contact.centre_px).T).argmax()
     assert np.hypot(*moved_px[farthest]) < 0.2 * along_px
     assert scene.area_mm2(replace(state, tangential_mm=0.5)) == scene.area_mm2(state)
+
+
+def test_skin_goes_along_with_a_contact_that_grows() -> None:
+    """Against the sum over growing discs, each of which takes the skin inside along and pulls at that around it."""
+    radii = (np.arange(200_000) + 0.5) / 200_000
+    for x in (0.1, 0.7, 1.0, 1.3, 4.0):
+        along = np.where(radii >= x, 1.0, 2 / np.pi * np.arcsin(np.minimum(radii / x, 1.0)))
+        expected = float(np.mean(3 * radii**2 * along))
+        assert sheared(np.array([x]), np.ones(1))[0] == pytest.approx(expected, rel=1e-5)
