@@ -79,7 +79,10 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         area_unit=skin.area_unit,
         indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_n[0]),
         curve=PressCurve(
-            skin.force_n[: known.size][known], own.area[known], float(skin.force_n[0]), press.force_n - zero_n,
+            skin.force_n[: known.size][known],
+            own.area[known],
+            float(skin.force_n[0]),
+            press.force_n - zero_n,
             press.depth_mm,
         ),
         picture=_picture(press.frames, skin, own),

@@ -42,7 +42,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
             schedule_of=schedule_of,
             order="listed",
             seed=0,
-        ),  # fmt: skip
+        ),
         "rig": rig.rig,
         "emulated": emulated.of(run.specimen),
     }
