@@ -31,7 +31,7 @@ from emg2vsa.settings import CalibrationSettings
 
 RESULTS = Path(__file__).parent / "results" / "online_kappa.md"
 UNKNOWN = {"S2": 5.32, "2.2 N/mm": 2.2}
-EXPERIMENTS = 120
+EXPERIMENTS = 80
 SPARE = 1.2
 "Times the width that is promised before the first press: what is asked for with default scatter."
 
@@ -71,7 +71,7 @@ class Press:
 def pressed(bench: Bench, calibration: OnlineCalibration, kappa: float, wanted: float | None, cues: str) -> Press:
     """One press of an unknown specimen in a mounting of its own, to its end."""
     if wanted is None:
-        reach = float(np.fmin.reduce(calibration.expected_reach(kappa, 1, cues)))
+        reach = float(calibration.expected_reach(np.array([kappa]), 1, cues)[-1, 0])
         wanted = SPARE * calibration.half_width(kappa, reach, cues)
     online, press = OnlineEstimator(calibration, wanted), bench.press(kappa, bench.mounting())
     stopped, row, state = None, 0, OnlineState()
@@ -115,8 +115,8 @@ def table(setting: Setting, count: int) -> Iterator[str]:
     yield f"## {setting.name}"
     yield ""
     yield (
-        "| world, cue, unknown | asked for | stopped early | by width | by no gain | at, N (median) | half width there |"
-        " coverage at the stop | the same presses, whole | error of κ, whole (median) | % of κ for 1 % of CASR |"
+        "| world, cue, unknown | asked for | stopped early | by width | by no gain | at, N (median) | half width "
+        "there | coverage at the stop | the same presses, whole | error of κ, whole (median) | % of κ for 1 % of CASR |"
     )
     yield "|---|---|---|---|---|---|---|---|---|---|---|"
     pooled: dict[str, list[Press]] = {AREA: [], BOTH: []}

@@ -30,6 +30,7 @@ KNOWN = ("S1", "S3", "S5")
 FRAME_HZ, ROW_HZ, SPEED_MM_PER_S = 20.0, 200.0, 5.0
 START_N, F_MAX_N = 0.5, 7.0
 ENCODER_MM = 0.018
+MIDDLE_TICKS = 1500.0
 _KAPPA = np.geomspace(0.9, 12.0, 12)
 _FORCE_N = np.geomspace(0.01, 9.5, 160)
 SENSOR_SHARE = 0.15
@@ -58,13 +59,9 @@ def _elastic(exponent: float) -> list[PowerLaw]:
     return [PowerLaw(world.modulus_mpa(k), exponent=exponent) for k in _KAPPA]
 
 
-def _drive() -> tuple[Drive, list[StiffnessSteps]]:
-    return Drive(springs=SPRINGS["qbmove-maker-pro"]), [StiffnessSteps.constant(1500.0)]
-
-
-def _paths(contact: PowerLaw, relaxation: Relaxation) -> tuple[Floats, Floats, Floats]:
+def _paths(contact: PowerLaw, relaxation: Relaxation, preset_ticks: float) -> tuple[Floats, Floats, Floats]:
     """Seconds, ln area and travel over the forces."""
-    drive, steps = _drive()
+    drive, steps = Drive(springs=SPRINGS["qbmove-maker-pro"]), [StiffnessSteps.constant(preset_ticks)]
     path = simulate_presses([contact], relaxation, drive, steps, f_max_n=9.6, step_s=2e-3)
     force = np.maximum.accumulate(path.force_n[1:, 0])
     depth = [contact.depth_mm(float(f)) for f in path.convolved_n[1:, 0]]
@@ -75,15 +72,15 @@ def _paths(contact: PowerLaw, relaxation: Relaxation) -> tuple[Floats, Floats, F
 
 
 @cache
-def power_law(exponent: float) -> World:
+def power_law(exponent: float, preset_ticks: float = MIDDLE_TICKS) -> World:
     """Elastic; 1/3 is Hertz, in which the compliance law is exact."""
-    rows = [_paths(contact, Relaxation.of_share(0.0)) for contact in _elastic(exponent)]
+    rows = [_paths(contact, Relaxation.of_share(0.0), preset_ticks) for contact in _elastic(exponent)]
     time_s, area, travel = (np.stack(each) for each in zip(*rows, strict=True))
     return World(f"power law, exponent {exponent:.3g}", area, time_s, travel)
 
 
 @cache
-def relaxing() -> World:
+def relaxing(preset_ticks: float = MIDDLE_TICKS) -> World:
     """Exponent 1/4, sensor and specimens creep, soft ones more."""
     known = sorted(RELAXING)
     shares = np.interp(np.log(_KAPPA), np.log(known), [RELAXING[k] for k in known])
@@ -92,7 +89,7 @@ def relaxing() -> World:
         e_star = world.modulus_mpa(kappa)
         of_sensor = e_star / world.sensor_modulus_mpa  # of the compliance
         bodies = [(of_sensor, Relaxation.of_share(SENSOR_SHARE)), (1 - of_sensor, Relaxation.of_share(float(share)))]
-        rows.append(_paths(contact, in_series(bodies)))
+        rows.append(_paths(contact, in_series(bodies), preset_ticks))
     time_s, area, travel = (np.stack(each) for each in zip(*rows, strict=True))
     return World("relaxing bodies, exponent 0.25", area, time_s, travel)
 
@@ -197,7 +194,7 @@ class Bench:
     def calibration(
         self, mountings: int, presses: int, settings: CalibrationSettings, quantity: str = "edge"
     ) -> OnlineCalibration:
-        """Of S1, S3 and S5. quantity : ``front`` adds what domes outside the library leave, which curves do not have."""
+        """Of S1, S3 and S5. quantity : ``front`` adds what domes outside the library leave; curves have none of it."""
         forces = cut_forces(START_N, F_MAX_N)
         kappa = [SPECIMENS[name] for name in KNOWN]
         pressed = []

@@ -339,6 +339,8 @@ RECIPES: dict[str, Recipe] = {
     "paper": Recipe("horn-schunck", "mean", "paper", "paper", "paper"),
 }
 """What an algorithm sets of the keys that a study leaves out (paper: sections III.A, IV.A and VI.A)."""
+PAPER_BESIDE = RECIPES["paper"]._replace(engine="pin-affine")
+"""The paper's beside another algorithm: with the flow of the pins, as dense flow needs numba, which is an extra."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -378,9 +380,9 @@ class RunSettings:
         """That of an algorithm on the same presses: one of the skin differs from the chosen one by its initial area."""
         if algorithm == self.algorithm:
             return self.recipe
-        if algorithm in ("front", "paper"):
-            return RECIPES[algorithm]
-        return self.recipe._replace(area_rule=algorithm)
+        if algorithm == "front":
+            return RECIPES["front"]
+        return PAPER_BESIDE if algorithm == "paper" else self.recipe._replace(area_rule=algorithm)
 
 
 @dataclass(frozen=True, kw_only=True)

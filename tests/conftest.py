@@ -92,6 +92,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         indent_n_per_mm=4
         * (2.5 + 10 / KAPPA_N_PER_MM[specimen]) ** (-2 / 3)
         * (1 + 0.02 * rng.standard_normal(presses)),
+        peak_n=7.3 + 0.1 * rng.random(presses),
         curves=curves,
         picture=_picture(float(area[0])),
         first_contact=_first_contact(),

@@ -76,9 +76,9 @@ class Calibration:
             ordered = _differences(self.kappa) > np.sqrt(_sums(self.kappa_se**2))
             return np.asarray(~np.any(ordered & (wrong > np.sqrt(_sums(square))), axis=(1, 2)))
 
-    def only(self, i: int) -> Calibration:
-        """Calibration ``i`` alone: d = 1."""
-        return cast(Calibration, _only(self, i))
+    def take(self, i: Ints) -> Calibration:
+        """Calibrations of these indices, in this order."""
+        return cast(Calibration, _taken(self, i))
 
     def equation(self, i: int = 0) -> str:
         """The fitted law in numbers, with units: those of the parameters hang on them."""
@@ -101,12 +101,12 @@ class Calibration:
         return notes
 
 
-def _only(of_d: Any, i: int) -> Any:
-    """The same dataclass with the arrays of d cut to the one at ``i``."""
+def _taken(of_d: Any, i: Ints) -> Any:
+    """The same dataclass with these rows of the arrays of d."""
     own = {each.name: getattr(of_d, each.name) for each in dataclasses.fields(of_d)}
     parts = ("fit", "mounting")
-    cut = {name: value[i : i + 1] for name, value in own.items() if isinstance(value, np.ndarray) and name != "labels"}
-    return dataclasses.replace(of_d, **cut, **{name: _only(own[name], i) for name in parts if name in own})
+    cut = {name: value[i] for name, value in own.items() if isinstance(value, np.ndarray) and name != "labels"}
+    return dataclasses.replace(of_d, **cut, **{name: _taken(own[name], i) for name in parts if name in own})
 
 
 def calibrate(

@@ -129,44 +129,46 @@ class OnlineCalibration:
         """Presses of the known specimens."""
         return int(np.count_nonzero(np.isfinite(self.rates).any(axis=-1)))
 
-    def judged(self, rates: Floats, travel: Floats, at: int | None = None, mountings: Ints | None = None) -> Judged:
-        """Of rates and travel (n, G) of n presses of the new specimen: d = G, or the one at the force of index ``at``.
+    def judged(self, rates: Floats, travel: Floats, at: Ints, mountings: Ints | None = None) -> Judged:
+        """Of rates and travel (n, d) of n presses of the new specimen, by the calibrations at these (d,) of the forces.
 
         mountings : (n,) number of each press's mounting; None: one. Without travel by the area alone.
         """
-        cut = slice(None) if at is None else slice(at, at + 1)
-        cutaneous, kinesthetic = self.calibration, self.by_travel
-        if at is not None:
-            cutaneous, kinesthetic = cutaneous.only(at), kinesthetic.only(at) if kinesthetic else None
-        area, depth = rates[:, cut].T, travel[:, cut].T
-        c = repeat_interval(cutaneous, area, mountings=mountings, own_noise=False, widened=self._widened[0][cut])
+        cutaneous, area, depth = self.calibration.take(at), rates.T, travel.T
+        c = repeat_interval(cutaneous, area, mountings=mountings, own_noise=False, widened=self._widened[0])
         share = np.abs(c.score_share)
-        if kinesthetic and np.isfinite(depth).any():
-            k = repeat_interval(
-                kinesthetic, depth, mountings=mountings, own_noise=False, widened=self._widened[1][cut]
-            )  # fmt: skip
+        if self.by_travel and np.isfinite(depth).any():
+            kinesthetic = self.by_travel.take(at)
+            k = repeat_interval(kinesthetic, depth, mountings=mountings, own_noise=False, widened=self._widened[1])
             both = fuse_intervals(cutaneous, c, area, kinesthetic, k, depth, mountings)
             if np.isfinite(both.kappa).any():
                 return Judged(both.kappa, both.low, both.high, both.reach, share * both.weight, BOTH, both.p)
         return Judged(c.kappa, c.low, c.high, c.reach, share, AREA, np.full(c.kappa.shape, np.nan))
 
-    def expected_reach(self, kappa: float, presses: int = 1, cues: str = AREA) -> Floats:
-        """(G,) ``Judged.reach`` that is expected of so many presses, all cut at the same force, in one mounting.
+    def expected_reach(self, kappa: Floats, presses: int = 1, cues: str = AREA) -> Floats:
+        """(G, K) ``Judged.reach`` that is expected at stiffnesses (K,) of so many presses, all cut at the same force.
 
         NaN where the law has no score for this stiffness.
         """
         if (presses, cues) not in self._expected:
-            rates = _scores(self.calibration, self._kappas)
-            none = np.full_like(rates, np.nan)
-            travel = _scores(self.by_travel, self._kappas) if self.by_travel and cues == BOTH else none
-            reach = [
-                self.judged(np.tile(rates[:, i], (presses, 1)), np.tile(travel[:, i], (presses, 1))).reach
-                for i in range(_KAPPAS)
-            ]
-            self._expected[presses, cues] = np.stack(reach)
+            at = np.repeat(np.arange(self.forces_n.size), _KAPPAS)
+            self._expected[presses, cues] = self._reach_at(self._kappas, at, presses, 1, cues).reshape(-1, _KAPPAS)
+        inside = np.log(np.clip(kappa, self._kappas[0], self._kappas[-1]))
         table = self._expected[presses, cues]
-        at = np.log(np.clip(kappa, self._kappas[0], self._kappas[-1]))
-        return np.array([np.interp(at, np.log(self._kappas), column) for column in table.T])
+        return np.stack([np.interp(inside, np.log(self._kappas), row) for row in table])
+
+    def whole_reach(self, kappa: Floats, presses: int, mountings: int, cues: str = AREA) -> Floats:
+        """(K,) the same of whole presses, shared alike by so many mountings."""
+        return self._reach_at(kappa, np.full(kappa.size, self.forces_n.size - 1), presses, mountings, cues)
+
+    def _reach_at(self, kappa: Floats, at: Ints, presses: int, mountings: int, cues: str) -> Floats:
+        """``Judged.reach`` at every one of ``at``, for stiffnesses (K,) over and over."""
+        rates = _scores(self.calibration, kappa)[at, np.arange(at.size) % kappa.size]
+        travel = np.full_like(rates, np.nan)
+        if self.by_travel and cues == BOTH:
+            travel = _scores(self.by_travel, kappa)[at, np.arange(at.size) % kappa.size]
+        labels = 1 + np.arange(presses) % min(mountings, presses)
+        return self.judged(np.tile(rates, (presses, 1)), np.tile(travel, (presses, 1)), at, labels).reach
 
     def half_width(self, kappa: float, reach: float, cues: str = AREA) -> float:
         """Half width, as a share of kappa, of an interval with this ``Judged.reach``."""
@@ -180,15 +182,14 @@ class OnlineCalibration:
         return np.broadcast_to(self.kappa, (self.forces_n.size, self.kappa.size))
 
     @cached_property
-    def _widened(self) -> tuple[Floats, Floats]:
-        """(G,) factors on the standard errors of both cues, from the left-out specimens.
+    def _widened(self) -> tuple[float, float]:
+        """Factors on the standard errors of both cues, from the left-out specimens: the largest of all forces.
 
-        The largest of all forces at every force: the law is the same one, and a factor that came and went with the
-        chance of a cut would stop presses where it happens to be missing.
+        The law is the same one at every force, and a factor that came and went with the chance of a cut would stop
+        presses where it happens to be missing.
         """
-        confidence = self.settings.confidence
-        factors = [left_out(each).widening(confidence) for each in (self.calibration, self.by_travel) if each]
-        widest = [np.full_like(factor, factor.max()) for factor in factors]
+        both = [each for each in (self.calibration, self.by_travel) if each]
+        widest = [float(left_out(each).widening(self.settings.confidence).max()) for each in both]
         return widest[0], widest[-1]
 
     @cached_property
@@ -214,8 +215,8 @@ def reachable_width(calibration: OnlineCalibration, kappa: float | None = None, 
     """
     known, cues = calibration.kappa, BOTH if calibration.by_travel else AREA
     tried = np.geomspace(known.min(), known.max(), _KAPPAS) if kappa is None else np.array([kappa])
-    reach = [np.fmin.reduce(calibration.expected_reach(k, presses, cues)) for k in tried.tolist()]
-    widths = [calibration.half_width(k, float(r), cues) for k, r in zip(tried.tolist(), reach, strict=True)]
+    reach = calibration.expected_reach(tried, presses, cues)[-1]
+    widths = [calibration.half_width(*each, cues) for each in zip(tried.tolist(), reach.tolist(), strict=True)]
     return float(np.fmin.reduce(widths))
 
 
@@ -295,13 +296,13 @@ class OnlineEstimator:
         own = self._calibration
         rates, travel = (np.stack(each) for each in zip(*self._finished, self._scores(), strict=True))
         judged_at_n, presses = float(own.forces_n[at]), int(np.count_nonzero(np.isfinite(rates[:, at])))
-        found = own.judged(rates, travel, at, np.array(self._mountings))
+        found = own.judged(rates[:, [at]], travel[:, [at]], np.array([at]), np.array(self._mountings))
         kappa, low, high = float(found.kappa[0]), float(found.low[0]), float(found.high[0])
         if not np.isfinite(kappa) or not np.isfinite(rates[-1, at]):
             return OnlineState(judged_at_n=judged_at_n, presses=presses)
         half_width = (high - low) / (2 * kappa)
-        expected = own.expected_reach(kappa, presses, found.cues)
-        rest = float(np.fmin.reduce(expected[at:])) / float(expected[at])
+        expected = own.expected_reach(np.array([kappa]), presses, found.cues)[:, 0]
+        rest = float(expected[-1] / expected[at])
         doubt = f"the cues disagree (p = {found.p[0]:.2g})" if found.p[0] < DISAGREE_P else ""
         narrow = max(half_width, self._state.half_width) <= self._wanted  # twice, as one cut may be so by chance
         stop = WIDTH_REACHED if narrow else NO_GAIN if rest > NARROWS else ""

@@ -19,6 +19,8 @@ class LawResult:
     law_p : of the law, from the left-out specimens. notes : for the reader. determined : whether the interval is
     narrower than the calibrated range. widened : factor on the interval of a law that is rejected. serial_correlation,
     serial_p : of successive presses; effective_presses : independent ones that those of the new specimen count as.
+    amplification : percent of kappa for 1 % of CASR. mounting_sd : of CASR from one mounting to the next, as a share of
+    it; mounting_freedom : degrees of freedom that it was estimated with, 0 where it is assumed.
     """
 
     law: str
@@ -41,6 +43,9 @@ class LawResult:
     serial_correlation: float = 0.0
     serial_p: float = float("nan")
     effective_presses: float = float("nan")
+    amplification: float = float("nan")
+    mounting_sd: float = float("nan")
+    mounting_freedom: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

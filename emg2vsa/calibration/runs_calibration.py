@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from casr.session import Stretch, unlike_others
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.calibrate import Calibration, calibrate
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces, cut_rates, cut_travel
@@ -37,6 +38,8 @@ from emg2vsa.runs import ALGORITHMS, RunScores
 from emg2vsa.settings import PAPER, CalibrationSettings
 
 _LEAST_SPECIMENS = 2
+_MOST_UNLIKE = 0.5
+"Share of a specimen's presses whose skin stretched otherwise, beyond which the specimen is named."
 _NO_NEW_SPECIMEN = "No stiffness was estimated: the study names no new_specimen under [profile]."
 
 
@@ -177,7 +180,7 @@ class _OneCondition:
             casr=casr,
             new_casr=new_casr,
             casr_unit=self._casr_unit,
-            chosen=self._law(chosen, new_kept, self._left_out_presses(casr, new_casr)),
+            chosen=self._law(chosen, new_kept, (*self._left_out_presses(casr, new_casr), *self._other_friction)),
             paper=self._law(paper, new_casr),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
@@ -263,6 +266,9 @@ class _OneCondition:
             serial_correlation=float(serial.rho[0]),
             serial_p=float(serial.p[0]),
             effective_presses=float(serial.effective_n[0, -1]),
+            amplification=abs(float(found.repeats.score_share[0])),
+            mounting_sd=float(calibration.mounting.sd[0]),
+            mounting_freedom=float(calibration.mounting.freedom[0]),
         )
 
     def _fused(self, fusion: Fusion) -> FusedResult:
@@ -281,6 +287,25 @@ class _OneCondition:
     @cached_property
     def _labels(self) -> Ints:
         return _padded_labels(self.known, max(len(run.mounting) for run in self.known))
+
+    @cached_property
+    def _other_friction(self) -> tuple[str, ...]:
+        """The law takes all specimens for alike in friction: one whose skin stretches otherwise is said."""
+        runs = (*self.known, self.new)
+        stretches = {
+            (run.specimen, number): Stretch(curve.stretch_force_n, curve.stretch_log_ratio, curve.stretch_log_sd)
+            for run in runs
+            for number, curve in zip(run.repetitions.tolist(), run.curves, strict=True)
+            if curve.stretch_force_n.size
+        }
+        unlike = unlike_others({f"{name} {number}": stretch for (name, number), stretch in stretches.items()})
+        notes = []
+        for run in runs:
+            own = [f"{name} {number}" for name, number in stretches if name == run.specimen]
+            apart = [unlike[press] for press in own if press in unlike]
+            if len(apart) > _MOST_UNLIKE * len(own):
+                notes.append(f"{run.specimen} may have other friction, {len(apart)} of {len(own)} presses: {apart[0]}")
+        return tuple(notes)
 
     @cached_property
     def _growth(self) -> float:

@@ -187,6 +187,7 @@ class _Presses:
             relaxation, zero, friction=tilt.friction, mount_n_per_mm=tilt.mount_n_per_mm,
             friction_drop=tilt.friction_drop,
         )  # fmt: skip
+        self._alpha_n, self._beta = zero, zero + 1
         self.force_n, self._way_mm, self._convolved_n, self._count = zero, zero, zero, 0
         self._preset_rad = np.array([step.preset_rad(0.0) for step in steps]) if drive.springs else zero * np.nan
         self._commanded = [self._preset_rad]
@@ -201,21 +202,25 @@ class _Presses:
         """One step of time."""
         self._count += 1
         drive_mm = self.drive.speed_mm_per_s * self._count * self._step_s
+        self._alpha_n, self._beta = self._normal.alpha_beta(self._step_s)
         way_mm = self._probe_mm(drive_mm)
         normal_n, shear_way_mm, slope = self._contact(way_mm)
-        self._shear.advance(self._step_s, shear_way_mm, slope, normal_n)
+        if self._sine:
+            self._shear.advance(self._step_s, shear_way_mm, slope, normal_n)
         self._convolved_n = self._normal.advance(self._step_s, normal_n)
         self._way_mm = way_mm
         self.force_n = forces_n(normal_n, self._shear.force_n, self._tilt_rad)[1]
 
     def _contact(self, way_mm: Floats) -> tuple[Floats, Floats, Floats]:
         """Normal force at a way of the probe along its axis, its way along the surface, slope of the elastic force."""
-        alpha, beta = self._normal.alpha_beta(self._step_s)
         elastic_n, slope = self._tables.resistance(way_mm * self.cosine)
+        normal_n = (elastic_n - self._alpha_n) / self._beta
+        if not self._sine:
+            return normal_n, np.zeros_like(way_mm), slope
         deeper_mm = (way_mm - self._way_mm) * self.cosine
         rests = np.abs(deeper_mm) <= _RESTING_MM
         slope = np.where(rests, slope, (elastic_n - self._convolved_n) / np.where(rests, 1.0, deeper_mm))
-        return (elastic_n - alpha) / beta, (way_mm - self._way_mm) * self._sine, slope
+        return normal_n, (way_mm - self._way_mm) * self._sine, slope
 
     def _axis_n(self, way_mm: Floats) -> Floats:
         normal_n, shear_way_mm, slope = self._contact(way_mm)

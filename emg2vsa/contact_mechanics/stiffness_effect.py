@@ -19,7 +19,7 @@ from emg2vsa.contact_mechanics.press_path import Drive, PressPaths, StiffnessSte
 from emg2vsa.contact_mechanics.relaxation import Relaxation, in_series, specimen_share
 from emg2vsa.errors import DataError
 
-STEP_S = 2e-3
+STEP_S = 2.5e-3
 _PHASES = 40
 "Presses over which a sum over frames is averaged: each begins at another time between two frames."
 _DRAWS = 2000

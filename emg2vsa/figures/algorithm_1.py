@@ -17,13 +17,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from casr.contact_area.rules import lattice_cell
 from casr.flow.divergence import divergence, region_mask
 from casr.flow.region import Region
-from casr.pins import PinSettings, pin_pitch_px
+from casr.overlays.area import hexagons as cells_of
+from casr.pins import PinSettings
 from casr.pins.blobs import above_surroundings
 from casr.pins.detect import fit_view
-from casr.pins.sites import lattice_kind
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import BLUE, INK, SKY, YELLOW, Look
@@ -56,11 +55,9 @@ def draw_steps(seen: FirstContact, flow_px: NDArray[np.floating[Any]]) -> Figure
     start, end = seen.rest_px[seen.selected], seen.contact_px[seen.selected]
     selected.plot(*end.T, linestyle="none", marker="o", markersize=4, markerfacecolor="none", markeredgecolor=YELLOW)
     selected.quiver(*start.T, *(end - start).T, angles="xy", scale_units="xy", scale=0.25, color=SKY, width=0.008)
-    _grey(hexagons, contact)
-    cell = lattice_cell(pin_pitch_px(seen.rest_px), lattice_kind(seen.rest_px))
-    hexagons.add_collection(
-        PolyCollection(list(end[:, None] + cell), facecolors=(*_rgb(YELLOW), 0.25), edgecolors=YELLOW, linewidths=0.8)
-    )
+    _grey(hexagons, rest)
+    tiles = list(cells_of(start, seen.rest_px))
+    hexagons.add_collection(PolyCollection(tiles, facecolors=(*_rgb(YELLOW), 0.25), edgecolors=YELLOW, linewidths=0.8))
     of_skin = np.where(_skin(seen), flow_px.transpose(2, 0, 1), np.nan).transpose(1, 2, 0)
     _flow(flow, contact, of_skin)
     _divergence(growth, of_skin)

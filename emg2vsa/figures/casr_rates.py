@@ -33,6 +33,8 @@ class RateSeries:
     look: Look
     presses: Sequence[tuple[Floats, Floats]]
     casr: Floats
+    exponential: bool = False
+    "Whether areas follow equation (1) as printed, A = c exp(D F); else a power law, A = c F^m."
 
     @property
     def quotients(self) -> tuple[Floats, Floats]:
@@ -47,13 +49,17 @@ class RateSeries:
 
     @property
     def fit(self) -> tuple[Floats, Floats]:
-        """(50,) forces and dA/dF of the power law A = c F^m through the areas; (0,) where they have one force."""
+        """(50,) forces and dA/dF of the law through the areas of all presses; (0,) where they have one force."""
         force_n, area = (np.concatenate([np.empty(0), *(press[part] for press in self.presses)]) for part in (0, 1))
         known = (force_n > 0) & (area > 0)
         force_n, area = force_n[known], area[known]
         if not force_n.size or np.ptp(force_n) == 0:
             return np.empty(0), np.empty(0)
-        at, law = np.linspace(force_n.min(), force_n.max(), 50), fit_power_law(area, force_n).law
+        at = np.linspace(force_n.min(), force_n.max(), 50)
+        if self.exponential:
+            rate, level = np.polyfit(force_n, np.log(area), 1)
+            return at, rate * np.exp(level + rate * at)
+        law = fit_power_law(area, force_n).law
         return at, law.exponent * law.area(at) / at
 
 
@@ -83,8 +89,14 @@ def draw_rates(rows: Sequence[tuple[str, Sequence[RateSeries]]], unit: str) -> F
     return figure
 
 
+_LEAST_SPAN = 0.15
+
+
 def _one_scale(column: Sequence[Axes]) -> None:
+    """The same scale for all, unless that would leave the boxes of one of them flat."""
     low, high = np.transpose([axes.get_ylim() for axes in column])
+    if (high - low).min() < _LEAST_SPAN * (high.max() - low.min()):
+        return
     for axes in column:
         axes.set_ylim(low.min(), high.max())
 
@@ -98,7 +110,7 @@ def _keep_most(axes: Axes, rates: Sequence[Floats]) -> None:
     low, high = min(low - room, 0.0) if low < 0 else 0.0, high + room
     axes.set_ylim(low, high)
     if outside := int(np.count_nonzero((together < low) | (together > high))):
-        axes.text(0.99, 0.97, f"{outside} beyond", transform=axes.transAxes, ha="right", va="top", fontsize=7)
+        axes.set_title(f"{outside} beyond", loc="right", fontsize=7)
 
 
 def _raw(axes: Axes, series: RateSeries) -> None:

@@ -47,7 +47,7 @@ class Workers:
         """Run all tasks, and report each as it ends.
 
         alone : up to so many run in this process, as starting workers would take longer. load : modules that the
-        workers have in common, should this be the first use of them.
+        workers have in common, of all that they will do; only the first use of them counts.
         """
         if self._jobs == 1 or len(tasks) <= alone:
             for task in tasks:

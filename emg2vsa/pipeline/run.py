@@ -67,7 +67,7 @@ def run_study(
         for last in range(_TRIES - 1, -1, -1):
             board.steps.clear()
             try:
-                again = [_run_stage(board, name, workers, progress, ran) for name in stages]
+                again = [_run_stage(board, stages[i:], workers, progress, ran) for i in range(len(stages))]
             finally:
                 board.prints.save()
             if not any(again) or not last:
@@ -79,8 +79,10 @@ def run_study(
     return board
 
 
-def _run_stage(board: Board, name: str, workers: Workers, progress: Progress, ran: set[str]) -> bool:
-    """Run the stale steps of a stage; whether a file it needs turned out unusable, so that all is looked up again."""
+def _run_stage(board: Board, stages: Sequence[str], workers: Workers, progress: Progress, ran: set[str]) -> bool:
+    """Run the stale steps of the first of ``stages``; whether a file it needs turned out unusable, so that all is
+    looked up again. Workers are started for the stages after it as well."""
+    name = stages[0]
     steps = board.add_stage(name)
     stale = {step.id: step for step in steps if step.status == "stale"}
     if not stale:
@@ -101,9 +103,13 @@ def _run_stage(board: Board, name: str, workers: Workers, progress: Progress, ra
         progress.step(step)
 
     tasks = [_task(board, step) for step in stale.values()]
-    workers.run(tasks, on_end, alone=stage(name).alone, load=[module_of(name)])
+    workers.run(tasks, on_end, alone=stage(name).alone, load=_loads(stages))
     progress.end()
     return again
+
+
+def _loads(stages: Sequence[str]) -> list[str]:
+    return [module for name in stages for module in (module_of(name), *stage(name).loads)]
 
 
 def _task(board: Board, step: Step) -> Task:

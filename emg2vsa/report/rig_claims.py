@@ -19,10 +19,9 @@ from emg2vsa.rig.force.moving_average import MovingAverage
 
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
 _OLD, _NEW = "circle", "paper"
-_HEXAGON = "the paper's hexagon"
 _CONSTANT = ("constant-min", "constant-mean", "constant-max")
 _NOT_PRESSED = "No run of this condition and angle was scored."
-_POWERLESS = "This test cannot reach significance for neighbours."
+_POWERLESS = "Neighbours cannot reach significance."
 _PARTLY = "Not every angle was tested."
 _UNTESTED: Verdict = "cannot be tested here"
 
@@ -247,10 +246,10 @@ def _fit(
         bounded(float(r2.min())) if known else "not defined",
         float(r2.min()),
         _on_all(known, float(r2.min()) >= printed, missing),
-        companion=f"by {own}: {bounded(float(companion.min()))}" if np.isfinite(companion).all() else "",
-        why=(not_tested(missing) or _undetermined(q, designs))
-        if known
-        else f"No law could be fitted to the scores by {_HEXAGON} in every design.",
+        companion=f"by {own}: {bounded(float(companion.min()))}"
+        if own != _NEW and np.isfinite(companion).all()
+        else "",
+        why=(not_tested(missing) or _undetermined(q, designs)) if known else "Not every design gives a law.",
     )
 
 
@@ -269,9 +268,9 @@ def _error(
         float(np.abs(here).max()),
         _verdict(known and not (small and undetermined), small),
         companion=f"by {own}: {', '.join(signed(100 * error, '%') for error in mine)}"
-        if np.isfinite(mine).all()
+        if own != _NEW and np.isfinite(mine).all()
         else "",
-        why=undetermined if known else "κ of the new specimen is not known, or the scores determine none.",
+        why=undetermined if known else _no_kappa(q),
     )
 
 
@@ -281,6 +280,11 @@ def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
     if all(found):
         return ""
     return f"Not determined in {found.count(False)} of {len(found)} designs."
+
+
+def _no_kappa(q: Quantities) -> str:
+    known = float(q.get("runs.kappa.known_n_per_mm", np.nan))
+    return "The scores determine no κ." if known == known else "κ of the new specimen is not known."
 
 
 _ROUNDED = 0.005
@@ -312,10 +316,10 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             _points(here) if known else "not defined",
             float(here.min()),
             _verdict(known, bool((here > 0).all())),
-            companion=f"by {own}: {_points(mine)}" if np.isfinite(mine).all() else "",
+            companion=f"by {own}: {_points(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
             why=_undetermined(q, [(c, angle) for c in {before[0], after[0]} for angle in angles])
             if known
-            else "κ of the new specimen is not known, or the scores determine none.",
+            else _no_kappa(q),
         )
     yield _levels(q)
 

@@ -65,6 +65,10 @@ class ExperimentSettings:
     "Of the random order: the same seed and the same runs give the same order for ever."
     f_max_n: Annotated[float, Gt(0)] = 7.0
     "The press turns back here."
+    lead_s: Annotated[float, Ge(0), Le(0.1)] = 0.0
+    """How long before the force, as it grows, would reach f_max_n the press turns back. Filter, bus and motors are
+    late: the emulated force goes 0.4 (S5) to 1.3 N (S1) beyond f_max_n, and 0.3 N or less with 0.04. 0 turns back at
+    f_max_n, as the paper says."""
     f_contact_n: Annotated[float, Gt(0)] = 0.5
     "Force of first contact."
     contact_s: Annotated[float, Ge(0)] = 0.05
@@ -159,6 +163,7 @@ def plan_of(
         contact_s=experiment.contact_s,
         ramp_mm_per_s=experiment.ramp_mm_per_s,
         travel_mm=experiment.travel_mm,
+        lead_s=experiment.lead_s,
         pause_s=experiment.pause_s,
         stiffness_n_per_mm=(dict(emulated_n_per_mm or {}) | experiment.stiffness_n_per_mm).get(run.specimen),
     )

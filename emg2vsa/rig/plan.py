@@ -31,6 +31,8 @@ class RunPlan:
     ramp_mm_per_s: float = 5.0
     travel_mm: float = 15.0
     "Length of the ramp."
+    lead_s: float = 0.0
+    "The press turns back so long before the force, as it grows, would reach F_max."
     pause_s: float = 2.0
     "Between two repetitions."
     plate: bool = False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -19,7 +20,7 @@ from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, folder_contents
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
-from emg2vsa.rig.record.press_counts import verdicts
+from emg2vsa.rig.record.press_counts import peak_forces_n, verdicts
 from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.runs.press import Press
 
@@ -58,17 +59,18 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
     """
     repetition = 0
     for mounting, folder in zip(_mountings(folders), folders, strict=True):
-        travel, found = _travel(folder), verdicts(folder)
+        travel, found, peaks_n = _travel(folder), verdicts(folder), peak_forces_n(folder)
         camera_file = folder / CAMERA_FILE if (folder / CAMERA_FILE).is_file() else camera
         seen_by, trouble = _camera(camera_file)
         for number, path in enumerate(_press_folders(folder), start=1):
             repetition += 1
             force_n, depth_mm = travel.get(_number(path, number), (_NONE, _NONE))
             verdict, why = found.get(_number(path, number), ("ok", ""))
+            peak_n = peaks_n.get(_number(path, number), math.nan)
             unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
             if verdict == "rejected":
                 reason = f"{folder.name}, press {_number(path, number)} was rejected by the rig: {why}"
-                yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting)
+                yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting, peak_n)
                 continue
             try:
                 if trouble:
@@ -76,9 +78,9 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
                 frames = open_frames(path)
                 frames = frames if frames.camera or seen_by is None else replace(frames, camera=seen_by)
                 frames.source.name = path.relative_to(folder.parent).as_posix()  # as errors name it
-                yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting)
+                yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting, peak_n)
             except CasrError as error:
-                yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting)
+                yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting, peak_n)
 
 
 def _mountings(folders: Sequence[Path]) -> list[int]:

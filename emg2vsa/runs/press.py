@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,8 @@ class Press:
 
     frames : None where they cannot be read, and ``problem`` says why. force_n, depth_mm : (K,) of the loading phase
     from the rig's log, empty without one. area_unit : of its areas, whether or not it can be scored. mounting : number
-    of the folder of its run that it comes from, from 1.
+    of the folder of its run that it comes from, from 1. peak_n : largest force, N, with what it went beyond
+    the force at which it turned back; NaN where the rig's table of presses is not there.
     """
 
     repetition: int
@@ -33,6 +35,7 @@ class Press:
     depth_mm: Floats
     area_unit: str = "mm2"
     mounting: int = 1
+    peak_n: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)

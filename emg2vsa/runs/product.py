@@ -29,6 +29,8 @@ class PressCurve:
     area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
     frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force. travel_force_n,
     travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
+    stretch_force_n, stretch_log_ratio, stretch_log_sd : how the skin of first contact grew against the contact, as
+    ``casr.session.Stretch``; empty where the front is not determined.
     """
 
     force_n: Floats
@@ -36,6 +38,9 @@ class PressCurve:
     first_n: float = np.nan
     travel_force_n: Floats = field(default_factory=lambda: np.empty(0))
     travel_mm: Floats = field(default_factory=lambda: np.empty(0))
+    stretch_force_n: Floats = field(default_factory=lambda: np.empty(0))
+    stretch_log_ratio: Floats = field(default_factory=lambda: np.empty(0))
+    stretch_log_sd: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +87,8 @@ class RunScores:
     to press (front: on the power law of the frames in which it is determined); start_area is the area at the force
     where the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area
     is above that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
-    indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. curves : R.
+    indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. peak_n : (R,)
+    largest force along the push axis, N, beyond the force of turning back too; NaN without presses.csv. curves : R.
     simulated : the run was emulated. first_contact : of the first press in which Algorithm 1 finds pins. notes : once
     each.
     """
@@ -103,6 +109,7 @@ class RunScores:
     casr: dict[str, Floats]
     true_a_c0: Floats
     indent_n_per_mm: Floats
+    peak_n: Floats
     curves: tuple[PressCurve, ...]
     picture: ContactPicture | None
     first_contact: FirstContact | None

@@ -29,6 +29,7 @@ def score_run(
     repetitions: list[int] = []
     mountings: list[int] = []
     reasons: list[str] = []
+    peaks_n: list[float] = []
     scored: list[ScoredPress | None] = []
     unit_of_rejected = "mm2"
     for press in presses:
@@ -37,6 +38,7 @@ def score_run(
             unit_of_rejected = press.area_unit
         repetitions.append(press.repetition)
         mountings.append(press.mounting)
+        peaks_n.append(press.peak_n)
         reasons.append(reason)
         scored.append(found)
     return RunScores(
@@ -56,6 +58,7 @@ def score_run(
         casr=_by_algorithm([found.casr if found else None for found in scored]),
         true_a_c0=np.full(len(scored), np.nan),
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
+        peak_n=np.array(peaks_n, dtype=np.float64),
         curves=tuple(found.curve if found else _NOTHING for found in scored),
         picture=min(
             (found.picture for found in scored if found and found.picture),

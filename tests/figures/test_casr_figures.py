@@ -1,16 +1,19 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from casr.overlays.area import hexagons
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.results import LawResult
+from emg2vsa.figures.algorithm_1 import PinCounts, draw_pin_counts, draw_steps
 from emg2vsa.figures.boxes import PairBar
 from emg2vsa.figures.canvas import panel_grid, style, svg_text
 from emg2vsa.figures.casr_areas import AreaPanel, draw_areas, draw_contacts
 from emg2vsa.figures.casr_calibration import law_curve
-from emg2vsa.figures.casr_rates import ConditionBoxes, RateSeries, curve_of, draw_conditions, draw_rates
+from emg2vsa.figures.casr_rates import ConditionBoxes, RateSeries, draw_conditions, draw_rates
 from emg2vsa.figures.palette import looks
 from emg2vsa.settings import CalibrationSettings
 
@@ -82,21 +85,38 @@ def test_the_picture_is_in_the_drawing_with_its_force_area_and_outline(run_of):
     assert "data:image/png;base64" in svg
 
 
+FORCE_N = np.linspace(0.5, 7, 20)
+
+
 def series(name, rate):
-    force = np.tile(np.linspace(0.5, 7, 20), 10)
-    return RateSeries(name, LOOKS[name], force, 20 + rate * force, np.full(10, rate) + np.linspace(-0.1, 0.1, 10))
+    """Ten presses whose areas rise by ``rate`` mm2 a newton."""
+    presses = [(FORCE_N, 20 + rate * FORCE_N)] * 10
+    return RateSeries(name, LOOKS[name], presses, np.full(10, rate) + np.linspace(-0.1, 0.1, 10))
 
 
-def test_the_curve_through_the_frames_is_their_power_law():
-    force_n = np.tile(np.linspace(0.0, 7, 21), 10)
-    at, area = curve_of(RateSeries("S1", LOOKS["S1"], force_n, 20 * force_n**0.6, VALUES))
-    assert (at[0], at[-1]) == pytest.approx((0.35, 7.0))
-    assert area == pytest.approx(20 * at**0.6)
+def of_areas(area_of, exponential=False):
+    return RateSeries("S1", LOOKS["S1"], [(FORCE_N, area_of(FORCE_N))] * 3, VALUES, exponential)
 
 
-def test_frames_at_one_force_have_no_curve():
-    at, area = curve_of(RateSeries("S1", LOOKS["S1"], np.full(9, 2.0), np.full(9, 30.0), VALUES))
-    assert at.size == area.size == 0
+def test_the_fit_is_the_derivative_of_the_law_through_the_areas():
+    at, rate = of_areas(lambda force_n: 20 * force_n**0.6).fit
+    assert (at[0], at[-1]) == pytest.approx((0.5, 7.0))
+    assert rate == pytest.approx(12 * at**-0.4)
+    at, rate = of_areas(lambda force_n: 9 * np.exp(0.3 * force_n), exponential=True).fit
+    assert rate == pytest.approx(2.7 * np.exp(0.3 * at))
+
+
+def test_raw_quotients_are_those_of_neighbouring_frames_of_one_press():
+    force_n, rate = series("S1", 8.0).quotients
+    assert rate == pytest.approx(np.full(190, 8.0))  # 10 presses of 19 steps: none from one press to the next
+    assert np.unique(np.round(force_n, 9)).size == 19
+    still = RateSeries("S1", LOOKS["S1"], [(np.array([1.0, 1.001, 2.0]), np.array([10.0, 90.0, 100.0]))], VALUES)
+    assert still.quotients[1].size == 1  # a step of 1 mN is no divisor
+
+
+def test_frames_at_one_force_have_no_fit():
+    at, rate = RateSeries("S1", LOOKS["S1"], [(np.full(9, 2.0), np.full(9, 30.0))], VALUES).fit
+    assert at.size == rate.size == 0
 
 
 def test_presses_without_a_rate_show_their_frames():
@@ -111,8 +131,64 @@ def test_every_press_is_among_the_frames_that_are_drawn():
     with style():
         raw = draw_rates([("modular, 0°", [series("S1", 8.0)])], "mm²").axes[0]
     shown = raw.lines[0].get_xdata()
-    assert 50 < shown.size < 100
-    assert np.unique(np.round(shown, 6)).size == 20
+    assert 50 < shown.size < 200
+    assert np.unique(np.round(shown, 6)).size == 19
+
+
+def test_quotients_beyond_the_scale_are_counted():
+    area = np.where(np.arange(20) == 10, 500.0, 20 + 8 * FORCE_N)
+    wild = RateSeries("S1", LOOKS["S1"], [(FORCE_N, area)] + [(FORCE_N, 20 + 8 * FORCE_N)] * 19, VALUES)
+    with style():
+        raw = draw_rates([("0°", [wild])], "mm²").axes[0]
+    assert raw.get_title(loc="right") == "2 beyond"  # up to the wild frame, and down again
+    assert raw.get_ylim()[1] < 100
+
+
+def test_boxes_share_a_scale_unless_some_would_be_flat():
+    def row(level, spread):
+        return [RateSeries("S1", LOOKS["S1"], [], level + spread * (VALUES - 10))]
+
+    with style():
+        near = draw_rates([("0°", row(10, 1)), ("30°", row(12, 1))], "mm²")
+        far = draw_rates([("0°", row(10, 1)), ("45°", row(900, 100))], "mm²")
+    assert near.axes[1].get_ylim() == near.axes[3].get_ylim()
+    assert far.axes[1].get_ylim() != far.axes[3].get_ylim()
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_steps_of_algorithm_1_show_the_selected_pins_and_a_hexagon_for_each(turn, run_of):
+    seen = run_of("S1", 0.0, "modular").first_contact
+    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    turned = {name: 150 + (getattr(seen, name) - 150) @ rotation for name in ("rest_px", "contact_px")}
+    seen = replace(seen, **turned)
+    with style():
+        figure = draw_steps(seen, np.zeros((300, 300, 2)))
+        svg = svg_text(figure)
+    selected, hexagons_of = figure.axes[4], figure.axes[5]
+    np.testing.assert_allclose(selected.lines[0].get_xydata(), seen.contact_px[seen.selected])
+    (tiles,) = hexagons_of.collections
+    assert len(tiles.get_paths()) == seen.selected.size > 3
+    corners = tiles.get_paths()[0].vertices[:6] - seen.rest_px[seen.selected[0]]
+    neighbour = seen.rest_px[1] - seen.rest_px[0]
+    towards = corners @ neighbour / np.hypot(*neighbour) ** 2
+    assert towards.max() == pytest.approx(0.5)  # half of the way: an edge, not a corner, between two pins
+    assert svg.count("data:image/png;base64") == 8
+
+
+def test_pins_are_drawn_by_the_force_of_the_first_frame_on_one_scale():
+    low, high = np.array([4, 20]), np.array([40, 73])
+    panels = [
+        ("0°", [PinCounts("S1", LOOKS["S1"], np.array([0.5, 0.7]), low)]),
+        ("45°", [PinCounts("S1", LOOKS["S1"], np.array([0.6, 0.9]), high)]),
+    ]
+    with style():
+        figure = draw_pin_counts(panels)
+    first, second = figure.axes
+    assert first.get_ylim() == second.get_ylim()
+    assert first.get_xlim() == second.get_xlim()
+    assert first.get_ylim()[0] == 0
+    assert first.get_ylim()[1] > 73
+    np.testing.assert_allclose(second.lines[0].get_ydata(), high)
 
 
 def test_rates_have_a_row_for_each_design_and_one_legend():
@@ -124,7 +200,7 @@ def test_rates_have_a_row_for_each_design_and_one_legend():
 
 
 def test_presses_without_frames_still_have_their_boxes():
-    nothing = RateSeries("S1", LOOKS["S1"], np.empty(0), np.empty(0), VALUES)
+    nothing = RateSeries("S1", LOOKS["S1"], [], VALUES)
     with style():
         figure = draw_rates([("imported", [nothing])], "mm²")
         assert "nan" not in svg_text(figure).lower()

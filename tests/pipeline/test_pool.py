@@ -17,6 +17,8 @@ from typing import Any
 import pytest
 
 from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.run import _loads
+from emg2vsa.pipeline.stage_order import ORDER, stage
 from emg2vsa.pipeline.store import claimed
 from emg2vsa.pipeline.tasks import Ended
 
@@ -146,3 +148,11 @@ def test_a_recording_that_was_read_too_slowly_is_tried_again(tasks: Callable[...
     ended = task()
     assert (ended.status, ended.final) == ("failed", False)
     assert "more than 10 s" in ended.message
+
+
+def test_what_workers_load_from_the_start_is_there() -> None:
+    for name in ORDER:
+        for module in stage(name).loads:
+            assert importlib.import_module(module).__name__ == module
+    assert {"emg2vsa.rig.emulated.virtual_run", "emg2vsa.runs.score_run"} <= set(_loads(ORDER))
+    assert "emg2vsa.trials.extract" not in _loads(ORDER[ORDER.index("emulation") :])

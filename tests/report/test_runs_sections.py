@@ -18,7 +18,7 @@ from emg2vsa.report.sections.actuators import level_change
 from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.runs import RUNS
 from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
-from emg2vsa.settings import CalibrationSettings, DiscriminationSettings
+from emg2vsa.settings import PAPER, CalibrationSettings, DiscriminationSettings, RunSettings
 
 FEW = DiscriminationSettings(resamples=200)
 KNOWN = ("S1", "S3", "S5")
@@ -211,8 +211,42 @@ def test_claims_on_the_order_of_the_specimens_follow_the_scores(name, figure, ru
 
 def test_figures_10_to_13_name_their_one_algorithm(content):
     for figure in ("fig10_rigid", "fig12_human_like", "fig13_constant"):
-        assert "all panels by the front algorithm" in content.drawings[figure].caption
-        assert "raw dA/dF" in content.drawings[figure].caption
+        caption = content.drawings[figure].caption
+        assert "All panels by algorithm front: force at exposure, CASR by a power law." in caption
+        assert "the derivative of a power law" in caption
+
+
+def test_in_paper_mode_the_fit_is_equation_1_and_what_has_no_score_is_told(whole, some_runs):
+    study = replace(
+        whole.study, scoring=RunSettings(**PAPER["runs"]), calibration=CalibrationSettings(**PAPER["calibration"])
+    )
+    runs = [replace(run, algorithm="paper") for run in some_runs]
+    lost = next(i for i, run in enumerate(runs) if run.name == "S5_45_modular")
+    runs[lost] = replace(runs[lost], casr={name: np.full(10, np.nan) for name in runs[lost].casr})
+    stiffness = {"S1": 7.63, "S_new": TRUTH, "S3": 3.35, "S5": 1.11}
+    tested = discriminate(runs, stiffness, "S_new", FEW)
+    calibration = calibrate_runs(runs, stiffness, "S_new", replace(study.calibration, resamples=50))
+    content = contents(replace(whole, study=study, runs=Runs(tuple(runs), tested, calibration)))
+    caption = content.drawings["fig12_human_like"].caption
+    assert "algorithm paper: initial area by rule paper, dense Horn–Schunck flow over the contact" in caption
+    assert "the derivative of equation (1)" in caption
+    assert "No press has a CASR in modular, 45°: S5" in caption
+    assert "No press" not in content.drawings["fig10_rigid"].caption
+    # one law, the paper's, so each error stands once
+    keys = [column.key for column in content.tables["table_one"].columns]
+    assert keys == ["angle_deg", "algorithm", "rigid_paper", "rigid_same", "human_like_paper", "human_like_same"]
+    steps = {row["algorithm"].split()[0]: row for row in content.tables["recipes"].rows}
+    assert steps["circle"]["law"] == steps["hexagon"]["law"] == "equation (1)"
+    assert steps["circle"]["engine"] == "dense, Horn and Schunck"
+
+
+def test_the_steps_of_every_algorithm_stand_by_table_one(content):
+    steps = {row["algorithm"].split()[0]: row for row in content.tables["recipes"].rows}
+    assert list(steps) == ["circle", "hexagon", "front"]
+    assert (steps["hexagon"]["force_rule"], steps["hexagon"]["rate"]) == ("mean of its rows", "equation (2)")
+    assert (steps["circle"]["engine"], steps["circle"]["law"]) == ("motion of the pins", "A_c0 exp(Σ growth)")
+    assert steps["front"]["law"] == "–"
+    assert {(row["force_low_n"], row["force_high_n"]) for row in steps.values()} == {(0.5, 7.0)}
 
 
 def test_the_new_specimen_is_compared_by_the_papers_test_and_by_the_companion(content, tested):

@@ -23,10 +23,10 @@ from emg2vsa.report import study_report
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import Claim, rendered
-from emg2vsa.report.sections.claims import ADVANCING_FRONT_ERROR, CLAIMS, NOT_RESULTS
+from emg2vsa.report.sections.claims import CLAIMS, NOT_RESULTS
 from emg2vsa.report.sections.fits import FITS
 from emg2vsa.report.sections.glossary import TERMS
-from emg2vsa.report.sections.kappa import LAW_ERRORS
+from emg2vsa.report.sections.kappa import ADVANCING_FRONT_ERROR, LAW_ERRORS
 from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
 
 

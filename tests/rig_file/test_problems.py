@@ -53,6 +53,14 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            "[experiment]", '[experiment]\norder = "shuffled"\nseed = -1\nlead_s = 0.2',
+            [
+                "12: experiment.order: expected 'random' or 'listed', but found \"shuffled\".",
+                "13: experiment.seed: expected a number >= 0, but found -1.",
+                "14: experiment.lead_s: expected a number <= 0.1, but found 0.2.",
+            ],
+        ),
+        (
             FORCE, FORCE + "rate_hz = 1000\n",
             [
                 "10: force.rate_hz: expected a known key, but found 'rate_hz'. "

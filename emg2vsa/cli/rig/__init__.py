@@ -5,8 +5,8 @@ from __future__ import annotations
 from casr.command_line import Commands, add_subcommands
 
 SUBCOMMANDS = (
-    "scan", "info", "commission", "prove-watchdog", "dry-run", "run", "watch", "off", "home", "jog", "tare", "zero",
-    "parameters", "camera-delay", "emulate",
+    "scan", "info", "commission", "prove-watchdog", "dry-run", "run", "next", "watch", "off", "home", "jog", "tare",
+    "zero", "parameters", "camera-delay", "emulate",
 )  # fmt: skip
 
 

@@ -46,12 +46,13 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.rig_file.sequence import ordered
 
     file = load_rig(arguments.rig)
-    order, chosen = ordered(file.experiment), runs_chosen(arguments, file)
-    runs = [run for run in order.runs if run in chosen]
-    told = {one.name: _tried(plan, file.rig) for one, plan in zip(runs, plans_of(file, runs), strict=True)}
+    order, runs = ordered(file.experiment), runs_chosen(arguments, file)
+    plans = dict(zip(runs, plans_of(file, runs), strict=True))
+    told = {run.name: _tried(plans[run], file.rig) for run in order.runs if run in plans}
     if arguments.json:
         described = {name: _document(found) for name, found in told.items()}
-        print_json({"limits": _limits(file.rig), "order": order.order, "seed": order.seed, "runs": described})
+        sequence = {"order": order.order, "seed": order.seed, "sequence": list(described)}
+        print_json({"limits": _limits(file.rig), "runs": described} | sequence)
     else:
         print("\n".join(f"{name}: {value}" for name, value in _limits(file.rig).items()))
         print(f"order of the runs: {order}")

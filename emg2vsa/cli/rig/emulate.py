@@ -148,7 +148,7 @@ def served_tables(servers: EmulatedServers) -> dict[str, dict[str, Any]]:
         "actuator": {"port": qbmove_port, "id": DEVICE_ID, "generation": "v6", "model": bench.model},
         "motor": {"port": motor_port, "id": DEVICE_ID, "generation": "v6"},
         "force": {"kind": "net-ft", "host": force.host, "rdt_port": force.rdt_port, "http_port": force.http_port},
-        "camera": {"source": servers.camera_url},
+        "camera": {"source": servers.camera_url} | ({"delay_s": delay_s} if (delay_s := bench.camera.delay_s) else {}),
     }
 
 

@@ -14,7 +14,7 @@ from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE, folders_of, 
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules.document import document_of
 
-_PLAN_KEYS = ("f_max_n", "f_contact_n", "contact_s", "ramp_mm_per_s", "travel_mm")
+_PLAN_KEYS = ("f_max_n", "f_contact_n", "contact_s", "ramp_mm_per_s", "travel_mm", "lead_s")
 _RIG_KEYS = ("gear_mm_per_degree", "push_sign", "push_axis", "filter_samples")
 _STEP_KEYS = ("force_from_n", "preset_ticks")
 

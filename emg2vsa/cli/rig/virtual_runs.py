@@ -86,7 +86,8 @@ def run_virtually(
     if as_json:
         print_json({"folder": str(root), "runs": [_document(run, results[run]) for run in plans]})
         return status
-    print("\n".join(_table(results, plans)))
+    listed = {run: plans[run] for run in file.experiment.all_runs() if run in plans}
+    print("\n".join(_table(results, listed)))
     print(f"runs done: {len(ends)}, {rig_min:.1f} min of the rig's time in {took_min:.1f} min; folder {root}")
     return status
 

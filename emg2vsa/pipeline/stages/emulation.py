@@ -115,6 +115,7 @@ STAGE = Stage(
     of="emulated rig",
     needs=("schedules",),
     run=run,
+    loads=("emg2vsa.rig.emulated.virtual_run",),
     settings=settings,
     takes=takes,
     folder=folder,

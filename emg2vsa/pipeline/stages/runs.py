@@ -101,5 +101,13 @@ def says(scores: RunScores) -> str:
 
 
 STAGE = Stage(
-    per="run", of="runs", needs=("emulation",), run=run, settings=settings, files=files, takes=takes, says=says
+    per="run",
+    of="runs",
+    needs=("emulation",),
+    run=run,
+    loads=("emg2vsa.run_folders.presses", "emg2vsa.runs.score_run"),
+    settings=settings,
+    files=files,
+    takes=takes,
+    says=says,
 )

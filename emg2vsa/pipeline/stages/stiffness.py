@@ -46,10 +46,12 @@ def run(given: Given) -> StiffnessEffect | None:
     from emg2vsa.contact_mechanics import Drive, StiffnessSteps
     from emg2vsa.contact_mechanics.camera_frames import FrameErrors
     from emg2vsa.contact_mechanics.stiffness_effect import AREA_NOISE, Bench, materials_of, stiffness_effect
+    from emg2vsa.schedules import Schedule
 
     used, world = given.settings, ContactWorld()
     steps: dict[str, dict[str, StiffnessSteps]] = {}
-    for schedule in given.one("schedules") or ():
+    schedules: tuple[Schedule, ...] = given.one("schedules") or ()
+    for schedule in schedules:
         own = steps.setdefault(schedule.condition, {})
         own[schedule.specimen] = StiffnessSteps(schedule.step_force_n, schedule.preset_ticks.astype(np.float64))
     by_stiffness = sorted(used["stiffness"].items(), key=lambda each: -each[1])

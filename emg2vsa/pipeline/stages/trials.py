@@ -159,4 +159,13 @@ def says(trials: Trials) -> str:
     return "; ".join([*loud, *(remark for remark in trials.remarks if remark.startswith(NOT_USED))])
 
 
-STAGE = Stage(per="recording", of="people", run=run, settings=settings, files=files, says=says, alone=8)
+STAGE = Stage(
+    per="recording",
+    of="people",
+    run=run,
+    settings=settings,
+    files=files,
+    says=says,
+    alone=8,
+    loads=("emg2vsa.readers.roles", "emg2vsa.trials.extract"),
+)

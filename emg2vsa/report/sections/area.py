@@ -48,6 +48,8 @@ from emg2vsa.report.wording import area_unit, number, p_text, p_value
 from emg2vsa.runs import PICTURED_N
 
 _MANY = "designs"
+_OUTLINED = {"front": "outline that the {} algorithm finds and the area within it"}
+_GROWN = "region whose growth is measured, and the area by the {} algorithm, which is A_c0 times that growth"
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -208,7 +210,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     told = "; ".join(f"{title}: {number(p.area_mm2)} {unit} at {p.force_n:.2f} N" for title, p in panels)
     caption = (
         f"Fig. 9. Contact on {specimen}, {condition}, in the frame nearest to {PICTURED_N:g} N at each angle, with the "
-        f"outline that the {table.algorithm} algorithm finds and the area within it."
+        f"{_OUTLINED.get(table.algorithm, _GROWN).format(table.algorithm)}."
     )
     title = "Contact at each angle at one force"
     yield drawing(results, "fig09_first_contact", title, caption, told + ".", draw_contacts(panels, unit))

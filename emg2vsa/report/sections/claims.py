@@ -13,8 +13,6 @@ from emg2vsa.report.section import Claim, Quantities, Section
 from emg2vsa.report.table import Column, Row, Table
 from emg2vsa.report.wording import count, p_text, percent
 
-ADVANCING_FRONT_ERROR = 0.096
-"""Median error of κ from one press in the world whose contact is a front alone (benchmarks/results/press_worlds.md)."""
 NOT_RESULTS = frozenset({"power", "interpolation_weight", "schedule_range", "force_filter", "kappa_curves"})
 """Claims on settings and arithmetic: no data can change their verdicts, so they are not counted as results."""
 _KINDS = {"holds": "holds", "does not hold": "fails", "cannot be tested here": "untested"}
@@ -161,17 +159,18 @@ def _stiffness(results: StudyResults, q: Quantities) -> str:
     if not found["error"]:
         return f"The stiffness of {new} is not known, so its estimates cannot be judged."
     median, by_paper = (percent(float(np.median(errors)), 2) for errors in found.values())
+    papers = "" if results.study.calibration.law == "exponential" else f", {by_paper} by the paper's law"
     shared = (
         f"; estimator and simulated world share a finite-element program (one press in the advancing-front world, "
-        f"which shares the law alone: {percent(ADVANCING_FRONT_ERROR, 2)})"
-        if q["runs.simulated"]
+        f"which shares the law alone: {percent(float(q['runs.kappa.advancing_front_error']), 2)})"
+        if q["runs.simulated"] and own == "front"
         else ""
     )
     determined = [bool(value) for key, value in q.items() if key.endswith(f".{own}.kappa.determined")]
     known = f"; its interval determines it in {sum(determined)} of {len(determined)}" if determined else ""
     return (
-        f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}, "
-        f"{by_paper} by the paper's law{known}{shared}."
+        f"The stiffness of {new} is {median} off in the median of {count(len(found['error']), 'design')}"
+        f"{papers}{known}{shared}."
     )
 
 

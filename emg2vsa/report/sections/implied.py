@@ -78,8 +78,8 @@ _TEXT = """
 softest to the stiffest specimen, and a sensor that yields makes it smaller.</p>
 {{ folded("casr_implied", "CASR that the paper's curves imply") }}
 <p>From {{ first | number(1) }}° to {{ last | number(2) }}° the implied CASR falls {{ least_fall | number(2) }} to
-{{ largest_fall | number(2) }} times, which no unit explains. Divergence averaged over the whole image would (a
-hypothesis; test it with <code>region = "image"</code> under <code>[runs]</code>).</p>
+{{ largest_fall | number(2) }} times, which no unit explains. A divergence averaged over the whole image could be so
+small. That is a hypothesis, which <code>region = "image"</code> tests and emulated presses do not support.</p>
 """
 
 IMPLIED = Section("implied", "What the paper's curves imply", _TEXT, of_kappa, _quantities, _tables, words=_words)

@@ -35,13 +35,14 @@ from emg2vsa.report.rig_claims import rate_claims
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Cell, Column, Table, rows_of
 from emg2vsa.report.verdicts import change, dunn_bounds, how_many
-from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value
+from emg2vsa.report.wording import UNDEFINED, area_unit, bounded, exact_p, interval, listed, p_value, scored_by
 from emg2vsa.runs import PressCurve
 
 _RAW = (
-    "Left: raw dA/dF from frame to frame of all presses, a part of them, and its fit, the derivative of a power law "
-    "through the areas. Right: CASR of the presses."
+    "Left: raw dA/dF from frame to frame of all presses, a part of them, and its fit, the derivative of {law} through "
+    "the areas. Right: CASR of the presses."
 )
+_LAW = {"ode": "a power law", "paper": "equation (1)"}
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -175,22 +176,31 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
         unit = area_unit(table.area_unit)
         told = medians_said([(title, [(each.name, each.casr) for each in row]) for title, row in rows])
         caption = (
-            f"Fig. {number}. CASR of {specimens}, {what}, all panels by the {table.algorithm} algorithm. {_RAW} {BOXES}"
+            f"Fig. {number}. CASR of {specimens}, {what}. All panels by {scored_by(results.study.scoring)}. "
+            f"{_RAW.format(law=_LAW[results.study.scoring.recipe.law])} {_without(rows)}{BOXES}"
         )
         said, figure = f"Median CASR in {unit}/N. {told}.", draw_rates(rows, unit)
         yield drawing(results, name, f"dA/dF against force and CASR, {what}", caption, said, figure)
+
+
+def _without(rows: Sequence[tuple[str, Sequence[RateSeries]]]) -> str:
+    """Which specimens have no mark, as a sentence; "" where all have."""
+    lacking = [
+        f"{title}: {listed(names)}" for title, row in rows if (names := [s.name for s in row if not s.casr.size])
+    ]
+    return f"No press has a CASR in {'; '.join(lacking)} (see the notes about the runs). " if lacking else ""
 
 
 def _series(results: StudyResults, look: Mapping[str, Look], design: int) -> Sequence[RateSeries]:
     table = tested(results).table
     of = (table.conditions[design], float(table.angles_deg[design]))
     runs = {run.specimen: run for run in results.pressed.scores if (run.condition, run.angle_deg) == of}
-    as_printed = results.study.scoring.recipe.rate == "paper"
+    recipe = results.study.scoring.recipe
     series = []
     for specimen, scores in zip(table.specimens, table.casr[table.algorithm][design], strict=True):
         if specimen in runs:
-            presses = [_points(curve, as_printed) for curve in runs[specimen].curves]
-            series.append(RateSeries(specimen, look[specimen], presses, finite(scores)))
+            presses = [_points(curve, recipe.rate == "paper") for curve in runs[specimen].curves]
+            series.append(RateSeries(specimen, look[specimen], presses, finite(scores), recipe.law == "paper"))
     return series
 
 

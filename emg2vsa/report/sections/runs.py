@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from emg2vsa.discrimination.run_table import CONDITIONS
 from emg2vsa.report.designs import of_kappa, of_tests
 from emg2vsa.report.inputs import StudyResults
-from emg2vsa.report.numbers import Items
+from emg2vsa.report.numbers import Items, most
 from emg2vsa.report.rig_claims import area_claims, filter_claims, kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section, of_runs
 from emg2vsa.report.table import Column, Row, Table
@@ -26,12 +29,15 @@ def _quantities(results: StudyResults) -> Items:
     yield "runs.simulated", results.pressed.simulated
     yield "runs.presses", sum(run.repetitions.size for run in runs)
     yield "runs.rejected", sum(run.verdicts.count("rejected") for run in runs)
+    if math.isfinite(largest_n := _largest_n(runs)):
+        yield "runs.largest_force_n", largest_n
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     columns = (
         Column("condition", "Condition"), Column("angle_deg", "Angle (°)", digits=2), Column("specimens", "Specimens"),
-        Column("presses", "Presses"), Column("rejected", "Rejected"), Column("reasons", "Reasons"),
+        Column("presses", "Presses"), Column("rejected", "Rejected"), Column("peak_n", "Largest force (N)", digits=3),
+        Column("reasons", "Reasons"),
     )  # fmt: skip
     runs, order = results.pressed.scores, {name: i for i, name in enumerate(CONDITIONS)}
     designs = {(run.condition, run.angle_deg): None for run in runs}
@@ -56,8 +62,14 @@ def _row(condition: str, angle_deg: float, runs: Sequence[RunScores]) -> Row:
         "specimens": listed([run.specimen for run in runs]),
         "presses": sum(run.repetitions.size for run in runs),
         "rejected": reasons.total(),
+        "peak_n": _largest_n(runs),
         "reasons": "; ".join(f"{reason} ({n})" for reason, n in reasons.most_common()),
     }
+
+
+def _largest_n(runs: Sequence[RunScores]) -> float:
+    """NaN where no run tells."""
+    return most(np.concatenate([run.peak_n for run in runs]))
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
@@ -79,6 +91,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
         "notes": _notes(runs),
         "kinds": count(len(_notes(runs)), "kind"),
         "absent": _absent(results),
+        "told_n": math.isfinite(_largest_n(runs)),
     }
 
 
@@ -111,6 +124,10 @@ _TEXT = """
 <strong>{{ emulated }} come from a simulated rig,</strong> whose actuator, force sensor and camera share one world.</p>
 {% else %}
 <p><strong>These runs were measured,</strong> as far as their folders say.</p>
+{% endif %}
+{% if told_n %}
+<p>The largest force of a press was {{ q['runs.largest_force_n'] }} N. The probe turns back when the filtered
+force reaches F_max; filter, bus and motors are late, so the force goes beyond it.</p>
 {% endif %}
 {{ folded("runs", "Presses of every condition and angle") }}
 {% if notes %}

@@ -6,20 +6,28 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from emg2vsa.contact_mechanics.stiffness_effect import PRESS_CV, StiffnessEffect, replicates_needed
+from casr.errors import InputError
+from casr.spread import spread_rate
+from emg2vsa.contact_mechanics.stiffness_effect import (
+    LOSSY_SENSOR,
+    LOSSY_SPECIMENS,
+    PRESS_CV,
+    StiffnessEffect,
+    replicates_needed,
+)
+from emg2vsa.discrimination.contrast_words import change_percent, headline
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
-from emg2vsa.report.section import Claim, Quantities, Section
+from emg2vsa.report.section import Claim, Quantities, Section, Verdict
 from emg2vsa.report.table import Cell, Column, Row, Table, rows_of
 from emg2vsa.report.wording import number, signed
+from emg2vsa.runs.product import PressCurve
 
 _HUMAN_LIKE = "modular"
 _ASSUMED, _LOSSY = 1, 2
 "Materials other than the elastic ones, in their order."
 _WANTED = 0.2
 "A gain of contrast that would be plain to see, as a share."
-_SUM = "paper"
-"The algorithm whose spread rate is equation (2) as printed."
 
 
 def _applies(results: StudyResults) -> bool:
@@ -93,60 +101,80 @@ def _named(condition: str) -> str:
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     effect = _effect(results)
-    stiff, soft, second = effect.specimens[0], effect.specimens[-1], effect.specimens[1]
-    gains, names = _gains(effect), [_named(condition) for condition in effect.conditions]
+    names = [_named(condition) for condition in effect.conditions]
+    yield _three_ways(effect, names)
+    yield _would_be(results, effect)
+    yield _leak(effect, names)
+    yield _needed(results, effect, names)
+    yield _measured(results, effect)
+    yield _by_specimen(effect, names)
+
+
+def _three_ways(effect: StiffnessEffect, names: list[str]) -> Table:
+    stiff, second, soft = effect.specimens[0], effect.specimens[1], effect.specimens[-1]
     columns = (
         Column("condition", "Condition"),
         Column("duration_stiff_s", f"{stiff} lasts (s)"), Column("duration_soft_s", f"{soft} lasts (s)"),
-        Column("gain_percent", "Contrast, assumed creep (%)", digits=2),
-        Column("gain_lossy_percent", "Contrast, lossy sensor (%)", digits=2),
-        Column("frame_sum", f"Eq. (2), {soft} : {stiff}"), Column("neighbour", f"Eq. (2), {second} : {stiff}"),
-        Column("neighbour_swapped", f"{second} : {stiff}, swapped"),
-        Column("timing_d", f"d′ of {stiff} and {second}", digits=2),
+        Column("gain_percent", f"Creep: change of {soft} : {stiff} (%)", digits=2),
+        Column("frame_sum", f"Eq. (2): {soft} : {stiff}"),
+        Column("timing_d", f"Timing: d′ of {stiff} and {second}", digits=2),
     )  # fmt: skip
     rows = rows_of(
         {
             "condition": names,
             "duration_stiff_s": effect.duration_s[0],
             "duration_soft_s": effect.duration_s[-1],
-            "gain_percent": 100 * np.expm1(gains[_ASSUMED]),
-            "gain_lossy_percent": 100 * np.expm1(gains[_LOSSY]),
+            "gain_percent": 100 * np.expm1(_gains(effect)[_ASSUMED]),
             "frame_sum": np.exp(effect.contrast(effect.frame_sum)),
-            "neighbour": _neighbours(effect, effect.frame_sum),
-            "neighbour_swapped": _neighbours(effect, effect.frame_sum_swapped),
             "timing_d": effect.timing_d,
         }
     )
-    caption = (
-        f"What stiffness can do at 0°: duration of a press; change of the contrast {soft} : {stiff} of CASR against "
-        "the rigid motor; ratios by equation (2), elastic bodies, with own and with swapped schedules; d′ with errors "
-        "of timing"
+    caption = "What stiffness can do at 0°: change against the rigid motor, ratio of sums over frames, and d′"
+    return Table("stiffness_effect", caption, columns, rows)
+
+
+def _leak(effect: StiffnessEffect, names: list[str]) -> Table:
+    stiff, second = effect.specimens[:2]
+    columns = (
+        Column("condition", "Condition"), Column("neighbour", "Eq. (2), own schedules"),
+        Column("neighbour_swapped", "Eq. (2), schedules swapped"), Column("slope_swapped", "Slope, schedules swapped"),
+    )  # fmt: skip
+    rows = rows_of(
+        {
+            "condition": names,
+            "neighbour": _neighbours(effect, effect.frame_sum),
+            "neighbour_swapped": _neighbours(effect, effect.frame_sum_swapped),
+            "slope_swapped": _neighbours(effect, effect.slope_swapped),
+        }
     )
-    yield Table("stiffness_effect", caption, columns, rows)
-    yield _needed(results, effect, names)
-    yield _by_specimen(effect, names)
-    yield _measured(results, effect)
-    yield _would_be(results, effect)
+    caption = (
+        f"Ratio {second} : {stiff} of elastic bodies; swapped: the stiffest specimen is pressed with the schedule of "
+        "the softest, and so on"
+    )
+    return Table("stiffness_leak", caption, columns, rows)
 
 
 def _needed(results: StudyResults, effect: StiffnessEffect, names: list[str]) -> Table:
-    gains = _gains(effect)[_ASSUMED]
+    gains = _gains(effect)
     columns = (
-        Column("condition", "Condition"), Column("gain_percent", "Change of the contrast (%)", digits=2),
+        Column("condition", "Condition"), Column("gain_percent", "Assumed creep: change (%)", digits=2),
         Column("presses", "Presses per cell, without mountings", digits=2),
         Column("mountings", "Mountings per cell", digits=2),
+        Column("gain_lossy_percent", "Lossy sensor: change (%)", digits=2),
     )  # fmt: skip
     rows = rows_of(
         {
             "condition": names[1:],
-            "gain_percent": 100 * np.expm1(gains[1:]),
-            "presses": replicates_needed(gains, PRESS_CV)[1:],
-            "mountings": replicates_needed(gains, _mounting_sd(results))[1:],
+            "gain_percent": 100 * np.expm1(gains[_ASSUMED, 1:]),
+            "presses": replicates_needed(gains[_ASSUMED], PRESS_CV)[1:],
+            "mountings": replicates_needed(gains[_ASSUMED], _mounting_sd(results))[1:],
+            "gain_lossy_percent": 100 * np.expm1(gains[_LOSSY, 1:]),
         }
     )
     caption = (
-        f"What it takes to see the change by assumed creep (5 % level, 80 % power): presses with a CV of "
-        f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * _mounting_sd(results):g} %"
+        "Change of the contrast by creep, and what it takes to see it (5 % level, 80 % power): presses with a CV of "
+        f"{100 * PRESS_CV:g} %, or mountings with an SD of {100 * _mounting_sd(results):g} %. The lossy sensor relaxes "
+        f"by {100 * LOSSY_SENSOR:g} %, all specimens by {100 * LOSSY_SPECIMENS:g} %"
     )
     return Table("stiffness_needed", caption, columns, rows)
 
@@ -174,33 +202,39 @@ def _by_specimen(effect: StiffnessEffect, names: list[str]) -> Table:
 
 
 def _measured(results: StudyResults, effect: StiffnessEffect) -> Table:
-    """Contrasts of the scored runs at the smallest angle; no rows without them."""
+    """Contrasts of the scored runs at 0 degrees; no rows without them."""
     columns = (
-        Column("condition", "Condition"), Column("slope", "CASR"), Column("frame_sum", "Eq. (2) as printed"),
+        Column("condition", "Condition"), Column("casr", "CASR"), Column("frame_sum", "Eq. (2) as printed"),
     )  # fmt: skip
     soft, stiff = effect.specimens[-1], effect.specimens[0]
-    own: list[Row] = []
+    rows: list[Row] = []
     for condition in effect.conditions:
-        ratios = [_ratio(results, condition, soft, stiff, rule) for rule in (results.study.scoring.algorithm, _SUM)]
-        if not np.isnan(ratios).all():
-            cells: dict[str, Cell] = {"condition": condition, "slope": ratios[0], "frame_sum": ratios[1]}
-            own.append(cells)
-    caption = f"The runs of this study at 0°: ratio {soft} : {stiff} of median CASR, and of equation (2) as printed"
-    return Table("stiffness_measured", caption, columns, tuple(own))
+        of_soft, of_stiff = (_medians(results, specimen, condition) for specimen in (soft, stiff))
+        if np.isfinite(of_soft[0] / of_stiff[0]):
+            row: dict[str, Cell] = {"condition": condition}
+            row |= {"casr": of_soft[0] / of_stiff[0], "frame_sum": of_soft[1] / of_stiff[1]}
+            rows.append(row)
+    caption = (
+        f"The runs of this study at 0°, areas by {results.study.scoring.algorithm}: ratio {soft} : {stiff} of median "
+        "CASR, and of the sum of dA/dF over frames"
+    )
+    return Table("stiffness_measured", caption, columns, tuple(rows))
 
 
-def _ratio(results: StudyResults, condition: str, soft: str, stiff: str, algorithm: str) -> float:
-    medians = []
-    for specimen in (soft, stiff):
-        scores = [
-            run.casr[algorithm]
-            for run in (results.runs.scores if results.runs else ())
-            if (run.specimen, run.condition, run.angle_deg) == (specimen, condition, 0.0) and algorithm in run.casr
-        ]
-        known = np.concatenate(scores) if scores else np.array([])
-        known = known[np.isfinite(known)]
-        medians.append(float(np.median(known)) if known.size else np.nan)
-    return medians[0] / medians[1]
+def _medians(results: StudyResults, specimen: str, condition: str) -> tuple[float, float]:
+    """Median CASR of the presses, and median of the sum over frames of the same areas; NaN without them."""
+    runs = results.runs.scores if results.runs else ()
+    own = [run for run in runs if (run.specimen, run.condition, run.angle_deg) == (specimen, condition, 0.0)]
+    rates = [rate for run in own for rate in run.casr[run.algorithm].tolist() if np.isfinite(rate)]
+    sums = [_sum_of(curve) for run in own for curve in run.curves if curve.force_n.size > 1]
+    return (float(np.median(rates)), float(np.median(sums))) if rates and sums else (np.nan, np.nan)
+
+
+def _sum_of(curve: PressCurve) -> float:
+    try:
+        return spread_rate(curve.area_mm2, curve.force_n, rule="paper").value
+    except InputError:  # a force that does not rise
+        return np.nan
 
 
 def _would_be(results: StudyResults, effect: StiffnessEffect) -> Table:
@@ -240,35 +274,54 @@ def _would_be(results: StudyResults, effect: StiffnessEffect) -> Table:
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """By the runs, where their mountings tell; by mechanics otherwise."""
     effect = _effect(results)
     if _HUMAN_LIKE not in effect.conditions:
         return
     c, d, gains = effect.conditions.index(_HUMAN_LIKE), effect.timing_d, 100 * np.expm1(_gains(effect)[_ASSUMED])
     best = int(d.argmax())
-    others = f"d′ {number(d[c])}, {_named(effect.conditions[best])} {number(d[best])}"
+    by_mechanics = f"contrast {signed(float(gains[c]), '%')}, d′ {number(d[c], 2)}"
+    if best != c:
+        by_mechanics += f" ({_named(effect.conditions[best])}: {number(d[best], 2)})"
+    verdict: Verdict = "holds" if best == c and gains[c] >= gains.max() else "does not hold"
+    found = _tested(results)
+    if found is not None:
+        estimate, raised, text = found
+        verdict = "holds" if raised else verdict
     yield Claim(
         "human_like_contrast",
-        "human-like stiffness tells specimens apart better, by contact mechanics",
+        "human-like stiffness tells specimens apart better",
         "better than rigid and constant",
-        f"contrast {signed(float(gains[c]), '%')}; {others}",
-        float(gains[c]),
-        "holds" if best == c and gains[c] >= gains.max() else "does not hold",
-        why="" if best == c else "Against errors of timing another stiffness is best.",
+        f"contrast {text}" if found else by_mechanics,
+        estimate if found else float(gains[c]),
+        verdict,
+        companion=f"by mechanics: {by_mechanics}" if found else "",
+        why="" if found else "By mechanics alone: mountings are too few to test it on the runs.",
     )
 
 
+def _tested(results: StudyResults) -> tuple[float, bool, str] | None:
+    """Change of the contrast in percent, whether it is raised, and both as text; None where mountings do not tell."""
+    tests = results.runs.discrimination if results.runs else None
+    for contrast in tests.contrasts if tests else ():
+        i = headline(contrast, tests.table.conditions) if tests else None
+        if contrast.measure == "slope" and i is not None and contrast.verdicts[i] != "cannot be told":
+            estimate = float(100 * np.expm1(contrast.changes.estimate[i]))
+            return estimate, contrast.verdicts[i] == "raises", change_percent(contrast.changes, i)
+    return None
+
+
 _TEXT = """
-<p>In contact mechanics the actuator acts through the duration of a press alone. Duration may change CASR by creep of
-sensor and specimen, by the number of frames that equation (2) as printed sums over, and by errors of the camera's
-timing. The table keeps these three ways apart.</p>
+<p>The actuator acts on contact mechanics through the duration of a press alone. Duration can change CASR in three ways:
+by creep, by the frames that equation (2) as printed sums over, and by errors of the camera's timing.</p>
 {{ table("stiffness_effect") }}
 <p>{% if small %}Creep changes the contrast by less than mountings scatter. {% endif %}
-{% if swaps %}Equation (2) follows the schedule: {{ pair[0] }} and {{ pair[1] }} change places when schedules are
-swapped. {% endif %}
+{% if swaps %}Equation (2) follows the schedule: swapped schedules swap {{ pair[0] }} and {{ pair[1] }}. {% endif %}
 {% if softest %}Against errors of timing the softest constant stiffness is best.{% endif %}</p>
 {{ folded("stiffness_would_be", "What would have to be true for the paper's claim") }}
-{{ folded("stiffness_needed", "Presses and mountings needed to see the change by creep") }}
 {{ folded("stiffness_measured", "The same in the runs of this study") }}
+{{ folded("stiffness_leak", "Swapped schedules") }}
+{{ folded("stiffness_needed", "Presses and mountings needed") }}
 {{ folded("stiffness_specimens", "Every specimen alone") }}
 """
 

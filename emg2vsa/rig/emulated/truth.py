@@ -34,6 +34,7 @@ class TrueLoading:
         asked = np.asarray(force_n, dtype=np.float64)
         if not self.force_n.size:
             return np.full(asked.shape, np.nan)
+        asked = np.where(asked > 0, asked, np.nan)
         log_area = np.interp(np.log(asked), np.log(self.force_n), np.log(self.area_mm2), left=np.nan, right=np.nan)
         return np.asarray(np.exp(log_area), dtype=np.float64)
 

@@ -191,7 +191,7 @@ class World:
     def _keep(self, touch: Touch) -> None:
         if touch.normal_n > 0:
             force_n, loading = self._probe.force_n(touch)[2], self.loadings[-1]
-            if not loading or force_n >= loading[-1][0] + LOADING_STEP_N:
+            if force_n >= (loading[-1][0] if loading else 0.0) + LOADING_STEP_N:
                 loading.append((force_n, touch))
 
     def _change_press(self) -> None:

@@ -93,7 +93,8 @@ class ControlCycle:
         readings = UNREAD
         try:
             self._look(now_s)
-            wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s)
+            growth_n_per_s = self._average.growth_per_s
+            wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s, growth_n_per_s)
             self._judge(force, wanted, now_s, late_s)
             if at_rest(wanted, now_s):
                 self._free(

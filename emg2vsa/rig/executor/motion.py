@@ -31,8 +31,10 @@ class Motion:
         return self.phase == "home" and self.depth_mm == 0
 
 
-def advance(motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed_s: float) -> Motion:
-    """The motion ``elapsed_s`` later, at ``now_s``.
+def advance(
+    motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed_s: float, growth_n_per_s: float = 0.0
+) -> Motion:
+    """The motion ``elapsed_s`` later, at ``now_s``. ``growth_n_per_s`` : of the force.
 
     Loading never goes back to an earlier force step: a softer spring lowers the force, and a step that followed it
     down would come and go at every edge. Retraction keeps the step that loading has reached.
@@ -51,7 +53,7 @@ def advance(motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed
             return _in_contact(motion, plan, force_n, now_s)
         case "load":
             step = max(motion.step, plan.step_at(force_n))
-            if force_n >= plan.f_max_n:
+            if force_n + plan.lead_s * max(0.0, growth_n_per_s) >= plan.f_max_n:
                 return replace(motion, phase="retract", since_s=now_s, step=step)
             return replace(motion, depth_mm=motion.depth_mm + moved_mm, step=step)
         case "pause":

@@ -60,7 +60,7 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         yield name, 0 < value < math.inf, "a number above 0", value
     for name, value in (("ramp_mm_per_s", plan.ramp_mm_per_s), ("rig's escape_mm_per_s", rig.escape_mm_per_s)):
         yield name, value <= rig.max_mm_per_s, f"at most rig.max_mm_per_s, {rig.max_mm_per_s:g}", value
-    for name, value in (("pause_s", plan.pause_s), ("contact_s", plan.contact_s)):
+    for name, value in (("pause_s", plan.pause_s), ("contact_s", plan.contact_s), ("lead_s", plan.lead_s)):
         yield name, 0 <= value < math.inf, "0 s or more", value
     low, high = plan.f_contact_n, rig.guards.force_n
     yield (

@@ -21,12 +21,20 @@ class MovingAverage:
     def __init__(self, n: int, rate_hz: float) -> None:
         self.n, self.rate_hz = n, rate_hz
         self._samples: deque[float] = deque(maxlen=n)
+        self._means: deque[float] = deque(maxlen=n + 1)
 
     def update(self, value: float) -> float:
         """The mean with this sample."""
         self._samples.append(value)
         # summed anew every time: a running sum would keep every rounding error, and a NaN for ever
-        return math.fsum(self._samples) / len(self._samples)
+        self._means.append(math.fsum(self._samples) / len(self._samples))
+        return self._means[-1]
+
+    @property
+    def growth_per_s(self) -> float:
+        """Of the mean, over the last ``n`` samples; 0 before there are two."""
+        steps = len(self._means) - 1
+        return (self._means[-1] - self._means[0]) * self.rate_hz / steps if steps > 0 else 0.0
 
     @property
     def delay_s(self) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Literal
@@ -65,11 +66,26 @@ def verdicts(folder: Path) -> dict[int, tuple[Verdict, str]]:
 
     Runs of version 0.1.0 have none. Half a last line is passed over; of two lines for a press the last holds.
     """
+    return dict(_verdicts(_rows(folder)))
+
+
+def peak_forces_n(folder: Path) -> dict[int, float]:
+    """Repetition to the largest force along the push axis, N, of the presses that are over; those of which the table
+    says no number are left out, as are all without a table."""
+    found = {}
+    for row in _rows(folder):
+        with contextlib.suppress(ValueError, TypeError, KeyError):
+            found[int(row["repetition"])] = float(row["peak_force_n"])
+    return found
+
+
+def _rows(folder: Path) -> list[dict[str, str]]:
+    """Whole lines of presses.csv."""
     try:
         text = (folder / PRESSES_FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
-        return {}
-    return dict(_verdicts(text[: text.rfind("\n") + 1]))
+        return []
+    return list(csv.DictReader(text[: text.rfind("\n") + 1].splitlines()))
 
 
 def largest_forces(folder: Path) -> tuple[float, float]:
@@ -82,8 +98,8 @@ def largest_forces(folder: Path) -> tuple[float, float]:
     return max((along for along, _ in peaks), default=0.0), max((across for _, across in peaks), default=0.0)
 
 
-def _verdicts(text: str) -> Iterator[tuple[int, tuple[Verdict, str]]]:
-    for row in csv.DictReader(text.splitlines()):
+def _verdicts(rows: Iterable[Mapping[str, str]]) -> Iterator[tuple[int, tuple[Verdict, str]]]:
+    for row in rows:
         number, verdict = row.get("repetition") or "", _VERDICTS.get(row.get("verdict") or "")
         if number.isdecimal() and verdict:
             yield int(number), (verdict, row.get("why") or "")

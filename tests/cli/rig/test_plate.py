@@ -23,7 +23,7 @@ name = "S3"
 """
 
 
-FAST = "[emulated]", "[plate]\nramp_mm_per_s = 5\npause_s = 0.1\n\n[emulated]"
+FAST = "[emulated]", "[plate]\nramp_mm_per_s = 5\npause_s = 0.1\n\n[emulated]\nworld = \"elastic\""
 
 
 @pytest.fixture

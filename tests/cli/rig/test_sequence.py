@@ -16,6 +16,7 @@ from emg2vsa.rig.record.new_folder import good_presses, how_ended
 
 Rig = Callable[..., tuple[int, str, str]]
 ALL = ("--all", "--virtual", "--jobs", 1)
+LISTED = ("--all", "--order", "listed")
 RUNS = ["S1_0_high-stiffness", "S3_0_high-stiffness", "S1_0_modular", "S3_0_modular", "S1_30_modular", "S3_30_modular"]
 
 
@@ -79,9 +80,9 @@ def test_runs_are_in_random_order_unless_the_rig_file_lists_them(
     other = rig("dry-run", rig_file(("[experiment]", "[experiment]\nseed = 1")), "--json")[1]
     assert json.loads(other)["seed"] == 1
     assert sorted(json.loads(other)["runs"]) == sorted(RUNS)
-    assert list(json.loads(other)["runs"]) != RANDOM
-    path = rig_file(("[experiment]", '[experiment]\norder = "listed"'), ("repetitions = 2", "repetitions = 1"))
-    assert list(json.loads(rig("dry-run", path, "--json")[1])["runs"]) == RUNS
+    assert json.loads(other)["sequence"] != RANDOM
+    path = rig_file(("repetitions = 2", 'repetitions = 1\norder = "listed"'))
+    assert json.loads(rig("dry-run", path, "--json")[1])["sequence"] == RUNS
     assert rig("run", path, *ALL)[0] == 0
     assert order_of(tmp_path / "runs-virtual") == RUNS
     status, _, err = rig("run", path, *ALL, "--seed", 1)
@@ -175,7 +176,7 @@ def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
     path = rig_file()
     bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 1), ("completed", 1), ("guard", 1))
     monkeypatch.setattr(run_sequence, "asdict", vars)
-    status, out, err = rig("run", path, "--all")
+    status, out, err = rig("run", path, *LISTED)
     assert status == 1
     assert bench.pressed == [
         ("S1_0_high-stiffness", 2, 1), ("S3_0_high-stiffness", 2, 2), ("S3_0_high-stiffness-2", 1, 2),
@@ -189,12 +190,12 @@ def test_rejected_presses_are_repeated_and_a_guard_ends_the_sequence(
     bench.pressed.clear()
     bench.asked.clear()
     bench.answers = ["what", "", "s", "q"]
-    assert rig("run", path, "--all")[0] == 1
+    assert rig("run", path, *LISTED)[0] == 1
     assert bench.pressed == [("S1_0_modular-2", 1, 3)]
     assert len(bench.asked) == 4
     assert bench.asked[0].startswith("3/6: put S1 at 0 degrees under the qbmove (modular), 1 presses. ")
 
-    assert rig("run", path, "--all", "--yes", "--json")[0] == 0
+    assert rig("run", path, *LISTED, "--yes", "--json")[0] == 0
     assert how_ended(path.parent / "runs" / "S3_30_modular") == "completed"
 
 
@@ -206,7 +207,7 @@ def test_a_probe_that_was_left_on_the_specimen_ends_the_sequence(
     path = rig_file()
     bench = Rigged(monkeypatch, ("completed", 2), ("rejected", 2, *left))
     monkeypatch.setattr(run_sequence, "asdict", vars)
-    status, _, err = rig("run", path, "--all", "--yes")
+    status, _, err = rig("run", path, *LISTED, "--yes")
     assert status == 1
     assert [name for name, *_ in bench.pressed] == ["S1_0_high-stiffness", "S3_0_high-stiffness"]
     assert "was left with the probe NOT retracted, or motors NOT confirmed off. " in err
@@ -218,7 +219,7 @@ def test_a_session_with_a_rejected_press_says_so_by_its_status(
 ) -> None:
     bench = Rigged(monkeypatch, ("rejected", 1))
     monkeypatch.setattr(run_sequence, "asdict", vars)
-    status, out, _ = rig("run", rig_file(), "--all", "--yes")
+    status, out, _ = rig("run", rig_file(), *LISTED, "--yes")
     assert (status, len(bench.pressed)) == (1, 7)
     assert out.startswith("6 of 6 runs are done")
 

@@ -20,9 +20,12 @@ from emg2vsa.rig.devices import Frame
 from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
+from emg2vsa.rig.executor.control_cycle import ControlCycle
+from emg2vsa.rig.executor.motion import Motion
 from emg2vsa.rig.plan import RunPlan
+from emg2vsa.rig.record.press_counts import peak_forces_n
 from emg2vsa.rig.record.run_log import Row
-from emg2vsa.rig.rig_settings import RigSettings
+from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 STARTED = datetime(2026, 3, 1, 9, 30, tzinfo=UTC)
 RIG = RigSettings()
@@ -46,6 +49,67 @@ def test_the_same_inputs_give_the_same_bytes(plan: Plan, tmp_path: Path) -> None
     assert first == again
     assert {name for name in first if first[name] != other[name]} >= {"log.csv", "press-002/frames.tif"}
     assert first["press-001/frames.tif"] != first["press-002/frames.tif"]
+
+
+@pytest.mark.parametrize(
+    ("condition", "world", "changes"),
+    [
+        ("modular", "viscoelastic", {}),
+        ("high-stiffness", "elastic", {"push_axis": (0.0, -0.6, 0.8), "record_full_rate_force": True}),
+        ("modular", "elastic", {"push_sign": -1, "home_ticks": 700, "rate_hz": 100.0}),
+        ("modular", "viscoelastic", {"guards": GuardSettings(contact_mm=2.5)}),
+        ("modular", "viscoelastic", {"guards": GuardSettings(following_ticks=40.0)}),
+    ],
+)
+def test_turns_off_contact_leave_the_same_run(
+    plan: Plan, tmp_path: Path, condition: str, world: str, changes: dict[str, object]
+) -> None:
+    """All files, byte for byte, as from a run in which every turn is a conversation; also where a guard ends it."""
+    rig, found = RigSettings(**changes), {}  # type: ignore[arg-type]
+    for exact in (True, False):
+        emulated = EmulatedSettings(exact=exact, world=world)  # type: ignore[arg-type]
+        run_plan = plan(condition, angle_deg=30.0, f_max_n=2.0, pause_s=0.3)
+        ended = run_virtual(run_plan, rig, emulated, tmp_path / str(exact), started=STARTED)
+        assert ended.how == ("guard" if "guards" in changes else "completed"), ended.why
+        found[exact] = files(tmp_path / str(exact))
+        assert found[exact].pop("emulated.json")
+    assert found[True] == found[False]
+    assert b",approach," in found[True]["log.csv"]
+
+
+def test_most_turns_off_contact_are_gone_through_together(
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full, turn = list[str](), ControlCycle.turn
+
+    def counted(cycle: ControlCycle, now_s: float, late_s: float) -> Motion:
+        motion = turn(cycle, now_s, late_s)
+        full.append(motion.phase)
+        return motion
+
+    monkeypatch.setattr(ControlCycle, "turn", counted)
+    run_virtual(plan(repetitions=1), RIG, EmulatedSettings(), tmp_path / "run", started=STARTED)
+    all_turns = [row.phase for row in read_log(tmp_path / "run" / "log.csv")]
+    assert full.count("load") == all_turns.count("load")
+    assert full.count("approach") < 0.3 * all_turns.count("approach")
+    assert full.count("pause") < 0.3 * all_turns.count("pause")
+
+
+@pytest.mark.parametrize("condition", ["high-stiffness", "modular"])
+def test_a_press_that_turns_back_earlier_ends_near_f_max(plan: Plan, tmp_path: Path, condition: str) -> None:
+    beyond_n = []
+    for lead_s in (0.0, 0.04):
+        folder = tmp_path / f"{lead_s}"
+        run_virtual(
+            plan(condition, specimen="S1", repetitions=1, lead_s=lead_s),
+            RIG,
+            EmulatedSettings(),
+            folder,
+            started=STARTED,
+        )
+        beyond_n.append(peak_forces_n(folder)[1] - 7.0)
+    assert beyond_n[0] > 0.6
+    assert -0.2 < beyond_n[1] < 0.35 * beyond_n[0]
 
 
 @pytest.mark.parametrize(

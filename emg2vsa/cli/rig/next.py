@@ -1,0 +1,177 @@
+"""``emg2vsa rig next``: which press of an unknown specimen would narrow its stiffness most."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from casr.command_line import Commands, add_command, add_json, print_json
+
+if TYPE_CHECKING:
+    from emg2vsa.calibration.next_press import Choice, Done
+    from emg2vsa.calibration.online import OnlineCalibration
+
+_SHOWN = 10
+_WIDEST = 100
+_KAPPA_FILE = "kappa.csv"
+"In the folder of a run whose presses were judged: a row for each frame."
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "next",
+        run,
+        "List the presses that would narrow the stiffness of an unknown specimen most.",
+        "The command weighs calibrations (stiffness preset and angle), numbers of presses and new mountings by the "
+        "information that they are expected to give. Exit status 0: a further press is worthwhile; 1: the width is "
+        "reached, or no press would narrow the interval by a tenth; 2: unusable input.",
+    )
+    parser.add_argument(
+        "calibration",
+        type=Path,
+        nargs="+",
+        metavar="CALIBRATION",
+        help="calibration files of emg2vsa run, for example reports/palpation/calibrations/modular_0.json",
+    )
+    parser.add_argument(
+        "--done",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="RUN",
+        help="folder of a run that judged presses of this specimen (rig run --calibration); one folder is one "
+        "mounting; may be repeated",
+    )
+    parser.add_argument(
+        "--presses",
+        type=_presses,
+        action="append",
+        default=[],
+        metavar="N",
+        help="number of presses to weigh; may be repeated (default 1, 2, 3, 5 and 10)",
+    )
+    parser.add_argument(
+        "--stop-at",
+        type=_share,
+        default=0.0,
+        metavar="PERCENT",
+        help="half width of the interval, as a percentage of kappa, at which no further press is needed",
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from emg2vsa.calibration.next_press import COUNTS, belief, next_press, options
+    from emg2vsa.calibration_file import open_calibration
+
+    calibrations = [open_calibration(path) for path in arguments.calibration]
+    done = _done(arguments.done, calibrations, arguments.calibration)
+    listed = options(calibrations, done, tuple(sorted(set(arguments.presses))) or COUNTS)
+    chosen = next_press(calibrations, done, arguments.stop_at)
+    names = [path.name for path in arguments.calibration]
+    believed = belief(calibrations, done)
+    low, high = believed.interval(calibrations[0].settings.confidence)
+    if arguments.json:
+        print_json(
+            {
+                "belief": {"kappa_n_per_mm": believed.middle, "low_n_per_mm": low, "high_n_per_mm": high},
+                "next": _document(chosen, names) if chosen else None,
+                "options": [_document(choice, names) for choice in listed],
+            }
+        )
+        return int(chosen is None)
+    print(f"kappa so far: {believed.middle:.3g} N/mm, from {low:.3g} to {high:.3g}")
+    print(f"{'calibration':<28}{'presses':>8}{'mounting':>10}{'half width after':>18}{'information, bits':>19}")
+    for choice in listed[:_SHOWN]:
+        print(
+            f"{names[choice.calibration]:<28}{choice.presses:>8}{'new' if choice.remount else 'same':>10}"
+            f"{f'{choice.half_width:.1%}':>18}{choice.bits:>19.2f}"
+        )
+    if chosen is None:
+        print("No further press is needed: the width is reached, or no press would narrow it by a tenth.")
+    else:
+        again = "Mount the specimen anew and press" if chosen.remount else "Press"
+        print(f"Next: {again} by {names[chosen.calibration]}. It gives the most information for each press.")
+    return int(chosen is None)
+
+
+def _document(choice: Choice, names: Sequence[str]) -> dict[str, Any]:
+    return asdict(choice) | {"calibration": names[choice.calibration]}
+
+
+def _share(text: str) -> float:
+    """``20`` or ``20%`` as 0.2."""
+    try:
+        percent = float(text.removesuffix("%"))
+    except ValueError:
+        percent = float("nan")
+    if not 0 < percent <= _WIDEST:
+        raise argparse.ArgumentTypeError(
+            f"expected a percentage of kappa above 0 and up to {_WIDEST}, such as 20, but found {text!r}"
+        )
+    return percent / 100
+
+
+def _presses(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 100:
+        raise argparse.ArgumentTypeError(f"expected a number of presses from 1 to 100, but found {text!r}")
+    return int(text)
+
+
+def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], paths: Sequence[Path]) -> dict[int, Done]:
+    """Presses so far, by calibration. DataError where a run fits none, or was not judged."""
+    from emg2vsa.calibration.next_press import Done
+    from emg2vsa.errors import DataError
+    from emg2vsa.rig.record.new_folder import PLAN_FILE
+
+    found: dict[int, Done] = {}
+    for folder in folders:
+        plan, rows = _plan(folder / PLAN_FILE), _last_rows(folder / _KAPPA_FILE)
+        place = float(plan["angle_deg"]), str(plan["condition"])
+        fitting = [i for i, each in enumerate(calibrations) if (each.angle_deg, each.condition) == place]
+        if not fitting:
+            there = ", ".join(path.name for path in paths)
+            do = "Give the calibration of this angle and condition too."
+            raise DataError(
+                folder, wanted=f"one of the calibrations {there}", found=f"{place[0]:g}°, {place[1]}", do=do
+            )
+        if not rows:
+            do = "Press with rig run --calibration."
+            raise DataError(folder / _KAPPA_FILE, wanted="presses that were judged", found="none", do=do)
+        before = found.get(fitting[0], Done())
+        kappa, low, cues = rows[-1]
+        if before.low > 0 and before.low / before.kappa > low / kappa:  # the narrower one counts
+            kappa, low, cues = before.kappa, before.low, before.cues
+        found[fitting[0]] = Done(before.presses + len(rows), before.mountings + 1, kappa, low, cues)
+    return found
+
+
+def _last_rows(path: Path) -> list[tuple[float, float, str]]:
+    """kappa, the lower end of its interval and the cues of the last row of each press that tells them."""
+    last: dict[str, tuple[float, float, str]] = {}
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                if row["kappa_n_per_mm"] and row["low_n_per_mm"]:
+                    told = float(row["kappa_n_per_mm"]), float(row["low_n_per_mm"]), row["cues"]
+                    last[row["repetition"]] = told
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+    return list(last.values())
+
+
+def _plan(path: Path) -> dict[str, Any]:
+    from emg2vsa.errors import DataError
+
+    try:
+        plan = json.loads(path.read_text(encoding="utf-8"))["plan"]
+        return {"angle_deg": float(plan["angle_deg"]), "condition": plan["condition"]}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        do = "Name the folder of a run that rig run made."
+        raise DataError(path, wanted="the plan of a run", found=str(error), do=do) from error
