@@ -85,7 +85,7 @@ def library_front(
     fits : of ``library_fits`` for these frames; None finds them.
     """
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
-    said = _views(flat_rest, camera)[1]
+    views, said = _views(flat_rest, camera)
     fits = library_fits(rest_px, pins_px, camera, library) if fits is None else fits
     best = min(fits, key=lambda fit: fit.misfit_px2[0])
     if (plain := _misfit(best, flat_pins)) > SHEARED_MISFIT:

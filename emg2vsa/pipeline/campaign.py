@@ -88,7 +88,7 @@ def campaign(study: Study) -> Campaign:
         f"version 0.1.0 made. Move them away from measured ones: emg2vsa clean {study.path} --move-virtual",
     )
     runs: dict[tuple[str, float, str], list[Path]] = {}
-    for run in rig.experiment.all_runs():
+    for run in sorted(rig.experiment.all_runs(), key=lambda run: run.mounting):
         runs.setdefault(run[:3], []).append(source.root / run.name)
     return Campaign(
         replace(study, runs=tuple(RunEntry(*cell, tuple(folders)) for cell, folders in runs.items())),

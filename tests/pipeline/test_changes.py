@@ -70,6 +70,17 @@ def test_stiffness_of_one_emulated_specimen_concerns_its_runs_and_what_stiffness
     assert steps["emulation/S1_0_modular"].reasons == ("setting emulated.stiffness_n_per_mm.S1: 7.63 -> 7.0",)
 
 
+def test_a_further_mounting_is_an_emulation_of_its_own(study: Path) -> None:
+    rig = study.parent / "rig.toml"
+    rig.write_text(rig.read_text().replace("repetitions = 2", "repetitions = 2\nmountings = 2"))
+    steps = look(study)
+    emulated = {step.item for step in steps.values() if step.stage == "emulation"}
+    scored = {step.item: step for step in steps.values() if step.stage == "runs"}
+    assert emulated == {*scored, *(f"{item}_mounting-2" for item in scored)}
+    assert {steps[f"emulation/{item}_mounting-2"].status for item in scored} == {"stale"}
+    assert all("setting folders: 1 -> 2" in step.reasons for step in scored.values())
+
+
 @pytest.fixture
 def hook(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, Callable[[int], None], Callable[[int], None]], None]:
     """Have something done before and after a stage runs, given how often it ran before."""

@@ -154,17 +154,18 @@ def _contrast_table(found: Discrimination) -> Table:
 
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
+    """What the section on mechanics says where there is one: it knows the emulated world."""
     found = tested(results)
-    for contrast in found.contrasts:
+    for contrast in found.contrasts if results.stiffness is None else ():
         i = headline(contrast, found.table.conditions)
         if contrast.measure == "slope" and i is not None:
             verdict = contrast.verdicts[i]
             yield Claim(
-                "human_like_measured",
-                "human-like stiffness raises the contrast of specimens, as measured",
-                "yes",
+                "human_like_contrast",
+                "human-like stiffness tells specimens apart better",
+                "better than rigid and constant",
                 f"{' : '.join(contrast.pairs[0])} {change_percent(contrast.changes, i)}",
-                float(contrast.changes.estimate[i]),
+                float(100 * np.expm1(contrast.changes.estimate[i])),
                 "holds" if verdict == "raises" else "does not hold" if verdict == "lowers" else "cannot be tested here",
                 why="" if verdict in ("raises", "lowers") else _WHY[verdict],
             )

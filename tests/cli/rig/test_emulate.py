@@ -109,6 +109,7 @@ def test_it_serves_until_quit(
         (("[emulated]\ngap_mm = 2\n", ""), (), "a table [emulated]"),
         (("", ""), ("--specimen", "S9"), "stiffness of the specimen"),
         (("", ""), ("--angle", "90"), "0 to below 90"),
+        (("[emulated]", '[emulated]\ncontrol = "P1"'), (), "a world that needs no schedule, but found P1"),
     ],
 )
 def test_what_cannot_be_emulated(

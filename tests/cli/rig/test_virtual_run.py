@@ -11,6 +11,7 @@ import pytest
 from benchmarks.rig.logs import read_log
 from emg2vsa.cli.rig import virtual_runs
 from emg2vsa.rig.record.new_folder import how_ended
+from emg2vsa.run_folders.presses import read_presses
 
 Rig = Callable[..., tuple[int, str, str]]
 RigFile = Callable[..., Path]
@@ -52,6 +53,19 @@ def test_all_runs_are_done_once(rig: Rig, rig_file: RigFile, tmp_path: Path) -> 
     ]
     assert [(runs / name / "log.csv").read_bytes() for name in names] == logs
     assert read_log(runs / "S3_0_high-stiffness" / "log.csv")[-1].preset_ticks == 0
+
+
+def test_every_mounting_has_a_folder_of_its_own(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
+    path, runs = rig_file(("repetitions = 2", "repetitions = 1\nmountings = 2")), tmp_path / "runs-virtual"
+    options = ("--virtual", "--specimen", "S3", "--angle", 0, "--condition", "high-stiffness")
+    status, out, err = rig("run", path, *options)
+    assert status == 0, err
+    names = ["S3_0_high-stiffness", "S3_0_high-stiffness_mounting-2"]
+    assert sorted(folder.name for folder in runs.iterdir()) == names
+    assert ("high-stiffness, 0 degrees (2)", "1") in [tuple(row.rsplit(maxsplit=1)) for row in out.splitlines()]
+    assert [press.mounting for press in read_presses([runs / name for name in names])] == [1, 2]
+    status, _, err = rig("run", path, *options, "--mounting", 3)
+    assert (status, "mounting: expected 1, 2, but found 3" in err) == (2, True)
 
 
 def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
