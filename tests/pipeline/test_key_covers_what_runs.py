@@ -28,6 +28,7 @@ STEPS = {
     "fits": "P01/S1",
     "pages": "P01",
     "hypotheses": "study",
+    "exemplary": "study",
     "profiles": "study",
     "schedules": "study",
     "stiffness": "study",
