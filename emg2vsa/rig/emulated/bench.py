@@ -220,7 +220,7 @@ class EmulatedRig:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            return [self._turned(self.world.force_n(time_s).tolist()) for time_s in times_s]
+            return [self._turned(force_n) for force_n in self.world.forces_n(times_s)]
 
     def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
         # plain numbers: three at a time are too few for arrays to pay

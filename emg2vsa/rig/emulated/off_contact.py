@@ -107,8 +107,8 @@ class OffContactCycle(ControlCycle):
     """The control loop of such a run.
 
     Turns are gone through together where the phase goes on, the forces of these turns and of those that the filter
-    remembers are far below contact and below every limit, and the motors need not be asked whether they are on. No
-    guard but that of the motors' way can speak in them: a turn in which another might is a full one.
+    remembers are far below contact and below every limit, and the motors say that they are on when asked. No guard but
+    that of the motors' way can speak in them: a turn in which another might is a full one.
 
     devices : of a bench, not exact. near : whether the probe is near the specimen.
     """
@@ -165,7 +165,7 @@ class OffContactCycle(ControlCycle):
         self._calm = self._calm + 1 if small and changed and record.status == 0 else 0
         if self._calm <= self._rig.filter_samples or now_s - time_s > limits.stale_s:
             return False
-        if now_s - self._asked_s >= limits.motors_every_s or now_s - self._frame_s > limits.camera_s:
+        if now_s - self._frame_s > limits.camera_s:
             return False
         wanted = advance(before, self._plan, 0.0, now_s, now_s - self._turned_s)
         if wanted.phase != before.phase or wanted.depth_mm > self._plan.travel_mm:
@@ -179,6 +179,11 @@ class OffContactCycle(ControlCycle):
             return False
         if before.phase == "approach" and self._rig.depth_at(at.shaft) > limits.contact_mm:
             return False
+        if now_s - self._asked_s >= limits.motors_every_s:
+            with ending("lost device"):
+                if not actuator.is_active():
+                    return False
+            self._asked_s = now_s
         if self._camera and self._camera.due_s <= now_s:
             self._write()  # rows of the turns before bear the number of the frame before
             self._look(now_s)
