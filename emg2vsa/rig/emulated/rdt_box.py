@@ -159,8 +159,10 @@ class RdtBox:
             noise, of_noise = next(self._noise)
             if any(load) or any(self._bias):
                 noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
-                # beyond 32 bits means far out of range, which the status tells
-                self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
+                counts = tuple(map(round, noisy))
+                if min(counts) < _LEAST or max(counts) > _MOST:  # far out of range, which the status tells
+                    counts = tuple([max(_LEAST, min(_MOST, count)) for count in counts])
+                self._counts = counts
             else:
                 self._counts = of_noise
         if self.faults.overflow:
