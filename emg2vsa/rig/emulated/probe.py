@@ -107,9 +107,9 @@ class Probe:
     def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
         """What holds the shaft back at the end of the step, N m, and its growth, N m/rad. The tilted guide takes the
         force across it."""
-        if shaft_rad <= self.touch_rad:
-            return 0.0, 0.0
         depth_mm = self._depth_mm(shaft_rad)
+        if depth_mm <= 0:
+            return 0.0, 0.0
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
         if not self.remembers:
             return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad

@@ -136,11 +136,11 @@ class RdtBox:
         free : nothing has touched the probe since the records before, so that one load stands for all."""
         if (stream := self._stream) is None:
             return []
-        times_s = []
+        times_s, divisor = [], self.settings.divisor
         while stream.next_s <= time_s + 1e-9 and stream.left:
             times_s.append(stream.next_s)
             stream.left -= 1
-            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + self.settings.divisor) / INTERNAL_RATE_HZ
+            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + divisor) / INTERNAL_RATE_HZ
         if not times_s:
             return []
         stream.last_s = times_s[-1]
