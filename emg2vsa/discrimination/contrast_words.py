@@ -17,7 +17,7 @@ _NAMES = {HUMAN_LIKE: "human-like stiffness", RIGID: "the rigid motor"}
 def contrast_words(found: Discrimination) -> list[str]:
     """Sentences that are true of the runs; none where nothing was compared."""
     said = [line for contrast in found.contrasts for line in _of_measure(found, contrast)]
-    return [*said, *_leak(found), *_gaps(found)] if said else []
+    return [*said, *schedule_words(found), *_gaps(found)] if said else []
 
 
 def change_percent(of: Estimates, i: int) -> str:
@@ -74,7 +74,7 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
         yield f"Also by this measure: {'; '.join(others)}."
 
 
-def _leak(found: Discrimination) -> Iterator[str]:
+def schedule_words(found: Discrimination) -> Iterator[str]:
     """Whether an effect follows the specimen or its schedule."""
     effects = [c for c in found.contrasts if any(verdict in ("raises", "lowers") for verdict in c.verdicts)]
     pressed_with = {name: found.schedule_of.get(name, name) for name in found.table.specimens}
