@@ -119,7 +119,7 @@ def _gaps(found: Discrimination) -> Iterator[str]:
     if len(by_gap) > 1:
         told = ", ".join(f"{table.conditions[i]} {compared.gaps.gap[i]:.1f}" for i in by_gap)
         stiffer, softer = compared.pair
-        yield f"Distance of {stiffer} and {softer} in SDs of a press, by condition: {told}."
+        yield f"CASR of {softer} less that of {stiffer}, in SDs of a press, by condition: {told}."
 
 
 def _pair(contrast: Contrast, place: int) -> str:

@@ -20,7 +20,7 @@ from emg2vsa.rig.force.moving_average import MovingAverage
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
 _OLD, _NEW = "circle", "paper"
 _CONSTANT = ("constant-min", "constant-mean", "constant-max")
-_NOT_PRESSED = "No run of this condition and angle was scored."
+_NOT_PRESSED = "Accepted presses are missing."
 _POWERLESS = "Neighbours cannot reach significance."
 _PARTLY = "Not every angle was tested."
 _UNTESTED: Verdict = "cannot be tested here"

@@ -316,7 +316,7 @@ _TEXT = """
 <p>In contact mechanics the actuator's stiffness changes the duration of a press alone. Duration can change CASR by
 creep, by the frames that equation (2) as printed sums over, and by errors of the camera's timing. Creep changes the
 contrast by {{ creep_percent | number(2) }} % at most; mountings scatter by {{ mounting_percent | number(2) }} % (SD).
-{% if swaps %}Equation (2) follows the schedule: swapped schedules swap {{ pair[0] }} and {{ pair[1] }}.{% endif %}
+{% if swaps %}Equation (2) follows the schedule: swapped schedules swap {{ pair[0] }} and {{ pair[1] }}. {% endif %}
 {% if softest %}Against errors of timing the softest constant stiffness is best.{% endif %}</p>
 {{ folded("stiffness_effect", "What stiffness can do, by condition") }}
 {{ folded("stiffness_would_be", "What would have to be true for the paper's claim") }}
