@@ -98,6 +98,7 @@ def schedule_words(found: Discrimination) -> Iterator[str]:
 def _order(found: Discrimination, contrast: Contrast) -> str:
     """Whether a measure ranks specimens by their stiffness although the schedules are swapped."""
     said: list[str] = []
+    rigid = found.table.of_condition(RIGID)
     for k, (softer, stiffer) in enumerate(contrast.pairs):
         level = found.table.of_condition(HUMAN_LIKE)[0] * len(contrast.pairs) + k
         _, low, high = contrast.levels.at(level)
@@ -105,7 +106,10 @@ def _order(found: Discrimination, contrast: Contrast) -> str:
         if low > 0:
             said.append(f"keeps the order of {stiffer} and {softer} ({ratio}), as the specimens have it")
         elif high < 0:
-            said.append(f"reverses {stiffer} and {softer} ({ratio}): it follows the schedule, not the specimen")
+            by_rigid = contrast.levels.at(rigid[0] * len(contrast.pairs) + k)[0] if rigid else np.nan
+            why = ": it follows the schedule, not the specimen" if by_rigid > 0 else ""
+            why = ", and so does the rigid motor, which follows no schedule" if by_rigid <= 0 else why
+            said.append(f"reverses {stiffer} and {softer} ({ratio}){why}")
         else:
             said.append(f"does not tell {stiffer} and {softer} apart ({ratio})")
     return f"Under human-like stiffness {_MEASURES[contrast.measure]} {'; it '.join(said)}."

@@ -239,6 +239,7 @@ def _fit(
     )
     printed = min(paper.WORST_ADJ_R2[condition] for condition in conditions)
     known = bool(np.isfinite(r2).all())
+    refuted = float(r2.min()) < printed
     return Claim(
         f"kappa_fit_{key}",
         f"an exponential law gives κ, {what}",
@@ -249,7 +250,9 @@ def _fit(
         companion=f"by {own}: {bounded(float(companion.min()))}"
         if own != _NEW and np.isfinite(companion).all()
         else "",
-        why=(not_tested(missing) or _undetermined(q, designs)) if known else "Not every design gives a law.",
+        why=("" if refuted else not_tested(missing) or _undetermined(q, designs))
+        if known
+        else "Not every design gives a law.",
     )
 
 
@@ -268,7 +271,7 @@ def _error(
         float(np.abs(here).max()),
         _verdict(known and not (small and undetermined), small),
         companion=f"by {own}: {_percents(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-        why=undetermined if known else _no_kappa(q),
+        why=("" if not small else undetermined) if known else _no_kappa(q),
     )
 
 
@@ -310,18 +313,17 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         mine = _reduction(
             q, (before[0], swap.get(before[1], before[1])), (after[0], swap.get(after[1], after[1])), angles, "error"
         )
-        known = bool(np.isfinite(here).all())
+        known, smaller = bool(np.isfinite(here).all()), bool((here > 0).all())
+        designs = [(c, angle) for c in {before[0]: None, after[0]: None} for angle in angles]
         yield Claim(
             f"reduction_{key}",
             f"{says}, {'/'.join(f'{angle:g}' for angle in angles)}°",
             printed,
             _points(here) if known else "not defined",
             float(here.min()),
-            _verdict(known, bool((here > 0).all())),
+            _verdict(known, smaller),
             companion=f"by {own}: {_points(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-            why=_undetermined(q, [(c, angle) for c in {before[0], after[0]} for angle in angles])
-            if known
-            else _no_kappa(q),
+            why=("" if not smaller else _undetermined(q, designs)) if known else _no_kappa(q),
         )
     yield _levels(q)
 
