@@ -314,7 +314,9 @@ def _tested(results: StudyResults) -> tuple[float, bool, str] | None:
 
 _TEXT = """
 <p>In contact mechanics the actuator's stiffness changes the duration of a press alone. Duration changes CASR by creep,
-by the frames that equation (2) sums over, and by errors of the camera's timing. Creep changes the contrast by {{ creep_percent | number(2) }} % at most{% if small %}, less than mountings scatter ({{ mounting_percent | number(2) }} % SD){% endif %}.
+by the frames that equation (2) sums over, and by errors of the camera's timing.
+Creep changes the contrast by {{ creep_percent | number(2) }} % at most{% if small %}, less than mountings scatter
+({{ mounting_percent | number(2) }} % SD){% endif %}.
 {% if swaps %}Equation (2) follows the schedule: swapped schedules swap {{ pair[0] }} and {{ pair[1] }}. {% endif %}
 {% if softest %}Against errors of timing the softest constant stiffness is best.{% endif %}</p>
 {{ folded("stiffness_effect", "What stiffness can do, by condition") }}
