@@ -110,15 +110,16 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         p, holm = _of(q, names), _of(q, [f"{name}.holm" for name in names])
         known, missing = bool(np.isfinite(p).all()), _missing(results, designs)
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
+        powerless = known and _largest(p) >= alpha and _neighbours_bound(results, known_only=True) >= alpha
         yield Claim(
             key,
             f"CASR tells specimens apart, {says} (Dunn)",
             f"worst p = {', '.join(printed)}",
             p_text(_largest(p)) if known else "not tested",
             _largest(p),
-            _on_all(known, bool((p < alpha).all()), missing),
+            _on_all(known and not powerless, bool((p < alpha).all()), missing),
             companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
-            why=not_tested(missing) if known else _NOT_PRESSED,
+            why=_POWERLESS if powerless else not_tested(missing) if known else _NOT_PRESSED,
         )
     yield _order(results, q, 10, _RIGID, "rigid motor")
     yield _order(results, q, 12, _HUMAN_LIKE, "human-like stiffness")
@@ -168,11 +169,15 @@ def _discriminated(results: StudyResults, q: Quantities) -> Claim:
     )
 
 
-def _neighbours_bound(results: StudyResults) -> float:
-    """The least p that the paper's test can give neighbours among all specimens; NaN where their presses differ."""
+def _neighbours_bound(results: StudyResults, known_only: bool = False) -> float:
+    """The least p that the paper's test can give neighbours among all specimens, or those of known stiffness alone.
+
+    NaN where their presses differ in number.
+    """
     assert results.pressed.discrimination is not None
     table = results.pressed.discrimination.table
-    bounds = dunn_bounds(np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0])
+    presses = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0]
+    bounds = dunn_bounds(presses[table.known] if known_only else presses)
     return bounds[1] if bounds else np.nan
 
 
