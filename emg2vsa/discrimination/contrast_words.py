@@ -17,7 +17,7 @@ _NAMES = {HUMAN_LIKE: "human-like stiffness", RIGID: "the rigid motor"}
 def contrast_words(found: Discrimination) -> list[str]:
     """Sentences that are true of the runs; none where nothing was compared."""
     said = [line for contrast in found.contrasts for line in _of_measure(found, contrast)]
-    return [*said, *_leak(found), *_gaps(found)] if said else []
+    return [*said, *schedule_words(found), *_gaps(found)] if said else []
 
 
 def change_percent(of: Estimates, i: int) -> str:
@@ -74,7 +74,7 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
         yield f"Also by this measure: {'; '.join(others)}."
 
 
-def _leak(found: Discrimination) -> Iterator[str]:
+def schedule_words(found: Discrimination) -> Iterator[str]:
     """Whether an effect follows the specimen or its schedule."""
     effects = [c for c in found.contrasts if any(verdict in ("raises", "lowers") for verdict in c.verdicts)]
     pressed_with = {name: found.schedule_of.get(name, name) for name in found.table.specimens}
@@ -98,6 +98,7 @@ def _leak(found: Discrimination) -> Iterator[str]:
 def _order(found: Discrimination, contrast: Contrast) -> str:
     """Whether a measure ranks specimens by their stiffness although the schedules are swapped."""
     said: list[str] = []
+    rigid = found.table.of_condition(RIGID)
     for k, (softer, stiffer) in enumerate(contrast.pairs):
         level = found.table.of_condition(HUMAN_LIKE)[0] * len(contrast.pairs) + k
         _, low, high = contrast.levels.at(level)
@@ -105,7 +106,10 @@ def _order(found: Discrimination, contrast: Contrast) -> str:
         if low > 0:
             said.append(f"keeps the order of {stiffer} and {softer} ({ratio}), as the specimens have it")
         elif high < 0:
-            said.append(f"reverses {stiffer} and {softer} ({ratio}): it follows the schedule, not the specimen")
+            by_rigid = contrast.levels.at(rigid[0] * len(contrast.pairs) + k)[0] if rigid else np.nan
+            why = ": it follows the schedule, not the specimen" if by_rigid > 0 else ""
+            why = ", and so does the rigid motor, which follows no schedule" if by_rigid <= 0 else why
+            said.append(f"reverses {stiffer} and {softer} ({ratio}){why}")
         else:
             said.append(f"does not tell {stiffer} and {softer} apart ({ratio})")
     return f"Under human-like stiffness {_MEASURES[contrast.measure]} {'; it '.join(said)}."
@@ -119,7 +123,7 @@ def _gaps(found: Discrimination) -> Iterator[str]:
     if len(by_gap) > 1:
         told = ", ".join(f"{table.conditions[i]} {compared.gaps.gap[i]:.1f}" for i in by_gap)
         stiffer, softer = compared.pair
-        yield f"Distance of {stiffer} and {softer} in SDs of a press, by condition: {told}."
+        yield f"CASR of {softer} less that of {stiffer}, in SDs of a press, by condition: {told}."
 
 
 def _pair(contrast: Contrast, place: int) -> str:

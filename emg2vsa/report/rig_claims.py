@@ -14,13 +14,13 @@ from emg2vsa.report import paper
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested, verdict_of_all
 from emg2vsa.report.verdicts import dunn_bounds
-from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, listed, number, p_text, percent, signed
+from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, number, p_text, signed
 from emg2vsa.rig.force.moving_average import MovingAverage
 
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
 _OLD, _NEW = "circle", "paper"
 _CONSTANT = ("constant-min", "constant-mean", "constant-max")
-_NOT_PRESSED = "No run of this condition and angle was scored."
+_NOT_PRESSED = "Accepted presses are missing."
 _POWERLESS = "Neighbours cannot reach significance."
 _PARTLY = "Not every angle was tested."
 _UNTESTED: Verdict = "cannot be tested here"
@@ -67,12 +67,12 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     missing = _missing(results, [(_RIGID, angle) for angle in angles])
     yield Claim(
         "area_same_on_specimens",
-        "the initial area is the same on all specimens (Kruskal-Wallis)",
+        "initial area is the same on all specimens (Kruskal-Wallis)",
         f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
         p_text(float(p.min())) if known else "not tested",
         float(p.min()),
         _on_all(known, bool((p >= alpha).all()), missing),
-        companion=f"softest over stiffest: up to {ratio.max():.2f}" if known else "",
+        companion=f"softest : stiffest up to {ratio.max():.2f}" if known else "",
         why=not_tested(missing) if known else _NOT_PRESSED,
     )
     worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
@@ -80,12 +80,12 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     alone = [key for key in alone if key != f"runs.{_RIGID}.area.angles.worst_p"]
     yield Claim(
         "area_changes_with_angle",
-        "the initial area differs between all angles (Dunn)",
+        "initial area differs between all angles (Dunn)",
         f"worst p = {_power(paper.AREA_ANGLES_WORST_P)}",
         p_text(worst) if worst == worst else "not tested",
         worst,
         _on_all(worst == worst, worst < alpha, missing),
-        companion=f"each specimen alone: {p_text(_largest(_of(q, alone)))}" if alone else "",
+        companion=f"specimens alone: {p_text(_largest(_of(q, alone)))}" if alone else "",
         why=(not_tested(missing) or "Pooling mixes specimens.") if worst == worst else _NOT_PRESSED,
     )
 
@@ -101,26 +101,27 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """Does CASR tell the specimens apart?"""
     alpha = results.study.discrimination.alpha
     for key, says, conditions in (
-        ("casr_rigid", "the rigid motor", (_RIGID,)),
-        ("casr_human_like", "the human-like profile", (_HUMAN_LIKE,)),
-        ("casr_constant", "a constant stiffness", _CONSTANT),
+        ("casr_rigid", "rigid motor", (_RIGID,)),
+        ("casr_human_like", "human-like stiffness", (_HUMAN_LIKE,)),
+        ("casr_constant", "constant stiffness", _CONSTANT),
     ):
         designs = [design for design in paper.CASR_WORST_P if design[0] in conditions]
         names = [f"runs.{condition}.{angle:g}.casr.worst_p" for condition, angle in designs]
         p, holm = _of(q, names), _of(q, [f"{name}.holm" for name in names])
         known, missing = bool(np.isfinite(p).all()), _missing(results, designs)
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
+        powerless = known and _largest(p) >= alpha and _neighbours_bound(results, known_only=True) >= alpha
         yield Claim(
             key,
-            f"CASR tells specimens apart with {says} (Dunn)",
+            f"CASR tells specimens apart, {says} (Dunn)",
             f"worst p = {', '.join(printed)}",
             p_text(_largest(p)) if known else "not tested",
             _largest(p),
-            _on_all(known, bool((p < alpha).all()), missing),
+            _on_all(known and not powerless, bool((p < alpha).all()), missing),
             companion=f"Mann-Whitney: {p_text(_largest(holm))}" if known else "",
-            why=not_tested(missing) if known else _NOT_PRESSED,
+            why=_POWERLESS if powerless else not_tested(missing) if known else _NOT_PRESSED,
         )
-    yield _order(results, q, 10, _RIGID, "the rigid motor")
+    yield _order(results, q, 10, _RIGID, "rigid motor")
     yield _order(results, q, 12, _HUMAN_LIKE, "human-like stiffness")
     yield from _new_specimen(results, q, alpha)
     yield _discriminated(results, q)
@@ -136,7 +137,7 @@ def _order(results: StudyResults, q: Quantities, figure: int, condition: str, sa
     new = results.study.profile.new_specimen or "the new specimen"
     return Claim(
         f"fig{figure}_order",
-        f"CASR rises with softness, {new} in its place, with {says} (Fig. {figure})",
+        f"CASR rises with softness, {new} in its place, {says}",
         f"{len(designs)} of {len(designs)} angles",
         f"{right} of {len(known)} angles" if known else "not tested",
         right if known else np.nan,
@@ -158,7 +159,7 @@ def _discriminated(results: StudyResults, q: Quantities) -> Claim:
     new = results.study.profile.new_specimen or "the new specimen"
     return Claim(
         "fig13_new_specimen",
-        f"at the mean and the highest stiffness, {new} is told from its neighbours (Dunn, Fig. 13)",
+        f"mean and highest stiffness tell {new} from its neighbours (Dunn)",
         "told apart",
         p_text(worst) if known else "not tested",
         worst,
@@ -168,11 +169,15 @@ def _discriminated(results: StudyResults, q: Quantities) -> Claim:
     )
 
 
-def _neighbours_bound(results: StudyResults) -> float:
-    """The least p that the paper's test can give neighbours among all specimens; NaN where their presses differ."""
+def _neighbours_bound(results: StudyResults, known_only: bool = False) -> float:
+    """The least p that the paper's test can give neighbours among all specimens, or those of known stiffness alone.
+
+    NaN where their presses differ in number.
+    """
     assert results.pressed.discrimination is not None
     table = results.pressed.discrimination.table
-    bounds = dunn_bounds(np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0])
+    presses = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0]
+    bounds = dunn_bounds(presses[table.known] if known_only else presses)
     return bounds[1] if bounds else np.nan
 
 
@@ -183,7 +188,7 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
     new = results.study.profile.new_specimen or "the new specimen"
     yield Claim(
         "new_specimen_at_minimum",
-        f"at the lowest stiffness, {new} is not told from its stiffer neighbour (Dunn, Fig. 13)",
+        f"lowest stiffness does not tell {new} from its stiffer neighbour (Dunn)",
         f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
         p_text(dunn) if known else "not tested",
         dunn,
@@ -197,9 +202,9 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """How well is the stiffness of the new specimen found?"""
     own = results.study.scoring.algorithm
     for key, what, conditions, printed in (
-        ("rigid", "the rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
-        ("human_like", "the human-like profile", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),
-        ("constant", "a constant stiffness", tuple(paper.ERROR_CONSTANT), None),
+        ("rigid", "rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
+        ("human_like", "human-like stiffness", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),
+        ("constant", "constant stiffness", tuple(paper.ERROR_CONSTANT), None),
     ):
         designs = (
             [(conditions[0], angle) for angle in printed] if printed else [(condition, 0.0) for condition in conditions]
@@ -239,17 +244,20 @@ def _fit(
     )
     printed = min(paper.WORST_ADJ_R2[condition] for condition in conditions)
     known = bool(np.isfinite(r2).all())
+    refuted = float(r2.min()) < printed
     return Claim(
         f"kappa_fit_{key}",
-        f"an exponential law gives κ from CASR with {what}",
-        f"worst adjusted R² {bounded(printed, 4)}",
+        f"an exponential law gives κ, {what}",
+        f"adj. R² ≥ {bounded(printed, 4)}",
         bounded(float(r2.min())) if known else "not defined",
         float(r2.min()),
         _on_all(known, float(r2.min()) >= printed, missing),
         companion=f"by {own}: {bounded(float(companion.min()))}"
         if own != _NEW and np.isfinite(companion).all()
         else "",
-        why=(not_tested(missing) or _undetermined(q, designs)) if known else "Not every design gives a law.",
+        why=("" if refuted else not_tested(missing) or _undetermined(q, designs))
+        if known
+        else "Not every design gives a law.",
     )
 
 
@@ -262,16 +270,18 @@ def _error(
     small = bool((np.abs(here) < np.array(printed) + _ROUNDED).all())
     return Claim(
         f"kappa_error_{key}",
-        f"the error of κ is small with {what}",
-        ", ".join(percent(error, 2) for error in printed),
-        ", ".join(signed(100 * error, "%") for error in here) if known else "not defined",
+        f"the error of κ is small, {what}",
+        f"{', '.join(number(100 * error, 2) for error in printed)}{NO_BREAK}%",
+        _percents(here) if known else "not defined",
         float(np.abs(here).max()),
         _verdict(known and not (small and undetermined), small),
-        companion=f"by {own}: {', '.join(signed(100 * error, '%') for error in mine)}"
-        if own != _NEW and np.isfinite(mine).all()
-        else "",
-        why=undetermined if known else _no_kappa(q),
+        companion=f"by {own}: {_percents(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
+        why=("" if not small else undetermined) if known else _no_kappa(q),
     )
+
+
+def _percents(errors: np.ndarray) -> str:
+    return f"{', '.join(signed(100 * error) for error in errors.tolist())}{NO_BREAK}%"
 
 
 def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
@@ -279,7 +289,7 @@ def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
     found = [bool(q.get(f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.determined", True)) for c, angle in designs]
     if all(found):
         return ""
-    return f"Not determined in {found.count(False)} of {len(found)} designs."
+    return f"Determined in {found.count(True)} of {len(found)} designs."
 
 
 def _no_kappa(q: Quantities) -> str:
@@ -295,12 +305,12 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """The Discussion: by how many percentage points each step makes the error of κ smaller."""
     own = results.study.scoring.algorithm
     steps = (
-        ("vision", "hexagons in place of the circle cut the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
-         "18 and 15 points"),
+        ("vision", "hexagons, not the circle, cut the error of κ", (_RIGID, _OLD), (_RIGID, _NEW), (30.0, 45.0),
+         "18, 15 points"),
         ("human_like", "human-like stiffness cuts it further", (_RIGID, _NEW), (_HUMAN_LIKE, _NEW), (30.0, 45.0),
-         "4 and 9 points"),
+         "4, 9 points"),
         ("both", "both together cut it", (_RIGID, _OLD), (_HUMAN_LIKE, _NEW), (0.0, 30.0, 45.0),
-         f"3 (50{NO_BREAK}%), 22 and 24 points"),
+         f"3 (50{NO_BREAK}%), 22, 24 points"),
     )  # fmt: skip
     for key, says, before, after, angles, printed in steps:
         here = _reduction(q, before, after, angles, "paper_law.error")
@@ -308,18 +318,17 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         mine = _reduction(
             q, (before[0], swap.get(before[1], before[1])), (after[0], swap.get(after[1], after[1])), angles, "error"
         )
-        known = bool(np.isfinite(here).all())
+        known, smaller = bool(np.isfinite(here).all()), bool((here > 0).all())
+        designs = [(c, angle) for c in {before[0]: None, after[0]: None} for angle in angles]
         yield Claim(
             f"reduction_{key}",
-            f"{says} at {listed([f'{angle:g}°' for angle in angles])}",
+            f"{says}, {'/'.join(f'{angle:g}' for angle in angles)}°",
             printed,
             _points(here) if known else "not defined",
             float(here.min()),
-            _verdict(known, bool((here > 0).all())),
+            _verdict(known, smaller),
             companion=f"by {own}: {_points(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-            why=_undetermined(q, [(c, angle) for c in {before[0], after[0]} for angle in angles])
-            if known
-            else _no_kappa(q),
+            why=("" if not smaller else _undetermined(q, designs)) if known else _no_kappa(q),
         )
     yield _levels(q)
 
@@ -336,7 +345,7 @@ def _reduction(
 
 
 def _points(values: np.ndarray) -> str:
-    return f"{listed([signed(value) for value in values.tolist()])} points"
+    return f"{', '.join(signed(value) for value in values.tolist())} points"
 
 
 def _levels(q: Quantities) -> Claim:
@@ -346,7 +355,7 @@ def _levels(q: Quantities) -> Claim:
     undecided = verdicts.count("undecided")
     return Claim(
         "constant_levels",
-        "the whole profile tells specimens apart better than one stiffness",
+        "the profile tells specimens apart better than one stiffness",
         "3 of 3 levels",
         f"{better} of 3 better, {undecided} undecided" if known else "not tested",
         better if known else np.nan,

@@ -101,6 +101,23 @@ def test_the_report_has_section_six_and_says_that_it_is_simulated(pressed):
     assert "kappa" in text
 
 
+@pytest.mark.slow
+def test_paper_mode_ends_with_a_report_that_says_what_ran(copy, capsys):
+    """The presses stay; they are scored, tested and calibrated as the paper did."""
+    text = copy.read_text()
+    copy.write_text(re.sub(r'mode = "default"', 'mode = "paper"', text) if "mode =" in text else
+                    text.replace("[study]\n", '[study]\nmode = "paper"\n', 1))  # fmt: skip
+    run(copy, capsys)
+    reports = copy.parents[2] / "reports" / "small"
+    found = json.loads((reports / "results.json").read_text())
+    page = (reports / "index.html").read_text()
+    assert "settings: paper mode" in page
+    assert "By paper, \N{GREEK SMALL LETTER KAPPA} is determined in" in page
+    areas = {key: value for key, value in found.items() if key.endswith(".start_area_mm2.mean")}
+    assert {key.split(".")[1] for key in areas} == {"high-stiffness", "modular"}
+    assert all(0 < area < 1253.6 for area in areas.values() if area is not None)  # at most that of the pin array
+
+
 def test_nothing_changed_nothing_runs_and_nothing_heavy_is_loaded(copy, capsys):
     run(copy, capsys)
     program = (

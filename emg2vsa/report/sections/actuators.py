@@ -8,7 +8,7 @@ import numpy as np
 
 from emg2vsa.discrimination.conditions import ConditionComparison
 from emg2vsa.discrimination.contrast import Contrast
-from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, headline
+from emg2vsa.discrimination.contrast_words import change_percent, contrast_words, headline, schedule_words
 from emg2vsa.discrimination.discriminate import Discrimination
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable
 from emg2vsa.figures.casr_rates import ConditionBoxes, draw_conditions
@@ -209,26 +209,17 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
 
 
 _TEXT = """
-<p>A gap is Hedges' g, the difference of mean CASR of two specimens over the SD of their presses; the pair is chosen
-once over all conditions. {% if fewest < 2 %}Every condition is a mounting of its own: the interval of the difference
-assumes an SD of {{ mounting_sd_percent | number(2) }} % of CASR from mounting to mounting, and those of the gaps do not
-include it.{% endif %}</p>
-{% if said %}<p>{{ said[0] }}</p>
-{% endif %}
+<p>{{ (said + of_schedules) | join(" ") }}</p>
 {{ folded("contrasts", "Contrast of specimens under every condition, tested over mountings") }}
 {{ folded("conditions_compared", "Human-like stiffness against every other condition") }}
 {{ folded("conditions", "Every condition alone") }}
-{{ figure("fig14_conditions") }}
+{{ folded("fig14_conditions", "Figure 14: CASR with the rigid motor and human-like stiffness") }}
 """
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     found = tested(results)
-    return {
-        "mounting_sd_percent": results.study.calibration.mounting_sd_percent,
-        "fewest": min((int(contrast.mountings.min()) for contrast in found.contrasts), default=0),
-        "said": contrast_words(found),
-    }
+    return {"said": contrast_words(found)[:1], "of_schedules": list(schedule_words(found))}
 
 
 ACTUATORS = Section(

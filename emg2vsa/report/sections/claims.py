@@ -33,11 +33,13 @@ COLUMNS = (
 
 
 def claims_tables(claims: Mapping[str, Sequence[Claim]]) -> Iterator[Table]:
-    """All claims in the order of their sections, each with a link to its own; people see those on results first."""
+    """All claims in the order of their sections, each with a link to its own; people see those with a result first."""
     every = [(name, claim) for name, of_section in claims.items() for claim in of_section]
     results = [each for each in every if each[1].key not in NOT_RESULTS]
     caption = "Quantitative claims of the paper beside this study"
-    yield _table("claims", caption, every, shown=results)
+    untested = [each for each in results if each[1].verdict == "cannot be tested here"]
+    yield _table("claims", caption, every, shown=[each for each in results if each not in untested])
+    yield _table("claims_untested", "Claims that cannot be tested here, and why", untested, untested)
     others = [each for each in every if each[1].key in NOT_RESULTS]
     yield _table("claims_on_settings", "Claims on settings and arithmetic, which no data can change", others, others)
 
@@ -181,6 +183,7 @@ _TEXT = """
 {% if table("claims") %}
 {{ table("claims") }}
 <p class="small">“Here” is the paper's own test or definition; a companion fits the question better.</p>
+{{ folded("claims_untested", "Claims that cannot be tested here") }}
 {{ folded("claims_on_settings", "Claims on settings and arithmetic") }}
 {% endif %}
 """

@@ -206,7 +206,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     yield Claim(
         "plate_r2",
         "a straight line describes every plate indentation",
-        "worst adjusted R² .882",
+        "adj. R² ≥ .882",
         bounded(worst),
         worst,
         verdict_of_all(worst < 0.882, not unknown),
@@ -221,7 +221,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     yield Claim(
         "log_fit_r2",
         "the law a + b ln F describes every press",
-        "worst adjusted R² .832",
+        "adj. R² ≥ .832",
         bounded(r2),
         r2,
         verdict_of_all(r2 < 0.832, used == asked),
@@ -252,7 +252,7 @@ def _asked(results: StudyResults) -> int:
 
 
 def _short(n: int, asked: int, did: str) -> str:
-    return f"Only {n} of the {asked} presses asked for {did}." if asked else "Presses of some recordings are missing."
+    return f"{n} of {asked} presses {did}." if asked else "Presses of some recordings are missing."
 
 
 _TEXT = """

@@ -28,7 +28,8 @@ TERMS: tuple[tuple[str, str], ...] = (
         "circle, edge, front, hexagon, paper",
         "vision algorithms that measure the contact area: the circle through the outermost moving pin (the "
         "paper's old algorithm), the fold of the pins' motion, the contact front in every frame, one hexagon per "
-        "moving pin (the paper's new algorithm), and Algorithm 1 to the letter",
+        "moving pin with our laws, and the paper's new algorithm with its own force rule and equations (in paper mode "
+        "with its dense flow too)",
     ),
     ("cluster", "the slopes b of one participant on one specimen"),
     (

@@ -361,7 +361,7 @@ def _gaussian(found: Hypotheses, q: Quantities) -> Claim:
         f"{_of_tested(q, f'{name}.standardised')} deviate",
         deviate if tested else np.nan,
         verdict_of_all(deviate > 0, complete),
-        companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}; against N(0, 1): {_of_tested(q, f'{name}.raw')}",
+        companion=f"Lilliefors: {_of_tested(q, f'{name}.lilliefors')}",
         why="This form of the test is too lenient." if complete or deviate else lacks,
     )
 

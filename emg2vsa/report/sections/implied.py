@@ -74,12 +74,12 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 _TEXT = """
-<p>Each curve is solved for CASR at the five stiffnesses. Whatever the unit, Hertz's contact bounds the ratio of the
+<p>Whatever the unit of CASR, Hertz's contact bounds the ratio of the
 softest to the stiffest specimen, and a sensor that yields makes it smaller.</p>
 {{ folded("casr_implied", "CASR that the paper's curves imply") }}
 <p>From {{ first | number(1) }}° to {{ last | number(2) }}° the implied CASR falls {{ least_fall | number(2) }} to
-{{ largest_fall | number(2) }} times, which no unit explains. A divergence averaged over the whole image could be so
-small. That is a hypothesis, which <code>region = "image"</code> tests and emulated presses do not support.</p>
+{{ largest_fall | number(2) }} times, which no unit explains. A divergence averaged over the whole image
+(<code>region = "image"</code>) could be so small, but emulated presses do not support that.</p>
 """
 
 IMPLIED = Section("implied", "What the paper's curves imply", _TEXT, of_kappa, _quantities, _tables, words=_words)

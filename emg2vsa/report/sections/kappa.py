@@ -330,7 +330,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
 
 
 def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
-    found, (_, own) = _found(results), _own(results)
+    found, (algorithm, own) = _found(results), _own(results)
     notes: dict[str, list[str]] = {}
     for each, of in own:
         for note in of.chosen.notes:
@@ -339,6 +339,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     held = [holds(of, found.known_kappa_new) for _, of in own]
     return {
         "notes": [*told, *found.notes],
+        "algorithm": algorithm,
         "designs": len(own),
         "determined": sum(of.chosen.determined for _, of in own),
         "held": held.count(True),
@@ -359,9 +360,9 @@ for that law. By the true CASR of other simulated sensors it is {{ law_errors[0]
 {{ law_errors[1] | signed }} % off.
 {% endif %}</p>
 {{ folded("table_one", "Table I of the paper beside ours") }}
-<p>κ is determined in
-{{ determined }} of {{ designs }} designs{% if of_held %}; the interval holds the known stiffness in {{ held }} of
-{{ of_held }}{% endif %}. {% if mountings_assumed %}The intervals assume an SD of
+<p>By {{ algorithm }}, κ is determined in {{ determined }} of {{ designs }} designs{% if of_held %}; the interval holds
+the known stiffness in {{ held }} of {{ of_held }}{% endif %}.
+{% if mountings_assumed %}The intervals assume an SD of
 {{ q['runs.kappa.mounting_sd_percent'] | number(2) }} % of CASR between mountings, because too few were repeated to show
 it.{% else %}The intervals include the scatter of CASR between mountings that repeated mountings show.{% endif %}</p>
 {{ folded("table_one_laws", "Intervals of κ behind Table I") }}

@@ -264,7 +264,7 @@ _TEXT = """
 {% if not people.profiles %}
 <p>{{ why_absent("profiles") }}</p>
 {% else %}
-{{ figure("fig04_cocontraction") }}
+{{ folded("fig04_cocontraction", "Figure 4: co-contraction against force") }}
 {{ folded("profiles", "Coefficients of the profiles") }}
 {% if people.profiles.new %}
 {{ folded("fig11_interpolation", "Figure 11: interpolated profile of " ~ people.profiles.new.specimen) }}

@@ -234,8 +234,8 @@ Presses on one block of silicone speak of that block and that rig, not of all sp
 {{ folded("casr_by_specimen", "CASR in every design") }}
 {% if new %}
 <h3>Is {{ new }} told from its neighbours?</h3>
-<p>The paper's test ranks all specimens together.{% if new_bound %} It cannot tell neighbours apart here, because its
-smallest p is {{ new_bound }}.{% endif %} The companion, an exact Mann-Whitney test, compares two specimens at a
+<p>The paper's test ranks all specimens together.{% if new_bound %} Its smallest p for neighbours is
+{{ new_bound }}.{% endif %} The companion, an exact Mann-Whitney test, compares two specimens at a
 time.</p>
 {{ folded("new_specimen", new ~ " and its neighbours in every design") }}
 {% endif %}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -20,6 +19,8 @@ from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
 
 _NUMBER = re.compile(r"-?\b\d+(\.\d+)?(e[-+]?\d+)?\b")
+_PLACE = re.compile(r"^\S*/press-\d+, ")
+"The folder of a press, before what is wrong with it."
 _SHOWN_RUNS = 3
 
 
@@ -50,20 +51,20 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
 
 
 def _row(condition: str, angle_deg: float, runs: Sequence[RunScores]) -> Row:
-    reasons = Counter(
-        reason
-        for run in runs
-        for reason, verdict in zip(run.reasons, run.verdicts, strict=True)
-        if verdict == "rejected"
-    )
+    kinds: dict[str, list[str]] = {}
+    for run in runs:
+        for reason, verdict in zip(run.reasons, run.verdicts, strict=True):
+            if verdict == "rejected":
+                what = _PLACE.sub("", reason).split(". ")[0].removesuffix(".")
+                kinds.setdefault(_NUMBER.sub("#", what), []).append(what)
     return {
         "condition": condition,
         "angle_deg": angle_deg,
         "specimens": listed([run.specimen for run in runs]),
         "presses": sum(run.repetitions.size for run in runs),
-        "rejected": reasons.total(),
+        "rejected": sum(map(len, kinds.values())),
         "peak_n": _largest_n(runs),
-        "reasons": "; ".join(f"{reason} ({n})" for reason, n in reasons.most_common()),
+        "reasons": "; ".join(f"{of[0]} ({len(of)})" for of in sorted(kinds.values(), key=len, reverse=True)),
     }
 
 
@@ -126,8 +127,8 @@ _TEXT = """
 <p><strong>These runs were measured,</strong> as far as their folders say.</p>
 {% endif %}
 {% if told_n %}
-<p>The largest force of a press was {{ q['runs.largest_force_n'] }} N. The probe turns back when the filtered
-force reaches F_max; filter, bus and motors are late, so the force goes beyond it.</p>
+<p>The largest force of a press was {{ q['runs.largest_force_n'] | number }} N. Filter, bus and motors are late, so the
+force goes beyond F_max, at which the probe turns back.</p>
 {% endif %}
 {{ folded("runs", "Presses of every condition and angle") }}
 {% if notes %}

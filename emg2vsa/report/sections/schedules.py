@@ -154,7 +154,7 @@ _TEXT = """
 <p>The preset follows the measured force while the probe moves {{ ramp.travel_mm | number }} mm at
 {{ ramp.speed_mm_per_s | number }} mm/s. 100 % is {{ limits.max_preset_ticks }} ticks of a {{ limits.actuator }}.
 {% if short %}The last force step is shorter than the others.{% endif %}</p>
-{{ figure("fig05_schedules") }}
+{{ folded("fig05_schedules", "Figure 5: stiffness schedules") }}
 {{ folded("schedules", "Every schedule in numbers") }}
 {{ folded("schedules_by_rule", "The new specimen's schedule by the bracket and by the paper's weight") }}
 {% endif %}

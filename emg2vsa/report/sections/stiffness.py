@@ -297,7 +297,7 @@ def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         estimate if found else float(gains[c]),
         verdict,
         companion=f"by mechanics: {by_mechanics}" if found else "",
-        why="" if found else "By mechanics alone: mountings are too few to test it on the runs.",
+        why="" if found else "By mechanics alone; mountings are too few.",
     )
 
 
@@ -313,12 +313,13 @@ def _tested(results: StudyResults) -> tuple[float, bool, str] | None:
 
 
 _TEXT = """
-<p>The actuator acts on contact mechanics through the duration of a press alone. Duration can change CASR in three ways:
-by creep, by the frames that equation (2) as printed sums over, and by errors of the camera's timing.</p>
-{{ table("stiffness_effect") }}
-<p>{% if small %}Creep changes the contrast by less than mountings scatter. {% endif %}
+<p>In contact mechanics the actuator's stiffness changes the duration of a press alone. Duration changes CASR by creep,
+by the frames that equation (2) sums over, and by errors of the camera's timing.
+Creep changes the contrast by {{ creep_percent | number(2) }} % at most{% if small %}, less than mountings scatter
+({{ mounting_percent | number(2) }} % SD){% endif %}.
 {% if swaps %}Equation (2) follows the schedule: swapped schedules swap {{ pair[0] }} and {{ pair[1] }}. {% endif %}
 {% if softest %}Against errors of timing the softest constant stiffness is best.{% endif %}</p>
+{{ folded("stiffness_effect", "What stiffness can do, by condition") }}
 {{ folded("stiffness_would_be", "What would have to be true for the paper's claim") }}
 {{ folded("stiffness_measured", "The same in the runs of this study") }}
 {{ folded("stiffness_leak", "Swapped schedules") }}
@@ -332,6 +333,8 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
     softest = int(effect.duration_s.sum(axis=0).argmax())
     return {
         "small": bool(np.abs(_gains(effect)[_ASSUMED]).max() < _mounting_sd(results)),
+        "creep_percent": float(100 * np.abs(np.expm1(_gains(effect)[_ASSUMED])).max()),
+        "mounting_percent": 100 * _mounting_sd(results),
         "swaps": _swaps(effect),
         "softest": int(effect.timing_d.argmax()) == softest,
         "pair": effect.pair,
