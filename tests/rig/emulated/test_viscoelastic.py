@@ -271,6 +271,15 @@ def test_the_truth_is_read_as_it_was_written(tmp_path: Path) -> None:
     np.testing.assert_array_equal(true_areas_mm2([tmp_path], [math.nan, 9.0]), [math.nan, math.nan])
 
 
+@pytest.mark.parametrize(("force", "area"), [([0.0, 1.0, 4.0], [1.0, 2.0, 4.0]), ([0.5, 1.0, 4.0], [0.0, 2.0, 4.0])])
+@pytest.mark.filterwarnings("error")
+def test_a_point_of_a_loading_without_force_or_area_counts_as_none(force, area):
+    loading = TrueLoading(np.array(force), np.array(area))
+    np.testing.assert_allclose(loading.area_at([2.0, 0.7]), [math.sqrt(8.0), math.nan], rtol=1e-12)
+    nothing = TrueLoading(np.array([0.0, 1.0]), np.zeros(2))
+    assert math.isnan(nothing.casr_mm2_per_n)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
