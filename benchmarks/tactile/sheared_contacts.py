@@ -31,7 +31,7 @@ PINS_SD_PX = 0.05
 FORCES_N = np.linspace(0.5, 7.0, 20)
 SPECIMENS_PRESSED = ("S1", "S5")
 UNSHEARED = tuple(name for name in named(["all"]) if not name.startswith("full"))
-SHEARED_IN = ("tabulated", "tabulated-frictionless", "dome-J-stick", "dome-H-stick")
+SHEARED_IN = ("tabulated", "tabulated-frictionless", "dome-J-stick")
 SHEARED_MM = 0.8
 "At 7 N; in proportion to the radius cubed, as of a contact that sticks on a straight way at 45 degrees."
 
