@@ -152,9 +152,9 @@ def true_rate(loading: TrueLoading) -> float:
 
 
 @cache
-def true_rates(specimen: str, angle_deg: float, mountings: int, presses: int) -> Floats:
+def true_rates(specimen: str, angle_deg: float, mountings: int, presses: int, **changes: Any) -> Floats:
     """(M, P) true CASR of presses at an even speed, mm2/N, without devices, frames or files."""
-    return _by_mounting(specimen, angle_deg, mountings, presses, EmulatedSettings(), timed=False)
+    return _by_mounting(specimen, angle_deg, mountings, presses, EmulatedSettings(**changes), timed=False)
 
 
 def rates_in_time(specimen: str, settings: EmulatedSettings, mountings: int, presses: int) -> Floats:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.emulated_scatter import scatter_percent, true_slopes
+from benchmarks.emulated_scatter import scatter_percent, true_rates
 from casr.frame_files import open_frames, read_force_log
 from casr.synthetic import ContactWorld, Scene
 from emg2vsa.actuator import SPRINGS, Springs
@@ -242,10 +242,10 @@ def test_a_sensor_of_another_modulus_is_the_same_contact_at_another_force() -> N
 @pytest.mark.parametrize(("specimen", "angle_deg", "most_mounting"), [("S1", 0.0, 2.0), ("S5", 45.0, 6.0)])
 def test_true_scatter_is_that_of_the_settings(specimen: str, angle_deg: float, most_mounting: float) -> None:
     """A small sample of ``python -m benchmarks.emulated_scatter``, without frames."""
-    press, mounting = scatter_percent(true_slopes(specimen, angle_deg, 8, 3))
+    press, mounting = scatter_percent(true_rates(specimen, angle_deg, 8, 3))
     assert 1.0 < press < 2.2  # the skin is uneven by 1.5 %, and adhesion and stiffness differ
     assert 0.3 < mounting < most_mounting  # stiffness of sensor and specimen; at an angle friction too
-    elastic = true_slopes(specimen, angle_deg, 2, 3, world="elastic")
+    elastic = true_rates(specimen, angle_deg, 2, 3, world="elastic")
     assert scatter_percent(elastic)[0] < 0.8
 
 
