@@ -2,8 +2,8 @@
 
 The presses of the known specimens are cut at every force at which the new press may be judged (``cut_presses``).
 Finished presses of the new specimen count along, cut alike; of presses that stopped at different forces, those are used
-together, and up to that force, from which the narrowest interval is expected. Where the rig's log tells the travel of the probe, both
-cues are fused (``fusion``).
+together, and up to that force, from which the narrowest interval is expected. Where the rig's log tells the
+travel of the probe, both cues are fused (``fusion``).
 
 A specimen pressed once shows no noise of its own; that of the known specimens is taken, pooled. The interval is total:
 presses, known stiffnesses, mountings, angle and law (``repeats``), widened where the known specimens reject the law.
