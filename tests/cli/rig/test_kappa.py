@@ -16,6 +16,7 @@ from types import SimpleNamespace
 import pytest
 
 from benchmarks.rig.known_calibration import known_calibration
+from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.calibration_file import write_calibration
 from emg2vsa.rig.clock import FastClock
 from emg2vsa.rig.record.new_folder import good_presses
@@ -51,10 +52,12 @@ def test_presses_are_judged_and_end_early(rig: Rig, slow_rig: Path, known: Path,
     folder = tmp_path / "runs-virtual" / "S3_0_high-stiffness"
     presses = table(folder / "presses.csv")
     assert [press["verdict"] for press in presses] == ["ok", "ok"]
-    assert all("N: width reached, kappa to " in press["stopped"] for press in presses)
     assert all(float(press["peak_force_n"]) < 4 for press in presses), "a whole press goes to 5 N"
     rows = [row for row in table(folder / "kappa.csv") if row["stop"]]
     assert [int(row["repetition"]) for row in rows] == [1, 2]
+    for press, row in zip(presses, rows, strict=True):
+        assert row["stop"] in (WIDTH_REACHED, NO_GAIN)
+        assert f"N: {row['stop']}, kappa to " in press["stopped"]
     for row in rows:
         assert float(row["half_width"]) <= 0.4
         assert float(row["low_n_per_mm"]) < 3.35 < float(row["high_n_per_mm"])
