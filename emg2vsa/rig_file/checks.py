@@ -90,6 +90,10 @@ def _of_specimens(experiment: ExperimentSettings) -> Iterator[Problem]:
             if name not in experiment.specimens:
                 do = nearest(name, experiment.specimens)
                 yield Problem(("experiment", key, name), "a specimen of the experiment", shown(name), do)
+    for name, other in experiment.schedule_of.items():
+        if name == other:
+            do = "Leave it out: a specimen is pressed with its own schedules where nothing is said."
+            yield Problem(("experiment", "schedule_of", name), "another specimen", shown(other), do)
 
 
 def _names(experiment: ExperimentSettings) -> Iterator[Problem]:

@@ -143,6 +143,25 @@ def test_words_say_what_is_true(world, stiffness_n_per_mm):
     assert "no schedule tells the specimens apart" in same
 
 
+@pytest.mark.parametrize("schedule_of", [{"S1": "S1"}, {"S3": "S_new"}, {"S1": "S_new"}])
+def test_schedules_that_do_not_swap_the_pair_leave_the_warning_on_the_label(world, stiffness_n_per_mm, schedule_of):
+    runs = world(3, 3, 0.005, 0.005, 0, {("modular", "S5"): 0.11})
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.025, schedule_of=schedule_of)
+    words = " ".join(contrast_words(found))
+    assert "carries the label of its specimen" in words
+    assert "keeps the order" not in words
+    assert ("schedules of others" in words) == (schedule_of != {"S1": "S1"})
+
+
+def test_swapped_schedules_need_no_warning(world, stiffness_n_per_mm):
+    runs = world(3, 3, 0.005, 0.005, 0, {("modular", "S5"): 0.11})
+    swapped = {"S1": "S5", "S5": "S1", "S_new": "S3", "S3": "S_new"}
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.025, schedule_of=swapped)
+    words = " ".join(contrast_words(found))
+    assert "raises" in words
+    assert "label" not in words
+
+
 def test_runs_of_one_condition_say_nothing(run_of, stiffness_n_per_mm):
     found = discriminate([run_of(name, 0.0, "modular") for name in SPECIMENS], stiffness_n_per_mm, "S_new", FEW)
     assert contrast_words(found) == []

@@ -144,6 +144,13 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             ],
         ),
         (
+            '["S1", "S3"]', '["S1", "S3"]\nschedule_of = { S1 = "S1" }',
+            [
+                '13: experiment.schedule_of.S1: expected another specimen, but found "S1". Leave it out: a specimen is '
+                "pressed with its own schedules where nothing is said.",
+            ],
+        ),
+        (
             '["S1", "S3"]\n\n[emulated]', '["S1", "S3"]\nschedule_of = { S1 = "S3" }\n[emulated]\ncontrol = "N3"',
             [
                 '13: experiment.schedule_of: expected no schedule_of beside control = "N3", which swaps the schedules '
