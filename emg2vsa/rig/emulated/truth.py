@@ -32,10 +32,12 @@ class TrueLoading:
     def area_at(self, force_n: ArrayLike) -> Floats:
         """Area, mm2, at forces of any shape, straight between the logarithms; NaN beyond the loading and for NaN."""
         asked = np.asarray(force_n, dtype=np.float64)
-        if not self.force_n.size:
+        pressed = (self.force_n > 0) & (self.area_mm2 > 0)
+        if not pressed.any():
             return np.full(asked.shape, np.nan)
         asked = np.where(asked > 0, asked, np.nan)
-        log_area = np.interp(np.log(asked), np.log(self.force_n), np.log(self.area_mm2), left=np.nan, right=np.nan)
+        log_force, log_area = np.log(self.force_n[pressed]), np.log(self.area_mm2[pressed])
+        log_area = np.interp(np.log(asked), log_force, log_area, left=np.nan, right=np.nan)
         return np.asarray(np.exp(log_area), dtype=np.float64)
 
     @property

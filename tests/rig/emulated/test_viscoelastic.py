@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.emulated_scatter import scatter_percent, true_slopes
+from benchmarks.emulated_scatter import scatter_percent, true_rates
 from casr.frame_files import open_frames, read_force_log
 from casr.synthetic import ContactWorld, Scene
 from emg2vsa.actuator import SPRINGS, Springs
@@ -254,10 +254,10 @@ def test_a_sensor_of_another_modulus_is_the_same_contact_at_another_force() -> N
 @pytest.mark.parametrize(("specimen", "angle_deg", "most_mounting"), [("S1", 0.0, 2.0), ("S5", 45.0, 6.0)])
 def test_true_scatter_is_that_of_the_settings(specimen: str, angle_deg: float, most_mounting: float) -> None:
     """A small sample of ``python -m benchmarks.emulated_scatter``, without frames."""
-    press, mounting = scatter_percent(true_slopes(specimen, angle_deg, 8, 3))
+    press, mounting = scatter_percent(true_rates(specimen, angle_deg, 8, 3))
     assert 1.0 < press < 2.2  # the skin is uneven by 1.5 %, and adhesion and stiffness differ
     assert 0.3 < mounting < most_mounting  # stiffness of sensor and specimen; at an angle friction too
-    elastic = true_slopes(specimen, angle_deg, 2, 3, world="elastic")
+    elastic = true_rates(specimen, angle_deg, 2, 3, world="elastic")
     assert scatter_percent(elastic)[0] < 0.8
 
 
@@ -281,6 +281,15 @@ def test_the_truth_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert math.isnan(found[1].casr_mm2_per_n)
     np.testing.assert_allclose(true_areas_mm2([tmp_path], [4.0, 3.0]), [100.0, 6.0], rtol=1e-5)
     np.testing.assert_array_equal(true_areas_mm2([tmp_path], [math.nan, 9.0]), [math.nan, math.nan])
+
+
+@pytest.mark.parametrize(("force", "area"), [([0.0, 1.0, 4.0], [1.0, 2.0, 4.0]), ([0.5, 1.0, 4.0], [0.0, 2.0, 4.0])])
+@pytest.mark.filterwarnings("error")
+def test_a_point_of_a_loading_without_force_or_area_counts_as_none(force, area):
+    loading = TrueLoading(np.array(force), np.array(area))
+    np.testing.assert_allclose(loading.area_at([2.0, 0.7]), [math.sqrt(8.0), math.nan], rtol=1e-12)
+    nothing = TrueLoading(np.array([0.0, 1.0]), np.zeros(2))
+    assert math.isnan(nothing.casr_mm2_per_n)
 
 
 @pytest.mark.parametrize(
