@@ -99,7 +99,7 @@ def _leak(found: Discrimination) -> Iterator[str]:
     ]
     if labelled:
         yield (
-            f"The schedules of {', of '.join(labelled)} differ and are not swapped, so that a schedule carries the "
+            f"The schedules of {', and of '.join(labelled)} differ and are not swapped, so that a schedule carries the "
             "label of its specimen, and the effect may be that of the label. Swapped schedules decide: press again "
             "with [experiment] schedule_of (docs/how-to/controls.md)."
         )

@@ -24,7 +24,7 @@ from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.rig_settings import RigSettings
 
 _OF_SENSOR, _OF_MOUNTING, _OF_FIRST_PRESS = range(3)
-_LEAST_N, _MOST_N, _FORCES = 0.01, 20.0, 400
+_LEAST_N, _MOST_N, _FORCES = 0.01, 400.0, 600
 "Forces between which contacts of control worlds are looked up."
 _MOST_SD = 2.0
 "Draws stay within so many standard deviations, so that no press is one that a bench would not make."
