@@ -14,6 +14,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.tactile.worlds import named, world_named
 from casr.contact_area import library_front as pulled
@@ -73,12 +74,12 @@ def turned(rest: Points, at: Points, state: ContactState, scene: Scene, size_px:
     across = (at - contact.centre_px)[:, ::-1] * (-1.0, 1.0)
     share = np.exp(-2 * np.maximum(depth - 1, 0.0))
     edge_px = float(np.mean(contact.semi_axes_px))
-    return decaying(rest, at, state, scene, size_px) + 0.5 * size_px * (share / edge_px)[:, None] * across
+    return np.asarray(decaying(rest, at, state, scene, size_px) + 0.5 * size_px * (share / edge_px)[:, None] * across)
 
 
 def tips(rest: Points, at: Points, state: ContactState, scene: Scene, size_px: float) -> Points:
     """Tips of the pins in the contact, and no other skin."""
-    return _direction(at, size_px * (_depth(at, state, scene) <= 1))
+    return _direction(at, np.where(_depth(at, state, scene) <= 1, size_px, 0.0))
 
 
 WAYS: dict[str, Way] = {"decaying": decaying, "Gaussian": rounded, "with a turn": turned, "pins' tips only": tips}
@@ -126,8 +127,8 @@ def compared(world: str, specimen: str, angle_deg: float, way: Way | None = None
     return Compared(logs[0], logs[1], held[0], held[1], acted)
 
 
-def _held(front: ContactFront, log: Points, used: Points) -> Points:
-    return np.abs(log) <= 1.96 * front.relative_sd[used]
+def _held(front: ContactFront, log: Points, used: NDArray[np.bool_]) -> Points:
+    return np.asarray(np.abs(log) <= 1.96 * front.relative_sd[used])
 
 
 def _page() -> Iterator[str]:
