@@ -74,13 +74,12 @@ def turned(rest: Points, at: Points, state: ContactState, scene: Scene, size_px:
     across = (at - contact.centre_px)[:, ::-1] * (-1.0, 1.0)
     share = np.exp(-2 * np.maximum(depth - 1, 0.0))
     edge_px = float(np.mean(contact.semi_axes_px))
-    turn_px: Points = 0.5 * size_px * (share / edge_px)[:, None] * across
-    return decaying(rest, at, state, scene, size_px) + turn_px
+    return np.asarray(decaying(rest, at, state, scene, size_px) + 0.5 * size_px * (share / edge_px)[:, None] * across)
 
 
 def tips(rest: Points, at: Points, state: ContactState, scene: Scene, size_px: float) -> Points:
     """Tips of the pins in the contact, and no other skin."""
-    return _direction(at, size_px * (_depth(at, state, scene) <= 1).astype(np.float64))
+    return _direction(at, np.where(_depth(at, state, scene) <= 1, size_px, 0.0))
 
 
 WAYS: dict[str, Way] = {"decaying": decaying, "Gaussian": rounded, "with a turn": turned, "pins' tips only": tips}
@@ -93,8 +92,8 @@ class Compared:
 
     with_pull: Points
     without: Points
-    held: NDArray[np.bool_]
-    held_without: NDArray[np.bool_]
+    held: Points
+    held_without: Points
     acted: bool
 
 
@@ -128,7 +127,7 @@ def compared(world: str, specimen: str, angle_deg: float, way: Way | None = None
     return Compared(logs[0], logs[1], held[0], held[1], acted)
 
 
-def _held(front: ContactFront, log: Points, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _held(front: ContactFront, log: Points, used: NDArray[np.bool_]) -> Points:
     return np.asarray(np.abs(log) <= 1.96 * front.relative_sd[used])
 
 

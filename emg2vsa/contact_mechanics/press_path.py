@@ -130,13 +130,14 @@ def simulate_presses(
     adhesion_mj_per_m2: float = 0.0,
     f_max_n: float = 7.0,
     step_s: float = 1e-3,
-    longest_s: float = 5.0,
+    longest_mm: float = 25.0,
 ) -> PressPaths:
     """One press on each of the ``contacts`` (P,), springs with the ``steps`` (P,) of each; one ``relaxation``, or (P,).
 
     Time goes in steps of ``step_s``, each exact for a force that grows evenly within it. DataError where springs have
-    no steps, or a press does not come to ``f_max_n`` within ``longest_s``.
+    no steps, or a press does not come to ``f_max_n`` within ``longest_mm`` of the ramp.
     """
+    longest_s = longest_mm / drive.speed_mm_per_s
     presses = _Presses(contacts, relaxation, drive, steps, tilt or Tilt(), step_s)
     rows = [presses.row()]
     while not (ended := presses.force_n >= f_max_n).all():

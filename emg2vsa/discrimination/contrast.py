@@ -4,7 +4,10 @@ Presses of one mounting share its errors, so a press is no replicate: the mounti
 condition) the mean of ln CASR of every mounting counts once. A change of contrast between two conditions is a sum over
 four cells, each mounted on its own; its standard error comes from the scatter of their mountings, pooled:
 t with sum(M - 1) degrees of freedom. The scatter is taken as equal in the four cells; the false alarms where it is not
-are in benchmarks/results/controls.md. Where one of the four was mounted once, the SD from mounting to mounting is
+are in benchmarks/results/controls.md. Where the cells differ in their number of mountings, or a mounting has less than
+half the presses of another, equal scatter would raise false alarms: each cell then has a scatter of its own, with the
+degrees of freedom of Welch and Satterthwaite, or those that cells of equal scatter would have if these are fewer. Where
+one of the four was mounted once, the SD from mounting to mounting is
 assumed, and nothing is claimed, unless it is assumed to be 0.
 
 Two measures: the slope CASR, and equation (2) as printed, which sums over frames and so grows with the duration of a
@@ -131,6 +134,9 @@ class _Cells:
         own = mean_of(of_mounting)
         self.mean, self.count = mean_of(own), np.isfinite(own).sum(axis=2)
         self.presses = np.isfinite(logs).sum(axis=2)
+        pressed = np.isfinite(of_mounting).sum(axis=3)
+        self.most_presses = pressed.max(axis=2)
+        self.fewest_presses = np.where(pressed > 0, pressed, self.most_presses[..., None]).min(axis=2)
         self.of_mountings = np.nansum((own - self.mean[..., None]) ** 2, axis=2)
         self.of_presses = np.nansum((of_mounting - own[..., None]) ** 2, axis=(2, 3))
         self._sd = mounting_sd
@@ -148,18 +154,39 @@ class _Cells:
         estimate = float(np.dot(weights, mean))
         if not np.isfinite(estimate):
             return (np.nan,) * 5
+        known = 0.0
         if (count > 1).all():
-            df, squares, per, known = int(np.sum(count - 1)), self.of_mountings[at].sum(), np.sum(1 / count), 0.0
+            squares = self.of_mountings[at]
+            unequal = 2 * self.fewest_presses[at].min() < self.most_presses[at].max()
+            if unequal or count.min() < count.max():
+                df, variance = _welch(squares / (count - 1) / count, count)
+            else:
+                df = float(np.sum(count - 1))
+                variance = float(squares.sum() / df * np.sum(1 / count))
         else:
             # within one mounting presses are replicates; what mountings add is assumed
-            df, squares, per = int(np.sum(presses - count)), self.of_presses[at].sum(), np.sum(1 / presses)
+            df = float(np.sum(presses - count))
+            variance = float(self.of_presses[at].sum() / df * np.sum(1 / presses)) if df else np.nan
             known = float(stats.norm.ppf(1 - alpha / 2)) * self._sd * float(np.sqrt(np.sum(1 / count)))
         if df < 1:
             return estimate, np.nan, np.nan, np.nan, np.nan
-        error = float(np.sqrt(squares / df * per))
+        error = float(np.sqrt(variance))
         reach = float(np.hypot(stats.t.ppf(1 - alpha / 2, df) * error, known))
         p = np.nan if known else 2 * float(stats.t.sf(abs(estimate) / error, df)) if error else np.nan
-        return estimate, estimate - reach, estimate + reach, p, float(df)
+        return estimate, estimate - reach, estimate + reach, p, df
+
+
+def _welch(variances: Floats, count: Ints) -> tuple[float, float]:
+    """Degrees of freedom and variance of a sum of means with ``variances`` of their own, over ``count`` mountings each.
+
+    The estimated degrees of freedom (Welch 1947, Satterthwaite 1946) are too many where a cell of few mountings happens
+    to scatter little: those of equal scatter bound them.
+    """
+    variance = float(variances.sum())
+    equal = float(np.sum(1 / count) ** 2 / np.sum(1 / count**2 / (count - 1)))
+    if not variance:
+        return equal, 0.0
+    return min(equal, float(variance**2 / np.sum(variances**2 / (count - 1)))), variance
 
 
 def _compared(table: RunTable, pairs: int) -> tuple[Ints, Ints, Ints]:

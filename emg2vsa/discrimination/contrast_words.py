@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -76,30 +76,49 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
 
 def schedule_words(found: Discrimination) -> Iterator[str]:
     """Whether an effect follows the specimen or its schedule."""
-    effects = [c for c in found.contrasts if any(verdict in ("raises", "lowers") for verdict in c.verdicts)]
     pressed_with = {name: found.schedule_of.get(name, name) for name in found.table.specimens}
     if len(set(pressed_with.values())) == 1:
         yield "All specimens were pressed with the same schedules, so that no schedule tells the specimens apart."
         return
-    if found.schedule_of:
-        told = ", ".join(f"{one} with those of {other}" for one, other in found.schedule_of.items())
+    others = {one: other for one, other in pressed_with.items() if one != other}
+    if others:
+        told = ", ".join(f"{one} with those of {other}" for one, other in others.items())
         yield f"Specimens were pressed with the schedules of others: {told}."
         if found.table.of_condition(HUMAN_LIKE):
-            yield from (_order(found, contrast) for contrast in found.contrasts)
-        return
-    if effects:
+            yield from (line for contrast in found.contrasts for line in _order(found, contrast, pressed_with))
+    claimed = {
+        contrast.pairs[int(k)]
+        for contrast in found.contrasts
+        for k, verdict in zip(contrast.pair, contrast.verdicts, strict=True)
+        if verdict in ("raises", "lowers")
+    }
+    labelled = [
+        f"{softer} and {stiffer}"
+        for softer, stiffer in sorted(claimed)
+        if pressed_with[softer] != pressed_with[stiffer] and not _swapped(found, pressed_with, softer, stiffer)
+    ]
+    if labelled:
         yield (
-            "The schedules differ between specimens, so that a schedule carries the label of its specimen, and the "
-            "effect may be that of the label. Swapped schedules decide: press again with [experiment] schedule_of "
-            "(docs/how-to/controls.md)."
+            f"The schedules of {', and of '.join(labelled)} differ and are not swapped, so that a schedule carries the "
+            "label of its specimen, and the effect may be that of the label. Swapped schedules decide: press again "
+            "with [experiment] schedule_of (docs/how-to/controls.md)."
         )
 
 
-def _order(found: Discrimination, contrast: Contrast) -> str:
-    """Whether a measure ranks specimens by their stiffness although the schedules are swapped."""
+def _swapped(found: Discrimination, pressed_with: Mapping[str, str], softer: str, stiffer: str) -> bool:
+    """Whether the softer specimen was pressed with the schedules of a stiffer one than the stiffer specimen was."""
+    places = {name: place for place, name in enumerate(found.table.specimens)}  # the stiffest first
+    owners = pressed_with[softer], pressed_with[stiffer]
+    return all(owner in places for owner in owners) and places[owners[0]] < places[owners[1]]
+
+
+def _order(found: Discrimination, contrast: Contrast, pressed_with: Mapping[str, str]) -> Iterator[str]:
+    """Whether a measure ranks specimens by their stiffness although their schedules are swapped."""
     said: list[str] = []
     rigid = found.table.of_condition(RIGID)
     for k, (softer, stiffer) in enumerate(contrast.pairs):
+        if not _swapped(found, pressed_with, softer, stiffer):
+            continue
         level = found.table.of_condition(HUMAN_LIKE)[0] * len(contrast.pairs) + k
         _, low, high = contrast.levels.at(level)
         ratio = f"{softer} : {stiffer} {change_percent(contrast.levels, level)}"
@@ -112,7 +131,8 @@ def _order(found: Discrimination, contrast: Contrast) -> str:
             said.append(f"reverses {stiffer} and {softer} ({ratio}){why}")
         else:
             said.append(f"does not tell {stiffer} and {softer} apart ({ratio})")
-    return f"Under human-like stiffness {_MEASURES[contrast.measure]} {'; it '.join(said)}."
+    if said:
+        yield f"Under human-like stiffness {_MEASURES[contrast.measure]} {'; it '.join(said)}."
 
 
 def _gaps(found: Discrimination) -> Iterator[str]:

@@ -50,7 +50,7 @@ class ExperimentSettings:
     "Names, as the schedules have them."
     angles_deg: dict[Condition, Angles] = field(default_factory=_paper_angles)
     "Angles between probe and surface normal for each condition run; omitted: the paper's runs, rigid motor included."
-    repetitions: Annotated[int, Ge(1)] = 10
+    repetitions: Annotated[int, Ge(1), Le(999)] = 10
     "Presses of each run."
     mountings: Annotated[int, Ge(1), Le(99)] = 1
     """How often each specimen is mounted anew at each angle under each condition. Each mounting is a run of its own:
@@ -67,17 +67,18 @@ class ExperimentSettings:
     "The press turns back here."
     lead_s: Annotated[float, Ge(0), Le(0.1)] = 0.0
     """How long before the force, as it grows, would reach f_max_n the press turns back. Filter, bus and motors are
-    late: the emulated force goes 0.4 (S5) to 1.3 N (S1) beyond f_max_n, and 0.3 N or less with 0.04. 0 turns back at
-    f_max_n, as the paper says."""
+    late: with the springs of the qbmove maker pro the emulated force goes 0.4 (S5) to 1.3 N (S1) beyond f_max_n. With
+    0.04 presses end within 0.45 N of it, and one may end up to 0.1 N short. Stiffer springs (qbmove advanced) go
+    further. 0 turns back at f_max_n, as the paper says."""
     f_contact_n: Annotated[float, Gt(0)] = 0.5
     "Force of first contact."
-    contact_s: Annotated[float, Ge(0)] = 0.05
+    contact_s: Annotated[float, Ge(0), Le(10)] = 0.05
     "How long the force must stay at f_contact_n."
     ramp_mm_per_s: Annotated[float, Gt(0)] = 5.0
     "Speed of the probe."
     travel_mm: Annotated[float, Gt(0)] = 15.0
     "Length of the ramp."
-    pause_s: Annotated[float, Ge(0)] = 2.0
+    pause_s: Annotated[float, Ge(0), Le(3600)] = 2.0
     "Between two presses."
     stiffness_n_per_mm: dict[str, Annotated[float, Gt(0)]] = field(default_factory=dict)
     """Specimen to its stiffness by plate indentation, N/mm: it tells the largest force to expect, and how deep a press
@@ -103,7 +104,7 @@ class ExperimentSettings:
 class PlateSettings:
     """Indentation of specimens by a flat plate on the rigid motor, for their stiffness (paper, section IV.B)."""
 
-    trials: Annotated[int, Ge(1)] = 5
+    trials: Annotated[int, Ge(1), Le(999)] = 5
     "Of each specimen."
     f_max_n: Annotated[float, Gt(0)] = 5.0
     "The plate turns back here."
@@ -111,7 +112,7 @@ class PlateSettings:
     "Force of first contact."
     ramp_mm_per_s: Annotated[float, Gt(0)] = 1.0
     "Speed of the plate."
-    pause_s: Annotated[float, Ge(0)] = 5.0
+    pause_s: Annotated[float, Ge(0), Le(3600)] = 5.0
     "Between two trials, for a viscous specimen to come back."
 
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from emg2vsa.rig.device_settings import LARGEST_PRESS_BYTES, CameraSettings
-from emg2vsa.rig.emulated.controls import contradictions
-from emg2vsa.rig.emulated.settings import VISCOELASTIC_KEYS, EmulatedSettings
+from emg2vsa.rig.emulated.controls import ARTIFICIAL, contradictions
+from emg2vsa.rig.emulated.settings import INTERNAL_RATE_HZ, VISCOELASTIC_KEYS, EmulatedSettings
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.plan import RIGID
 from emg2vsa.rig.rig_settings import RigSettings
@@ -90,6 +90,10 @@ def _of_specimens(experiment: ExperimentSettings) -> Iterator[Problem]:
             if name not in experiment.specimens:
                 do = nearest(name, experiment.specimens)
                 yield Problem(("experiment", key, name), "a specimen of the experiment", shown(name), do)
+    for name, other in experiment.schedule_of.items():
+        if name == other:
+            do = "Leave it out: a specimen is pressed with its own schedules where nothing is said."
+            yield Problem(("experiment", "schedule_of", name), "another specimen", shown(other), do)
 
 
 def _names(experiment: ExperimentSettings) -> Iterator[Problem]:
@@ -169,6 +173,21 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any]) -> Iter
             if (found := getattr(emulated, key)) != getattr(usual, key):
                 do = 'Remove the key, or set world to "viscoelastic".'
                 yield Problem(("emulated", key), 'a key that world = "elastic" has', shown(found), do)
+    parts = INTERNAL_RATE_HZ / emulated.force_rate_hz
+    if not math.isclose(parts, round(parts), rel_tol=1e-9):
+        near = INTERNAL_RATE_HZ / max(1, math.floor(parts))
+        wanted = f"a whole fraction of {INTERNAL_RATE_HZ:g}, as {near:g}"
+        yield Problem(("emulated", "force_rate_hz"), wanted, shown(emulated.force_rate_hz))
+    rig = tables.get("rig")
+    furthest_mm = emulated.gap_mm + 2 * emulated.gap_sd_mm
+    if rig and furthest_mm > rig.guards.contact_mm:
+        wanted = f"contact within rig.guards.contact_mm, {rig.guards.contact_mm:g} mm"
+        found = f"it after up to {furthest_mm:g} mm (gap_mm and 2 gap_sd_mm)"
+        yield Problem(("emulated", "gap_mm"), wanted, found, "Choose a smaller gap, or a later guard.")
+    widest = max((deg for angles in experiment.angles_deg.values() for deg in angles if deg < 90), default=0.0)
+    if widest + 2 * emulated.angle_sd_deg >= 90:
+        wanted = f"an angle_sd_deg of which two added to {widest:g} degrees stay below 90"
+        yield Problem(("emulated", "angle_sd_deg"), wanted, shown(emulated.angle_sd_deg))
     if not 2 * emulated.friction_drop <= emulated.friction and (emulated.friction > 0):
         wanted = f"at most half of emulated.friction, {emulated.friction:g}"
         yield Problem(("emulated", "friction_drop"), wanted, shown(emulated.friction_drop))
@@ -180,6 +199,13 @@ def _control(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Map
         return
     for key, wanted, do in contradictions(emulated, raw["emulated"]):
         yield Problem(("emulated", key), wanted, shown(getattr(emulated, key)), do)
+    tilted = [deg for angles in experiment.angles_deg.values() for deg in angles if deg > 0]
+    if emulated.control in ARTIFICIAL and tilted:
+        wanted = (
+            f'angles_deg of 0 alone beside control = "{emulated.control}", whose effect is defined along the normal'
+        )
+        found = ", ".join(f"{deg:g}" for deg in dict.fromkeys(tilted)) + " degrees"
+        yield Problem(("experiment", "angles_deg"), wanted, found, "Press at 0 degrees, or choose another control.")
     if emulated.control == "N3" and experiment.schedule_of:
         wanted = 'no schedule_of beside control = "N3", which swaps the schedules itself'
         found = ", ".join(f"{one} = {other}" for one, other in experiment.schedule_of.items())

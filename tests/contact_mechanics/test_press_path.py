@@ -183,7 +183,7 @@ def test_a_press_without_stiffness_or_without_end_is_refused() -> None:
     with pytest.raises(DataError, match="simulated presses: expected the stiffness of springs for each of 1 presses"):
         simulate_presses([contact("S1")], ELASTIC, SOFT)
     with pytest.raises(DataError, match=r"simulated press: expected 7 N within 0\.1 s, but found"):
-        simulate_presses([contact("S1")], ELASTIC, Drive(), longest_s=0.1)
+        simulate_presses([contact("S1")], ELASTIC, Drive(), longest_mm=0.5)
 
 
 def test_presets_below_and_above_the_steps_are_those_of_the_first_and_the_last() -> None:

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from emg2vsa.discrimination import discriminate
-from emg2vsa.discrimination.contrast import contrasts
+from emg2vsa.discrimination.contrast import _Cells, _welch, contrasts
 from emg2vsa.discrimination.contrast_words import contrast_words, headline
 from emg2vsa.discrimination.run_table import run_table
 from emg2vsa.settings import DiscriminationSettings
@@ -141,6 +141,63 @@ def test_words_say_what_is_true(world, stiffness_n_per_mm):
     assert "reverses S1 and S_new" in words
     same = said(leak, schedule_of={"S1": "S3", "S5": "S3", "S_new": "S3"})
     assert "no schedule tells the specimens apart" in same
+
+
+def cells_of(rng, plan):
+    """casr and mounting numbers of 2 designs and 2 specimens; plan : (mountings, presses, their SD, SD of presses)."""
+    casr, mounting = np.full((2, 2, 200), np.nan), np.zeros((2, 2, 200), dtype=np.int64)
+    for place, (mountings, presses, mounting_sd, press_sd) in zip(np.ndindex(2, 2), plan, strict=True):
+        n = mountings * presses
+        own = np.repeat(mounting_sd * rng.standard_normal(mountings), presses) + press_sd * rng.standard_normal(n)
+        casr[place][:n], mounting[place][:n] = np.exp(3 + own), np.repeat(np.arange(1, mountings + 1), presses)
+    return casr, mounting
+
+
+@pytest.mark.parametrize(
+    ("few", "many"),
+    [
+        ((2, 1, 0.03, 0.04), (6, 10, 0.03, 0.04)),
+        ((2, 1, 0.03, 0.04), (20, 10, 0.03, 0.04)),
+        ((2, 3, 0.06, 0.04), (10, 3, 0.02, 0.04)),
+        ((3, 1, 0.01, 0.05), (3, 10, 0.01, 0.05)),
+    ],
+)
+def test_cells_of_unequal_mountings_or_presses_do_not_raise_false_alarms(few, many):
+    rng, tries = np.random.default_rng(7), 500
+    row = [((1, 1), (1, 0), (0, 1), (0, 0))]
+    found = 0
+    for _ in range(tries):
+        cells = _Cells(*cells_of(rng, [few, many, many, many]), 0.025)
+        found += int(cells.sums(row, [(1.0, -1.0, -1.0, 1.0)], 0.05).p[0] < 0.05)
+    assert found <= stats.binom.ppf(0.99, tries, 0.06)
+
+
+def test_welch_is_that_of_scipy_for_two_cells():
+    rng = np.random.default_rng(3)
+    one, other = 0.02 * rng.standard_normal(5), 0.05 * rng.standard_normal(4)
+    expected = stats.ttest_ind(one, other, equal_var=False)
+    df, variance = _welch(np.array([one.var(ddof=1) / 5, other.var(ddof=1) / 4]), np.array([5, 4]))
+    assert (one.mean() - other.mean()) / np.sqrt(variance) == pytest.approx(expected.statistic)
+    assert df == pytest.approx(expected.df)
+
+
+@pytest.mark.parametrize("schedule_of", [{"S1": "S1"}, {"S3": "S_new"}, {"S1": "S_new"}])
+def test_schedules_that_do_not_swap_the_pair_leave_the_warning_on_the_label(world, stiffness_n_per_mm, schedule_of):
+    runs = world(3, 3, 0.005, 0.005, 0, {("modular", "S5"): 0.11})
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.025, schedule_of=schedule_of)
+    words = " ".join(contrast_words(found))
+    assert "carries the label of its specimen" in words
+    assert "keeps the order" not in words
+    assert ("schedules of others" in words) == (schedule_of != {"S1": "S1"})
+
+
+def test_swapped_schedules_need_no_warning(world, stiffness_n_per_mm):
+    runs = world(3, 3, 0.005, 0.005, 0, {("modular", "S5"): 0.11})
+    swapped = {"S1": "S5", "S5": "S1", "S_new": "S3", "S3": "S_new"}
+    found = discriminate(runs, stiffness_n_per_mm, "S_new", FEW, mounting_sd=0.025, schedule_of=swapped)
+    words = " ".join(contrast_words(found))
+    assert "raises" in words
+    assert "label" not in words
 
 
 def test_runs_of_one_condition_say_nothing(run_of, stiffness_n_per_mm):

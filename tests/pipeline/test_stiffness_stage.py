@@ -54,3 +54,25 @@ def test_of_the_bench_only_what_moves_and_creeps_counts() -> None:
 
     assert key(seed=5, landing_sd_mm=0.5) == key()
     assert key(sensor_relaxation=0.3) != key()
+    elastic = key(world="elastic")
+    assert (elastic["sensor_relaxation"], elastic["preset_latency_s"], set(elastic["relaxation"].values())) == (
+        0,
+        0,
+        {0},
+    )
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"ramp_mm_per_s": 1.0},
+        {
+            "sensor_relaxation": 0.0,
+            "relaxation": dict.fromkeys(("S1", "S_new", "S3", "S5"), 0.0),
+            "camera": (0.0, 0.0, 0.01),
+            "preset_latency_s": 0.0,
+        },
+    ],
+)
+def test_a_slow_ramp_and_the_elastic_world_have_an_effect_too(changed: dict[str, object]) -> None:
+    assert STAGE.run(given(**changed)) is not None

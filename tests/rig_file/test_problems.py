@@ -125,6 +125,8 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
         (
             "[emulated]", '[emulated]\ncontrol = "P4"',
             [
+                '11: experiment.angles_deg: expected angles_deg of 0 alone beside control = "P4", whose effect is '
+                "defined along the normal, but found 30, 45 degrees. Press at 0 degrees, or choose another control.",
                 "14: emulated.control_specimen: expected a specimen of the bench (S1, S2, S3, S4, S5) beside "
                 """control = "P4", but found \"\". Name the specimen whose modular schedule is right.""",
             ],
@@ -141,6 +143,53 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             [
                 "13: experiment.schedule_of.S2: expected a specimen of the experiment, but found \"S2\". Did you mean "
                 "'S3'?",
+            ],
+        ),
+        (
+            "[emulated]", "[emulated]\nforce_rate_hz = 1234.5\ngap_mm = 50\npreset_latency_s = 0.01",
+            [
+                "15: emulated.force_rate_hz: expected a whole fraction of 7000, as 1400, but found 1234.5.",
+                "16: emulated.gap_mm: expected contact within rig.guards.contact_mm, 6 mm, but found it after up to "
+                "50.2 mm (gap_mm and 2 gap_sd_mm). Choose a smaller gap, or a later guard.",
+            ],
+        ),
+        (
+            "[emulated]",
+            "[emulated]\nseed = 4294967296\npreset_latency_s = 0.03\nsensor_relaxation = 0.78",
+            [
+                "15: emulated.seed: expected a number <= 4294967295, but found 4294967296.",
+                "16: emulated.preset_latency_s: expected a number <= 0.02, but found 0.03.",
+                "17: emulated.sensor_relaxation: expected a number <= 0.75, but found 0.78.",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1", "S3"]\nrepetitions = 1000\npause_s = 1e23\ncontact_s = 11',
+            [
+                "13: experiment.repetitions: expected a number <= 999, but found 1000.",
+                "14: experiment.pause_s: expected a number <= 3600, but found 1e+23.",
+                "15: experiment.contact_s: expected a number <= 10, but found 11.",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1", "S3"]\nangles_deg = { constant-min = [0, 89.5] }',
+            [
+                "15: emulated.angle_sd_deg: expected an angle_sd_deg of which two added to 89.5 degrees stay below 90, "
+                "but found 0.5.",
+            ],
+        ),
+        (
+            '["S1", "S3"]\n\n[emulated]',
+            '["S1", "S3"]\nangles_deg = { constant-min = [0, 45] }\n[emulated]\ncontrol = "P1"',
+            [
+                '13: experiment.angles_deg: expected angles_deg of 0 alone beside control = "P1", whose effect is '
+                "defined along the normal, but found 45 degrees. Press at 0 degrees, or choose another control.",
+            ],
+        ),
+        (
+            '["S1", "S3"]', '["S1", "S3"]\nschedule_of = { S1 = "S1" }',
+            [
+                '13: experiment.schedule_of.S1: expected another specimen, but found "S1". Leave it out: a specimen is '
+                "pressed with its own schedules where nothing is said.",
             ],
         ),
         (
@@ -184,7 +233,7 @@ FORCE = '[force]\nkind = "net-ft"\nhost = "192.168.1.1"\n'
             "[emulated]",
             "[emulated]\nrelaxation = { S1 = 0.9, S2 = -0.1 }\nfriction = 3\nworld = \"hard\"\nlate_frames_s = 0.05",
             [
-                "15: emulated.relaxation.S1: expected a number <= 0.8, but found 0.9.",
+                "15: emulated.relaxation.S1: expected a number <= 0.75, but found 0.9.",
                 "15: emulated.relaxation.S2: expected a number >= 0, but found -0.1.",
                 "16: emulated.friction: expected a number <= 2, but found 3.",
                 "17: emulated.world: expected 'viscoelastic' or 'elastic', but found \"hard\".",

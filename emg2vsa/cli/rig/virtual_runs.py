@@ -25,6 +25,7 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.executor.guards import laxer_guards
 from emg2vsa.rig.executor.plan_limits import check_plan
+from emg2vsa.rig.experiment import run_name
 from emg2vsa.rig.kappa.live_kappa import KappaPlan
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import Ended
@@ -152,8 +153,10 @@ def _run(
     effect: ArtificialEffect | None,
     kappa: KappaPlan | None,
 ) -> Ended:
-    started = datetime.now(UTC)
-    return run_virtual(plan, rig, emulated, folder, started=started, run=folder.name, effect=effect, kappa=kappa)
+    started, name = datetime.now(UTC), run_name(plan.specimen, plan.angle_deg, plan.condition, plan.mounting)
+    return run_virtual(
+        plan, rig, emulated, folder, started=started, run=folder.name, mounted=name, effect=effect, kappa=kappa
+    )
 
 
 def _outcome(make: Callable[[], Ended]) -> Ended | str:

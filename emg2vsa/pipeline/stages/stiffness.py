@@ -18,7 +18,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
-    rig, emulated, experiment = campaign.rig, campaign.rig.emulated, campaign.rig.experiment
+    rig, emulated, experiment = campaign.rig, campaign.rig.emulated.as_used(), campaign.rig.experiment
     known = [name for name in experiment.specimens if name in emulated.stiffness_n_per_mm]
     return {
         "stiffness": {name: emulated.stiffness_n_per_mm[name] for name in known},

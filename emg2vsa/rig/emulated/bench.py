@@ -106,10 +106,11 @@ class EmulatedRig:
         plate: bool = False,
         mounting: int = 1,
         effect: ArtificialEffect | None = None,
+        mounted: str = "",
     ) -> None:
         self.rigid, self.clock, self.rig = rigid, clock, rig or RigSettings()
         self.model: Model = "advanced" if emulated.springs == "qbmove-advanced" else "maker-pro"
-        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting, effect)
+        self._draws = PressDraws(emulated, specimen, angle_deg, rigid, self.rig, run, plate, mounting, effect, mounted)
         self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
         self._lock = threading.RLock()

@@ -23,8 +23,8 @@ from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.rig_settings import RigSettings
 
-_OF_SENSOR, _OF_RUN, _OF_FIRST_PRESS = range(3)
-_LEAST_N, _MOST_N, _FORCES = 0.01, 20.0, 400
+_OF_SENSOR, _OF_MOUNTING, _OF_FIRST_PRESS = range(3)
+_LEAST_N, _MOST_N, _FORCES = 0.01, 400.0, 600
 "Forces between which contacts of control worlds are looked up."
 _MOST_SD = 2.0
 "Draws stay within so many standard deviations, so that no press is one that a bench would not make."
@@ -119,6 +119,8 @@ class PressDraws:
     run : name of the run; other names, other draws. plate : a flat plate presses, in place of the dome.
     mounting : which of the times, from 1, that sensor and specimen were mounted for the run; each has draws of its own.
     effect : artificial, of a control world.
+    mounted : name of the run for which the mounting was made; the run's own where none is given. A run that goes on
+    under another name presses what is mounted, which is no longer at its first press.
     """
 
     emulated: EmulatedSettings
@@ -130,6 +132,7 @@ class PressDraws:
     plate: bool = False
     mounting: int = 1
     effect: ArtificialEffect | None = None
+    mounted: str = ""
 
     def __post_init__(self) -> None:
         known = self.emulated.stiffness_n_per_mm
@@ -144,7 +147,8 @@ class PressDraws:
     def world(self, press: int) -> WorldSettings:
         """The bench during press number ``press``, from 0."""
         e, mounting, drawn = self._used, self._mounting, self._press(press)
-        virgin = (e.softening + e.softening_sd * mounting.softening) if press == 0 else 0.0
+        first = press == 0 and self.mounted in ("", self.run)
+        virgin = (e.softening + e.softening_sd * mounting.softening) if first else 0.0
         stiffness_n_per_mm = (
             e.stiffness_n_per_mm[self.specimen]
             * (1 + e.stiffness_sd * drawn.stiffness)
@@ -237,7 +241,7 @@ class PressDraws:
 
     @cached_property
     def _mounting(self) -> _OfMounting:
-        return _OfMounting(*self._normal(_OF_RUN, len(_OfMounting._fields)))
+        return _OfMounting(*self._normal(_OF_MOUNTING, len(_OfMounting._fields)))
 
     def _press(self, press: int) -> _OfPress:
         return _OfPress(*self._normal(_OF_FIRST_PRESS + press, len(_OfPress._fields)))
@@ -257,7 +261,8 @@ class PressDraws:
         return drawn
 
     def _seeds(self, stream: int) -> np.random.SeedSequence:
-        name = f"{self.specimen}, {self.angle_deg:g}, {self.run}".encode()
+        run = (self.mounted if stream == _OF_MOUNTING else "") or self.run
+        name = f"{self.specimen}, {self.angle_deg:g}, {run}".encode()
         # a list with one number gives the seeds of that number
         entropy = [self.emulated.seed, self.mounting][: 1 if self.mounting == 1 else 2]
         return np.random.SeedSequence(entropy, spawn_key=(stream, *name))

@@ -14,9 +14,9 @@ from operator import add, gt, mul, sub, truediv
 import numpy as np
 
 from emg2vsa.rig.emulated.box_faults import BoxFaults, Client, FaultyPost
+from emg2vsa.rig.emulated.settings import INTERNAL_RATE_HZ
 from emg2vsa.rig.force.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
-INTERNAL_RATE_HZ = 7000
 NETBOX_SATURATED = 0x80020000
 AXIA_OUT_OF_RANGE = 0xC0000000
 _LEAST, _MOST = -(2**31), 2**31 - 1

@@ -11,8 +11,10 @@ from typing import Annotated, Any, Literal, Self
 from casr.specimens import SPECIMENS
 from emg2vsa.settings import Ge, Gt, Le, Positive
 
-Share = Annotated[float, Ge(0), Le(0.8)]
-"Of a force, that a body loses between 0.1 and 10 s after a step of its depth."
+INTERNAL_RATE_HZ = 7000
+"Of the force sensor's box; it sends every record, or every second, third, ..."
+Share = Annotated[float, Ge(0), Le(0.75)]
+"Of a force, that a body loses between 0.1 and 10 s after a step of its depth; creep by a power law comes to 0.77."
 RELAXATION = {"S1": 0.03, "S2": 0.04, "S3": 0.06, "S4": 0.06, "S5": 0.12}
 """Of the paper's specimens (guess: stiff, well cured silicone creeps little, soft mixtures more; Petet et al. 2021)."""
 
@@ -68,8 +70,9 @@ class EmulatedSettings:
     "By how much the specimen is stiffer in the first press of a mounting (guess: Mullins; Liao et al. 2020)."
     softening_sd: Annotated[float, Ge(0), Le(0.1)] = 0.01
     "Standard deviation of that from mounting to mounting (guess)."
-    preset_latency_s: Annotated[float, Ge(0), Le(0.2)] = 0.015
-    "From a command until the motors' loop goes by it, s (guess: bus and firmware)."
+    preset_latency_s: Annotated[float, Ge(0), Le(0.02)] = 0.015
+    """From a command until the motors' loop goes by it, s (guess: bus and firmware). With 0.03 the guard of following
+    ends runs."""
     camera_latency_s: Annotated[float, Ge(0), Le(0.2)] = 0.035
     "Mean time from exposure to arrival of a frame, s, which the rig takes off (a USB camera; pupil-labs/pupil#152)."
     camera_latency_sd_s: Annotated[float, Ge(0), Le(0.02)] = 0.005
@@ -90,7 +93,7 @@ class EmulatedSettings:
     "Relative standard deviation of the specimen's stiffness from mounting to mounting (guess: place, thickness)."
     sensor_modulus_sd: Annotated[float, Ge(0), Le(0.2)] = 0.03
     "Relative standard deviation of the sensor's modulus from mounting to mounting (guess: batch, 1 K)."
-    seed: Annotated[int, Ge(0)] = 0
+    seed: Annotated[int, Ge(0), Le(2**32 - 1)] = 0
     "Same seed, same bytes."
     control: Literal["none", "N1", "N2", "N3", "P1", "P2", "P3", "P4"] = "none"
     """A world with a known answer, to test the analysis with (docs/how-to/controls.md): without an effect N1 elastic

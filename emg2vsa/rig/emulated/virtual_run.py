@@ -36,6 +36,7 @@ def run_virtual(
     *,
     started: datetime,
     run: str = "",
+    mounted: str = "",
     effect: ArtificialEffect | None = None,
     kappa: KappaPlan | None = None,
 ) -> Ended:
@@ -44,7 +45,7 @@ def run_virtual(
     ``folder`` also gets emulated.json, which marks a run that no hardware made, and the camera.toml of what
     rendered its frames. ``started`` : date and time to write to the run. ``run`` : other names, other draws, so that a
     run that goes on in another folder does not repeat its presses; the run's own where none is given. ``effect`` :
-    artificial, of a control world. ``kappa`` : judge each press while it goes on.
+    artificial, of a control world. ``mounted`` : as in `PressDraws`. ``kappa`` : judge each press while it goes on.
 
     Raises as `execute`, and SettingError as `EmulatedRig`.
     """
@@ -65,6 +66,7 @@ def run_virtual(
         plate=plan.plate,
         mounting=plan.mounting,
         effect=effect,
+        mounted=mounted,
     )
     folder.mkdir(parents=True, exist_ok=True)
     write_text_atomic(folder / EMULATED_FILE, json.dumps(asdict(emulated), indent=2) + "\n")

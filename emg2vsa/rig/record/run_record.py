@@ -67,13 +67,14 @@ class RunRecord:
         self._over: PressTally | None = None
         self._begun_s, self._turned_s = 0.0, math.inf
         self._notes: list[str] = []
+        self._f_max_n = 0.0
         self.presses_done = 0
         self.rejected: list[str] = []
         "A line for each press that is over and does not count."
 
     def plan(self, plan: RunPlan, rig: RigSettings, devices: Mapping[str, Any] | None = None) -> None:
         """Write plan.json, and wait for it. ``devices`` : what they say of themselves, by name."""
-        self._rig = rig
+        self._rig, self._f_max_n = rig, plan.f_max_n
         schedule = None if plan.schedule is None else document_of(plan.schedule)
         document = {
             "plan": asdict(replace(plan, schedule=None)) | {"schedule": schedule},
@@ -172,6 +173,13 @@ class RunRecord:
         self.presses_done += 1
         self._close_press()
         self._close_tally(self._turned_s)
+        counts = self._over.counts() if self._over else None
+        # a lead foresees the force, and may foresee too much
+        if counts and not counts.stopped and counts.peak_force_n < self._f_max_n:
+            self._notes.append(
+                f"press {counts.repetition} ended at {counts.peak_force_n:.2f} N, short of f_max_n, "
+                f"{self._f_max_n:g} N: choose a smaller lead_s"
+            )
 
     def end(self, ended: Ended) -> Ended:
         """Write ended.json and close everything; ``ended`` with what only the record knows."""

@@ -159,7 +159,7 @@ class Rigged:
         self.asked.append(question)
         return self.answers.pop(0) if self.answers else ""
 
-    def press(self, file: Any, run: Any, plan: Any, root: Path, *, quiet: bool) -> tuple[Path, Any]:
+    def press(self, file: Any, run: Any, plan: Any, root: Path, *, kappa: Any, quiet: bool) -> tuple[Path, Any]:
         name = run.name
         folder = real_run.new_folder(root, name, file.experiment.repetitions, emulated=False)
         how, good, *away = self.ends.pop(0) if self.ends else ("completed", plan.repetitions)

@@ -75,6 +75,17 @@ def test_the_contact_that_is_seen_has_the_area_of_p1(skin):
     assert seen.area_mm2(Touch()) == plain.seen(0).area_mm2(Touch())
 
 
+@pytest.mark.parametrize("specimen", ["S1", "S5"])
+def test_the_largest_effect_of_p1_is_not_cut_off(specimen):
+    """The softest step of the demo's schedules, 0.4 N m/rad, and the largest exponent."""
+    emulated = EmulatedSettings(control="P1", control_exponent=0.2, world="elastic")
+    plain = PressDraws(emulated, specimen, 0.0, False, RigSettings(), "run")
+    seen = replace(plain, effect=effect_of(emulated, schedule(specimen, [0.4] * 3), ())).seen(0)
+    for force_n in (0.1, 3.0, 7.4):
+        touch = Touch(force_n, 0.0, force_n, 0.0)
+        assert seen.area_mm2(touch) == pytest.approx(plain.seen(0).area_mm2(touch) * 0.4**-0.2, rel=1e-4)
+
+
 def test_the_area_is_as_noisy_as_the_stiffness_is_wrong_in_p4():
     emulated = EmulatedSettings(control="P4", control_specimen="S3", world="elastic")
     right = schedule("S3", [1.0, 1.0, 1.0])

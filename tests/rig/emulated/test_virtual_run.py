@@ -98,9 +98,9 @@ def test_most_turns_off_contact_are_gone_through_together(
 @pytest.mark.parametrize("condition", ["high-stiffness", "modular"])
 def test_a_press_that_turns_back_earlier_ends_near_f_max(plan: Plan, tmp_path: Path, condition: str) -> None:
     beyond_n = []
-    for lead_s in (0.0, 0.04):
+    for lead_s in (0.0, 0.04, 0.1):
         folder = tmp_path / f"{lead_s}"
-        run_virtual(
+        ended = run_virtual(
             plan(condition, specimen="S1", repetitions=1, lead_s=lead_s),
             RIG,
             EmulatedSettings(),
@@ -108,7 +108,10 @@ def test_a_press_that_turns_back_earlier_ends_near_f_max(plan: Plan, tmp_path: P
             started=STARTED,
         )
         beyond_n.append(peak_forces_n(folder)[1] - 7.0)
+        said = f"press 1 ended at {7 + beyond_n[-1]:.2f} N, short of f_max_n, 7 N: choose a smaller lead_s"
+        assert (said in ended.notes) == (beyond_n[-1] < 0)
     assert beyond_n[0] > 0.6
+    assert beyond_n[2] < 0
     assert -0.2 < beyond_n[1] < 0.35 * beyond_n[0]
 
 

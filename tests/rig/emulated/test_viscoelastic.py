@@ -224,6 +224,18 @@ def test_presses_of_a_mounting_share_what_another_mounting_has_otherwise() -> No
     assert len({draws(mounting).seen(press).latency_s for mounting in (1, 2) for press in (0, 1)}) == 4
 
 
+def test_a_run_that_goes_on_in_another_folder_presses_the_same_mounting() -> None:
+    for mounting in (1, 2):
+        first = draws(mounting)
+        again = replace(first, run="run-2", mounted="run")
+        one, other = first.world(1), again.world(0)
+        assert (one.angle_deg, one.skin_friction, one.contact) == (other.angle_deg, other.skin_friction, other.contact)
+        assert first.world(0).gap_mm != other.gap_mm
+    none = {"stiffness_sd": 0.0, "mounting_stiffness_sd": 0.0, "softening_sd": 0.0}
+    assert replace(draws(**none), run="run-2", mounted="run").world(0).stiffness_n_per_mm == pytest.approx(7.63)
+    assert replace(draws(), mounted="run").world(0) == draws().world(0)
+
+
 def test_the_first_press_of_a_mounting_is_on_a_stiffer_specimen() -> None:
     none = {"stiffness_sd": 0.0, "mounting_stiffness_sd": 0.0, "softening_sd": 0.0}
     stiffness = [draws(**none).world(press).stiffness_n_per_mm for press in range(3)]
