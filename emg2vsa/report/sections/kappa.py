@@ -114,7 +114,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     settings = results.study.calibration
     same = all(getattr(settings, key) == value for key, value in PAPER["calibration"].items())
     laws = (_PAPERS,) if same else (_PAPERS, _OURS)
-    yield _table_one(found, designs, laws)
+    yield _table_one(results, designs, laws)
     yield _table_one_intervals(found, designs, laws)
     yield _recipes(results.study.scoring, compared)
     yield _every(found, algorithm, own)
@@ -144,7 +144,16 @@ def _rows(designs: _Designs) -> list[dict[str, Cell]]:
     return [{"angle_deg": angle, "algorithm": ALGORITHM_NAMES[name]} for angle, name in designs]
 
 
-def _table_one(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Table:
+def _over_array(results: StudyResults, angle_deg: float, condition: str, algorithm: str) -> tuple[float, int, int]:
+    """Largest area over that of the pin array, of the presses that have no CASR for it; how many, of how many."""
+    runs = [run for run in results.pressed.scores if (run.angle_deg, run.condition) == (angle_deg, condition)]
+    every = np.concatenate([np.empty(0), *(run.over_array[algorithm] for run in runs if algorithm in run.over_array)])
+    over = every[np.isfinite(every)]
+    return (float(over.max()) if over.size else np.nan), over.size, every.size
+
+
+def _table_one(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
+    found, beyond = _found(results), dict.fromkeys(name for _, name in designs)
     columns, rows, shown = [*_FIRST], _rows(designs), _rows(designs)
     for condition, key, head in ACTUATORS:
         columns.append(Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2))
@@ -157,6 +166,9 @@ def _table_one(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Tab
                 result, place = of and _by(of, law), f"{key}{law[0]}"
                 row[place] = result.error if result else np.nan
                 of_people[place] = _error_said(result) if result else None
+                most, _, _ = _over_array(results, angle, condition, name)
+                if result and np.isnan(result.kappa) and most == most:
+                    of_people[place] = f"areas up to {number(most, 2)} × the pin array"
     for row in shown:
         row["algorithm"] = str(row["algorithm"]).replace(" ", NO_BREAK)
     caption = (
@@ -164,6 +176,15 @@ def _table_one(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Tab
         "for too stiff. Not determined: the interval is wider than the range of the known stiffnesses. –: not in the "
         "paper or not pressed here"
     )
+    told = []
+    for name in beyond:
+        each = [_over_array(results, angle, c, name) for angle in {a for a, _ in designs} for c, *_ in ACTUATORS]
+        lost, presses = sum(n for _, n, _ in each), sum(n for *_, n in each)
+        if lost:
+            most = np.nanmax([ratio for ratio, *_ in each])
+            told.append(f"{ALGORITHM_NAMES[name]}, {lost} of {presses}, up to {number(most, 2)} × the pin array")
+    if told:
+        caption += f". Presses with areas above that of the pin array have no CASR: {'; '.join(told)}"
     return Table("table_one", caption, tuple(columns), tuple(rows), tuple(shown))
 
 
