@@ -31,7 +31,7 @@ def _counted(frames: FrameSequence, settings: RunSettings, repetition: int) -> F
     phase = loading_phase(force_n, start_n=asked.force_start_n, stop_n=asked.force_stop_n)
     tracker = PinTracker(asked.flow.pins)
     rest = tracker.start(frames[phase.rest])
-    for at, index in enumerate(phase.frames[:-1].tolist()):
+    for index in phase.frames[:-1].tolist():
         contact_px = tracker.step(frames[index])
         if np.isfinite(contact_px).any():
             break
@@ -42,7 +42,7 @@ def _counted(frames: FrameSequence, settings: RunSettings, repetition: int) -> F
         selected = found.selected.astype(np.int64)
     except NoContactError:
         selected = np.empty(0, dtype=np.int64)
-    shown = phase.frames[at : at + 2]
+    shown = phase.frames[phase.frames >= index][:2]
     return FirstContact(
         repetition=repetition,
         frames=np.stack([np.asarray(frames[int(i)]).astype(np.uint8) for i in (phase.rest, *shown)]),

@@ -13,6 +13,7 @@ from emg2vsa.discrimination import discriminate
 from emg2vsa.report import paper
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
+from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.actuators import level_change
 from emg2vsa.report.sections.kappa import holds, span
@@ -436,3 +437,59 @@ def test_notes_that_differ_by_numbers_are_one_kind(run_of, results):
     assert "2 kinds of notes about the runs" in body
     assert "(8 such notes with other numbers, 4 runs: " in body
     assert f"no edge &lt;seen&gt; (1 run: {runs[3].name})" in body
+
+
+def only(runs, presses):
+    def cut(run):
+        casr = {name: np.where(np.arange(10) < presses, each, np.nan) for name, each in run.casr.items()}
+        start = {name: np.where(np.arange(10) < presses, each, np.nan) for name, each in run.start_area.items()}
+        return replace(run, casr=casr, start_area=start)
+
+    return [cut(run) for run in runs]
+
+
+def test_tests_that_cannot_reject_decide_no_claim(runs, report_of):
+    """Two presses of each: no worst pair of three specimens or more can have p < .05 by Dunn's test."""
+    found = report_of(only(runs, 2)).claims
+    claims = {claim.key: claim for of_section in found.values() for claim in of_section}
+    for key in ("casr_rigid", "casr_human_like", "casr_constant", "new_specimen_at_minimum"):
+        assert claims[key].verdict == "cannot be tested here"
+        assert "cannot reach significance" in claims[key].why
+
+
+def test_not_rejected_is_not_called_equal(run_of, report_of):
+    rng = np.random.default_rng(5)
+    equal = [
+        replace(run, start_area={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.start_area})
+        for run in (run_of(name, angle, "high-stiffness") for name in KNOWN for angle in (0.0, 30.0, 45.0))
+    ]
+    (claim,) = [
+        claim for each in report_of(equal).claims.values() for claim in each if claim.key == "area_same_on_specimens"
+    ]
+    assert claim.why.endswith("Not rejected is not equal.")
+
+
+@pytest.mark.parametrize(
+    ("changed", "scoring", "fit", "reduction"),
+    [
+        ({}, {}, "holds", "holds"),
+        ({"parameter.second": 0.4}, {}, "does not hold", "holds"),
+        ({"determined": False}, {}, "cannot be tested here", "cannot be tested here"),
+        ({}, {"algorithm": "paper", "area_rule": "edge"}, "cannot be tested here", "cannot be tested here"),
+        ({}, {"algorithm": "paper", "area_rule": "hexagon"}, "holds", "holds"),
+    ],
+)
+def test_claims_on_kappa_need_the_papers_sign_an_interval_and_hexagons(
+    results, stiffness_n_per_mm, changed, scoring, fit, reduction
+):
+    told = replace(results, study=replace(results.study, scoring=RunSettings(**scoring)), runs=Runs(()))
+    q = {}
+    for angle in (0, 30, 45):
+        for condition in ("high-stiffness", "modular"):
+            for name, error in (("circle", 0.5), ("paper", 0.02 if condition == "high-stiffness" else 0.01)):
+                values = {"adj_r2": 0.999, "parameter.second": -0.4, "determined": True, "error": error} | changed
+                q |= {f"runs.{condition}.{angle}.{name}.kappa.paper_law.{key}": v for key, v in values.items()}
+    claims = {claim.key: claim for claim in (*kappa_claims(told, q), *reduction_claims(told, q))}
+    assert claims["kappa_fit_rigid"].verdict == fit
+    assert {claims[f"reduction_{key}"].verdict for key in ("vision", "human_like", "both")} == {reduction}
+    assert ("rises with CASR in 2 of 2" in claims["kappa_fit_rigid"].why) is ("parameter.second" in changed)

@@ -80,7 +80,8 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     columns = (
         Column("angle_deg", "Angle (°)", digits=2), Column("specimen", "Specimen"), Column("presses", "Presses"),
         Column("first_low_n", "First frame: least (N)"), Column("first_high_n", "Largest (N)"),
-        Column("least", "n: least"), Column("median", "Median"), Column("most", "Largest"), Column("none", "Presses with n = 0"),
+        Column("least", "n: least"), Column("median", "Median"), Column("most", "Largest"),
+        Column("none", "Presses with n = 0"),
         Column("rank_correlation", "Rank correlation of n with force", digits=2),
     )  # fmt: skip
     every = list(_each(results))
