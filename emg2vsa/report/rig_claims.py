@@ -222,7 +222,6 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
 
 def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """How well is the stiffness of the new specimen found?"""
-    own = results.study.scoring.algorithm
     for key, what, conditions, printed in (
         ("rigid", "the rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
         ("human_like", "the human-like profile", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),

@@ -13,9 +13,10 @@ from emg2vsa.discrimination import discriminate
 from emg2vsa.report import paper
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
-from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
+from emg2vsa.report.rig_claims import area_claims, kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.actuators import level_change
+from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.runs import RUNS
 from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
@@ -448,25 +449,53 @@ def only(runs, presses):
     return [cut(run) for run in runs]
 
 
-def test_tests_that_cannot_reject_decide_no_claim(runs, report_of):
+def test_tests_that_cannot_reject_decide_no_claim(runs, results, stiffness_n_per_mm):
     """Two presses of each: no worst pair of three specimens or more can have p < .05 by Dunn's test."""
-    found = report_of(only(runs, 2)).claims
-    claims = {claim.key: claim for of_section in found.values() for claim in of_section}
+    few = tuple(only(runs, 2))
+    told = replace(results, runs=Runs(few, discriminate(few, stiffness_n_per_mm, "S_new", FEW)))
+    claims = {claim.key: claim for claim in rate_claims(told, contents(told).quantities)}
     for key in ("casr_rigid", "casr_human_like", "casr_constant", "new_specimen_at_minimum"):
         assert claims[key].verdict == "cannot be tested here"
         assert "cannot reach significance" in claims[key].why
 
 
-def test_not_rejected_is_not_called_equal(run_of, report_of):
+def test_not_rejected_is_not_called_equal(run_of, results, stiffness_n_per_mm):
     rng = np.random.default_rng(5)
-    equal = [
+    equal = tuple(
         replace(run, start_area={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.start_area})
         for run in (run_of(name, angle, "high-stiffness") for name in KNOWN for angle in (0.0, 30.0, 45.0))
-    ]
-    (claim,) = [
-        claim for each in report_of(equal).claims.values() for claim in each if claim.key == "area_same_on_specimens"
-    ]
-    assert claim.why.endswith("Not rejected is not equal.")
+    )
+    for runs, verdict, why in (
+        (equal, "holds", "Not rejected is not equal."),
+        (tuple(only(equal, 1)), "cannot be tested here", "So few presses cannot reach significance."),
+    ):
+        told = replace(results, runs=Runs(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW)))
+        claim = next(iter(area_claims(told, contents(told).quantities)))
+        assert (claim.verdict, claim.why) == (verdict, why)
+
+
+def test_the_name_of_the_papers_algorithm_is_that_of_its_area_rule(whole):
+    for rule, name in ((None, "hexagon (paper)"), ("circle", "circle (paper)"), ("edge", "edge (paper)")):
+        study = replace(whole.study, scoring=RunSettings(algorithm="paper", area_rule=rule))
+        names = {row["algorithm"] for row in contents(replace(whole, study=study)).tables["recipes"].rows}
+        assert name in names
+        assert ("hexagon (paper)" in names) is (rule is None)
+
+
+def test_what_emulated_presses_say_of_the_whole_image_is_computed(whole):
+    def said(study):
+        told = replace(whole, study=study)
+        return " ".join(rendered(IMPLIED, told, contents(told)).split())
+
+    assert "here CASR over the whole image" not in said(whole.study)
+    image = replace(whole.study, scoring=RunSettings(algorithm="edge", engine="dis", region="image"))
+    means = {
+        (run.specimen, run.angle_deg): run.casr["front"].mean()
+        for run in whole.runs.scores
+        if run.condition == "modular"
+    }
+    falls = [means[name, 0.0] / means[name, 45.0] for name, angle in means if angle == 0]
+    assert f"falls {np.exp(np.mean(np.log(falls))):.3g}"[:9] in said(image)
 
 
 @pytest.mark.parametrize(

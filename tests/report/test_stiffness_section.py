@@ -13,6 +13,7 @@ from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
 from emg2vsa.discrimination import discriminate
 from emg2vsa.report.inputs import Runs, StudyResults
 from emg2vsa.report.section import rendered
+from emg2vsa.report.sections.actuators import ACTUATORS
 from emg2vsa.report.sections.stiffness import STIFFNESS
 from emg2vsa.report.study_report import contents
 from emg2vsa.settings import DiscriminationSettings
@@ -95,14 +96,12 @@ def test_the_runs_decide_the_claim_and_mechanics_stands_beside(
     contrasts = tuple(replace(each, verdicts=(found,) * len(each.verdicts)) for each in tested.contrasts)
     told = replace(results, runs=Runs(own, replace(tested, contrasts=contrasts)))
     for of_stage in (None, effect(best=1)):
+        given = replace(told, stiffness=of_stage)
         (claim,) = [
-            claim
-            for claims in contents(replace(told, stiffness=of_stage)).claims.values()
-            for claim in claims
-            if claim.key == "human_like_contrast"
+            claim for section in (STIFFNESS, ACTUATORS)[of_stage is None :] for claim in section.claims(given, {})
         ]
         assert claim.verdict == verdict
-        assert claim.companion.startswith("by mechanics: contrast +0.31") is (of_stage is not None)
+        assert claim.companion.startswith("by mechanics: contrast +0.3") is (of_stage is not None)
 
 
 def test_without_runs_mechanics_decides_nothing(results: StudyResults) -> None:
