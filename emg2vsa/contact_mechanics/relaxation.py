@@ -129,12 +129,15 @@ class ConvolvedForce(Generic[Number]):
         ]
         self._step_s = -1.0
         self._weights: list[tuple[float, Number, Number]] = []
+        self._ahead: tuple[Number, Number] | None = None
+        "Alpha and beta of a step of that length, until the state changes: a solver asks for them many times."
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the next contact is a first one."""
         self.force_n: Number = self._zero
         self._states: list[Number] = [self._zero] * len(self._branches)
+        self._ahead = None
 
     @property
     def convolved_n(self) -> Number:
@@ -147,15 +150,19 @@ class ConvolvedForce(Generic[Number]):
     def alpha_beta(self, step_s: float) -> tuple[Number, Number]:
         """F_c = alpha + beta F, that long from now, where F grows evenly from the present force to F."""
         self._weigh(step_s)
+        if self._ahead is not None:
+            return self._ahead
         alpha, beta, old_n = self._zero, self._instant, self.force_n
         for z, (left, from_old, from_new) in zip(self._states, self._weights, strict=True):
             alpha = alpha + (left * z + from_old * old_n)
             beta = beta + from_new
-        return alpha, beta
+        self._ahead = alpha, beta
+        return self._ahead
 
     def advance(self, step_s: float, force_n: Number) -> Number:
         """Go on to ``force_n``, that long from now; F_c there."""
         self._weigh(step_s)
+        self._ahead = None
         old_n, total = self.force_n, self._instant * force_n
         states = self._states
         for k, (left, from_old, from_new) in enumerate(self._weights):
@@ -167,7 +174,7 @@ class ConvolvedForce(Generic[Number]):
 
     def rest(self, duration_s: float) -> None:
         """Go on without a force for any time, from now: what is left of the dent decays exactly."""
-        self.force_n = self._zero
+        self.force_n, self._ahead = self._zero, None
         self._states = [math.exp(-duration_s / tau) * z for z, tau in zip(self._states, self._taus_s, strict=True)]
 
     def _weigh(self, step_s: float) -> None:
@@ -180,7 +187,7 @@ class ConvolvedForce(Generic[Number]):
             gone = -math.expm1(-share)
             mean = gone / share if share > 0 else 1.0
             weights.append((1 - gone, branch * (mean - (1 - gone)), branch * (1 - mean)))
-        self._step_s, self._weights = step_s, weights
+        self._step_s, self._weights, self._ahead = step_s, weights, None
 
 
 def _of_contacts(zero: Number, values: list[float]) -> Number:

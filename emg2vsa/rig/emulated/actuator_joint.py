@@ -77,12 +77,13 @@ class SpringJoint:
         """Torque that would hold the shaft there against springs and specimen, N m, and its growth, N m/rad."""
         s = self.springs
         # half of k e^x, once for both sinh and cosh
-        up_1 = s.k1_nm / 2 * math.exp(s.a1_per_rad * (shaft_rad - motors_rad[0]))
-        up_2 = s.k2_nm / 2 * math.exp(s.a2_per_rad * (shaft_rad - motors_rad[1]))
-        down_1, down_2 = s.k1_nm**2 / 4 / up_1, s.k2_nm**2 / 4 / up_2
-        load_nm, load_growth = probe.torque_nm(shaft_rad)
+        k1_nm, a1_per_rad, k2_nm, a2_per_rad = s.k1_nm, s.a1_per_rad, s.k2_nm, s.a2_per_rad
+        up_1 = k1_nm / 2 * math.exp(a1_per_rad * (shaft_rad - motors_rad[0]))
+        up_2 = k2_nm / 2 * math.exp(a2_per_rad * (shaft_rad - motors_rad[1]))
+        down_1, down_2 = k1_nm**2 / 4 / up_1, k2_nm**2 / 4 / up_2
+        load_nm, load_growth = probe.torque_nm(shaft_rad) if shaft_rad > probe.touch_rad else (0.0, 0.0)
         torque_nm = up_1 - down_1 + up_2 - down_2 + load_nm
-        return torque_nm, s.a1_per_rad * (up_1 + down_1) + s.a2_per_rad * (up_2 + down_2) + load_growth
+        return torque_nm, a1_per_rad * (up_1 + down_1) + a2_per_rad * (up_2 + down_2) + load_growth
 
     def _angle_at(
         self, torque_nm: float, start_rad: float, at_start: tuple[float, float], motors_rad: Motors, probe: Probe

@@ -21,7 +21,7 @@ from emg2vsa.rig.emulated.camera import EmulatedCamera
 from emg2vsa.rig.emulated.controls import ArtificialEffect
 from emg2vsa.rig.emulated.fault_plan import FaultPlan
 from emg2vsa.rig.emulated.faults import FaultyWire, WireLine
-from emg2vsa.rig.emulated.off_contact import OffContactCycle, OffContactNetFt, OffContactQbmove
+from emg2vsa.rig.emulated.off_contact import Nearness, OffContactCycle, OffContactNetFt, OffContactQbmove
 from emg2vsa.rig.emulated.press_draws import PressDraws
 from emg2vsa.rig.emulated.probe import Touch
 from emg2vsa.rig.emulated.qbmove_firmware import QbmoveFirmware
@@ -114,6 +114,7 @@ class EmulatedRig:
         self._press = 0
         self._lock = threading.RLock()
         self._looked_s, self._is_near = math.nan, True
+        self._nearness = Nearness(self._near)
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
         away = World(
             clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=SPRINGS[emulated.springs] if rigid else None)
@@ -193,16 +194,16 @@ class EmulatedRig:
         else:
             board = OffContactQbmove(
                 line, DEVICE_ID, model=model, clock=self.clock, stiffness_percent=percent,
-                firmware=self.firmware, near=self._near,
+                firmware=self.firmware, nearness=self._nearness,
             )  # fmt: skip
-            force = OffContactNetFt(box_line, page, self.clock, box=self.box, near=self._near)
+            force = OffContactNetFt(box_line, page, self.clock, box=self.box, nearness=self._nearness)
         force.start()
         self.camera.start()
         return Devices(RigidMotor(board) if self.rigid else board, force, self.camera)
 
     def loop(self, *given: Any) -> ControlCycle:
         """The control loop of a run on `devices` that are not exact."""
-        return OffContactCycle(*given, near=self._near)
+        return OffContactCycle(*given, nearness=self._nearness)
 
     def _near(self) -> bool:
         """Asked several times in a turn, within which nothing moves."""
@@ -220,7 +221,7 @@ class EmulatedRig:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            return [self._turned(self.world.force_n(time_s).tolist()) for time_s in times_s]
+            return [self._turned(force_n) for force_n in self.world.forces_n(times_s)]
 
     def _turned(self, force_n: Sequence[float]) -> Sequence[float]:
         # plain numbers: three at a time are too few for arrays to pay

@@ -1,8 +1,9 @@
 """A run in virtual time that makes short work of the turns in which nothing is near the probe: 90 % of them.
 
-Near the specimen, and in contact, the drivers speak byte for byte, and every guard looks at every turn. Elsewhere they
-ask the emulated devices themselves, and guards that cannot speak are not asked. Devices, log and frames are the same
-either way; ``[emulated] exact = true`` does without.
+While a press is measured, from near the specimen to the end of loading, the drivers speak byte for byte. Elsewhere they
+ask the emulated devices themselves. Every guard looks at every turn near the specimen and in contact. Off contact,
+guards that cannot speak are not asked. Devices, log and frames are the same either way; ``[emulated] exact = true``
+does without.
 """
 
 from __future__ import annotations
@@ -31,39 +32,52 @@ from emg2vsa.rig.rig_settings import RigSettings
 Near = Callable[[], bool]
 """Whether the probe is in contact, or so near that it may be within a turn of the loop."""
 _PHASES = ("approach", "retract", "pause")
+_UNMEASURED = ("retract", "pause")
+"Nothing that is felt in these is scored."
+
+
+class Nearness:
+    """What the drivers of such a run go by. near : as given. measuring : whether a press is being measured."""
+
+    def __init__(self, near: Near) -> None:
+        self.near, self.measuring = near, True
+
+    def speaks(self) -> bool:
+        """Whether the drivers speak byte for byte."""
+        return self.measuring and self.near()
 
 
 class OffContactQbmove(Qbmove):
     """What a run sends and asks in every turn goes straight to the ``firmware``; all else over the line."""
 
-    def __init__(self, *given: Any, firmware: QbmoveFirmware, near: Near, **named: Any) -> None:
+    def __init__(self, *given: Any, firmware: QbmoveFirmware, nearness: Nearness, **named: Any) -> None:
         super().__init__(*given, **named)
-        self._firmware, self._near = firmware, near
+        self._firmware, self._nearness = firmware, nearness
 
     def _tell_ticks(self, command: Command, first: int, second: int) -> None:
-        if self._near():
+        if self._nearness.speaks():
             super()._tell_ticks(command, first, second)
         else:
             self._firmware.tell(command, first, second)
 
     def _ask_words(self, command: Command, count: int) -> tuple[int, ...]:
-        return super()._ask_words(command, count) if self._near() else self._firmware.ask(command)
+        return super()._ask_words(command, count) if self._nearness.speaks() else self._firmware.ask(command)
 
 
 class OffContactNetFt(NetFt):
-    """Records come straight from the ``box``, which feels nothing."""
+    """Records come straight from the ``box`` while the drivers need not speak."""
 
-    def __init__(self, *given: Any, box: RdtBox, near: Near, **named: Any) -> None:
-        self._box, self._near = box, near
+    def __init__(self, *given: Any, box: RdtBox, nearness: Nearness, **named: Any) -> None:
+        self._box, self._nearness = box, nearness
         self._far = False
         "Whether nothing was near at the last look."
         super().__init__(*given, **named)
 
     def _arrived(self) -> bool:
-        if self._newest is None or self._near():
+        if self._newest is None or self._nearness.speaks():
             self._far = False
             return super()._arrived()
-        self.take_free()
+        self.take(far=not self._nearness.near())
         return True
 
     @property
@@ -71,13 +85,13 @@ class OffContactNetFt(NetFt):
         """The newest record that has been taken."""
         return self._newest[0] if self._newest else None
 
-    def take_free(self) -> tuple[Record, float]:
-        """The newest record and its time, with nothing near the probe."""
+    def take(self, *, far: bool) -> tuple[Record, float]:
+        """The newest record and its time. far : nothing is near the probe."""
         assert self._newest is not None
         now_s = self._looked_s = self._clock.now_s()
         newest_s = self._newest[1]
-        far, self._far = self._far, True
-        for record, sent_s in self._box.records_until(now_s, free=far):
+        free, self._far = far and self._far, far
+        for record, sent_s in self._box.records_until(now_s, free=free):
             age_s = now_s - sent_s
             newest_s = max(now_s - age_s, newest_s)  # as of a datagram, whose age is told
             self._take(record, newest_s)
@@ -107,19 +121,19 @@ class OffContactCycle(ControlCycle):
     """The control loop of such a run.
 
     Turns are gone through together where the phase goes on, the forces of these turns and of those that the filter
-    remembers are far below contact and below every limit, and the motors need not be asked whether they are on. No
-    guard but that of the motors' way can speak in them: a turn in which another might is a full one.
+    remembers are far below contact and below every limit, and the motors say that they are on when asked. No guard but
+    that of the motors' way can speak in them: a turn in which another might is a full one.
 
-    devices : of a bench, not exact. near : whether the probe is near the specimen.
+    devices : of a bench, not exact. nearness : which they go by.
     """
 
     def __init__(
-        self, plan: RunPlan, rig: RigSettings, devices: Devices, record: RunRecord, clock: Clock, *, near: Near
+        self, plan: RunPlan, rig: RigSettings, devices: Devices, record: RunRecord, clock: Clock, *, nearness: Nearness
     ) -> None:
         super().__init__(plan, rig, devices, record, clock)
         assert isinstance(devices.force, OffContactNetFt)
         assert devices.camera is None or isinstance(devices.camera, EmulatedCamera)
-        self._force, self._camera, self._near = devices.force, devices.camera, near
+        self._force, self._camera, self._nearness = devices.force, devices.camera, nearness
         self._calm = 0
         "Turns before this one, without a gap, in which the force was small."
         self._turns: list[_Turn] = []
@@ -150,22 +164,28 @@ class OffContactCycle(ControlCycle):
             self._write()
         return self.turn(now_s, late_s), now_s
 
+    def turn(self, now_s: float, late_s: float) -> Motion:
+        """As `ControlCycle.turn`."""
+        assert self.motion is not None
+        self._nearness.measuring = self.motion.phase not in _UNMEASURED
+        return super().turn(now_s, late_s)
+
     def _passes(self, now_s: float, late_s: float) -> bool:
         """Go through a turn without its guards and its log. False: it is for a full turn, to which the sensor gives the
         same sample again."""
         before, limits, witnesses = self.motion, self._limits, self._witnesses
         assert before is not None
-        if before.phase not in _PHASES or late_s > 0 or self._near():
+        if before.phase not in _PHASES or late_s > 0 or self._nearness.near():
             self._calm = 0
             return False
         seen = self._force.newest
-        record, time_s = self._force.take_free()
+        record, time_s = self._force.take(far=True)
         changed = seen is not None and seen.counts != record.counts
         small = all(-most < count < most for most, count in zip(self._most_counts, record.counts, strict=True))
         self._calm = self._calm + 1 if small and changed and record.status == 0 else 0
         if self._calm <= self._rig.filter_samples or now_s - time_s > limits.stale_s:
             return False
-        if now_s - self._asked_s >= limits.motors_every_s or now_s - self._frame_s > limits.camera_s:
+        if now_s - self._frame_s > limits.camera_s:
             return False
         wanted = advance(before, self._plan, 0.0, now_s, now_s - self._turned_s)
         if wanted.phase != before.phase or wanted.depth_mm > self._plan.travel_mm:
@@ -179,6 +199,11 @@ class OffContactCycle(ControlCycle):
             return False
         if before.phase == "approach" and self._rig.depth_at(at.shaft) > limits.contact_mm:
             return False
+        if now_s - self._asked_s >= limits.motors_every_s:
+            with ending("lost device"):
+                if not actuator.is_active():
+                    return False
+            self._asked_s = now_s
         if self._camera and self._camera.due_s <= now_s:
             self._write()  # rows of the turns before bear the number of the frame before
             self._look(now_s)

@@ -79,7 +79,7 @@ class Probe:
             mount_n_per_mm=settings.mount_n_per_mm,
             friction_drop=settings.friction_drop,
         )
-        self._step_s, self._alpha_n, self._beta = 0.0, 0.0, 1.0
+        self._step_s = 0.0
         self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
 
     def position_mm(self, shaft_rad: float) -> float:
@@ -102,9 +102,7 @@ class Probe:
 
     def begin(self, step_s: float) -> None:
         """A step of that length begins where the last one has ended."""
-        if self.remembers:
-            self._step_s = step_s
-            self._alpha_n, self._beta = self._normal.alpha_beta(step_s)
+        self._step_s = step_s
 
     def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
         """What holds the shaft back at the end of the step, N m, and its growth, N m/rad. The tilted guide takes the
@@ -115,13 +113,14 @@ class Probe:
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
         if not self.remembers:
             return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
-        normal_n = (elastic_n - self._alpha_n) / self._beta
+        alpha_n, beta = self._normal.alpha_beta(self._step_s)
+        normal_n = (elastic_n - alpha_n) / beta
         if normal_n <= 0:
             return 0.0, 0.0
         shear_n = self._shear.after(self._step_s, *self._sideways(shaft_rad, elastic_n, growth_n_per_mm), normal_n)
         # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
         stiffer = self._cos**2 + SHEAR_OVER_NORMAL * self._sin**2
-        growth_nm = growth_n_per_mm / self._beta * stiffer * self._mm_per_rad**2 / 1000
+        growth_nm = growth_n_per_mm / beta * stiffer * self._mm_per_rad**2 / 1000
         return self._along_n(normal_n, shear_n) * self._mm_per_rad / 1000, growth_nm
 
     def settle(self, shaft_rad: float) -> Touch:
@@ -137,7 +136,8 @@ class Probe:
             self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
             return APART
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
-        normal_n = max(0.0, (elastic_n - self._alpha_n) / self._beta)
+        alpha_n, beta = self._normal.alpha_beta(self._step_s)
+        normal_n = max(0.0, (elastic_n - alpha_n) / beta)
         sideways = self._sideways(shaft_rad, elastic_n, growth_n_per_mm)
         shear_n = self._shear.advance(self._step_s, *sideways, normal_n)
         self._normal.advance(self._step_s, normal_n)

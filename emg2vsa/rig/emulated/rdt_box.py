@@ -136,11 +136,11 @@ class RdtBox:
         free : nothing has touched the probe since the records before, so that one load stands for all."""
         if (stream := self._stream) is None:
             return []
-        times_s = []
+        times_s, divisor = [], self.settings.divisor
         while stream.next_s <= time_s + 1e-9 and stream.left:
             times_s.append(stream.next_s)
             stream.left -= 1
-            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + self.settings.divisor) / INTERNAL_RATE_HZ
+            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + divisor) / INTERNAL_RATE_HZ
         if not times_s:
             return []
         stream.last_s = times_s[-1]
@@ -159,8 +159,10 @@ class RdtBox:
             noise, of_noise = next(self._noise)
             if any(load) or any(self._bias):
                 noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
-                # beyond 32 bits means far out of range, which the status tells
-                self._counts = tuple([max(_LEAST, min(_MOST, count)) for count in map(round, noisy)])
+                counts = tuple(map(round, noisy))
+                if min(counts) < _LEAST or max(counts) > _MOST:  # far out of range, which the status tells
+                    counts = tuple([max(_LEAST, min(_MOST, count)) for count in counts])
+                self._counts = counts
             else:
                 self._counts = of_noise
         if self.faults.overflow:

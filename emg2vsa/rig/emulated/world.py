@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.emulated.actuator_joint import Joint, Motors, RigidJoint, SpringJoint
-from emg2vsa.rig.emulated.probe import APART, Probe, Touch
+from emg2vsa.rig.emulated.probe import APART, Force, Probe, Touch
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 
 _REMEMBERED = 60_000
@@ -150,7 +150,11 @@ class World:
 
     def force_n(self, time_s: float) -> NDArray[np.float64]:
         """(3,) force on the specimen and on the sensor under it, N: x the way the surface falls off, z down."""
-        return np.array(self._probe.force_n(self.touch(time_s)))
+        return np.array(self.forces_n([time_s])[0])
+
+    def forces_n(self, times_s: Sequence[float]) -> list[Force]:
+        """The same at each of several times, as plain numbers: three at a time are too few for arrays to pay."""
+        return [self._probe.force_n(self.touch(time_s)) for time_s in times_s]
 
     def normal_force_n(self, time_s: float) -> float:
         """Force along the normal of the surface, N."""

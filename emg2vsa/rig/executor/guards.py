@@ -134,8 +134,11 @@ def untrusted_force(moment: Moment, limits: GuardSettings) -> str | None:
         limit_n = min(limit_n, GAP_AT_REST_N + _GAP_SHARE * larger_n)
     # the skin's friction holds probe and shaft, and the sensor feels it
     limit_n += limits.skin_friction * larger_n * math.sin(math.radians(moment.angle_deg))
+    gap_n = abs(moment.seen.spring_n - moment.seen.felt_n)
+    if not gap_n > limit_n:
+        return None
     text = f"N between {moment.seen.spring_n:.1f} N by the springs and {moment.seen.felt_n:.1f} N felt"
-    return _above(abs(moment.seen.spring_n - moment.seen.felt_n), limit_n, text)
+    return _above(gap_n, limit_n, text)
 
 
 def springs_at_rest(moment: Moment, limits: GuardSettings) -> str | None:

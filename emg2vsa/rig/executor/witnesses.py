@@ -228,14 +228,14 @@ class MeanCurrent:
     @property
     def most_ma(self) -> float:
         """Largest of either motor."""
-        return max((abs(current) for pair in self._seen for current in pair), default=0)
+        return max(map(max, self._seen), default=0)
 
     def see(self, currents_ma: tuple[int, int]) -> float:
         """One more reading; the mean with it, 0 before there are enough."""
-        self._seen.append(currents_ma)
+        self._seen.append((abs(currents_ma[0]), abs(currents_ma[1])))
         if len(self._seen) < _CURRENT_TURNS:
             return 0.0
-        return max(sum(abs(pair[motor]) for pair in self._seen) for motor in (0, 1)) / _CURRENT_TURNS
+        return max(map(sum, zip(*self._seen, strict=True))) / _CURRENT_TURNS
 
 
 def spring_force_n(at: Measurements, springs: Springs, rig: RigSettings) -> float:

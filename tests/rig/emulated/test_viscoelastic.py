@@ -30,6 +30,7 @@ from emg2vsa.rig.emulated.world import World
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.rig_settings import RigSettings
+from tests.contact_mechanics.history_keeping import maxwell
 
 MM_PER_RAD = math.degrees(0.2)
 RATE_RAD_PER_S = 5.0 / MM_PER_RAD
@@ -57,10 +58,9 @@ def normal_n(touches: list[Touch]) -> Floats:
 
 def test_a_rigid_ramp_on_a_maxwell_body_is_dawsons_function() -> None:
     # world.md, section 3: R 20 mm, E 0.3 and 0.1 MPa, tau 0.3 s, 5 mm/s: 6.108172512 N after 0.4 s
-    creep_s = 0.3 * 0.4 / 0.3
-    after_1_s = 1 / 0.4 + (1 / 0.3 - 1 / 0.4) * -math.expm1(-1 / creep_s)
-    contact = ContactWorld(exponent=1 / 3, sensor_modulus_mpa=1 / after_1_s)
-    body = {"contact": contact, "stiffness_n_per_mm": 1e18, "relaxation": Relaxation.maxwell(0.3, 0.1, 0.3)}
+    relaxation, after_1_s_mpa = maxwell(0.3, 0.1, 0.3)
+    contact = ContactWorld(exponent=1 / 3, sensor_modulus_mpa=after_1_s_mpa)
+    body = {"contact": contact, "stiffness_n_per_mm": 1e18, "relaxation": relaxation}
     times, touches = pressed(1.5, **body)
     assert touches[round(1.4 / 0.005)].normal_n == pytest.approx(6.108172512, rel=2e-7)
     assert times[280] == pytest.approx(1.4)
