@@ -67,6 +67,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
         reasons=("",) * presses,
         area_unit="mm2",
         pins_selected=np.round(area / step).astype(np.int64),
+        first_n=np.full(presses, 0.5),
         a_c0={
             "front": area,
             "edge": area,
@@ -88,6 +89,7 @@ def make_run(specimen: str, angle_deg: float, condition: str, presses: int = 10)
             "circle": rate * noise * wide,
             "paper": 3 * rate * noise,
         },
+        over_array={name: np.full(presses, np.nan) for name in ("front", "edge", "hexagon", "circle", "paper")},
         true_a_c0=np.full(presses, float(area_mm2(specimen, angle_deg, 0.5))),
         indent_n_per_mm=4
         * (2.5 + 10 / KAPPA_N_PER_MM[specimen]) ** (-2 / 3)

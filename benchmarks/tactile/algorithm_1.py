@@ -72,14 +72,14 @@ def counted(folder: Path) -> Iterator[Counted]:
     presses, angle_deg = list(read_presses([folder])), float(folder.name.rsplit("_", 2)[1])
     settings = RunSettings(algorithm="paper", threshold_px=THRESHOLD_PX)
     scores = score_run(presses, settings, specimen="", angle_deg=angle_deg, condition="", simulated=True)
-    for press, curve, n in zip(presses, scores.curves, scores.pins_selected.tolist(), strict=True):
+    for press, first_n, n in zip(presses, scores.first_n.tolist(), scores.pins_selected.tolist(), strict=True):
         assert press.frames is not None
         rest, contact = first_contact(press.frames)
         tracker = PinTracker()
         pins, moved = tracker.start(rest).centroids_px, tracker.step(contact)
         moved = np.random.default_rng(0).permutation(moved[np.isfinite(moved).all(axis=1)])
         of_masks = selected_pins(mask_centroids(rest), mask_centroids(contact))
-        yield Counted(angle_deg, curve.first_n, n, selected_pins(pins, moved), of_masks)
+        yield Counted(angle_deg, first_n, n, selected_pins(pins, moved), of_masks)
 
 
 def first_contact(frames: FrameSequence) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:

@@ -13,7 +13,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.forms import HERTZ
 from emg2vsa.calibration.laws import LawFit, fit_law
-from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter
+from emg2vsa.calibration.mountings import MountingScatter, by_mounting, mounting_scatter, share_of_mountings
 from emg2vsa.calibration.presses import mean_of, within
 from emg2vsa.curves.weighted_rows import weighted_rows
 from emg2vsa.errors import DataError
@@ -71,7 +71,8 @@ class Calibration:
         """
         variance, n = within(self.casr)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            square = np.nan_to_num(variance / n) + (self.mounting.sd[:, None] * self.mean_casr) ** 2
+            shared = share_of_mountings(by_mounting(self.casr, self.labels))
+            square = np.nan_to_num(variance / n) + shared * (self.mounting.sd[:, None] * self.mean_casr) ** 2
             wrong = _differences(self.mean_casr) * np.where(self.fit.rises, -1, 1)[:, None, None]
             ordered = _differences(self.kappa) > np.sqrt(_sums(self.kappa_se**2))
             return np.asarray(~np.any(ordered & (wrong > np.sqrt(_sums(square))), axis=(1, 2)))

@@ -7,7 +7,8 @@ score, pooled over specimens):
 
     t^2 = max(v - c s^2, 0),  v = sum (mean_m - mean)^2 / f,  f = sum over specimens of (mountings - 1),
 
-with the variance s^2 of a press within its mounting, and c the mean of 1 / presses of a mounting. Where f is below
+with the variance s^2 of a press within its mounting, and c the mean of 1 / presses of a mounting. Where no mounting
+was pressed twice, s^2 counts as 0 and t^2 is the whole scatter. Where f is below
 ``LEAST_FREEDOM`` the SD is assumed (``[calibration] mounting_sd_percent``), and counts as if it were known.
 """
 
@@ -49,7 +50,9 @@ def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> Mountin
         freedom = f.sum(axis=1).astype(np.float64)
         between = np.sum(np.where(f > 0, f * spread, 0.0), axis=1) / freedom
         inside = np.maximum(n - 1, 0)
-        press = np.nansum(inside * np.where(inside > 0, variance, 0.0), axis=(1, 2)) / inside.sum(axis=(1, 2))
+        # one press of each mounting: the scatter of the mountings is all there is, with that of the presses in it
+        pressed_again = np.maximum(inside.sum(axis=(1, 2)), 1)
+        press = np.nansum(inside * np.where(inside > 0, variance, 0.0), axis=(1, 2)) / pressed_again
         shares = np.sum(np.where(n > 0, 1 / n, 0.0), axis=2) / mountings
         of_presses = press * np.sum(np.where(f > 0, f * shares, 0.0), axis=1) / freedom
     told = (freedom >= LEAST_FREEDOM) & np.isfinite(between + of_presses)

@@ -104,12 +104,15 @@ def repeat_interval(
     variance, freedom, n = _noise(groups, means, own_noise)
     serial = serial_of_mountings(groups)
     freedom = freedom * serial.share_of_freedom[:, None]
+    # where no mounting was pressed twice, the scatter between mountings has that of the presses in it
+    once = (calibration.mounting.freedom > 0) & ~np.any(np.isfinite(within(groups)[0]), axis=(1, 2))
+    freedom = np.where(once[:, None], np.inf, freedom)
     eta = np.where(calibration.monotone, calibration.fit.eta(mean[:, None])[:, 0], np.nan)
     kappa = kappa_of(law, eta)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         own = calibration.fit.steepness(mean[:, None]) / kappa_slope(law, kappa[:, None])
         gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
-        of_presses = gradient**2 * variance / serial.effective_n
+        of_presses = np.where(once[:, None], 0.0, gradient**2 * variance / serial.effective_n)
         kappa_step = by_kappa(calibration, mean) * calibration.kappa_se
         of_scores = gradient * means
         of_mountings = of_scores * np.sqrt(share)
@@ -168,7 +171,7 @@ def _chance(of_presses: Floats, freedom: Floats, weight: Floats, mounting: Mount
     with np.errstate(invalid="ignore", divide="ignore"):
         found = mounting.sd * np.minimum(mounting.freedom, 1.0) > 0
         whole = np.sum(of_presses, axis=1)
-        left = np.where(found, np.maximum(1 - weight * mounting.of_presses / whole, 0.0), 1.0)
+        left = np.where(found & (whole > 0), np.maximum(1 - weight * mounting.of_presses / whole, 0.0), 1.0)
         between = np.where(found, (weight * mounting.between) ** 2 / mounting.freedom, 0.0)
         return np.asarray(left**2 * np.sum(of_presses**2 / freedom, axis=1) + between)
 

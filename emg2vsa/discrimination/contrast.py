@@ -211,14 +211,17 @@ def _place(table: RunTable, one: int, other: int, pair: int) -> int:
 
 
 def _in_order(p: Floats, steps: list[int], alpha: float) -> Floats:
-    """Adjusted p: of each step of the sequence at least that of the step before, of the last step by Holm."""
+    """Adjusted p: of each step of the sequence at least that of the step before, of the last step by Holm.
+
+    NaN from the first step on that has no p: the sequence ends there.
+    """
     step = np.array(steps, dtype=np.int64)
     adjusted, before = np.full(p.shape, np.nan), 0.0
     for number in range(3):
         own = step == number
         if own.any():
             adjusted[own] = np.maximum(adjust(p[own], "holm"), before)
-            before = max(before, float(np.nanmax(adjusted[own], initial=0.0))) if number < 2 else before
+            before = float(np.max(adjusted[own])) if number < 2 else before
     return adjusted
 
 

@@ -11,7 +11,11 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from emg2vsa.calibration.presses import MOST_OUTLIERS
+from emg2vsa.calibration.results import CalibrationResults, LawResult
+from emg2vsa.exemplary import Choice
 from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
 from emg2vsa.settings import (
@@ -84,8 +88,13 @@ def methods(
     versions: Mapping[str, str],
     simulated: bool = False,
     runs: Sequence[RunScores] = (),
+    calibration: CalibrationResults | None = None,
+    choice: Choice | None = None,
+    exported: bool = True,
 ) -> list[Paragraph]:
     """``trials`` supply what was measured of the filters (true edges, delays) as they ran.
+
+    calibration : of the runs. choice : how far the participants are apart. exported : there are profiles.
 
     Of a study without recordings, nothing is said of people, and of one without runs nothing of the rig.
     """
@@ -101,13 +110,13 @@ def methods(
             _fit(study.fit, study.window),
         ],
         "Statistical analysis": list(_tests(study)),
-        "Stiffness schedules": list(_export(study)),
+        "Stiffness schedules": list(_export(study, choice)) if exported else [],
     }
     rig: dict[str, list[str]] = {
         "Tactile presses": [_pressed(runs)],
         "Contact area spread rate": [_scored(study)],
         "Tests of areas and rates": [_tested(study.discrimination)],
-        "Stiffness calibration": [_calibrated(study.calibration)] if study.profile.new_specimen else [],
+        "Stiffness calibration": [_calibrated(study, calibration)] if study.profile.new_specimen else [],
     } if runs else {}  # fmt: skip
     software = [f"{listed([f'{name} {version}' for name, version in versions.items()])}."] if versions else []
     add = [_authors_add(study)] if study.recordings and not simulated else []
@@ -315,9 +324,20 @@ _WHOSE = {
 }
 
 
-def _export(study: Study) -> Iterable[str]:
+def _whose(study: Study, choice: Choice | None) -> str:
+    asked = study.profile.participant
+    if asked == MEDOID and len(study.participants) == 1:
+        return f"the one participant, {study.participants[0]}"
+    if asked != MEDOID or choice is None:
+        return _WHOSE.get(asked, f"participant {asked}")
+    near = int(np.count_nonzero(choice.to_others == choice.to_others.min()))
+    tied = f", the first of {near} equally near" if near > 1 else ""
+    return f"{_WHOSE[asked]} ({choice.medoid}{tied})"
+
+
+def _export(study: Study, choice: Choice | None) -> Iterable[str]:
     profile, schedule = study.profile, study.schedule
-    whose = _WHOSE.get(profile.participant, f"participant {profile.participant}")
+    whose = _whose(study, choice)
     yield f"A specimen's profile is the mean of the fits of {whose}."
     if profile.new_specimen:
         yield f"The profile of {profile.new_specimen} was interpolated {_INTERPOLATION[profile.interpolation]}."
@@ -347,7 +367,10 @@ _FLOW = {
     "dis": "dense optical flow [@kroeger]",
 }
 _GROWTH = {"contact": "its divergence over the contact", "image": "its mean divergence over the whole image"}
-_AREA_LAW = {"ode": "the exponential of its sum", "paper": "equation (1) as printed, which multiplies its sum by force"}
+_AREA_LAW = {
+    "ode": "the exponential of its sum",
+    "paper": "equation (1) as printed, which multiplies its sum over the whole press by force",
+}
 _RATE = {
     "power": "the mean slope of a power law A = k Fᵐ through area and force from {low:g} to {high:g} N",
     "slope": "the slope of the line through area and force",
@@ -406,13 +429,15 @@ def _tested(settings: DiscriminationSettings) -> str:
     )
 
 
-def _calibrated(settings: CalibrationSettings) -> str:
+def _calibrated(study: Study, found: CalibrationResults | None) -> str:
+    settings = study.calibration
+    mounting = _mounting(settings, _laws_of(study, found))
     scores = "mean scores" if settings.points == "means" else "all scores"
     return (
         f"{_left_out(settings)}The stiffness of the new specimen was read off {_LAW[settings.law]}, fitted to {scores} "
         f"of the others at each angle of each condition by least squares of {_LEAST[settings.minimise]}. Its "
         f"{100 * settings.confidence:g} % interval joins the scatter of repeated presses, the standard errors of the "
-        f"known stiffnesses{_mounting(settings)}. Presses that are serially correlated count as fewer, and where the "
+        f"known stiffnesses{mounting}. Presses that are serially correlated count as fewer, and where the "
         "left-out specimens reject the law its interval is widened until theirs hold. No stiffness is given where CASR "
         "does not follow κ in one direction, and one whose interval is wider than the calibrated range is called not "
         "determined."
@@ -429,11 +454,25 @@ def _left_out(settings: CalibrationSettings) -> str:
     )
 
 
-def _mounting(settings: CalibrationSettings) -> str:
-    """The terms of the interval that presses of one mounting cannot show."""
-    angle = f"an SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting"
-    if settings.mounting_sd_percent:
-        angle += f", an assumed SD of {settings.mounting_sd_percent:g} % of the score from mounting to mounting"
+def _laws_of(study: Study, found: CalibrationResults | None) -> list[LawResult]:
+    """By the algorithm and law of the study, of every design."""
+    name = study.scoring.algorithm
+    return [each.algorithms[name].chosen for each in found.conditions if name in each.algorithms] if found else []
+
+
+def _mounting(settings: CalibrationSettings, laws: Sequence[LawResult]) -> str:
+    """The terms of the interval that presses of one mounting cannot show, or that repeated mountings do."""
+    said, shown = [], [100 * law.mounting_sd for law in laws if law.mounting_freedom > 0]
+    if shown:
+        between = f"{min(shown):.2g}" if min(shown) == max(shown) else f"{min(shown):.2g} to {max(shown):.2g}"
+        where = f" in {len(shown)} of {len(laws)} designs" if len(shown) < len(laws) else ""
+        said.append(f"the SD of the score between mountings found from repeated ones ({between} %{where})")
+    if len(shown) < max(len(laws), 1):
+        other = "in the others " if shown else ""
+        said.append(f"{other}an assumed SD of {settings.angle_sd_deg:g}° of the angle from mounting to mounting")
+        if settings.mounting_sd_percent:
+            said.append(f"an assumed SD of {settings.mounting_sd_percent:g} % of the score from mounting to mounting")
+    angle = ", ".join(said)
     if settings.law != "compliance":
         return f" and {angle}"
     return f", {angle}, and how far κ moves with the exponent that the contact's growth shows in place of Hertz's 1.5"

@@ -16,6 +16,7 @@ from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested, verdi
 from emg2vsa.report.verdicts import dunn_bounds
 from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, number, p_text, signed
 from emg2vsa.rig.force.moving_average import MovingAverage
+from emg2vsa.stats.kruskal import kruskal
 
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
 _OLD, _NEW = "circle", "paper"
@@ -23,6 +24,9 @@ _CONSTANT = ("constant-min", "constant-mean", "constant-max")
 _NOT_PRESSED = "Accepted presses are missing."
 _POWERLESS = "Neighbours cannot reach significance."
 _PARTLY = "Not every angle was tested."
+_TOO_FEW = "So few presses cannot reach significance."
+_NOT_EQUAL = "Not rejected is not equal."
+_NOT_HEXAGON = "The area rule of this study is not of hexagons."
 _UNTESTED: Verdict = "cannot be tested here"
 
 
@@ -65,15 +69,16 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     ratio = _of(q, [f"runs.{_RIGID}.{angle:g}.area.softest_over_stiffest" for angle in angles])
     known = bool(np.isfinite(p).all())
     missing = _missing(results, [(_RIGID, angle) for angle in angles])
+    powerless = known and bool((p >= alpha).all()) and not _can_reject(results, alpha)
     yield Claim(
         "area_same_on_specimens",
         "initial area is the same on all specimens (Kruskal-Wallis)",
         f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
         p_text(float(p.min())) if known else "not tested",
         float(p.min()),
-        _on_all(known, bool((p >= alpha).all()), missing),
+        _on_all(known and not powerless, bool((p >= alpha).all()), missing),
         companion=f"softest : stiffest up to {ratio.max():.2f}" if known else "",
-        why=not_tested(missing) if known else _NOT_PRESSED,
+        why=_TOO_FEW if powerless else _said(not_tested(missing), _NOT_EQUAL) if known else _NOT_PRESSED,
     )
     worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
     alone = [key for key in q if key.startswith(f"runs.{_RIGID}.area.angles.") and key.endswith(".worst_p")]
@@ -109,8 +114,8 @@ def rate_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
         names = [f"runs.{condition}.{angle:g}.casr.worst_p" for condition, angle in designs]
         p, holm = _of(q, names), _of(q, [f"{name}.holm" for name in names])
         known, missing = bool(np.isfinite(p).all()), _missing(results, designs)
+        powerless = known and _largest(p) >= alpha and _bound(results, neighbours=False) >= alpha
         printed = dict.fromkeys(exact_p(paper.CASR_WORST_P[design]) for design in designs)
-        powerless = known and _largest(p) >= alpha and _neighbours_bound(results, known_only=True) >= alpha
         yield Claim(
             key,
             f"CASR tells specimens apart, {says} (Dunn)",
@@ -155,7 +160,7 @@ def _discriminated(results: StudyResults, q: Quantities) -> Claim:
         for test in ("mean_rank_p", "p")
     }
     worst, known = _largest(p["mean_rank_p"]), bool(np.isfinite(p["mean_rank_p"]).all())
-    powerless = known and worst >= alpha and _neighbours_bound(results) >= alpha
+    powerless = known and worst >= alpha and _bound(results) >= alpha
     new = results.study.profile.new_specimen or "the new specimen"
     return Claim(
         "fig13_new_specimen",
@@ -169,22 +174,39 @@ def _discriminated(results: StudyResults, q: Quantities) -> Claim:
     )
 
 
-def _neighbours_bound(results: StudyResults, known_only: bool = False) -> float:
-    """The least p that the paper's test can give neighbours among all specimens, or those of known stiffness alone.
+def _bound(results: StudyResults, *, neighbours: bool = True) -> float:
+    """The least p that the paper's test can give the worst pair; NaN where the specimens' presses differ in number.
 
-    NaN where their presses differ in number.
+    neighbours : among all specimens, as of the new one; else among those of known stiffness.
     """
-    assert results.pressed.discrimination is not None
+    if results.pressed.discrimination is None:
+        return np.nan
     table = results.pressed.discrimination.table
-    presses = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0]
-    bounds = dunn_bounds(presses[table.known] if known_only else presses)
+    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0]
+    bounds = dunn_bounds(count if neighbours else count[table.known])
     return bounds[1] if bounds else np.nan
+
+
+def _can_reject(results: StudyResults, alpha: float) -> bool:
+    """Whether Kruskal and Wallis' test of the specimens can reject with so few presses: as if none overlapped."""
+    if results.pressed.discrimination is None:
+        return True
+    table = results.pressed.discrimination.table
+    count = np.isfinite(table.casr[table.algorithm]).sum(axis=2)[0][table.known]
+    apart = np.full((count.size, max(int(count.max(initial=0)), 1)), np.nan)
+    for i, n in enumerate(count.tolist()):
+        apart[i, :n] = np.arange(n) + 1e3 * i
+    return bool(kruskal(apart).p < alpha)
+
+
+def _said(*sentences: str) -> str:
+    return " ".join(filter(None, sentences))
 
 
 def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterator[Claim]:
     name = "runs.constant-min.0.new"
     dunn, exact = (float(q.get(f"{name}.{key}", np.nan)) for key in ("stiffer_mean_rank_p", "stiffer_p"))
-    known = dunn == dunn
+    known, powerless = dunn == dunn, _bound(results) >= alpha
     new = results.study.profile.new_specimen or "the new specimen"
     yield Claim(
         "new_specimen_at_minimum",
@@ -192,15 +214,14 @@ def _new_specimen(results: StudyResults, q: Quantities, alpha: float) -> Iterato
         f"p = {exact_p(paper.NEW_MIN_STIFFNESS_P)}",
         p_text(dunn) if known else "not tested",
         dunn,
-        _verdict(known, dunn >= alpha),
+        _verdict(known and not (powerless and dunn >= alpha), dunn >= alpha),
         companion=f"Mann-Whitney: {p_text(exact)}" if known else "",
-        why=(_POWERLESS if _neighbours_bound(results) >= alpha else "") if known else _NOT_PRESSED,
+        why=(_POWERLESS if powerless else _NOT_EQUAL if dunn >= alpha else "") if known else _NOT_PRESSED,
     )
 
 
 def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """How well is the stiffness of the new specimen found?"""
-    own = results.study.scoring.algorithm
     for key, what, conditions, printed in (
         ("rigid", "rigid motor", (_RIGID,), paper.ERROR_NEW_VISION),
         ("human_like", "human-like stiffness", (_HUMAN_LIKE,), paper.ERROR_HUMAN_LIKE),
@@ -210,8 +231,8 @@ def kappa_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             [(conditions[0], angle) for angle in printed] if printed else [(condition, 0.0) for condition in conditions]
         )
         errors = list(printed.values()) if printed else list(paper.ERROR_CONSTANT.values())
-        yield _fit(q, key, what, designs, conditions, own, _missing(results, designs))
-        yield _error(q, key, what, designs, errors, own)
+        yield _fit(q, key, what, designs, conditions, results)
+        yield _error(q, key, what, designs, errors, results)
     yield _curves()
 
 
@@ -235,38 +256,53 @@ def _fit(
     what: str,
     designs: Sequence[tuple[str, float]],
     conditions: Sequence[str],
-    own: str,
-    missing: Sequence[str],
+    results: StudyResults,
 ) -> Claim:
+    own, missing = results.study.scoring.algorithm, _missing(results, designs)
     r2, companion = (
         _of(q, [f"runs.{c}.{angle:g}.{algorithm}.kappa.paper_law.adj_r2" for c, angle in designs])
         for algorithm in (_NEW, own)
     )
     printed = min(paper.WORST_ADJ_R2[condition] for condition in conditions)
-    known = bool(np.isfinite(r2).all())
-    refuted = float(r2.min()) < printed
+    slope = _of(q, [f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.parameter.second" for c, angle in designs])
+    rising = int(np.count_nonzero(slope > 0))
+    known, undetermined = bool(np.isfinite(r2).all()), _undetermined(q, [(c, angle, _NEW) for c, angle in designs])
+    holds = bool((slope < 0).all()) and float(r2.min()) >= printed
+    tested = _hexagons(results) and not (holds and undetermined)
     return Claim(
         f"kappa_fit_{key}",
         f"an exponential law gives κ, {what}",
         f"adj. R² ≥ {bounded(printed, 4)}",
         bounded(float(r2.min())) if known else "not defined",
         float(r2.min()),
-        _on_all(known, float(r2.min()) >= printed, missing),
+        _on_all(known and tested, holds, missing),
         companion=f"by {own}: {bounded(float(companion.min()))}"
         if own != _NEW and np.isfinite(companion).all()
         else "",
-        why=("" if refuted else not_tested(missing) or _undetermined(q, designs))
+        why=_NOT_HEXAGON
+        if not _hexagons(results)
+        else _said(
+            not_tested(missing),
+            f"κ rises with CASR in {rising} of {slope.size} designs, against the paper's." if rising else "",
+            undetermined if holds else "",
+        )
         if known
         else "Not every design gives a law.",
     )
 
 
 def _error(
-    q: Quantities, key: str, what: str, designs: Sequence[tuple[str, float]], printed: Sequence[float], own: str
+    q: Quantities,
+    key: str,
+    what: str,
+    designs: Sequence[tuple[str, float]],
+    printed: Sequence[float],
+    results: StudyResults,
 ) -> Claim:
+    own = results.study.scoring.algorithm
     here = _of(q, [f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.error" for c, angle in designs])
     mine = _of(q, [f"runs.{c}.{angle:g}.{own}.kappa.error" for c, angle in designs])
-    known, undetermined = bool(np.isfinite(here).all()), _undetermined(q, designs)
+    known, undetermined = bool(np.isfinite(here).all()), _undetermined(q, [(c, angle, _NEW) for c, angle in designs])
     small = bool((np.abs(here) < np.array(printed) + _ROUNDED).all())
     return Claim(
         f"kappa_error_{key}",
@@ -274,9 +310,9 @@ def _error(
         f"{', '.join(number(100 * error, 2) for error in printed)}{NO_BREAK}%",
         _percents(here) if known else "not defined",
         float(np.abs(here).max()),
-        _verdict(known and not (small and undetermined), small),
+        _verdict(known and _hexagons(results) and not (small and undetermined), small),
         companion=f"by {own}: {_percents(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-        why=("" if not small else undetermined) if known else _no_kappa(q),
+        why=(("" if not small else undetermined) if known else _no_kappa(q)) if _hexagons(results) else _NOT_HEXAGON,
     )
 
 
@@ -284,9 +320,17 @@ def _percents(errors: np.ndarray) -> str:
     return f"{', '.join(signed(100 * error) for error in errors.tolist())}{NO_BREAK}%"
 
 
-def _undetermined(q: Quantities, designs: Sequence[tuple[str, float]]) -> str:
-    """Says so where the intervals of κ are wider than the range of the known stiffnesses: agreement may be chance."""
-    found = [bool(q.get(f"runs.{c}.{angle:g}.{_NEW}.kappa.paper_law.determined", True)) for c, angle in designs]
+def _hexagons(results: StudyResults) -> bool:
+    """Whether the algorithm "paper" of this study has its hexagons: its keys can set another rule of the area."""
+    return results.study.scoring.recipe_of(_NEW).area_rule in ("paper", "hexagon")
+
+
+def _undetermined(q: Quantities, designs: Iterable[tuple[str, float, str]]) -> str:
+    """Says so where the intervals of κ are wider than the range of the known stiffnesses: agreement may be chance.
+
+    designs : condition, angle and vision algorithm.
+    """
+    found = [bool(q.get(f"runs.{c}.{angle:g}.{name}.kappa.paper_law.determined", True)) for c, angle, name in designs]
     if all(found):
         return ""
     return f"Determined in {found.count(True)} of {len(found)} designs."
@@ -319,16 +363,16 @@ def reduction_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
             q, (before[0], swap.get(before[1], before[1])), (after[0], swap.get(after[1], after[1])), angles, "error"
         )
         known, smaller = bool(np.isfinite(here).all()), bool((here > 0).all())
-        designs = [(c, angle) for c in {before[0]: None, after[0]: None} for angle in angles]
+        undetermined = _undetermined(q, [(c, angle, name) for c, name in (before, after) for angle in angles])
         yield Claim(
             f"reduction_{key}",
             f"{says}, {'/'.join(f'{angle:g}' for angle in angles)}°",
             printed,
             _points(here) if known else "not defined",
             float(here.min()),
-            _verdict(known, smaller),
+            _verdict(known and _hexagons(results) and not undetermined, smaller),
             companion=f"by {own}: {_points(mine)}" if own != _NEW and np.isfinite(mine).all() else "",
-            why=("" if not smaller else _undetermined(q, designs)) if known else _no_kappa(q),
+            why=(undetermined if known else _no_kappa(q)) if _hexagons(results) else _NOT_HEXAGON,
         )
     yield _levels(q)
 

@@ -9,14 +9,14 @@ import numpy as np
 from casr.camera import undistorted
 from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.array import array_area_px2
-from casr.errors import CasrError, NoContactError
+from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
 from casr.frames import FrameSequence
 from casr.press_forces import press_forces
 from casr.score import score, score_skin
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from casr.session import Stretch, stretch_of
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 
 _REACH = 0.8
@@ -27,7 +27,8 @@ _REACH = 0.8
 class Numbers:
     """Of one algorithm, NaN where it finds nothing; ``missing`` : why there is no rate.
 
-    area, outlines_px : (T,) and T outlines, of the frames.
+    area, outlines_px : (T,) and T outlines, of the frames. over_array : the largest area over that of the pin array,
+    where it is above it, so that there is no rate.
     """
 
     a_c0: float = np.nan
@@ -36,6 +37,7 @@ class Numbers:
     area: Floats = field(default_factory=lambda: np.empty(0))
     outlines_px: tuple[Floats, ...] = ()
     missing: str = ""
+    over_array: float = np.nan
 
 
 class Measured:
@@ -107,16 +109,6 @@ class Measured:
         doubts = self._seen.doubts if self._seen else ()
         return (*(f"check {self._frames.name}: {doubt}" for doubt in doubts), *self.skin.notes)
 
-    @property
-    def selected(self) -> Ints | None:
-        """(n,) rows of the pins that Algorithm 1 counts: moved beyond the threshold, in whole pixels; None: unknown."""
-        try:
-            return self._initial(self.skin, "paper").selected.astype(np.int64)
-        except NoContactError:
-            return np.empty(0, dtype=np.int64)
-        except CasrError:
-            return None
-
     def _front(self) -> Numbers:
         """Area in the first frame and where loading begins, on the front's power law, and its rate."""
         seen = self._seen
@@ -138,24 +130,23 @@ class Measured:
         assert rate is not None
         growth = rate.law.area(self._settings.force_n[0]) / found.skin.area[0] if rate.law else 1.0
         area = times * found.skin.area
-        if missing := self._beyond_array(found, initial, area):
-            return Numbers(a_c0, a_c0 * growth, missing=missing)
+        array = self._array_area(found, initial)
+        first = int(initial.rule == "circle")  # in the first frame a circle is of the array itself
+        last = first + int(np.argmax(area[first:]))
+        # a circle that grows as its skin was seen to grow is still of the array's skin; equation (1) sees no skin
+        if area[last] > array and not (first and recipe.law == "ode"):
+            unit = found.area_unit.replace("2", "²")
+            missing = (
+                f"expected at most the area of the pin array, {array:.5g} {unit}, but found {area[last]:.5g} {unit} "
+                f"by the area law at {found.force_n[last]:.2f} N"
+            )
+            return Numbers(a_c0, a_c0 * growth, missing=missing, over_array=float(area[last] / array))
         return Numbers(a_c0, a_c0 * growth, float(times * rate.value), area, found.regions)
 
-    def _beyond_array(self, found: SkinScore, initial: InitialArea, area: Floats) -> str:
-        """What to say of areas above that of the pin array, which cannot be; a circle is of the array anyway."""
-        if initial.rule == "circle":
-            return ""
+    def _array_area(self, found: SkinScore, initial: InitialArea) -> float:
+        """Of the pin array in the first frame, in the unit of areas: no contact is larger."""
         scale = 1.0 if initial.area_mm2 is None else initial.area_mm2 / initial.area_px2
-        array = scale * array_area_px2(undistorted(found.contact_px, self._frames.camera))
-        last = int(np.argmax(area))
-        if not area[last] > array:
-            return ""
-        unit = found.area_unit.replace("2", "²")
-        return (
-            f"expected at most the area of the pin array, {array:.5g} {unit}, but found {area[last]:.5g} {unit} by the "
-            f"area law at {found.force_n[last]:.2f} N"
-        )
+        return scale * array_area_px2(undistorted(found.contact_px, self._frames.camera))
 
     def _initial(self, found: SkinScore, rule: str) -> InitialArea:
         if found.initial.rule == rule:
@@ -172,34 +163,40 @@ class Measured:
         return self._skins[key]
 
     def _asked(self, recipe: Recipe, quantity: str) -> tuple[FrameSequence, ScoreSettings]:
-        """The frames with their forces, and a recipe in casr's terms.
+        return asked_of(self._frames, self._settings, recipe, quantity)
 
-        Loading ends at the largest force where no frame was taken at F_max: the press turns back between two. CasrError
-        where that is far below: a law through the first newtons says little of the others.
-        """
-        frames = self._frames.by_mean() if recipe.force_rule == "mean" else self._frames
-        start_n, stop_n = self._settings.force_n
-        asked = ScoreSettings(
-            quantity=quantity,
-            flow=FlowSettings(engine=recipe.engine),
-            area_rule=recipe.area_rule,
-            area_law=recipe.law,
-            rate_rule=recipe.rate,
-            threshold_px=self._settings.threshold_px,
-            force_start_n=start_n,
-            force_stop_n=stop_n,
-            rate_window_n=(start_n, stop_n),
-            region=WHOLE_IMAGE if recipe.region == "image" else None,
+
+def asked_of(
+    frames: FrameSequence, settings: RunSettings, recipe: Recipe, quantity: str
+) -> tuple[FrameSequence, ScoreSettings]:
+    """The frames with their forces, and a recipe in casr's terms.
+
+    Loading ends at the largest force where no frame was taken at F_max: the press turns back between two. CasrError
+    where that is far below: a law through the first newtons says little of the others.
+    """
+    frames = frames.by_mean() if recipe.force_rule == "mean" else frames
+    start_n, stop_n = settings.force_n
+    asked = ScoreSettings(
+        quantity=quantity,
+        flow=FlowSettings(engine=recipe.engine),
+        area_rule=recipe.area_rule,
+        area_law=recipe.law,
+        rate_rule=recipe.rate,
+        threshold_px=settings.threshold_px,
+        force_start_n=start_n,
+        force_stop_n=stop_n,
+        rate_window_n=(start_n, stop_n),
+        region=WHOLE_IMAGE if recipe.region == "image" else None,
+    )
+    peak_n = float(np.nanmax(press_forces(frames, asked).force_n, initial=0.0))
+    if peak_n < _REACH * stop_n:
+        raise CasrError(
+            frames.name,
+            wanted=f"a press that reaches {_REACH * stop_n:.3g} N, {_REACH:.0%} of the force to score to",
+            found=f"{peak_n:.3g} N at most",
+            do="Press again, or lower force_n under [runs].",
         )
-        peak_n = float(np.nanmax(press_forces(frames, asked).force_n, initial=0.0))
-        if peak_n < _REACH * stop_n:
-            raise CasrError(
-                frames.name,
-                wanted=f"a press that reaches {_REACH * stop_n:.3g} N, {_REACH:.0%} of the force to score to",
-                found=f"{peak_n:.3g} N at most",
-                do="Press again, or lower force_n under [runs].",
-            )
-        return frames, asked if peak_n >= stop_n else replace(asked, force_stop_n=None)
+    return frames, asked if peak_n >= stop_n else replace(asked, force_stop_n=None)
 
 
 def _growth(recipe: Recipe) -> Recipe:

@@ -10,9 +10,9 @@ import numpy as np
 from casr.errors import CasrError
 from casr.frames import FrameSequence
 from casr.scored import SkinScore
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats
 from emg2vsa.runs.measured import Measured, Numbers
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, FirstContact, PressCurve
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve
 from emg2vsa.settings import RunSettings
 
 _LEAST_ROWS = 5
@@ -44,10 +44,9 @@ class Press:
 class ScoredPress:
     """Numbers of one press, by algorithm; NaN where an algorithm finds nothing (see ``RunScores``).
 
-    missing : algorithm to why it has no rate.
+    missing : algorithm to why it has no rate. over_array : see ``measured.Numbers``.
     """
 
-    pins_selected: int
     a_c0: dict[str, float]
     start_area: dict[str, float]
     casr: dict[str, float]
@@ -55,8 +54,8 @@ class ScoredPress:
     indent_n_per_mm: float
     curve: PressCurve
     picture: ContactPicture | None
-    first_contact: FirstContact | None
     missing: dict[str, str]
+    over_array: dict[str, float]
     notes: tuple[str, ...]
 
 
@@ -72,7 +71,7 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         )
     measured = Measured(press.frames, settings)
     by, skin = {name: measured.numbers(name) for name in ALGORITHMS}, measured.skin
-    own, selected = by[settings.algorithm], measured.selected
+    own = by[settings.algorithm]
     # the rig's log is of the same sensor
     zero_n = skin.force_zero.level_n if skin.force_zero else 0.0
     known, stretch = np.isfinite(own.area), measured.stretch
@@ -91,7 +90,6 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
             stretch_log_sd=stretch.log_sd,
         )
     return ScoredPress(
-        pins_selected=-1 if selected is None else selected.size,
         a_c0={name: found.a_c0 for name, found in by.items()},
         start_area={name: found.start_area for name, found in by.items()},
         casr={name: found.casr for name, found in by.items()},
@@ -101,8 +99,8 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         ),
         curve=curve,
         picture=_picture(press.frames, skin, own),
-        first_contact=_first_contact(press, skin, selected),
         missing={name: found.missing for name, found in by.items() if found.missing},
+        over_array={name: found.over_array for name, found in by.items()},
         notes=measured.notes,
     )
 
@@ -118,22 +116,6 @@ def _picture(frames: FrameSequence, skin: SkinScore, own: Numbers) -> ContactPic
         force_n=float(skin.force_n[i]),
         outline_px=np.asarray(own.outlines_px[i], dtype=np.float64),
         area_mm2=float(own.area[i]),
-    )
-
-
-def _first_contact(press: Press, skin: SkinScore, selected: Ints | None) -> FirstContact | None:
-    """What Algorithm 1 sees of a press; None where it finds no pin."""
-    assert press.frames is not None
-    if selected is None or not selected.size:
-        return None
-    frames = [np.asarray(press.frames[int(i)]).astype(np.uint8) for i in (skin.rest_frame, *skin.frames[:2])]
-    return FirstContact(
-        repetition=press.repetition,
-        frames=np.stack(frames),
-        force_n=skin.force_n[:2].copy(),
-        rest_px=skin.rest.centroids_px,
-        contact_px=skin.contact_px.copy(),
-        selected=selected,
     )
 
 

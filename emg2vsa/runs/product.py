@@ -82,12 +82,14 @@ class RunScores:
     algorithm : the vision algorithm whose scores count; the others are companions. repetitions : (R,). mounting : (R,)
     number, from 1, of the mounting that a press belongs to: each folder is one, unless the rig says that it goes on.
     verdicts : "ok" or "rejected". reasons : empty where ok. pins_selected : (R,) n of Algorithm 1 with centroids paired
-    one to one in the first frame of the loading phase; -1 where it is not determined.
+    one to one in the first frame of the loading phase by the recipe "paper", of rejected presses too; -1 where it is
+    not determined. first_n : (R,) force of that frame, N, NaN where it is not determined.
     a_c0, start_area, casr : algorithm to (R,), in ``area_unit``, ``area_unit`` and ``area_unit``/N; by rate "paper"
     casr is a sum over frames. a_c0 is the area of the first frame of the loading phase, whose force differs from press
     to press (front: on the power law of the frames in which it is determined); start_area is the area at the force
     where the phase begins, on the power law of the press (where the rate is by none: a_c0). casr is NaN where an area
-    is above that of the pin array. true_a_c0 : (R,) mm2, NaN unless simulated.
+    is above that of the pin array; over_array is then the largest area over that of the array, else NaN. true_a_c0 :
+    (R,) mm2, NaN unless simulated.
     indent_n_per_mm : (R,) slope of force over shaft travel, the kinesthetic cue; NaN without a log. peak_n : (R,)
     largest force along the push axis, N, beyond the force of turning back too; NaN without presses.csv. curves : R.
     simulated : the run was emulated. first_contact : of the first press in which Algorithm 1 finds pins. notes : once
@@ -105,9 +107,11 @@ class RunScores:
     reasons: tuple[str, ...]
     area_unit: str
     pins_selected: Ints
+    first_n: Floats
     a_c0: dict[str, Floats]
     start_area: dict[str, Floats]
     casr: dict[str, Floats]
+    over_array: dict[str, Floats]
     true_a_c0: Floats
     indent_n_per_mm: Floats
     peak_n: Floats

@@ -8,8 +8,9 @@ import numpy as np
 
 from casr.errors import CasrError
 from emg2vsa.arrays import Floats
+from emg2vsa.runs.counted_pins import counted_pins
 from emg2vsa.runs.press import Press, ScoredPress, score_press
-from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, PressCurve, RunScores
+from emg2vsa.runs.product import ALGORITHMS, PICTURED_N, FirstContact, PressCurve, RunScores
 from emg2vsa.settings import RunSettings
 
 _NOTHING = PressCurve(np.empty(0), np.empty(0))
@@ -31,6 +32,9 @@ def score_run(
     reasons: list[str] = []
     peaks_n: list[float] = []
     scored: list[ScoredPress | None] = []
+    counts: list[int] = []
+    first_n: list[float] = []
+    first_contact: FirstContact | None = None
     unit_of_rejected = "mm2"
     for press in presses:
         found, reason = _tried(press, settings)
@@ -41,6 +45,11 @@ def score_run(
         peaks_n.append(press.peak_n)
         reasons.append(reason)
         scored.append(found)
+        counted = _counted(press, settings)
+        counts.append(counted.selected.size if counted else -1)
+        first_n.append(float(counted.force_n[0]) if counted else np.nan)
+        if first_contact is None and counted and counted.selected.size:
+            first_contact = counted
     return RunScores(
         specimen=specimen,
         angle_deg=angle_deg,
@@ -52,10 +61,12 @@ def score_run(
         verdicts=tuple("ok" if found else "rejected" for found in scored),
         reasons=tuple(reasons),
         area_unit=next((found.area_unit for found in scored if found), unit_of_rejected),
-        pins_selected=np.array([found.pins_selected if found else -1 for found in scored], dtype=np.int64),
+        pins_selected=np.array(counts, dtype=np.int64),
+        first_n=np.array(first_n, dtype=np.float64),
         a_c0=_by_algorithm([found.a_c0 if found else None for found in scored]),
         start_area=_by_algorithm([found.start_area if found else None for found in scored]),
         casr=_by_algorithm([found.casr if found else None for found in scored]),
+        over_array=_by_algorithm([found.over_array if found else None for found in scored]),
         true_a_c0=np.full(len(scored), np.nan),
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
         peak_n=np.array(peaks_n, dtype=np.float64),
@@ -65,7 +76,7 @@ def score_run(
             key=lambda picture: abs(picture.force_n - PICTURED_N),
             default=None,
         ),
-        first_contact=next((found.first_contact for found in scored if found and found.first_contact), None),
+        first_contact=first_contact,
         notes=tuple(
             dict.fromkeys(
                 (
@@ -90,6 +101,12 @@ def _tried(press: Press, settings: RunSettings) -> tuple[ScoredPress | None, str
         return score_press(press, settings), ""
     except CasrError as error:
         return None, str(error)
+
+
+def _counted(press: Press, settings: RunSettings) -> FirstContact | None:
+    if press.frames is None or press.frames.force_n is None:
+        return None
+    return counted_pins(press.frames, settings, press.repetition)
 
 
 def _missing(scored: Sequence[ScoredPress | None], algorithm: str) -> Iterator[str]:

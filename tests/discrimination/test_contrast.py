@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from emg2vsa.discrimination import discriminate
-from emg2vsa.discrimination.contrast import _Cells, _welch, contrasts
+from emg2vsa.discrimination.contrast import _Cells, _in_order, _welch, contrasts
 from emg2vsa.discrimination.contrast_words import contrast_words, headline
 from emg2vsa.discrimination.run_table import run_table
 from emg2vsa.settings import DiscriminationSettings
@@ -203,3 +203,11 @@ def test_swapped_schedules_need_no_warning(world, stiffness_n_per_mm):
 def test_runs_of_one_condition_say_nothing(run_of, stiffness_n_per_mm):
     found = discriminate([run_of(name, 0.0, "modular") for name in SPECIMENS], stiffness_n_per_mm, "S_new", FEW)
     assert contrast_words(found) == []
+
+
+def test_a_step_without_a_p_ends_the_sequence():
+    steps = [0, 1, 2, 2]
+    assert np.isnan(_in_order(np.array([np.nan, 0.001, 0.001, 0.001]), steps, 0.05)).all()
+    later = _in_order(np.array([0.01, np.nan, 0.001, 0.001]), steps, 0.05)
+    assert later[0] == 0.01
+    assert np.isnan(later[1:]).all()

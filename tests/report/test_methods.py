@@ -3,12 +3,17 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from emg2vsa.calibration.runs_calibration import calibrate_runs
+from emg2vsa.exemplary import Choice
 from emg2vsa.report.methods import AUTHORS_ADD, filters_as_run, methods
 from emg2vsa.report.references import cited
 from emg2vsa.report.wording import scored_by
 from emg2vsa.settings import (
+    MEDOID,
+    CalibrationSettings,
     CocontractionSettings,
     FilterSettings,
     FitSettings,
@@ -157,3 +162,39 @@ def test_captions_name_the_steps():
         "algorithm paper: initial area by rule paper, dense Horn–Schunck flow over the whole image, mean force per "
         "frame, area by equation (1) as printed, CASR by equation (2) as printed"
     )
+
+
+def test_the_medoid_is_named_with_its_ties_and_one_participant_is_no_medoid(results):
+    def choice(*to_others):
+        names = ("P01", "P02", "P03")[: len(to_others)]
+        return Choice(names, np.array(to_others), np.zeros(3), np.zeros(3), ())
+
+    study = replace(results.study, profile=ProfileSettings(participant=MEDOID))
+    assert "from those of the others (P02)." in written(study, choice=choice(0.3, 0.1, 0.2))
+    assert "(P01, the first of 2 equally near)" in written(study, choice=choice(0.1, 0.1, 0.2))
+    alone = replace(study, participants=("P01",))
+    assert "the mean of the fits of the one participant, P01." in written(alone)
+    assert "Stiffness schedules" not in written(study, exported=False)
+
+
+def test_the_scatter_of_mountings_is_said_to_be_found_where_it_was(results, runs, stiffness_n_per_mm):
+    own = [run for run in runs if run.angle_deg == 0 and run.condition in ("modular", "high-stiffness")]
+    found = calibrate_runs(own, stiffness_n_per_mm, "S_new", CalibrationSettings(resamples=20))
+    study = replace(results.study, profile=ProfileSettings(new_specimen="S_new"))
+
+    def measured(*designs):
+        def changed(i, each):
+            law = replace(each.algorithms["front"].chosen, mounting_sd=0.01 * (i + 2), mounting_freedom=6.0)
+            of = replace(each.algorithms["front"], chosen=law)
+            return replace(each, algorithms=each.algorithms | {"front": of}) if i in designs else each
+
+        return replace(found, conditions=tuple(changed(i, each) for i, each in enumerate(found.conditions)))
+
+    assumed = "an assumed SD of 2.5 % of the score"
+    assert assumed in written(study, runs=own, calibration=found)
+    both = written(study, runs=own, calibration=measured(0, 1))
+    assert "the SD of the score between mountings found from repeated ones (2 to 3 %)" in both
+    assert "assumed" not in both
+    one = written(study, runs=own, calibration=measured(1))
+    assert "found from repeated ones (3 % in 1 of 2 designs), in the others an assumed SD" in one
+    assert assumed in one

@@ -13,8 +13,10 @@ from emg2vsa.discrimination import discriminate
 from emg2vsa.report import paper
 from emg2vsa.report.failures import Failure
 from emg2vsa.report.inputs import Runs
+from emg2vsa.report.rig_claims import area_claims, kappa_claims, rate_claims, reduction_claims
 from emg2vsa.report.section import Content, rendered
 from emg2vsa.report.sections.actuators import level_change
+from emg2vsa.report.sections.implied import IMPLIED
 from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.runs import RUNS
 from emg2vsa.report.study_report import contents, write_figure_pdfs, write_study_report
@@ -149,6 +151,22 @@ def test_table_one_shows_no_error_of_what_is_not_determined(whole, calibration):
     assert "new vision" not in content.tables["table_one"].html().lower()
 
 
+def test_areas_beyond_the_pin_array_stand_in_table_one_in_place_of_an_error(whole, some_runs, stiffness_n_per_mm):
+    def beyond(run):
+        over = run.over_array | {"circle": np.linspace(2, 7, 10)}
+        return replace(run, over_array=over, casr=run.casr | {"circle": np.full(10, np.nan)})
+
+    runs = tuple(beyond(run) for run in some_runs)
+    calibration = calibrate_runs(runs, stiffness_n_per_mm, "S_new", CalibrationSettings(resamples=20))
+    found = contents(replace(whole, runs=replace(whole.runs, scores=runs, calibration=calibration)))
+    shown = {row["algorithm"]: row for row in found.tables["table_one"].shown_rows if row["angle_deg"] == 45}
+    told = {name.split()[0].split("\N{NO-BREAK SPACE}")[0]: row["rigid_same"] for name, row in shown.items()}
+    assert told["circle"] == "areas up to 7.0 × the pin array"
+    assert "array" not in told["front"]
+    presses = sum(run.condition in ("high-stiffness", "modular") for run in runs) * 10
+    assert f"circle (previous), {presses} of {presses}, up to 7.0 ×" in found.tables["table_one"].caption
+
+
 def test_the_papers_curves_imply_more_than_contact_mechanics_allows(content):
     """Second opinion: what the curves give back at the CASR that is said to be implied."""
     rows = rows_of(content, "casr_implied")
@@ -172,20 +190,23 @@ def test_the_ratio_here_is_that_of_the_presses(content, some_runs):
 
 def test_pins_of_algorithm_1_stand_by_the_force_of_its_first_frame(run_of, report_of):
     def counted(run, pins, first_n):
-        curves = tuple(replace(curve, first_n=n) for curve, n in zip(run.curves, first_n, strict=True))
-        return replace(run, pins_selected=np.array(pins), curves=curves)
+        return replace(run, pins_selected=np.array(pins), first_n=np.array(first_n))
 
     forces = np.linspace(0.5, 0.95, 10)
     runs = [run_of(name, 0.0, "modular") for name in KNOWN]
     runs[0] = counted(runs[0], [4, 6, 9, 12, 20, 31, 40, 55, 60, 73], forces)
-    runs[1] = counted(runs[1], [-1, -1, 20, 19, 18, 17, 16, 15, 14, 13], forces)
+    runs[1] = counted(runs[1], [-1, -1, 0, 19, 18, 17, 16, 15, 14, 13], forces)
     content = report_of(runs)
     rows = {row["specimen"]: row for row in content.tables["algorithm_1"].rows}
     assert [rows["S1"][key] for key in ("presses", "least", "median", "most")] == [10, 4, 25.5, 73]
     assert rows["S1"]["rank_correlation"] == pytest.approx(1.0)
-    assert (rows["S3"]["presses"], rows["S3"]["rank_correlation"]) == (8, pytest.approx(-1.0))
+    assert (rows["S3"]["presses"], rows["S3"]["none"], rows["S1"]["none"]) == (8, 1, 0)
     assert rows["S3"]["first_low_n"] == forces[2]
     assert content.quantities["runs.algorithm_1.pins.max"] == 73
+    assert content.quantities["runs.algorithm_1.pins.min"] == content.quantities["runs.algorithm_1.0.S3.pins.min"] == 0
+    assert "n = 0 in 1 of 28 presses" in content.drawings["figa1_pins_by_force"].caption
+    assert "mean force" in content.drawings["figa1_pins_by_force"].caption
+    assert "n = 0 in 1 of 28 presses" in content.tables["algorithm_1"].caption
 
 
 def test_figure_2_states_its_press_and_is_left_out_without_one(run_of, report_of):
@@ -417,3 +438,87 @@ def test_notes_that_differ_by_numbers_are_one_kind(run_of, results):
     assert "2 kinds of notes about the runs" in body
     assert "(8 such notes with other numbers, 4 runs: " in body
     assert f"no edge &lt;seen&gt; (1 run: {runs[3].name})" in body
+
+
+def only(runs, presses):
+    def cut(run):
+        casr = {name: np.where(np.arange(10) < presses, each, np.nan) for name, each in run.casr.items()}
+        start = {name: np.where(np.arange(10) < presses, each, np.nan) for name, each in run.start_area.items()}
+        return replace(run, casr=casr, start_area=start)
+
+    return [cut(run) for run in runs]
+
+
+def test_tests_that_cannot_reject_decide_no_claim(runs, results, stiffness_n_per_mm):
+    """Two presses of each: no worst pair of three specimens or more can have p < .05 by Dunn's test."""
+    few = tuple(only(runs, 2))
+    told = replace(results, runs=Runs(few, discriminate(few, stiffness_n_per_mm, "S_new", FEW)))
+    claims = {claim.key: claim for claim in rate_claims(told, contents(told).quantities)}
+    for key in ("casr_rigid", "casr_human_like", "casr_constant", "new_specimen_at_minimum"):
+        assert claims[key].verdict == "cannot be tested here"
+        assert "cannot reach significance" in claims[key].why
+
+
+def test_not_rejected_is_not_called_equal(run_of, results, stiffness_n_per_mm):
+    rng = np.random.default_rng(5)
+    equal = tuple(
+        replace(run, start_area={name: 40 * (1 + 0.01 * rng.standard_normal(10)) for name in run.start_area})
+        for run in (run_of(name, angle, "high-stiffness") for name in KNOWN for angle in (0.0, 30.0, 45.0))
+    )
+    for runs, verdict, why in (
+        (equal, "holds", "Not rejected is not equal."),
+        (tuple(only(equal, 1)), "cannot be tested here", "So few presses cannot reach significance."),
+    ):
+        told = replace(results, runs=Runs(runs, discriminate(runs, stiffness_n_per_mm, "S_new", FEW)))
+        claim = next(iter(area_claims(told, contents(told).quantities)))
+        assert (claim.verdict, claim.why) == (verdict, why)
+
+
+def test_the_name_of_the_papers_algorithm_is_that_of_its_area_rule(whole):
+    for rule, name in ((None, "hexagon (paper)"), ("circle", "circle (paper)"), ("edge", "edge (paper)")):
+        study = replace(whole.study, scoring=RunSettings(algorithm="paper", area_rule=rule))
+        names = {row["algorithm"] for row in contents(replace(whole, study=study)).tables["recipes"].rows}
+        assert name in names
+        assert ("hexagon (paper)" in names) is (rule is None)
+
+
+def test_what_emulated_presses_say_of_the_whole_image_is_computed(whole):
+    def said(study):
+        told = replace(whole, study=study)
+        return " ".join(rendered(IMPLIED, told, contents(told)).split())
+
+    assert "here CASR over the whole image" not in said(whole.study)
+    image = replace(whole.study, scoring=RunSettings(algorithm="edge", engine="dis", region="image"))
+    means = {
+        (run.specimen, run.angle_deg): run.casr["front"].mean()
+        for run in whole.runs.scores
+        if run.condition == "modular"
+    }
+    falls = [means[name, 0.0] / means[name, 45.0] for name, angle in means if angle == 0]
+    assert f"falls {np.exp(np.mean(np.log(falls))):.3g}"[:9] in said(image)
+
+
+@pytest.mark.parametrize(
+    ("changed", "scoring", "fit", "reduction"),
+    [
+        ({}, {}, "holds", "holds"),
+        ({"parameter.second": 0.4}, {}, "does not hold", "holds"),
+        ({"determined": False}, {}, "cannot be tested here", "cannot be tested here"),
+        ({}, {"algorithm": "paper", "area_rule": "edge"}, "cannot be tested here", "cannot be tested here"),
+        ({}, {"algorithm": "paper", "area_rule": "hexagon"}, "holds", "holds"),
+    ],
+)
+def test_claims_on_kappa_need_the_papers_sign_an_interval_and_hexagons(
+    results, stiffness_n_per_mm, changed, scoring, fit, reduction
+):
+    told = replace(results, study=replace(results.study, scoring=RunSettings(**scoring)), runs=Runs(()))
+    q = {}
+    for angle in (0, 30, 45):
+        for condition in ("high-stiffness", "modular"):
+            for name, error in (("circle", 0.5), ("paper", 0.02 if condition == "high-stiffness" else 0.01)):
+                values = {"adj_r2": 0.999, "parameter.second": -0.4, "determined": True, "error": error} | changed
+                q |= {f"runs.{condition}.{angle}.{name}.kappa.paper_law.{key}": v for key, v in values.items()}
+    claims = {claim.key: claim for claim in (*kappa_claims(told, q), *reduction_claims(told, q))}
+    assert claims["kappa_fit_rigid"].verdict == fit
+    assert {claims[f"reduction_{key}"].verdict for key in ("vision", "human_like", "both")} == {reduction}
+    assert ("rises with CASR in 2 of 2" in claims["kappa_fit_rigid"].why) is ("parameter.second" in changed)

@@ -155,20 +155,30 @@ def _contrast_table(found: Discrimination) -> Table:
 
 def _claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     """What the section on mechanics says where there is one: it knows the emulated world."""
-    found = tested(results)
-    for contrast in found.contrasts if results.stiffness is None else ():
+    if results.stiffness is None and (claim := contrast_claim(tested(results))) is not None:
+        yield claim
+
+
+CONTRAST_CLAIM, CONTRAST_PAPER = "human_like_contrast", "better than rigid and constant"
+CONTRAST_SAYS = "human-like stiffness tells specimens apart better than the rigid motor"
+
+
+def contrast_claim(found: Discrimination) -> Claim | None:
+    """By the comparison that is tested first; None where the human-like condition met no rigid motor."""
+    for contrast in found.contrasts:
         i = headline(contrast, found.table.conditions)
         if contrast.measure == "slope" and i is not None:
             verdict = contrast.verdicts[i]
-            yield Claim(
-                "human_like_contrast",
-                "human-like stiffness tells specimens apart better",
-                "better than rigid and constant",
+            return Claim(
+                CONTRAST_CLAIM,
+                CONTRAST_SAYS,
+                CONTRAST_PAPER,
                 f"{' : '.join(contrast.pairs[0])} {change_percent(contrast.changes, i)}",
                 float(100 * np.expm1(contrast.changes.estimate[i])),
                 "holds" if verdict == "raises" else "does not hold" if verdict == "lowers" else "cannot be tested here",
                 why="" if verdict in ("raises", "lowers") else _WHY[verdict],
             )
+    return None
 
 
 def level_change(compared: ConditionComparison, i: int) -> str:

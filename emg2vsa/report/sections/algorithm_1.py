@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib import import_module
 from typing import Any
 
@@ -29,7 +29,7 @@ _ANGLE_DEG = 45.0
 def _counts(results: StudyResults, specimen: str, angle_deg: float) -> tuple[Floats, Ints]:
     """Force of the first frame (n,) and pins selected in it (n,), of the presses of all conditions that tell both."""
     runs = [run for run in results.pressed.scores if (run.specimen, run.angle_deg) == (specimen, angle_deg)]
-    force_n = np.array([curve.first_n for run in runs for curve in run.curves])
+    force_n = np.array([n for run in runs for n in run.first_n.tolist()])
     pins = np.array([n for run in runs for n in run.pins_selected.tolist()], dtype=np.int64)
     known = np.isfinite(force_n) & (pins >= 0)
     return force_n[known], pins[known]
@@ -63,6 +63,7 @@ def _quantities(results: StudyResults) -> Items:
     if every:
         yield "runs.algorithm_1.pins.min", int(min(pins.min() for *_, pins in every))
         yield "runs.algorithm_1.pins.max", int(max(pins.max() for *_, pins in every))
+        yield "runs.algorithm_1.pins.none", int(sum(np.count_nonzero(pins == 0) for *_, pins in every))
         yield "runs.algorithm_1.step_n.median", _step_n(results.pressed.scores)
         slopes = [np.polyfit(force_n, pins, 1)[0] for _, _, force_n, pins in every if np.ptp(force_n) > 0]
         yield "runs.algorithm_1.pins_per_n.median", float(np.median(slopes)) if slopes else np.nan
@@ -80,6 +81,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         Column("angle_deg", "Angle (°)", digits=2), Column("specimen", "Specimen"), Column("presses", "Presses"),
         Column("first_low_n", "First frame: least (N)"), Column("first_high_n", "Largest (N)"),
         Column("least", "n: least"), Column("median", "Median"), Column("most", "Largest"),
+        Column("none", "Presses with n = 0"),
         Column("rank_correlation", "Rank correlation of n with force", digits=2),
     )  # fmt: skip
     every = list(_each(results))
@@ -93,10 +95,26 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
             "least": [int(pins.min()) for *_, pins in every],
             "median": [float(np.median(pins)) for *_, pins in every],
             "most": [int(pins.max()) for *_, pins in every],
+            "none": [int(np.count_nonzero(pins == 0)) for *_, pins in every],
             "rank_correlation": [_rank_correlation(force_n, pins) for _, _, force_n, pins in every],
         }
     )
-    yield Table("algorithm_1", "Pins n that Algorithm 1 selects in the first frame in contact", columns, rows)
+    caption = (
+        f"Pins n that Algorithm 1 selects in the first frame in contact, by the {_force(results)}; "
+        f"{_none(pins for *_, pins in every)}"
+    )
+    yield Table("algorithm_1", caption, columns, rows)
+
+
+def _force(results: StudyResults) -> str:
+    """Which force of a frame the pins are counted by."""
+    rule = results.study.scoring.recipe_of("paper").force_rule
+    return "mean force per frame" if rule == "mean" else "force at exposure of the frame"
+
+
+def _none(counts: Iterable[Ints]) -> str:
+    every = np.concatenate([np.empty(0, dtype=np.int64), *counts])
+    return f"n = 0 in {np.count_nonzero(every == 0)} of {every.size} presses, where no pin moved so far"
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
@@ -113,8 +131,9 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     told = "; ".join(f"{title}: n from {_ends(specimens)}" for title, specimens in panels)
     yield drawing(
         results, "figa1_pins_by_force", "Pins that Algorithm 1 selects, by the force of its first frame",
-        f"Fig. A1. Pins that Algorithm 1 selects in the first frame in contact, against the force of that frame. One "
-        f"mark per press, all conditions; pins count from {results.study.scoring.threshold_px:g} px on.",
+        f"Fig. A1. Pins that Algorithm 1 selects in the first frame in contact, against the {_force(results)}. One "
+        f"mark per press, all conditions; pins count beyond {results.study.scoring.threshold_px:g} px. "
+        f"{_none(each.pins for specimens in by_angle.values() for each in specimens)}.",
         told + ".", draw_pin_counts(panels),
     )  # fmt: skip
 
@@ -162,8 +181,9 @@ def _flow(seen: FirstContact, engine: str) -> tuple[NDArray[np.floating[Any]], s
 _TEXT = """
 <p>Algorithm 1 counts pins that moved in the first frame in contact, and pins move further as the force rises. From
 frame to frame the force rises by {{ q['runs.algorithm_1.step_n.median'] | number(2) }} N (median), and each 0.1 N adds
-{{ (q['runs.algorithm_1.pins_per_n.median'] / 10) | number(2) }} pins. So the count tells when the frame was taken, and
-A_c0 needs a first frame within about 0.1 N of contact.</p>
+{{ (q['runs.algorithm_1.pins_per_n.median'] / 10) | number(2) }} pins. So the count tells when the frame was
+taken.{% if q['runs.algorithm_1.pins.none'] %} It is 0 in {{ q['runs.algorithm_1.pins.none'] }} presses, which have no
+A_c0 by Algorithm 1.{% endif %}</p>
 {{ folded("algorithm_1", "Pins counted, by specimen") }}
 {{ folded("figa1_pins_by_force", "Figure A1: pins counted against the force of the first frame") }}
 {{ folded("fig02_algorithm_1", "Figure 2: steps of Algorithm 1") }}

@@ -18,7 +18,7 @@ from emg2vsa.report.rig_claims import kappa_claims, reduction_claims
 from emg2vsa.report.section import Claim, Quantities, Section
 from emg2vsa.report.table import Cell, Column, Row, Table
 from emg2vsa.report.wording import NO_BREAK, SIMULATED, UNDEFINED, interval, number, signed
-from emg2vsa.settings import PAPER, Recipe, RunSettings
+from emg2vsa.settings import PAPER, Recipe
 
 ACTUATORS = ((RIGID, "rigid", "Rigid"), (HUMAN_LIKE, "human_like", "Human-like"))
 """Condition, key and head of the two halves of Table I."""
@@ -30,11 +30,17 @@ PRINTED = {
 """Vision algorithm and condition to the key and the errors of a column of the paper's Table I."""
 ALGORITHM_NAMES = {
     "circle": "circle (previous)",
-    "paper": "hexagon (paper)",
+    "paper": "{area_rule} (paper)",
     "hexagon": "filled hexagon (ours)",
     "edge": "edge (ours)",
     "front": "front (ours)",
 }
+
+
+def _name(results: StudyResults, algorithm: str) -> str:
+    """That of "paper" by its area rule, which a key of the study can set: hexagon (paper) unless it does."""
+    rule = results.study.scoring.recipe_of(algorithm).area_rule
+    return ALGORITHM_NAMES[algorithm].format(area_rule="hexagon" if rule == "paper" else rule)
 
 
 ADVANCING_FRONT_ERROR = 0.096
@@ -114,9 +120,9 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     settings = results.study.calibration
     same = all(getattr(settings, key) == value for key, value in PAPER["calibration"].items())
     laws = (_PAPERS,) if same else (_PAPERS, _OURS)
-    yield _table_one(found, designs, laws)
-    yield _table_one_intervals(found, designs, laws)
-    yield _recipes(results.study.scoring, compared)
+    yield _table_one(results, designs, laws)
+    yield _table_one_intervals(results, designs, laws)
+    yield _recipes(results, compared)
     yield _every(found, algorithm, own)
     yield _laws(own)
 
@@ -140,12 +146,21 @@ def _by(of: AlgorithmResult, law: tuple[str, str]) -> LawResult:
     return of.paper if law is _PAPERS else of.chosen
 
 
-def _rows(designs: _Designs) -> list[dict[str, Cell]]:
-    return [{"angle_deg": angle, "algorithm": ALGORITHM_NAMES[name]} for angle, name in designs]
+def _rows(results: StudyResults, designs: _Designs) -> list[dict[str, Cell]]:
+    return [{"angle_deg": angle, "algorithm": _name(results, name)} for angle, name in designs]
 
 
-def _table_one(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Table:
-    columns, rows, shown = [*_FIRST], _rows(designs), _rows(designs)
+def _over_array(results: StudyResults, angle_deg: float, condition: str, algorithm: str) -> tuple[float, int, int]:
+    """Largest area over that of the pin array, of the presses that have no CASR for it; how many, of how many."""
+    runs = [run for run in results.pressed.scores if (run.angle_deg, run.condition) == (angle_deg, condition)]
+    every = np.concatenate([np.empty(0), *(run.over_array[algorithm] for run in runs if algorithm in run.over_array)])
+    over = every[np.isfinite(every)]
+    return (float(over.max()) if over.size else np.nan), over.size, every.size
+
+
+def _table_one(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
+    found, beyond = _found(results), dict.fromkeys(name for _, name in designs)
+    columns, rows, shown = [*_FIRST], _rows(results, designs), _rows(results, designs)
     for condition, key, head in ACTUATORS:
         columns.append(Column(f"{key}_paper", f"{head}: paper (%)", 100.0, 2))
         columns += [Column(f"{key}{suffix}", f"{head}: here, {whose} (%)", 100.0) for suffix, whose in laws]
@@ -157,6 +172,9 @@ def _table_one(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Tab
                 result, place = of and _by(of, law), f"{key}{law[0]}"
                 row[place] = result.error if result else np.nan
                 of_people[place] = _error_said(result) if result else None
+                most, _, _ = _over_array(results, angle, condition, name)
+                if result and np.isnan(result.kappa) and most == most:
+                    of_people[place] = f"areas up to {number(most, 2)} × the pin array"
     for row in shown:
         row["algorithm"] = str(row["algorithm"]).replace(" ", NO_BREAK)
     caption = (
@@ -164,6 +182,15 @@ def _table_one(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Tab
         "for too stiff. Not determined: the interval is wider than the range of the known stiffnesses. –: not in the "
         "paper or not pressed here"
     )
+    told = []
+    for name in beyond:
+        each = [_over_array(results, angle, c, name) for angle in {a for a, _ in designs} for c, *_ in ACTUATORS]
+        lost, presses = sum(n for _, n, _ in each), sum(n for *_, n in each)
+        if lost:
+            most = np.nanmax([ratio for ratio, *_ in each])
+            told.append(f"{_name(results, name)}, {lost} of {presses}, up to {number(most, 2)} × the pin array")
+    if told:
+        caption += f". Presses with areas above that of the pin array have no CASR: {'; '.join(told)}"
     return Table("table_one", caption, tuple(columns), tuple(rows), tuple(shown))
 
 
@@ -171,8 +198,8 @@ def _error_said(law: LawResult) -> str:
     return signed(100 * law.error) if law.determined else "not determined"
 
 
-def _table_one_intervals(found: CalibrationResults, designs: _Designs, laws: _Laws) -> Table:
-    columns, rows = [*_FIRST], _rows(designs)
+def _table_one_intervals(results: StudyResults, designs: _Designs, laws: _Laws) -> Table:
+    found, columns, rows = _found(results), [*_FIRST], _rows(results, designs)
     for condition, key, head in ACTUATORS:
         for law in laws:
             columns.append(Column(f"{key}{law[0]}_interval_n_per_mm", f"{head}: {law[1]}"))
@@ -191,8 +218,9 @@ _STEPS = {
 _AS_PRINTED = {"area_rule": "hexagons of Algorithm 1", "law": "equation (1)", "rate": "equation (2)"}
 
 
-def _recipes(settings: RunSettings, algorithms: Sequence[str]) -> Table:
+def _recipes(results: StudyResults, algorithms: Sequence[str]) -> Table:
     """Every step of the algorithms that are compared, by the name of its setting."""
+    settings = results.study.scoring
     columns = (
         Column("algorithm", "Vision algorithm"), Column("area_rule", "Initial area"), Column("engine", "Growth"),
         Column("force_rule", "Force of a frame"), Column("law", "Area"), Column("rate", "CASR"),
@@ -207,7 +235,7 @@ def _recipes(settings: RunSettings, algorithms: Sequence[str]) -> Table:
         if name == "front":
             steps |= {"area_rule": "front in every frame", "engine": UNDEFINED, "law": UNDEFINED}
         low, high = settings.force_n
-        rows.append({"algorithm": ALGORITHM_NAMES[name], **steps, "force_low_n": low, "force_high_n": high})
+        rows.append({"algorithm": _name(results, name), **steps, "force_low_n": low, "force_high_n": high})
     return Table("recipes", "How each vision algorithm scores a press", columns, tuple(rows))
 
 

@@ -18,6 +18,9 @@ def paragraphs(results: StudyResults) -> list[Paragraph]:
         versions,
         people is not None and people.truth is not None,
         runs.scores if runs else (),
+        runs.calibration if runs else None,
+        people.choice if people else None,
+        people is None or people.profiles is not None,
     )
 
 
