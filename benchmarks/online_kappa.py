@@ -4,12 +4,14 @@ Every experiment calibrates anew on S1, S3 and S5 and presses two unknown specim
 the estimator does not describe (``press_curves``). Coverage at the stop stands beside that of the same presses carried
 to their end.
 
-    python -m benchmarks.online_kappa     # writes benchmarks/results/online_kappa.md
+    python -m benchmarks.online_kappa            # writes benchmarks/results/online_kappa.md
+    python -m benchmarks.online_kappa frames 3   # presses of the emulated rig, from frames: appended to it
 """
 
 from __future__ import annotations
 
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,6 +29,8 @@ from emg2vsa.calibration.online import (
     OnlineEstimator,
     OnlineState,
 )
+from emg2vsa.cli import main as cli
+from emg2vsa.rig.kappa.live_kappa import KappaRow, last_rows
 from emg2vsa.settings import CalibrationSettings
 
 RESULTS = Path(__file__).parent / "results" / "online_kappa.md"
@@ -133,6 +137,107 @@ def table(setting: Setting, count: int) -> Iterator[str]:
     yield ""
 
 
+FRAMES_TITLE = "## From frames"
+FROM_FRAMES = {"S2": 5.32, "S4": 3.12}
+RIG = """\
+[force]
+kind = "net-ft"
+host = "192.168.1.1"
+
+[camera]
+source = 0
+
+[actuator]
+port = "/dev/ttyUSB0"
+
+[motor]
+port = "/dev/ttyUSB1"
+
+[experiment]
+specimens = ["S1", "S3", "S5", "S2", "S4"]
+angles_deg = {{ high-stiffness = [0] }}
+repetitions = 3
+mountings = 2
+ramp_mm_per_s = 2
+pause_s = 0.5
+schedules = "schedules"
+
+[emulated]
+seed = {seed}
+"""
+STUDY = """\
+[study]
+name = "bench"
+
+[[specimens]]
+name = "S1"
+stiffness_n_per_mm = 7.63
+
+[[specimens]]
+name = "S3"
+stiffness_n_per_mm = 3.35
+
+[[specimens]]
+name = "S5"
+stiffness_n_per_mm = 1.11
+
+[runs]
+root = "runs-virtual"
+"""
+
+
+def from_frames(seed: int, folder: Path) -> dict[str, list[KappaRow]]:
+    """Unknown specimen to the last row of each of its judged presses, by the commands of the how-to."""
+    (folder / "rig.toml").write_text(RIG.format(seed=seed))
+    (folder / "study.toml").write_text(STUDY)
+    rig = ["rig", "run", str(folder / "rig.toml"), "--virtual", "--jobs", "2"]
+    known = [word for name in ("S1", "S3", "S5") for word in ("--specimen", name)]
+    assert cli([*rig, *known, "--mounting", "1"]) == 0
+    assert cli(["run", str(folder / "study.toml")]) == 0
+    own = folder / "reports" / "bench" / "calibrations" / "high-stiffness_0.json"
+    new = [word for name in FROM_FRAMES for word in ("--specimen", name)]
+    assert cli([*rig, *new, "--repetitions", "1", "--calibration", str(own), "--stop-at", "40"]) == 0
+    runs = folder / "runs-virtual"
+    return {
+        name: [row for path in sorted(runs.glob(f"{name}_*/kappa.csv")) for row in last_rows(path)]
+        for name in FROM_FRAMES
+    }
+
+
+def frames_section(seeds: int) -> list[str]:
+    start, stopped, held, told = time.perf_counter(), 0, 0, 0
+    lines = [
+        FRAMES_TITLE,
+        "",
+        f"`python -m benchmarks.online_kappa frames {seeds}`: runs of the emulated rig with its default scatter, as",
+        "docs/how-to/unknown-object.md makes them. For each seed S1, S3 and S5 are pressed three times in one",
+        "mounting, and the unknown specimens once in each of two mountings, with `--stop-at 40`.",
+        "",
+        "| seed | unknown, N/mm | κ where it stopped, N/mm | interval | half width | at, N | cues | stopped | "
+        "holds κ |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for seed in range(1, seeds + 1):
+        with tempfile.TemporaryDirectory() as folder:
+            found = from_frames(seed, Path(folder))
+        for name, rows in found.items():
+            for row in rows:
+                holds = row.low_n_per_mm <= FROM_FRAMES[name] <= row.high_n_per_mm
+                told, stopped, held = told + 1, stopped + bool(row.stop), held + bool(holds and row.stop)
+                lines.append(
+                    f"| {seed} | {name}, {FROM_FRAMES[name]} | {row.kappa_n_per_mm:.2f} | {row.low_n_per_mm:.2f} to "
+                    f"{row.high_n_per_mm:.2f} | {row.half_width:.0%} | {row.judged_at_n:.1f} | {row.cues} | "
+                    f"{row.stop or 'no'} | {'yes' if holds else 'no'} |"
+                )
+    lines += ["", f"{stopped} of {told} presses stopped; the interval held κ at {held} of these stops."]
+    return [*lines, f"Made in {time.perf_counter() - start:.0f} s."]
+
+
+def append_frames(seeds: int) -> None:
+    before = RESULTS.read_text().split(f"\n{FRAMES_TITLE}")[0].rstrip("\n")
+    RESULTS.write_text("\n".join([before, "", *frames_section(seeds)]) + "\n")
+
+
 def main(count: int = EXPERIMENTS) -> None:
     start = time.perf_counter()
     lines = [
@@ -153,4 +258,7 @@ def main(count: int = EXPERIMENTS) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    if sys.argv[1:2] == ["frames"]:
+        append_frames(*map(int, sys.argv[2:]))
+    else:
+        main(*map(int, sys.argv[1:]))

@@ -64,7 +64,8 @@ def cut_travel(force_n: ArrayLike, travel_mm: ArrayLike, start_n: float, stop_n:
     """Mean travel per newton (G,), mm/N, from ``start_n`` to each of ``stop_n`` (G,): a straight line over the forces.
 
     All forces between the two count alike, however long the probe took for them: that differs between specimens. Rows
-    of the log in their order; those below an earlier force are left out, as in ``cut_rates``.
+    of the log in their order; those below an earlier force are left out, as in ``cut_rates``. NaN where the rows begin
+    above ``start_n``: the log has the approach before the loading, which alone begins above the force of contact.
     """
     force, travel = rising(np.asarray(force_n, dtype=np.float64), np.asarray(travel_mm, dtype=np.float64))
     slopes = np.full(stop_n.shape, np.nan)

@@ -1,8 +1,9 @@
 """Stiffness while a press goes on: a total interval after every frame, and a reason to stop.
 
 The presses of the known specimens are cut at every force at which the new press may be judged (``cut_presses``).
-Finished presses of the new specimen count along, cut alike. Where the rig's log tells the travel of the probe, both
-cues are fused (``fusion``).
+Finished presses of the new specimen count along, cut alike; of presses that stopped at different forces, those are used
+together, and up to that force, from which the narrowest interval is expected. Where the rig's log tells the
+travel of the probe, both cues are fused (``fusion``).
 
 A specimen pressed once shows no noise of its own; that of the known specimens is taken, pooled. The interval is total:
 presses, known stiffnesses, mountings, angle and law (``repeats``), widened where the known specimens reject the law.
@@ -304,16 +305,29 @@ class OnlineEstimator:
     def _judged(self, at: int) -> OnlineState:
         own = self._calibration
         rates, travel = (np.stack(each) for each in zip(*self._finished, self._scores(), strict=True))
-        judged_at_n, presses = float(own.forces_n[at]), int(np.count_nonzero(np.isfinite(rates[:, at])))
-        found = own.judged(rates[:, [at]], travel[:, [at]], np.array([at]), np.array(self._mountings))
+        counts = np.count_nonzero(np.isfinite(rates), axis=0)
+
+        def judged_at(cut: int) -> Judged:
+            return own.judged(rates[:, [cut]], travel[:, [cut]], np.array([cut]), np.array(self._mountings))
+
+        found = judged_at(at)
+        if not np.isfinite(found.kappa[0]) or not np.isfinite(rates[-1, at]):
+            return OnlineState(judged_at_n=float(own.forces_n[at]), presses=int(counts[at]))
+        # presses that stopped earlier count only below the force where they stopped: more of them may tell more there
+        used, _ = self._narrowest(float(found.kappa[0]), counts[: at + 1], found.cues)
+        if used != at and np.isfinite((lower := judged_at(used)).kappa[0]):
+            found = lower
+        else:
+            used = at
+        judged_at_n, presses = float(own.forces_n[used]), int(counts[used])
         kappa, low, high = float(found.kappa[0]), float(found.low[0]), float(found.high[0])
-        if not np.isfinite(kappa) or not np.isfinite(rates[-1, at]):
-            return OnlineState(judged_at_n=judged_at_n, presses=presses)
         half_width = (high - low) / (2 * kappa)
-        expected = own.expected_reach(np.array([kappa]), presses, found.cues)[:, 0]
-        rest = float(expected[-1] / expected[at])
+        _, now = self._narrowest(kappa, counts[: at + 1], found.cues)
+        counts[at + 1 :] = 1 + np.count_nonzero(np.isfinite(rates[:-1, at + 1 :]), axis=0)
+        rest = self._narrowest(kappa, counts, found.cues)[1] / now
         doubt = f"the cues disagree (p = {found.p[0]:.2g})" if found.p[0] < DISAGREE_P else ""
-        narrow = max(half_width, self._state.half_width) <= self._wanted  # twice, as one cut may be so by chance
+        # at two forces in a row, as one cut may be so by chance; NaN before the first is not narrow
+        narrow = half_width <= self._wanted and self._state.half_width <= self._wanted
         stop = WIDTH_REACHED if narrow else NO_GAIN if rest > NARROWS else ""
         return OnlineState(
             judged_at_n=judged_at_n,
@@ -328,3 +342,14 @@ class OnlineEstimator:
             cues=found.cues,
             doubt=doubt,
         )
+
+    def _narrowest(self, kappa: float, counts: Ints, cues: str) -> tuple[int, float]:
+        """Index of a force, and the reach that is expected there: the last force, or an earlier one that more presses
+        have reached, of ``counts``, and where the interval is expected to be narrower."""
+        best, reach = counts.size - 1, math.inf
+        for cut in range(counts.size - 1, -1, -1):
+            if cut == counts.size - 1 or counts[cut] > counts[-1]:
+                there = self._calibration.expected_reach(np.array([kappa]), int(counts[cut]), cues)[cut, 0]
+                if there < reach or cut == counts.size - 1:
+                    best, reach = cut, float(there)
+        return best, reach

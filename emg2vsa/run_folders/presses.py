@@ -21,6 +21,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import Emg2vsaError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
 from emg2vsa.rig.record.press_counts import peak_forces_n, stopped_presses, verdicts
+from emg2vsa.rig.record.run_log import GOING_IN
 from emg2vsa.rig.rig_settings import axis_of
 from emg2vsa.runs.press import Press
 
@@ -65,7 +66,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
         seen_by, trouble = _camera(camera_file)
         for number, path in enumerate(_press_folders(folder), start=1):
             repetition += 1
-            force_n, depth_mm = travel.get(_number(path, number), (_NONE, _NONE))
+            force_n, depth_mm, n_before = travel.get(_number(path, number), (_NONE, _NONE, 0))
             verdict, why = found.get(_number(path, number), ("ok", ""))
             peak_n = peaks_n.get(_number(path, number), math.nan)
             unit = "mm2" if camera_file or (path / CAMERA_FILE).is_file() else "px2"
@@ -76,7 +77,7 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
             else:
                 reason = ""
             if reason:
-                yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting, peak_n)
+                yield Press(repetition, None, reason, force_n, depth_mm, unit, mounting, peak_n, n_before)
                 continue
             try:
                 if trouble:
@@ -84,9 +85,9 @@ def read_presses(folders: Sequence[Path], camera: Path | None = None) -> Iterato
                 frames = open_frames(path)
                 frames = frames if frames.camera or seen_by is None else replace(frames, camera=seen_by)
                 frames.source.name = path.relative_to(folder.parent).as_posix()  # as errors name it
-                yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting, peak_n)
+                yield Press(repetition, frames, "", force_n, depth_mm, unit, mounting, peak_n, n_before)
             except CasrError as error:
-                yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting, peak_n)
+                yield Press(repetition, None, str(error), force_n, depth_mm, unit, mounting, peak_n, n_before)
 
 
 def _mountings(folders: Sequence[Path]) -> list[int]:
@@ -135,19 +136,24 @@ def _camera(path: Path | None) -> tuple[Camera | None, CasrError | None]:
         return None, error
 
 
-def _travel(folder: Path) -> dict[int, tuple[Floats, Floats]]:
-    """Repetition to force, N, and depth of the shaft, mm, in its loading phase; empty without the rig's own log."""
+def _travel(folder: Path) -> dict[int, tuple[Floats, Floats, int]]:
+    """Repetition to force, N, and depth of the shaft, mm, on its way in, and how many of these rows come before the
+    loading phase; empty without the rig's own log."""
     plan = _json(folder / PLAN_FILE)
     try:
         log = pd.read_csv(folder / _LOG, usecols=["repetition", "phase", "force_n", "shaft_ticks"], on_bad_lines="skip")
         axis = axis_of(plan["rig"])
     except (OSError, ValueError, KeyError, TypeError, Emg2vsaError):
         return {}
-    load = log[log["phase"] == "load"].dropna()
-    depth_mm = axis.depth_at(load["shaft_ticks"].to_numpy(dtype=np.float64))  # type: ignore[arg-type]
-    force_n, number = load["force_n"].to_numpy(dtype=np.float64), load["repetition"].to_numpy(dtype=np.int64)
-    depth = np.asarray(depth_mm, dtype=np.float64)
-    return {int(r): (force_n[number == r], depth[number == r]) for r in np.unique(number)}
+    way_in = log[log["phase"].isin(GOING_IN)].dropna()
+    depth_mm = axis.depth_at(way_in["shaft_ticks"].to_numpy(dtype=np.float64))  # type: ignore[arg-type]
+    force_n, number = way_in["force_n"].to_numpy(dtype=np.float64), way_in["repetition"].to_numpy(dtype=np.int64)
+    depth, before = np.asarray(depth_mm, dtype=np.float64), (way_in["phase"] != "load").to_numpy()
+    return {
+        int(r): (force_n[own], depth[own], int(np.count_nonzero(before[own])))
+        for r in np.unique(number[~before])
+        for own in [number == r]
+    }
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -22,9 +22,10 @@ _LEAST_ROWS = 5
 class Press:
     """A press as it was recorded.
 
-    frames : None where they cannot be read, and ``problem`` says why. force_n, depth_mm : (K,) of the loading phase
-    from the rig's log, empty without one. area_unit : of its areas, whether or not it can be scored. mounting : number
-    of the folder of its run that it comes from, from 1. peak_n : largest force, N, with what it went beyond
+    frames : None where they cannot be read, and ``problem`` says why. force_n, depth_mm : (K,) from the rig's log while
+    the probe goes in, empty without one; the loading phase begins after ``n_before`` of them. area_unit : of its areas,
+    whether or not it can be scored. mounting : number of the folder of its run that it comes from, from 1. peak_n :
+    largest force, N, with what it went beyond
     the force at which it turned back; NaN where the rig's table of presses is not there.
     """
 
@@ -36,6 +37,7 @@ class Press:
     area_unit: str = "mm2"
     mounting: int = 1
     peak_n: float = math.nan
+    n_before: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +96,9 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         start_area={name: found.start_area for name, found in by.items()},
         casr={name: found.casr for name, found in by.items()},
         area_unit=skin.area_unit,
-        indent_n_per_mm=indentation_slope(press.force_n - zero_n, press.depth_mm, settings.force_n[0]),
+        indent_n_per_mm=indentation_slope(
+            press.force_n[press.n_before :] - zero_n, press.depth_mm[press.n_before :], settings.force_n[0]
+        ),
         curve=curve,
         picture=_picture(press.frames, skin, own),
         first_contact=_first_contact(press, skin, selected),

@@ -28,7 +28,8 @@ class PressCurve:
     force_n, area_mm2 : (T,) per frame whose area is determined, by the run's algorithm, its area law and force rule;
     area in px2 without a camera file. Empty where an area is above that of the pin array. first_n : force of the first
     frame of the loading phase, determined or not. Equation (2) puts 0 in place of the first force. travel_force_n,
-    travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log in that phase; empty without one.
+    travel_mm : (K,) force, and travel of the shaft, of the rows of the rig's log from the approach on; empty without
+    one.
     stretch_force_n, stretch_log_ratio, stretch_log_sd : how the skin of first contact grew against the contact, as
     ``casr.session.Stretch``; empty where the front is not determined.
     """

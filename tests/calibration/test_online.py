@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -130,6 +131,35 @@ def test_it_stops_when_the_interval_is_narrow_enough(hertz):
             break
     assert state.half_width <= 0.2
     assert state.force_n < 3
+
+
+def test_the_first_answer_alone_stops_no_press(hertz):
+    rng = np.random.default_rng(3)
+    online = estimator(hertz, rng, wanted=10.0, noise=0.005)
+    force, area = curves(hertz, hertz.kappa_new, rng, 1, noise=0.005)[0]
+    states = [online.push(*frame) for frame in zip(force, area, strict=True)]
+    known = [state for state in states if np.isfinite(state.kappa)]
+    first, second = known[0], next(state for state in known if state.judged_at_n > known[0].judged_at_n)
+    assert first.half_width < 10
+    assert (first.stop == WIDTH_REACHED, second.stop) == (False, WIDTH_REACHED)
+
+
+def test_presses_that_stopped_at_different_forces_count_together(hertz):
+    """A press that goes further than those before it must not forget them."""
+    rng = np.random.default_rng(12)
+    calibration = calibration_of(hertz, rng)
+    online, widths, presses = OnlineEstimator(calibration), [], []
+    for press, stop_n in zip(curves(hertz, hertz.kappa_new, rng, 6), (2, 3, 4, 5, 6, 7), strict=True):
+        for force, area in zip(*press, strict=True):
+            if force <= stop_n:
+                state = online.push(force, area)
+        widths.append(state.half_width)
+        presses.append(state.presses)
+        assert state.judged_at_n <= stop_n
+        online.finish_press()
+    assert all(after < 1.1 * before for before, after in pairwise(widths)), widths
+    assert widths[-1] < 0.75 * widths[0]
+    assert presses[-1] > 1
 
 
 def test_the_width_that_is_promised_before_the_first_press_is_the_one_at_its_end(hertz):

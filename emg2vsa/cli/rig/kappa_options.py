@@ -46,6 +46,14 @@ def add_kappa(parser: Group) -> None:
         "counts as done, and is marked as stopped",
     )
     parser.add_argument(
+        "--adaptive",
+        action="store_true",
+        help="with --calibration and one --specimen: choose stiffness preset, angle and number of presses of each next "
+        "run as emg2vsa rig next does, until --stop-at is reached or no press would narrow the interval by a tenth. "
+        "Judged presses of the specimen in the folder of the runs count along. The command asks where an angle or a "
+        "mounting must be changed by hand",
+    )
+    parser.add_argument(
         "--camera",
         type=Path,
         metavar="FILE",

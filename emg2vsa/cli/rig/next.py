@@ -6,7 +6,7 @@ import argparse
 import csv
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -132,7 +132,7 @@ def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], pa
 
     found: dict[int, Done] = {}
     for folder in folders:
-        plan, rows = _plan(folder / PLAN_FILE), _last_rows(folder / _KAPPA_FILE)
+        plan, rows = _plan(folder / PLAN_FILE), last_estimates(folder / _KAPPA_FILE)
         place = float(plan["angle_deg"]), str(plan["condition"])
         fitting = [i for i, each in enumerate(calibrations) if (each.angle_deg, each.condition) == place]
         if not fitting:
@@ -144,15 +144,25 @@ def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], pa
         if not rows:
             do = "Press with rig run --calibration."
             raise DataError(folder / _KAPPA_FILE, wanted="presses that were judged", found="none", do=do)
-        before = found.get(fitting[0], Done())
-        kappa, low, cues = rows[-1]
-        if before.low > 0 and before.low / before.kappa > low / kappa:  # the narrower one counts
-            kappa, low, cues = before.kappa, before.low, before.cues
-        found[fitting[0]] = Done(before.presses + len(rows), before.mountings + 1, kappa, low, cues)
+        found[fitting[0]] = with_run(found.get(fitting[0], Done()), rows, len(rows), new_mounting=True)
     return found
 
 
-def _last_rows(path: Path) -> list[tuple[float, float, str]]:
+def with_run(before: Done, rows: Sequence[tuple[float, float, str]], presses: int, *, new_mounting: bool) -> Done:
+    """What a further run adds: its presses, and the estimate of its last row where that is the narrower one.
+
+    rows : as ``last_estimates`` has them.
+    """
+    kappa, low, cues = before.kappa, before.low, before.cues
+    if rows and not (before.low > 0 and before.low / before.kappa > rows[-1][1] / rows[-1][0]):
+        kappa, low, cues = rows[-1]
+    return replace(
+        before, presses=before.presses + presses, mountings=before.mountings + new_mounting, kappa=kappa, low=low,
+        cues=cues,
+    )  # fmt: skip
+
+
+def last_estimates(path: Path) -> list[tuple[float, float, str]]:
     """kappa, the lower end of its interval and the cues of the last row of each press that tells them."""
     last: dict[str, tuple[float, float, str]] = {}
     try:

@@ -37,7 +37,8 @@ def add_to(commands: Commands) -> None:
         "--repetitions",
         type=whole_number,
         metavar="N",
-        help="number of presses (default: those that the run still lacks)",
+        help="number of presses (default: those that the run still lacks). With --adaptive: the largest number of "
+        "presses (default: [experiment] repetitions for each calibration)",
     )
     parser.add_argument(
         "--all",
@@ -79,6 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
         if getattr(arguments, name) is not None and not arguments.all:
             do = "Add --all, or leave it out."
             raise SettingError(f"--{name}", wanted="--all beside this option", found="one run", do=do)
+    for name in ("all", "plate"):
+        if arguments.adaptive and getattr(arguments, name):
+            do = "Leave out one of the two."
+            raise SettingError("--adaptive", wanted="no other choice of runs", found=f"--{name}", do=do)
     if arguments.all and arguments.repetitions:
         do = "Leave it out: a sequence makes the presses that [experiment] repetitions asks for."
         raise SettingError("--repetitions", wanted="one run", found="--all", do=do)
@@ -99,6 +104,10 @@ def run(arguments: argparse.Namespace) -> int:
             raise SettingError("--plate", wanted="--plate alone", found="a choice of runs beside it", do=do)
         options = {"virtual": arguments.virtual, "yes": arguments.yes, "as_json": arguments.json}
         return run_plates(file, arguments.plate, root, **options)
+    if arguments.adaptive:
+        from emg2vsa.cli.rig.adaptive_runs import run_adaptively
+
+        return run_adaptively(arguments, file, root)
     runs = runs_chosen(arguments, file)
     order = run_order(root, file.experiment, arguments.order, arguments.seed) if arguments.all else None
     if arguments.virtual:

@@ -56,9 +56,7 @@ def run_virtually(
 
     SettingError : the rig file has no emulated rig, or a plan breaks a limit. ScheduleError : as `plans_of`.
     """
-    if file.emulated is None:
-        do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
-        raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
+    emulated = _emulated(file)
     runs = [run for run in order.runs if run in runs]
     plans = dict(zip(runs, plans_of(file, runs, repetitions), strict=True))
     right = _right_schedules(file)
@@ -75,8 +73,8 @@ def run_virtually(
         if presses := presses_left(root, run.name, plan.repetitions, emulated=True):
             plans[run] = replace(plan, repetitions=presses, order=order.place(run) if len(runs) > 1 else None)
             folder = new_folder(root, run.name, plan.repetitions, emulated=True)
-            effect = effect_of(file.emulated, plan.schedule, right)
-            waiting[run] = plans[run], file.rig, file.emulated, folder, effect, judged[run]
+            effect = effect_of(emulated, plan.schedule, right)
+            waiting[run] = plans[run], file.rig, emulated, folder, effect, judged[run]
             if (plan_of_kappa := judged[run]) is not None and not as_json:
                 say_reachable(plan_of_kappa, presses)
         else:
@@ -100,6 +98,20 @@ def run_virtually(
     print("\n".join(_table(results, listed)))
     print(f"runs done: {len(ends)}, {rig_min:.1f} min of the rig's time in {took_min:.1f} min; folder {root}")
     return status
+
+
+def press_virtually(file: RigFile, plan: RunPlan, folder: Path, kappa: KappaPlan) -> Ended:
+    """Carry out ``plan`` on the emulated rig, recorded in ``folder``. SettingError : the rig file has none."""
+    emulated = _emulated(file)
+    effect = effect_of(emulated, plan.schedule, _right_schedules(file))
+    return _run(plan, file.rig, emulated, folder, effect, kappa)
+
+
+def _emulated(file: RigFile) -> EmulatedSettings:
+    if file.emulated is None:
+        do = "Add it (docs/reference/rig-file.md), or leave out --virtual."
+        raise SettingError(file.path, wanted="a table [emulated]", found="none", do=do)
+    return file.emulated
 
 
 def _document(run: Run, result: Ended | str) -> dict[str, Any]:

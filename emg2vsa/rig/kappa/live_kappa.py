@@ -32,7 +32,7 @@ HOLD_S = WINDOW / RATE_HZ
 _RECENT_FRAMES = 8
 """Whose times tell the period of the camera."""
 Rows = Sequence[tuple[float, float, float]]
-"""Time, s, force, N, and depth of the shaft, mm, NaN except in loading, of readings."""
+"""Time, s, force, N, and depth of the shaft, mm, of readings; NaN except while the probe goes in."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,9 @@ from emg2vsa.rig.devices import ForceSample
 from emg2vsa.rig.record.append_file import AppendFile
 from emg2vsa.rig.record.disk import AT_ONCE, Disk
 
+GOING_IN = ("approach", "contact", "load")
+"Phases in which the travel of the probe counts: the contact begins before the loading does."
+
 
 class Row(NamedTuple):
     """One turn. None, an empty field, is what was not measured or not yet commanded."""

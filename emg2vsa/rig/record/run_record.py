@@ -23,7 +23,7 @@ from emg2vsa.rig.record.ended import Ended, ended_bytes
 from emg2vsa.rig.record.new_folder import PLAN_FILE
 from emg2vsa.rig.record.press_counts import HEADER, PRESSES_FILE, PressTally, Verdict, line_of
 from emg2vsa.rig.record.press_recorder import PressRecorder
-from emg2vsa.rig.record.run_log import ForceFile, Row, RunLog
+from emg2vsa.rig.record.run_log import GOING_IN, ForceFile, Row, RunLog
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules.document import document_of
 
@@ -136,7 +136,7 @@ class RunRecord:
         if self._press is not None and self._judge is not None:
             for row in rows:
                 if row.force_n is not None and row.force_time_s is not None:
-                    shaft_ticks = row.shaft_ticks if row.phase == "load" else None
+                    shaft_ticks = row.shaft_ticks if row.phase in GOING_IN else None
                     depth_mm = math.nan if shaft_ticks is None else self._rig.depth_at(shaft_ticks)
                     self._judge.force(row.force_time_s, row.force_n, depth_mm)
 

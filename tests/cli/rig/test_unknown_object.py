@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import shlex
@@ -36,4 +37,8 @@ def test_every_command_does_what_the_page_says(
         assert (folder / name).is_file(), name
     low, high = re.findall(r"95 %: ([\d.]+) to ([\d.]+|rigid)", said)[-1]
     assert float(low) < 3.12 < float("inf" if high == "rigid" else high)
+    with (folder / "kappa.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["cues"] for row in rows if row["kappa_n_per_mm"]} == {"area and travel"}
+    assert all(0 < float(row["half_width"]) <= 0.4 for row in rows if row["stop"])
     assert json.loads((folder / "kappa.json").read_text())["dropped"] == 0

@@ -1,0 +1,152 @@
+"""``emg2vsa rig run --adaptive``: each next run is the one that ``rig next`` would choose."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from benchmarks.rig.known_calibration import known_calibration
+from emg2vsa.calibration.next_press import Choice, next_press
+from emg2vsa.calibration_file import open_calibration, write_calibration
+from emg2vsa.cli.rig.adaptive_runs import Bench, mounted
+from emg2vsa.rig_file.plans import Run
+
+Rig = Callable[..., tuple[int, str, str]]
+RigFile = Callable[..., Path]
+ELASTIC = ("gap_mm = 2", 'gap_mm = 2\nworld = "elastic"')
+START = ("--virtual", "--specimen", "S3", "--adaptive")
+
+
+@pytest.fixture
+def slow_rig(rig_file: RigFile) -> Path:
+    """Twenty frames a press, and areas by force alone; two angles."""
+    path = rig_file(ELASTIC)
+    text = path.read_text().replace("ramp_mm_per_s = 8", "ramp_mm_per_s = 3")
+    path.write_text(text.replace("high-stiffness = [0]", "high-stiffness = [0, 30]"))
+    return path
+
+
+@pytest.fixture
+def known(tmp_path: Path) -> list[Path]:
+    """A calibration that tells much, and one of presses that scatter."""
+    good, poor = known_calibration(), known_calibration(angle_deg=30.0)
+    scattered = poor.rates.copy()
+    scattered[:, ::2] *= 1.3
+    return [
+        write_calibration(tmp_path / "poor.json", replace(poor, rates=scattered)),
+        write_calibration(tmp_path / "good.json", good),
+    ]
+
+
+def options(known: list[Path]) -> list[object]:
+    return [word for path in known for word in ("--calibration", path)]
+
+
+def test_the_next_run_is_the_one_that_rig_next_says(
+    rig: Rig, slow_rig: Path, known: list[Path], tmp_path: Path
+) -> None:
+    first = next_press([open_calibration(path) for path in known], {}, 0.3)
+    assert first is not None
+    assert known[first.calibration].name == "good.json"
+    status, out, err = rig("run", slow_rig, *START, *options(known), "--stop-at", 30, "--repetitions", 3)
+    assert status == 0, err
+    assert f"next: presses: {min(3, first.presses)}, by good.json, a new mounting; " in out
+    folder = tmp_path / "runs-virtual" / "S3_0_high-stiffness"
+    assert json.loads((folder / "plan.json").read_text())["plan"]["repetitions"] == min(3, first.presses)
+    low, high = out.strip().splitlines()[-2].rpartition("from ")[2].split(" to ")
+    assert float(low) < 3.35 < float(high)
+    # what is done counts: the same command begins with what is known
+    _, again, _ = rig("run", slow_rig, *START, *options(known), "--stop-at", 30, "--repetitions", 1, "--json")
+    said, _ = json.JSONDecoder().raw_decode(again)
+    assert said["belief"]["high_n_per_mm"] - said["belief"]["low_n_per_mm"] <= 1.05 * (float(high) - float(low))
+
+
+def test_it_ends_where_the_width_is_reached(rig: Rig, slow_rig: Path, known: list[Path]) -> None:
+    status, out, err = rig("run", slow_rig, *START, "--calibration", known[1], "--stop-at", 60, "--json")
+    assert status == 0, err
+    said = json.loads(out)
+    assert said["runs"]
+    assert all(Path(run["folder"]).is_dir() for run in said["runs"])
+    believed = said["belief"]
+    assert believed["low_n_per_mm"] < 3.35 < believed["high_n_per_mm"]
+    assert believed["high_n_per_mm"] / believed["low_n_per_mm"] < (1 + 0.6) ** 2
+    status, out, _ = rig("run", slow_rig, *START, "--calibration", known[1], "--stop-at", 60, "--json")
+    assert (status, json.loads(out)["runs"]) == (0, [])
+
+
+def test_without_an_operator_a_change_by_hand_is_refused(
+    rig: Rig, slow_rig: Path, known: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nobody() -> str:
+        raise EOFError
+
+    monkeypatch.setattr("builtins.input", nobody)
+    slow_rig.write_text(f"{slow_rig.read_text()}behind_ports = true\n")
+    status, _, err = rig("run", slow_rig, *START[1:], *options(known))
+    assert status == 2
+    assert (
+        "--adaptive: expected somebody to put S3 at 0 degrees under the rigid motor, but found the end of the standard "
+        "input. Run it in a terminal; the same command goes on from the presses that are done." in err
+    )
+    assert not (tmp_path / "runs").exists()
+
+
+def test_only_another_angle_motor_or_mounting_needs_a_hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr("emg2vsa.cli.rig.adaptive_runs._ask", lambda run, *, anew: asked.append(f"{run.name} {anew}"))
+    soft, stiff, tilted = (
+        Run("S3", angle_deg, condition)
+        for angle_deg, condition in ((0.0, "constant-min"), (0.0, "modular"), (30.0, "modular"))
+    )
+    (tmp_path / "S3_0_modular").mkdir()
+    runs, bench = (soft, stiff, tilted), Bench()
+
+    def place(calibration: int, *, remount: bool) -> tuple[int, bool]:
+        choice = Choice(calibration, 1, remount, 0.1, 1.0, True)
+        return mounted(bench, choice, runs, tmp_path, virtual=False)
+
+    assert place(0, remount=True) == (1, True)
+    assert len(asked) == 1, "two angles: where the specimen is to lie is said"
+    assert place(1, remount=True) == (2, True), "one is there already"
+    assert place(0, remount=False) == (1, False)
+    assert len(asked) == 1
+    (tmp_path / "S3_0_constant-min").mkdir()
+    assert place(0, remount=True) == (2, True)
+    assert asked[1:] == ["S3_0_constant-min True"]
+    assert place(2, remount=True) == (1, True)
+    assert asked[2:] == ["S3_30_modular False"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--specimen", "S3"), "--adaptive: expected --calibration beside this option, but found none."),
+        (("--calibration", "good.json"), "--specimen: expected one specimen, but found none."),
+        (("--specimen", "S1", "--specimen", "S3", "--calibration", "good.json"), "one specimen, but found S1, S3."),
+        (("--specimen", "S9", "--calibration", "good.json"), "specimen: expected S1, S3, but found S9."),
+        (("--specimen", "S3", "--angle", "0", "--calibration", "good.json"), "--angle: expected no choice of runs"),
+        (("--specimen", "S3", "--condition", "modular", "--calibration", "good.json"), "--condition: expected no choi"),
+        (("--specimen", "S3", "--mounting", "1", "--calibration", "good.json"), "--mounting: expected no choice of ru"),
+        (("--specimen", "S3", "--all", "--calibration", "good.json"), "--adaptive: expected no other choice of ru"),
+        (("--plate", "S3"), "--adaptive: expected no other choice of runs, but found --plate."),
+        (("--specimen", "S3", "--calibration", "far.json"), "angle: expected 0, 30, but found 45."),
+        (("--specimen", "S3", "--calibration", "good.json", "--calibration", "twice.json"), "expected one calibration"),
+        (("--specimen", "S3", "--calibration", "none.json"), "none.json: expected a calibration file"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line_and_nothing_moves(
+    rig: Rig, rig_file: RigFile, known: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    words: tuple[str, ...], said: str,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    write_calibration(tmp_path / "far.json", known_calibration("modular", 45.0))
+    write_calibration(tmp_path / "twice.json", known_calibration())
+    status, _, err = rig("run", rig_file(), "--virtual", "--adaptive", *words)
+    assert status == 2
+    assert said in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "runs-virtual").exists()
