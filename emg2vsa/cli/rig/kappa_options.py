@@ -130,12 +130,13 @@ def say_reachable(kappa: KappaPlan, presses: int) -> None:
 
 def say_kappa(folder: Path) -> None:
     """What the presses of the run in ``folder`` have told of kappa."""
-    from emg2vsa.rig.kappa.live_kappa import ABOUT_FILE, KAPPA_FILE, last_rows
+    from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, last_rows
+    from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
 
     for row in last_rows(folder / KAPPA_FILE):
         print(f"kappa after press {row.repetition}: {row.told()}")
     try:
-        about = json.loads((folder / ABOUT_FILE).read_text(encoding="utf-8"))
+        about = json.loads((folder / KAPPA_ABOUT_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return
     if about["dropped"] or about["trouble"]:
