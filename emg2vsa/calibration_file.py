@@ -59,6 +59,11 @@ def open_calibration(path: Path) -> OnlineCalibration:
         raise DataError(path, wanted="the keys of a calibration", found=f"{error!r}", do=_AGAIN) from error
 
 
+def sha256_of(calibration: OnlineCalibration) -> str:
+    """As it stands in the file of the calibration."""
+    return _digest(_document_of(calibration))
+
+
 def _document_of(calibration: OnlineCalibration) -> dict[str, Any]:
     return {
         "format": FORMAT,

@@ -22,6 +22,7 @@ import numpy as np
 
 from casr.atomic import write_text_atomic
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
+from emg2vsa.calibration_file import sha256_of
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import Frame, PressJudge
 from emg2vsa.rig.kappa.live_kappa import (
@@ -398,6 +399,7 @@ def write_about(folder: Path, plan: KappaPlan, tally: Tally) -> None:
     own = plan.calibration
     document = {
         "calibration": plan.name,
+        "sha256": sha256_of(own),
         "specimens": list(own.specimens),
         "known_presses": own.presses,
         "quantity": own.quantity,
