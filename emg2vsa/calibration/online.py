@@ -130,6 +130,16 @@ class OnlineCalibration:
         """Presses of the known specimens."""
         return int(np.count_nonzero(np.isfinite(self.rates).any(axis=-1)))
 
+    @property
+    def rises(self) -> bool:
+        """CASR is greater on softer specimens at the largest force, as contact mechanics has it; mixed up stiffnesses
+        turn that round."""
+        last = self.rates[:, :, -1]
+        there = np.isfinite(last)
+        means = np.sum(np.where(there, last, 0.0), axis=1) / np.count_nonzero(there, axis=1)
+        compliance = -np.log(self.kappa)
+        return bool(np.sum((compliance - compliance.mean()) * means) > 0)
+
     def judged(self, rates: Floats, travel: Floats, at: Ints, mountings: Ints | None = None) -> Judged:
         """Of rates and travel (n, d) of n presses of the new specimen, by the calibrations at these (d,) of the forces.
 
