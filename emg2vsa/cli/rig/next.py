@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.rig.kappa_options import width
 
 if TYPE_CHECKING:
     from emg2vsa.calibration.next_press import Choice, Done
     from emg2vsa.calibration.online import OnlineCalibration
 
 _SHOWN = 10
-_WIDEST = 100
 _KAPPA_FILE = "kappa.csv"
 "In the folder of a run whose presses were judged: a row for each frame."
 
@@ -58,7 +58,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument(
         "--stop-at",
-        type=_share,
+        type=width,
         default=0.0,
         metavar="PERCENT",
         help="half width of the interval, as a percentage of kappa, at which no further press is needed",
@@ -103,19 +103,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _document(choice: Choice, names: Sequence[str]) -> dict[str, Any]:
     return asdict(choice) | {"calibration": names[choice.calibration]}
-
-
-def _share(text: str) -> float:
-    """``20`` or ``20%`` as 0.2."""
-    try:
-        percent = float(text.removesuffix("%"))
-    except ValueError:
-        percent = float("nan")
-    if not 0 < percent <= _WIDEST:
-        raise argparse.ArgumentTypeError(
-            f"expected a percentage of kappa above 0 and up to {_WIDEST}, such as 20, but found {text!r}"
-        )
-    return percent / 100
 
 
 def _presses(text: str) -> int:
@@ -178,7 +165,7 @@ def _check_judged_by(folder: Path, calibration: OnlineCalibration, path: Path) -
         return
     except (OSError, ValueError, AttributeError) as error:
         do = "Name the folder of a run that rig run made."
-        raise DataError(about, wanted="by which calibration presses were judged", found=str(error), do=do) from error
+        raise DataError(about, wanted="by which calibration presses were judged", found=_why(error), do=do) from error
     if told is not None and told != (own := sha256_of(calibration)):
         do = "Give the calibration that the run was judged by, or press again."
         raise DataError(f"{about}, sha256", wanted=f"that of {path.name}, {own[:12]}", found=str(told)[:12], do=do)
@@ -212,6 +199,11 @@ def last_estimates(path: Path) -> list[tuple[float, float, str]]:
     return list(last.values())
 
 
+def _why(error: Exception) -> str:
+    """Without the path, which the message names already."""
+    return str((isinstance(error, OSError) and error.strerror) or error)
+
+
 def _plan(path: Path) -> dict[str, Any]:
     from emg2vsa.errors import DataError
 
@@ -224,4 +216,4 @@ def _plan(path: Path) -> dict[str, Any]:
         }
     except (OSError, ValueError, KeyError, TypeError) as error:
         do = "Name the folder of a run that rig run made."
-        raise DataError(path, wanted="the plan of a run", found=str(error), do=do) from error
+        raise DataError(path, wanted="the plan of a run", found=_why(error), do=do) from error
