@@ -174,7 +174,9 @@ def test_the_width_that_is_promised_before_the_first_press_is_the_one_at_its_end
         widths.append(states[-1].half_width)
     assert np.median(widths) == pytest.approx(promised, rel=0.1)
     assert reachable_width(calibration) < promised
-    assert reachable_width(calibration, hertz.kappa_new, f_max_n=1.2) > 1.2 * promised
+    at_3_n = calibration.expected_reach(np.array([hertz.kappa_new]))[calibration.forces_n.tolist().index(3.0), 0]
+    expected = calibration.half_width(hertz.kappa_new, float(at_3_n))
+    assert reachable_width(calibration, hertz.kappa_new, f_max_n=3.1) == pytest.approx(expected) != promised
     assert np.isnan(reachable_width(calibration, f_max_n=0.8))
     assert reachable_width(calibration, hertz.kappa_new, presses=9) < 0.6 * promised
 

@@ -131,7 +131,7 @@ def stop_word(row: KappaRow) -> int:
     """Repetition, reason and half width in one number of 8 bytes, which is written at once; 0 while a press goes on."""
     if row.stop not in _REASONS:
         return 0
-    permille = min(round(1000 * row.half_width), _OPEN - 1) if np.isfinite(row.half_width) else _OPEN
+    permille: int = min(round(1000 * row.half_width), _OPEN - 1) if np.isfinite(row.half_width) else _OPEN
     return (row.repetition << _REASON_BITS | _REASONS.index(row.stop)) << _WIDTH_BITS | permille
 
 

@@ -166,17 +166,17 @@ def test_presses_unlike_those_of_the_calibration_are_noted_or_refused(
     one = (*ONE, "--repetitions", 1, "--calibration", measured)
     path = rig_file(ELASTIC)
     strong = path.read_text()
-    path.write_text(strong.replace("f_max_n = 5", "f_max_n = 2"))
-    status, _, err = rig("run", path, *one)
-    assert status == 0, err
-    assert "emg2vsa: measured.json is by presses of a real rig, and an emulated one presses here" in err
-    assert "emg2vsa: measured.json reaches to 7 N, and these presses turn back at 2 N" in err
     path.write_text(strong.replace("f_max_n = 5", "f_max_n = 0.8"))
     status, _, err = rig("run", path, *one)
     assert (status, "expected presses beyond 1 N, where measured.json begins, but found f_max_n = 0.8" in err) == (
         2,
         True,
     )
+    path.write_text(strong.replace("f_max_n = 5", "f_max_n = 2"))
+    status, _, err = rig("run", path, *one)
+    assert status == 0, err
+    assert "emg2vsa: measured.json is by presses of a real rig, and an emulated one presses here" in err
+    assert "emg2vsa: measured.json reaches to 7 N, and these presses turn back at 2 N" in err
 
 
 def test_a_calibration_of_the_emulated_rig_judges_no_real_one(
