@@ -53,7 +53,7 @@ def test_one_changed_sample_runs_no_emulation(study: Path, capsys: pytest.Captur
     assert "fresh" not in told.partition("stale: ")[2]
     assert main(["run", str(study), "--jobs", "1", "--json"]) == 0
     ran = json.loads(capsys.readouterr().out)["ran"]
-    assert ran == ["trials/P01/S1", "fits/P01/S1", "pages/P01", "hypotheses/study", "exemplary/study", "profiles/study", "report/study"]
+    assert ran == ["trials/P01/S1", "fits/P01/S1", "pages/P01", "hypotheses/study", "profiles/study", "report/study"]
     assert {step.status for step in look(study).values()} == {"fresh"}
 
 
