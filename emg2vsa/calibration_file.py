@@ -21,7 +21,7 @@ import numpy as np
 from casr.atomic import write_text_atomic
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.calibration.laws import LAWS, WAYS
-from emg2vsa.calibration.online import OnlineCalibration
+from emg2vsa.calibration.online import OnlineCalibration, reachable_width
 from emg2vsa.errors import DataError
 from emg2vsa.runs import ALGORITHMS
 from emg2vsa.settings import CalibrationSettings
@@ -29,6 +29,8 @@ from emg2vsa.settings import CalibrationSettings
 FORMAT, VERSION = "emg2vsa calibration", 1
 _AGAIN = "Write the calibration again with emg2vsa run."
 _MOST_BYTES = 50_000_000
+_MOST = 1e9
+"""No force, stiffness, rate or travel is so large."""
 
 
 def file_name(calibration: OnlineCalibration) -> str:
@@ -54,9 +56,29 @@ def open_calibration(path: Path) -> OnlineCalibration:
     if seal != _digest(document):
         raise DataError(f"{path}, sha256", wanted="the digest of the content", found=repr(seal), do=_AGAIN)
     try:
-        return _calibration_of(document, path)
-    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as error:
+        calibration = _calibration_of(document, path)
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError, OverflowError) as error:
         raise DataError(path, wanted="the keys of a calibration", found=f"{error!r}", do=_AGAIN) from error
+    _expect_use(path, calibration)
+    return calibration
+
+
+def _expect_use(path: Path, calibration: OnlineCalibration) -> None:
+    """DataError where kappa could not be told by it."""
+    if not calibration.rises:
+        do = "Check the stiffnesses of the specimens in the study, and write the calibration again with emg2vsa run."
+        raise DataError(f"{path}, specimens", wanted="CASR that rises with softness", found="one that does not", do=do)
+    with np.errstate(all="ignore"):
+        try:
+            width = reachable_width(calibration)
+        except (ValueError, FloatingPointError) as error:
+            raise DataError(path, wanted="a law that can be fitted", found=str(error), do=_AGAIN) from error
+    _expect(path, "specimens", width, "presses that tell a stiffness", not math.isnan(width))
+
+
+def sha256_of(calibration: OnlineCalibration) -> str:
+    """As it stands in the file of the calibration."""
+    return _digest(_document_of(calibration))
 
 
 def _document_of(calibration: OnlineCalibration) -> dict[str, Any]:
@@ -108,12 +130,16 @@ def _json(path: Path) -> dict[str, Any]:
         found = error.strerror if isinstance(error, OSError) else "bytes that are not text"
         raise DataError(path, wanted="a calibration file", found=str(found), do=_AGAIN) from error
     try:
-        document = json.loads(text)
+        document = json.loads(text, parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
         raise DataError(path, wanted="a JSON object", found=str(error), do=_AGAIN) from error
     if not isinstance(document, dict):
         raise DataError(path, wanted="a JSON object", found=type(document).__name__, do=_AGAIN)
     return document
+
+
+def _no_number(name: str) -> float:
+    raise ValueError(f"{name}, which JSON does not have")
 
 
 def _expect(path: Path, key: str, found: object, wanted: str, holds: bool) -> None:
@@ -125,24 +151,35 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
     settings = CalibrationSettings(**document["settings"])
     _expect(path, "quantity", document["quantity"], " or ".join(ALGORITHMS), document["quantity"] in ALGORITHMS)
     _expect(path, "area_unit", document["area_unit"], "mm2 or px2", document["area_unit"] in ("mm2", "px2"))
+    _expect(path, "settings, confidence", settings.confidence, "a share between 0 and 1", 0 < settings.confidence < 1)
+    for name, high in (("angle_sd_deg", 90), ("mounting_sd_percent", 50), ("outlier_mads", math.inf)):
+        value = getattr(settings, name)
+        _expect(path, f"settings, {name}", value, f"0 to below {high:g}", 0 <= value < high)
     ways = WAYS[settings.law] if settings.law in LAWS else ()
     _expect(path, "settings", settings.law, "a law that can be fitted", settings.minimise in ways)
     forces = np.array(document["force_n"]["judged_at"], dtype=np.float64)
     start_n = float(document["force_n"]["start"])
     rise = forces.ndim == 1 and forces.size > 0 and bool(np.all(np.diff([start_n, *forces]) > 0)) and start_n > 0
+    rise = rise and bool(forces[-1] < _MOST)
+    angle_deg = float(document["angle_deg"])
+    _expect(path, "angle_deg", angle_deg, "0 to below 90", 0 <= angle_deg < 90)
     _expect(path, "force_n", document["force_n"], "rising forces above 0", rise)
     known: list[dict[str, Any]] = document["specimens"]
     _expect(path, "specimens", len(known), "two specimens or more", len(known) >= 2)
     kappa = np.array([each["kappa_n_per_mm"] for each in known], dtype=np.float64)
-    _expect(path, "kappa_n_per_mm", kappa.tolist(), "stiffnesses above 0", bool(np.all(kappa > 0)))
+    _expect(path, "kappa_n_per_mm", kappa.tolist(), "stiffnesses above 0", bool(np.all((kappa > 0) & (kappa < _MOST))))
+    _expect(path, "kappa_n_per_mm", kappa.tolist(), "two different stiffnesses or more", np.unique(kappa).size >= 2)
+    errors = np.array([each["kappa_se_n_per_mm"] for each in known], dtype=np.float64)
+    fits = bool(np.all((errors >= 0) & (errors < _MOST)))
+    _expect(path, "kappa_se_n_per_mm", errors.tolist(), "standard errors from 0", fits)
     rates, travel, mounting = _presses(path, [each["presses"] for each in known], forces.size)
     return OnlineCalibration(
         specimens=tuple(str(each["name"]) for each in known),
         kappa=kappa,
-        kappa_se=np.array([each["kappa_se_n_per_mm"] for each in known], dtype=np.float64),
+        kappa_se=errors,
         quantity=document["quantity"],
         area_unit=document["area_unit"],
-        angle_deg=float(document["angle_deg"]),
+        angle_deg=angle_deg,
         condition=str(document["condition"]),
         start_n=start_n,
         forces_n=forces,
@@ -168,8 +205,11 @@ def _presses(path: Path, known: Sequence[Sequence[dict[str, Any]]], forces: int)
                 count = len(press[name])
                 _expect(path, where, count, f"{forces} {name}", count == forces)
                 into[s, r] = [_number(value) for value in press[name]]
+                _expect(path, f"{where}, {name}", press[name], "numbers", bool(np.all(~(np.abs(into[s, r]) >= _MOST))))
             _expect(path, where, press["mounting"], "a mounting from 1", press["mounting"] >= 1)
             mounting[s, r] = press["mounting"]
+        last = int(np.count_nonzero(np.isfinite(rates[s, :, -1:])))
+        _expect(path, f"specimens {s + 1}", last, "one press or more that reaches the largest force", last > 0)
     return rates, travel, mounting
 
 

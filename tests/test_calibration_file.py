@@ -105,3 +105,39 @@ def test_presses_need_a_rate_for_every_force(path):
     specimens[1]["presses"][2]["rates"].pop()
     with pytest.raises(DataError, match=r"specimens 2, press 3: expected 31 rates, but found 30\."):
         open_calibration(sealed(path, specimens=specimens))
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda d: d["settings"].update(confidence=5), "settings, confidence: expected a share between 0 and 1"),
+        (lambda d: d["settings"].update(mounting_sd_percent=-1), "settings, mounting_sd_percent: expected 0 to below"),
+        (lambda d: d.update(angle_deg=90), "angle_deg: expected 0 to below 90, but found 90"),
+        (lambda d: d["force_n"]["judged_at"].__setitem__(-1, 1e300), "force_n: expected rising forces"),
+        (lambda d: d["specimens"][0].update(kappa_n_per_mm=1e300), "kappa_n_per_mm: expected stiffnesses above 0"),
+        (lambda d: d["specimens"][0].update(kappa_se_n_per_mm=-1), "kappa_se_n_per_mm: expected standard errors"),
+        (lambda d: [each.update(kappa_n_per_mm=3) for each in d["specimens"]], "expected two different stiffnesses"),
+        (lambda d: d["specimens"][0]["presses"][1].update(rates=[1e300] * 31), "press 2, rates: expected numbers"),
+        (lambda d: [each.update(presses=[]) for each in d["specimens"]], "specimens 1: expected one press or more"),
+        (
+            lambda d: [press.update(rates=[None] * 31) for press in d["specimens"][1]["presses"]],
+            "specimens 2: expected one press or more that reaches the largest force, but found 0",
+        ),
+        (
+            lambda d: [d["specimens"][s].update(kappa_n_per_mm=k) for s, k in ((0, 1.11), (2, 7.63))],
+            "specimens: expected CASR that rises with softness, but found one that does not. Check the stiffnesses",
+        ),
+    ],
+)
+def test_numbers_that_make_no_sense_are_named(path, change, complaint):
+    document = json.loads(path.read_text())
+    change(document)
+    with pytest.raises(DataError, match=complaint) as error:
+        open_calibration(sealed(path, **document))
+    assert str(path) in str(error.value)
+
+
+def test_a_constant_that_json_does_not_have_is_refused(path):
+    path.write_text(path.read_text().replace('"angle_deg": 30.0', '"angle_deg": NaN'))
+    with pytest.raises(DataError, match="a JSON object, but found NaN"):
+        open_calibration(path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -38,7 +39,8 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--follow", action="store_true", help="wait for frames that are still to come")
     parser.add_argument(
         "--quiet", type=positive, default=2.0, metavar="SECONDS",
-        help="with --follow: after the first frame, end when nothing new has come for so long (default %(default)s)",
+        help="with --follow: end when, after the first frame or the force of one, nothing new has come for so long "
+        "(default %(default)s)",
     )  # fmt: skip
     add_lag(add_method(parser))
     add_json(parser.add_argument_group("output"))
@@ -83,11 +85,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _frames(press: GrowingPress, arguments: argparse.Namespace) -> Iterator[NewFrame]:
     """Frames as they come; the last ones once nothing more does."""
-    newest_s = None
+    newest_s, told = None, False
     while arguments.follow:
         for frame in press.new_frames():
             newest_s = time.monotonic()
             yield frame
+        if newest_s is None and not told:
+            print(f"waiting for frames and forces in {arguments.path}", file=sys.stderr, flush=True)
+            told = True
+        if newest_s is None and press.behind:
+            newest_s = time.monotonic()
         if newest_s is not None and time.monotonic() - newest_s > arguments.quiet:
             break
         time.sleep(_LOOK_S)

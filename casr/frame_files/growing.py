@@ -19,9 +19,6 @@ from casr.frames import check_newtons, force_per_frame, spikes
 from casr.frames.force import first_of_frame
 from casr.images import Grey
 
-MOST_TRIES = 50
-"""So often a frame that the force log names already is looked for again: the file may be half written."""
-
 
 @dataclass(frozen=True, eq=False)
 class NewFrame:
@@ -63,8 +60,9 @@ class GrowingPress:
         self.path, self._force = path, force or path / FORCE_FILE
         self._camera, self._column, self._rule, self._lag_s = camera, column, force_rule, lag_s
         self._frames: FileFrames | None = None
-        self._log_bytes = self._tries = 0
-        self._next = 0
+        self._log_bytes = self._next = 0
+        self.behind = False
+        "The log names a frame that is not there yet: its file may be half written."
 
     def camera(self) -> Camera | None:
         """The camera of the press, once its frames are there. CameraError as `read_camera`."""
@@ -102,7 +100,7 @@ class GrowingPress:
                     found="no such file",
                     do="Give the folder that is recorded into, or --force FILE.",
                 ) from None
-        if size_bytes == self._log_bytes and not (ended or self._tries):
+        if size_bytes == self._log_bytes and not (ended or self.behind):
             return None
         self._log_bytes = size_bytes
         if ended:
@@ -137,9 +135,9 @@ class GrowingPress:
                 )
             image = self._frames.read(index)
         except FramesError:
-            self._frames, self._tries = None, self._tries + 1
-            if ended or self._tries > MOST_TRIES:
+            self._frames, self.behind = None, True
+            if ended:
                 raise
             return None
-        self._tries = 0
+        self.behind = False
         return image

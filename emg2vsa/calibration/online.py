@@ -130,6 +130,16 @@ class OnlineCalibration:
         """Presses of the known specimens."""
         return int(np.count_nonzero(np.isfinite(self.rates).any(axis=-1)))
 
+    @property
+    def rises(self) -> bool:
+        """CASR is greater on softer specimens at the largest force, as contact mechanics has it; mixed up stiffnesses
+        turn that round."""
+        last = self.rates[:, :, -1]
+        there = np.isfinite(last)
+        means = np.sum(np.where(there, last, 0.0), axis=1) / np.count_nonzero(there, axis=1)
+        compliance = -np.log(self.kappa)
+        return bool(np.sum((compliance - compliance.mean()) * means) > 0)
+
     def judged(self, rates: Floats, travel: Floats, at: Ints, mountings: Ints | None = None) -> Judged:
         """Of rates and travel (n, d) of n presses of the new specimen, by the calibrations at these (d,) of the forces.
 
@@ -208,15 +218,21 @@ def _scores(calibration: Calibration, kappa: Floats) -> Floats:
     return calibration.fit.casr(np.broadcast_to(kappa, (len(calibration.casr), kappa.size)))
 
 
-def reachable_width(calibration: OnlineCalibration, kappa: float | None = None, presses: int = 1) -> float:
+def reachable_width(
+    calibration: OnlineCalibration, kappa: float | None = None, presses: int = 1, f_max_n: float = math.inf
+) -> float:
     """Half width, as a share of kappa, that so many whole presses are expected to reach, before the first of them.
 
     kappa : N/mm; None takes the stiffness between the softest and the stiffest known specimen where the width is the
-    smallest, so that a smaller one cannot be reached anywhere. By both cues where the calibration has both.
+    smallest, so that a smaller one cannot be reached anywhere. By both cues where the calibration has both. f_max_n :
+    presses turn back here; NaN below the first force of the calibration.
     """
+    judged = int(np.searchsorted(calibration.forces_n, f_max_n + ROUNDING_N, side="right"))
+    if judged == 0:
+        return math.nan
     known, cues = calibration.kappa, BOTH if calibration.by_travel else AREA
     tried = np.geomspace(known.min(), known.max(), _KAPPAS) if kappa is None else np.array([kappa])
-    reach = calibration.expected_reach(tried, presses, cues)[-1]
+    reach = calibration.expected_reach(tried, presses, cues)[judged - 1]
     widths = [calibration.half_width(*each, cues) for each in zip(tried.tolist(), reach.tolist(), strict=True)]
     return float(np.fmin.reduce(widths))
 

@@ -31,6 +31,8 @@ from emg2vsa.calibration.presses import mean_of
 
 _LEAST_PRESSES = 4
 _INCLUDED_P = 0.25
+_ROUNDING = 1e-9
+"""Of the mean: presses that differ by no more are equal."""
 _RHO = np.linspace(0.0, 0.95, 39)
 
 
@@ -58,7 +60,10 @@ def serial_correlation(scores: Floats) -> SerialCorrelation:
     order = np.argsort(~there, axis=-1, kind="stable")
     e = np.take_along_axis(np.where(there, scores - mean_of(scores)[..., None], 0.0), order, axis=-1)
     largest = np.max(np.abs(e), axis=-1, keepdims=True, initial=0.0)
-    e = e / np.where(largest > 0, largest, 1.0)  # whatever the unit, squares do not vanish
+    rounding = (
+        _ROUNDING * np.abs(np.nan_to_num(mean_of(scores)))[..., None]
+    )  # equal presses differ from their mean by it
+    e = np.where(largest > rounding, e / np.where(largest > 0, largest, 1.0), 0.0)  # in any unit squares do not vanish
     squares = np.sum(e**2, axis=-1)
     used = (n >= _LEAST_PRESSES) & (squares > 0)
     weight = np.where(used, n, 0)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from emg2vsa.errors import DataError
 from emg2vsa.readers.bids_sidecars import SideFileIndex
-from emg2vsa.run_folders.find import RUNS_TABLE, find_runs, left_by_emulator, left_out
+from emg2vsa.run_folders.find import RUNS_TABLE, find_runs, left_by_emulator, left_out, was_judged
 from emg2vsa.study import RecordingEntry, RunEntry, RunsSource, Study
 
 if TYPE_CHECKING:
@@ -112,6 +112,9 @@ def _measured(study: Study, source: RunsSource) -> Campaign:
         raise DataError(source.root, wanted="one run or more", found="none", do=do)
     where = source.root / RUNS_TABLE
     notes = tuple(
-        f"{source.root / name} holds frames but is no run: add it to {where}" for name in left_out(source.root, runs)
+        f"{source.root / name} holds presses of an unknown specimen: they are left out"
+        if was_judged(source.root / name)
+        else f"{source.root / name} holds frames but is no run: add it to {where}"
+        for name in left_out(source.root, runs)
     )
     return Campaign(replace(study, runs=runs), notes=notes if runs else (*notes, f"no runs in {source.root}"))

@@ -13,7 +13,7 @@ from typing import get_args
 
 from casr.errors import CasrError
 from emg2vsa.errors import DataError
-from emg2vsa.rig.record.new_folder import EMULATED_FILE, PLAN_FILE
+from emg2vsa.rig.record.new_folder import EMULATED_FILE, KAPPA_ABOUT_FILE, PLAN_FILE
 from emg2vsa.settings import Condition
 from emg2vsa.study import RunEntry
 
@@ -38,7 +38,8 @@ def find_runs(root: Path, specimens: Collection[str]) -> tuple[RunEntry, ...]:
     """Runs below ``root``: those that its table runs.tsv lists, or without one the folders that hold a plan.json.
 
     Folders of the same specimen, angle and condition are one run, their presses one after the other. specimens : those
-    that may have been pressed.
+    that may have been pressed. Without a table, runs of another specimen whose stiffness was judged while it was
+    pressed are no runs of the study, so ``left_out`` names them.
 
     Raises
     ------
@@ -50,6 +51,8 @@ def find_runs(root: Path, specimens: Collection[str]) -> tuple[RunEntry, ...]:
     _check_folders(rows)
     runs: dict[tuple[str, float, str], list[Path]] = {}
     for row in rows:
+        if row.specimen not in specimens and was_judged(row.folder) and not table.is_file():
+            continue
         _check_names(row, specimens)
         runs.setdefault((row.specimen, row.angle_deg, row.condition), []).append(row.folder)
     return tuple(RunEntry(*of_run, tuple(folders)) for of_run, folders in runs.items())
@@ -60,6 +63,11 @@ def left_out(root: Path, runs: Sequence[RunEntry]) -> tuple[str, ...]:
     taken = [folder for run in runs for folder in run.folders]
     others = [path for path in _folders_in(root) if not any(_overlap(path, folder) for folder in taken)]
     return tuple(path.name for path in others if _holds_frames(path))
+
+
+def was_judged(folder: Path) -> bool:
+    """The run was of an unknown object: its stiffness was what the presses were for."""
+    return (folder / KAPPA_ABOUT_FILE).is_file()
 
 
 def left_by_emulator(root: Path) -> tuple[Path, ...]:

@@ -174,7 +174,20 @@ def test_the_width_that_is_promised_before_the_first_press_is_the_one_at_its_end
         widths.append(states[-1].half_width)
     assert np.median(widths) == pytest.approx(promised, rel=0.1)
     assert reachable_width(calibration) < promised
+    at_3_n = calibration.expected_reach(np.array([hertz.kappa_new]))[calibration.forces_n.tolist().index(3.0), 0]
+    expected = calibration.half_width(hertz.kappa_new, float(at_3_n))
+    assert reachable_width(calibration, hertz.kappa_new, f_max_n=3.1) == pytest.approx(expected) != promised
+    assert np.isnan(reachable_width(calibration, f_max_n=0.8))
     assert reachable_width(calibration, hertz.kappa_new, presses=9) < 0.6 * promised
+
+
+def test_more_presses_are_never_expected_to_widen_the_interval(hertz):
+    # presses that are expected are equal; what rounding makes of them is no correlation
+    own = calibration_of(hertz, np.random.default_rng(3), CalibrationSettings(), presses=3)
+    kappa = np.array([1.5, 2.5, 4.0])
+    reach = np.stack([own.whole_reach(kappa, n, 1) for n in range(1, 21)])
+    assert np.isfinite(reach).all()
+    assert (np.diff(reach, axis=0) <= 1e-9).all()
 
 
 def test_a_press_may_stop_where_the_rest_would_hardly_narrow_the_interval(hertz):

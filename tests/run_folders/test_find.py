@@ -36,6 +36,20 @@ def test_the_rigs_own_runs_say_what_they_are(tmp_path):
     ]
 
 
+def test_runs_of_an_unknown_object_are_left_out_and_named(tmp_path):
+    own_run(tmp_path, "S1_30_modular")
+    unknown = own_run(tmp_path, "S4_30_modular", "S4")
+    (unknown / "kappa.json").write_text("{}")
+    (unknown / "press-001").mkdir()
+    (unknown / "press-001" / "frames.tif").touch()
+    runs = find_runs(tmp_path, KNOWN)
+    assert [run.key for run in runs] == ["S1_30_modular"]
+    assert left_out(tmp_path, runs) == ("S4_30_modular",)
+    (unknown / "kappa.json").unlink()
+    with pytest.raises(DataError, match="but found 'S4'"):
+        find_runs(tmp_path, KNOWN)
+
+
 def test_a_table_names_runs_of_any_origin(tmp_path):
     for name in ("a", "b"):
         (tmp_path / name).mkdir()

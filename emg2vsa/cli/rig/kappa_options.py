@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -105,37 +105,62 @@ def kappa_plans(
                 path, wanted="a calibration by presses of a real rig", found="one by presses of an emulated rig",
                 do="Press known specimens with this rig and run the study, or add --virtual.",
             )  # fmt: skip
+        if plans[run].f_max_n < calibration.forces_n[0]:
+            raise SettingError(
+                file.path, wanted=f"presses beyond {calibration.forces_n[0]:g} N, where {path.name} begins",
+                found=f"f_max_n = {plans[run].f_max_n:g}", do="Press harder, or calibrate from a smaller force on.",
+            )  # fmt: skip
         camera = _camera(arguments, file, run, calibration, emulated=emulated)
         judged[run] = KappaPlan(path.name, calibration, camera, arguments.stop_at)
     return judged
 
 
-def say_reachable(kappa: KappaPlan, presses: int) -> None:
+def say_reachable(kappa: KappaPlan, plan: RunPlan, *, emulated: bool) -> None:
     """What widths can be expected, before the first press."""
     from emg2vsa.calibration.online import reachable_width
 
-    own = kappa.calibration
-    one, all_of_them = reachable_width(own), reachable_width(own, None, presses)
-    known = f"{', '.join(own.specimens)}, {own.presses} presses"
+    own, presses = kappa.calibration, plan.repetitions
+    one, all_of_them = (reachable_width(own, None, n, plan.f_max_n) for n in (1, presses))
+    known = f"{', '.join(own.specimens)}, {counted(own.presses)}"
     print(f"kappa: by {kappa.name} ({known}); at best ±{one:.0%} of kappa by one press", end="")
     print(f", ±{all_of_them:.0%} by {presses}" if presses > 1 else "", flush=True)
     if kappa.stop_at is not None and kappa.stop_at < all_of_them:
         print(
             f"emg2vsa: a width of ±{kappa.stop_at:.1%} cannot be reached with this calibration and the scatter of its "
-            f"presses; ±{all_of_them:.1%} is the narrowest that {presses} presses of any stiffness are expected to "
-            "reach. Presses end where the rest would narrow the interval by less than a tenth.",
+            f"presses; ±{all_of_them:.1%} is the narrowest that {counted(presses)} of any stiffness can be "
+            "expected to reach. Presses end where the rest would narrow the interval by less than a tenth.",
             file=sys.stderr,
         )
+    for note in _notes(kappa, plan, emulated=emulated):
+        print(f"emg2vsa: {note}", file=sys.stderr)
+
+
+def _notes(kappa: KappaPlan, plan: RunPlan, *, emulated: bool) -> Iterator[str]:
+    """What of these presses is unlike those of the calibration."""
+    own = kappa.calibration
+    if emulated and not own.simulated:
+        yield f"{kappa.name} is by presses of a real rig, and an emulated one presses here: kappa may be far off."
+    if plan.f_max_n < own.forces_n[-1]:
+        yield (
+            f"{kappa.name} reaches to {own.forces_n[-1]:g} N, and these presses turn back at {plan.f_max_n:g} N: kappa "
+            "is told up to there."
+        )
+
+
+def counted(presses: int) -> str:
+    """``1 press``, ``2 presses``."""
+    return f"{presses} press" if presses == 1 else f"{presses} presses"
 
 
 def say_kappa(folder: Path) -> None:
     """What the presses of the run in ``folder`` have told of kappa."""
-    from emg2vsa.rig.kappa.live_kappa import ABOUT_FILE, KAPPA_FILE, last_rows
+    from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, last_rows
+    from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
 
     for row in last_rows(folder / KAPPA_FILE):
         print(f"kappa after press {row.repetition}: {row.told()}")
     try:
-        about = json.loads((folder / ABOUT_FILE).read_text(encoding="utf-8"))
+        about = json.loads((folder / KAPPA_ABOUT_FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return
     if about["dropped"] or about["trouble"]:

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from casr.command_line import Commands, add_command, add_json, print_json
+from emg2vsa.cli.rig.kappa_options import width
 
 if TYPE_CHECKING:
     from emg2vsa.calibration.next_press import Choice, Done
     from emg2vsa.calibration.online import OnlineCalibration
 
 _SHOWN = 10
-_WIDEST = 100
 _KAPPA_FILE = "kappa.csv"
 "In the folder of a run whose presses were judged: a row for each frame."
 
@@ -58,7 +58,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument(
         "--stop-at",
-        type=_share,
+        type=width,
         default=0.0,
         metavar="PERCENT",
         help="half width of the interval, as a percentage of kappa, at which no further press is needed",
@@ -105,19 +105,6 @@ def _document(choice: Choice, names: Sequence[str]) -> dict[str, Any]:
     return asdict(choice) | {"calibration": names[choice.calibration]}
 
 
-def _share(text: str) -> float:
-    """``20`` or ``20%`` as 0.2."""
-    try:
-        percent = float(text.removesuffix("%"))
-    except ValueError:
-        percent = float("nan")
-    if not 0 < percent <= _WIDEST:
-        raise argparse.ArgumentTypeError(
-            f"expected a percentage of kappa above 0 and up to {_WIDEST}, such as 20, but found {text!r}"
-        )
-    return percent / 100
-
-
 def _presses(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 100:
         raise argparse.ArgumentTypeError(f"expected a number of presses from 1 to 100, but found {text!r}")
@@ -125,27 +112,63 @@ def _presses(text: str) -> int:
 
 
 def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], paths: Sequence[Path]) -> dict[int, Done]:
-    """Presses so far, by calibration. DataError where a run fits none, or was not judged."""
+    """Presses so far, by calibration. DataError where a run fits none, was not judged, or would count twice."""
     from emg2vsa.calibration.next_press import Done
     from emg2vsa.errors import DataError
     from emg2vsa.rig.record.new_folder import PLAN_FILE
 
+    places = [(each.angle_deg, each.condition) for each in calibrations]
+    for i, (angle_deg, condition) in enumerate(places):
+        if (angle_deg, condition) in places[:i]:
+            found_there = f"{paths[places.index(places[i])]} too is of {angle_deg:g}°, {condition}"
+            do = "Give one of the two."
+            raise DataError(paths[i], wanted="one calibration for each angle and condition", found=found_there, do=do)
     found: dict[int, Done] = {}
+    pressed: dict[str, Path] = {}
+    seen: set[Path] = set()
     for folder in folders:
+        if folder.resolve() in seen:
+            raise DataError(folder, wanted="every run once", found="it twice", do="Name it once with --done.")
+        seen.add(folder.resolve())
         plan, rows = _plan(folder / PLAN_FILE), last_estimates(folder / _KAPPA_FILE)
-        place = float(plan["angle_deg"]), str(plan["condition"])
-        fitting = [i for i, each in enumerate(calibrations) if (each.angle_deg, each.condition) == place]
-        if not fitting:
+        place = plan["angle_deg"], plan["condition"]
+        if place not in places:
             there = ", ".join(path.name for path in paths)
             do = "Give the calibration of this angle and condition too."
             raise DataError(
                 folder, wanted=f"one of the calibrations {there}", found=f"{place[0]:g}°, {place[1]}", do=do
             )
+        pressed.setdefault(plan["specimen"], folder)
+        if len(pressed) > 1:
+            (one, first), (other, _) = pressed.items()
+            do = "Name runs of one specimen only."
+            raise DataError(folder, wanted=f"a run of {one}, as {first.name} is", found=f"one of {other}", do=do)
         if not rows:
             do = "Press with rig run --calibration."
             raise DataError(folder / _KAPPA_FILE, wanted="presses that were judged", found="none", do=do)
-        found[fitting[0]] = with_run(found.get(fitting[0], Done()), rows, len(rows), new_mounting=True)
+        index = places.index(place)
+        _check_judged_by(folder, calibrations[index], paths[index])
+        found[index] = with_run(found.get(index, Done()), rows, len(rows), new_mounting=True)
     return found
+
+
+def _check_judged_by(folder: Path, calibration: OnlineCalibration, path: Path) -> None:
+    """DataError where kappa.json names another calibration; runs of earlier versions do not tell."""
+    from emg2vsa.calibration_file import sha256_of
+    from emg2vsa.errors import DataError
+    from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
+
+    about = folder / KAPPA_ABOUT_FILE
+    try:
+        told = json.loads(about.read_text(encoding="utf-8")).get("sha256")
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError, AttributeError) as error:
+        do = "Name the folder of a run that rig run made."
+        raise DataError(about, wanted="by which calibration presses were judged", found=_why(error), do=do) from error
+    if told is not None and told != (own := sha256_of(calibration)):
+        do = "Give the calibration that the run was judged by, or press again."
+        raise DataError(f"{about}, sha256", wanted=f"that of {path.name}, {own[:12]}", found=str(told)[:12], do=do)
 
 
 def with_run(before: Done, rows: Sequence[tuple[float, float, str]], presses: int, *, new_mounting: bool) -> Done:
@@ -176,12 +199,21 @@ def last_estimates(path: Path) -> list[tuple[float, float, str]]:
     return list(last.values())
 
 
+def _why(error: Exception) -> str:
+    """Without the path, which the message names already."""
+    return str((isinstance(error, OSError) and error.strerror) or error)
+
+
 def _plan(path: Path) -> dict[str, Any]:
     from emg2vsa.errors import DataError
 
     try:
         plan = json.loads(path.read_text(encoding="utf-8"))["plan"]
-        return {"angle_deg": float(plan["angle_deg"]), "condition": plan["condition"]}
+        return {
+            "specimen": str(plan["specimen"]),
+            "angle_deg": float(plan["angle_deg"]),
+            "condition": str(plan["condition"]),
+        }
     except (OSError, ValueError, KeyError, TypeError) as error:
         do = "Name the folder of a run that rig run made."
-        raise DataError(path, wanted="the plan of a run", found=str(error), do=do) from error
+        raise DataError(path, wanted="the plan of a run", found=_why(error), do=do) from error

@@ -91,7 +91,7 @@ def press_plan(
     try:
         with (
             rig_lock(file.path, folder),
-            _judge(file, kappa, plan.repetitions, folder, clock, quiet=quiet) as judge,
+            _judge(file, kappa, plan, folder, clock, quiet=quiet) as judge,
             undisturbed(),
             StopRequests(folder) as stop,
             open_rig(file.devices, file.rig, plan.condition, clock) as opened,
@@ -122,7 +122,7 @@ def press_plan(
 
 @contextlib.contextmanager
 def _judge(
-    file: RigFile, kappa: KappaPlan | None, presses: int, folder: Path, clock: Clock, *, quiet: bool
+    file: RigFile, kappa: KappaPlan | None, plan: RunPlan, folder: Path, clock: Clock, *, quiet: bool
 ) -> Iterator[OwnProcess | None]:
     """A process that judges the presses, and what it was shown in kappa.json; None where nobody asked for it."""
     if kappa is None:
@@ -134,7 +134,7 @@ def _judge(
             do="Add it (docs/reference/rig-file.md), or leave out --calibration.",
         )  # fmt: skip
     if not quiet:
-        say_reachable(kappa, presses)
+        say_reachable(kappa, plan, emulated=file.leads_to_emulated)
     shape = file.devices.camera.height, file.devices.camera.width
     judge = OwnProcess(kappa, folder / KAPPA_FILE, shape, time.perf_counter() - clock.now_s())
     try:

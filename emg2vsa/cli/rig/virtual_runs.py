@@ -77,7 +77,7 @@ def run_virtually(
             effect = effect_of(emulated, plan.schedule, right)
             waiting[run] = plans[run], file.rig, emulated, folder, effect, judged[run]
             if (plan_of_kappa := judged[run]) is not None and not as_json:
-                say_reachable(plan_of_kappa, presses)
+                say_reachable(plan_of_kappa, plans[run], emulated=True)
         else:
             results[run] = _BEFORE
     for run, result in _carried_out(waiting, jobs):

@@ -38,7 +38,14 @@ def run(given: Given) -> CalibrationResults:
     online = online_calibrations(
         scores, specimens, new, used["force_n"], settings, kappa_se=errors, provenance=provenance
     )  # fmt: skip
-    return replace(calibrate_runs(scores, specimens, new, settings, kappa_se=errors), online=online)
+    found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors)
+    notes = tuple(
+        f"{each.angle_deg:g}°, {each.condition}: no calibration file, because CASR does not rise with softness. "
+        "Check the stiffnesses of the specimens."
+        for each in online
+        if not each.rises
+    )
+    return replace(found, online=tuple(each for each in online if each.rises), notes=(*found.notes, *notes))
 
 
 def says(results: CalibrationResults) -> str:

@@ -22,10 +22,10 @@ import numpy as np
 
 from casr.atomic import write_text_atomic
 from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
+from emg2vsa.calibration_file import sha256_of
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import Frame, PressJudge
 from emg2vsa.rig.kappa.live_kappa import (
-    ABOUT_FILE,
     KAPPA_HEADER,
     Held,
     KappaPlan,
@@ -35,6 +35,7 @@ from emg2vsa.rig.kappa.live_kappa import (
     Tally,
     line_of,
 )
+from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
 
 SLOTS = 16
 """Frames that may wait for the estimator: 0.8 s of them."""
@@ -43,9 +44,10 @@ READY_S = 60.0
 END_S = 3.0
 """In which it must have ended; then it is ended."""
 _NICE = -10
+MOST_READINGS = 2000
+"""That come with a frame; of more, the newest."""
 _FRAME = Struct("<qqdq")
-"""Slot, repetition, time of the frame, how many readings follow."""
-_READING = Struct("<ddd")
+"""Slot, repetition, time of the frame, how many readings lie in the slot."""
 _OVER, _END = b"over", b"end"
 _TAKEN, _STOP, _ANSWERED = 0, 1, 2
 _WORDS = 8
@@ -100,12 +102,12 @@ class SameProcess:
             try:
                 row = self._kappa.frame(repetition, frame.time_s, frame.image, readings)
                 self._kappa.settle()
+                self._rows.write(line_of(row))
+                self._stop.see(row)
             except Exception as error:  # whatever goes wrong here, the press goes on
                 self.tally.trouble = f"{type(error).__name__}: {error}"
                 return
             self.tally.answered += 1
-            self._rows.write(line_of(row))
-            self._stop.see(row)
 
 
 class _Stops:
@@ -121,13 +123,15 @@ class _Stops:
 
 _REASONS = (WIDTH_REACHED, NO_GAIN)
 _REASON_BITS, _WIDTH_BITS = 4, 20
+_OPEN = 2**_WIDTH_BITS - 1
+"""In place of a half width that is not finite."""
 
 
 def stop_word(row: KappaRow) -> int:
     """Repetition, reason and half width in one number of 8 bytes, which is written at once; 0 while a press goes on."""
     if row.stop not in _REASONS:
         return 0
-    permille = min(round(1000 * row.half_width), 2**_WIDTH_BITS - 1) if np.isfinite(row.half_width) else 0
+    permille: int = min(round(1000 * row.half_width), _OPEN - 1) if np.isfinite(row.half_width) else _OPEN
     return (row.repetition << _REASON_BITS | _REASONS.index(row.stop)) << _WIDTH_BITS | permille
 
 
@@ -135,14 +139,17 @@ def stop_text(word: int, repetition: int) -> str:
     """Why this press stops, with the width it has reached; empty for another press, or none."""
     head, permille = divmod(word, 2**_WIDTH_BITS)
     number, reason = divmod(head, 2**_REASON_BITS)
-    return "" if word == 0 or number != repetition else f"{_REASONS[reason]}, kappa to {permille / 10:g} %"
+    if word == 0 or number != repetition:
+        return ""
+    return f"{_REASONS[reason]}, kappa " + ("open to rigid" if permille == _OPEN else f"to {permille / 10:g} %")
 
 
 class OwnProcess:
     """Hands frames and readings to a process beside the run; the control loop never waits for that.
 
-    Frames go through shared memory, ``SLOTS`` at most at a time. Where all are taken a frame is dropped, for the
-    estimator alone, and counted. A process that hangs or dies ends no press: it goes on to its full force.
+    Frames and their readings go through shared memory, ``SLOTS`` at most at a time; short messages of one size say
+    which. Where all slots are taken a frame is dropped, for the estimator alone, and counted; its readings go with the
+    next one. A process that hangs or dies ends no press: it goes on to its full force.
 
     Parameters
     ----------
@@ -151,17 +158,20 @@ class OwnProcess:
 
     Raises
     ------
-    DeviceError : the process could not be started.
+    DeviceError : the process could not be started, or there is no memory for the frames.
     """
 
     def __init__(self, plan: KappaPlan, file: Path, shape: tuple[int, int], zero_s: float | None = None) -> None:
         self.tally = Tally()
         self._held, self._sent, self._closed = Held(), 0, False
-        self._memory = SharedMemory(create=True, size=8 * _WORDS + SLOTS * shape[0] * shape[1])
-        self._words, self._images = _views(self._memory, shape)
+        self._unsent: list[tuple[float, float, float]] = []
+        self._memory = _new_memory(shape)
+        self._words, self._readings, self._images = _views(self._memory, shape)
         self._words[:] = 0
         context = multiprocessing.get_context("spawn")
         there, to = context.Pipe(duplex=False)
+        if sys.platform != "win32":
+            os.set_blocking(to.fileno(), False)
         self._to: Any = to  # a connection, of another type on Windows; None once the process has gone
         self._answers, from_there = context.Pipe(duplex=False)
         self._process = context.Process(
@@ -199,6 +209,7 @@ class OwnProcess:
 
     def press_over(self) -> None:
         self._hand_over(over=True)
+        self._unsent = []
         self._send(_OVER)
 
     def close(self) -> None:
@@ -218,28 +229,34 @@ class OwnProcess:
         elif self._process.exitcode:
             self.tally.trouble = self.tally.trouble or f"its process ended with status {self._process.exitcode}"
         self.tally.answered = int(self._words[_ANSWERED])
-        del self._words, self._images
+        del self._words, self._readings, self._images
         self._memory.close()
         with suppress(FileNotFoundError):
             self._memory.unlink()
 
     def _hand_over(self, *, over: bool) -> None:
         for repetition, frame, readings in self._held.ready(over=over):
+            self._unsent = [*self._unsent, *readings][-MOST_READINGS:]
             if self._to is None or self._sent - int(self._words[_TAKEN]) >= SLOTS:
                 self.tally.dropped += 1
                 continue
-            slot = self._sent % SLOTS
+            slot, n_readings = self._sent % SLOTS, len(self._unsent)
             self._images[slot] = frame.image
-            head = _FRAME.pack(slot, repetition, frame.time_s, len(readings))
-            if self._send(head + b"".join(_READING.pack(*reading) for reading in readings)):
+            self._readings[slot, :n_readings] = np.array(self._unsent).reshape(-1, 3)
+            if self._send(_FRAME.pack(slot, repetition, frame.time_s, n_readings)):
                 self._sent += 1
+                self._unsent = []
+            else:
+                self.tally.dropped += 1
 
     def _send(self, message: bytes) -> bool:
-        """Never waits: no more messages are on their way than fit into the pipe, for every frame takes a slot."""
+        """Never waits. A message shorter than a page goes into the pipe whole, or not at all."""
         if self._to is None:
             return False
         try:
             self._to.send_bytes(message)
+        except BlockingIOError:  # the end of a press is told by the next one too, and a process that hangs is ended
+            return False
         except OSError:
             self.tally.trouble = "its process ended while presses went on"
             self._to = None
@@ -247,9 +264,38 @@ class OwnProcess:
         return True
 
 
-def _views(memory: SharedMemory, shape: tuple[int, int]) -> tuple[Any, Any]:
-    words = np.ndarray(_WORDS, np.int64, memory.buf)
-    return words, np.ndarray((SLOTS, *shape), np.uint8, memory.buf, offset=8 * _WORDS)
+def _new_memory(shape: tuple[int, int]) -> SharedMemory:
+    """Shared memory that is all there: writing where there is none would end this process. DeviceError."""
+    size_bytes = 8 * _WORDS + SLOTS * (24 * MOST_READINGS + shape[0] * shape[1])
+    memory = None
+    try:
+        memory = SharedMemory(create=True, size=size_bytes)
+        if sys.platform == "linux":
+            descriptor = os.open(f"/dev/shm/{memory.name}", os.O_RDWR)
+            try:
+                os.posix_fallocate(descriptor, 0, size_bytes)
+            finally:
+                os.close(descriptor)
+    except OSError as error:
+        if memory is not None:
+            memory.close()
+            memory.unlink()
+        raise DeviceError(
+            "the estimator", wanted=f"{size_bytes / 1e6:.0f} MB of shared memory for {SLOTS} frames",
+            found=error.strerror or str(error), do="Make /dev/shm larger, or leave out --calibration.",
+        ) from error  # fmt: skip
+    return memory
+
+
+def _views(memory: SharedMemory, shape: tuple[int, int]) -> tuple[Any, Any, Any]:
+    """Counters; readings (SLOTS, MOST_READINGS, 3) as ``Rows``; images (SLOTS, height, width)."""
+    readings_at = 8 * _WORDS
+    images_at = readings_at + 24 * SLOTS * MOST_READINGS
+    return (
+        np.ndarray(_WORDS, np.int64, memory.buf),
+        np.ndarray((SLOTS, MOST_READINGS, 3), np.float64, memory.buf, offset=readings_at),
+        np.ndarray((SLOTS, *shape), np.uint8, memory.buf, offset=images_at),
+    )
 
 
 @contextmanager
@@ -276,18 +322,18 @@ def _work(
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run ends this process
     _behind()
     memory = SharedMemory(memory_name)
-    words, images = _views(memory, shape)
+    words, read, images = _views(memory, shape)
     latencies_s: list[float] = []
     trouble = ""
     try:
         kappa = LiveKappa(plan)
         answers.send(None)
-        _answer_all(kappa, messages, words, images, file, zero_s, latencies_s)
+        _answer_all(kappa, messages, words, read, images, file, zero_s, latencies_s)
     except Exception as error:
         trouble = f"{type(error).__name__}: {error}"
     with suppress(OSError):
         answers.send((latencies_s, trouble))
-    del words, images
+    del words, read, images
     memory.close()
 
 
@@ -304,6 +350,7 @@ def _answer_all(
     kappa: LiveKappa,
     messages: Connection,
     words: Any,
+    read: Any,
     images: Any,
     file: Path,
     zero_s: float | None,
@@ -315,7 +362,7 @@ def _answer_all(
             kappa.press_over()
             continue
         slot, repetition, time_s, n_readings = _FRAME.unpack_from(message)
-        readings: Rows = list(_READING.iter_unpack(message[_FRAME.size :]))[:n_readings]
+        readings: Rows = [tuple(row) for row in read[slot, :n_readings].tolist()]
         image = images[slot].copy()
         words[_TAKEN] += 1
         row = kappa.frame(repetition, time_s, image, readings)
@@ -352,6 +399,7 @@ def write_about(folder: Path, plan: KappaPlan, tally: Tally) -> None:
     own = plan.calibration
     document = {
         "calibration": plan.name,
+        "sha256": sha256_of(own),
         "specimens": list(own.specimens),
         "known_presses": own.presses,
         "quantity": own.quantity,
@@ -362,4 +410,4 @@ def write_about(folder: Path, plan: KappaPlan, tally: Tally) -> None:
         "stop_at": plan.stop_at,
         **tally.about(),
     }
-    write_text_atomic(folder / ABOUT_FILE, json.dumps(document, indent=2) + "\n")
+    write_text_atomic(folder / KAPPA_ABOUT_FILE, json.dumps(document, indent=2) + "\n")

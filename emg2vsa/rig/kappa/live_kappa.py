@@ -26,7 +26,7 @@ from emg2vsa.rig.device_settings import RATE_HZ
 from emg2vsa.rig.devices import Frame
 from emg2vsa.settings import RECIPES
 
-KAPPA_FILE, ABOUT_FILE = "kappa.csv", "kappa.json"
+KAPPA_FILE = "kappa.csv"
 HOLD_S = WINDOW / RATE_HZ
 """After a frame, until the readings that tell its force have come."""
 _RECENT_FRAMES = 8
@@ -75,8 +75,9 @@ class KappaRow:
         if not np.isfinite(self.kappa_n_per_mm):
             return "not determined" + (f" ({self.note})" if self.note else "")
         high = f"{self.high_n_per_mm:.3g}" if np.isfinite(self.high_n_per_mm) else "rigid"
+        share = f" (±{self.half_width:.0%})" if np.isfinite(self.half_width) else ""
         parts = [
-            f"{self.kappa_n_per_mm:.3g} N/mm, 95 %: {self.low_n_per_mm:.3g} to {high} (±{self.half_width:.0%})",
+            f"{self.kappa_n_per_mm:.3g} N/mm, 95 %: {self.low_n_per_mm:.3g} to {high}{share}",
             f"presses: {self.presses}",
             f"1 % of CASR is {self.amplification:.1f} % of kappa",
         ]

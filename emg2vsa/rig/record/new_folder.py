@@ -14,6 +14,8 @@ from emg2vsa.errors import DataError
 from emg2vsa.rig.record.press_counts import verdicts
 
 PLAN_FILE = "plan.json"
+KAPPA_ABOUT_FILE = "kappa.json"
+"""Marks a run whose presses were judged, and says by which calibration."""
 EMULATED_FILE = "emulated.json"
 """Marks the folder of a run that no hardware made, and says what it was made with."""
 

@@ -124,3 +124,36 @@ def test_bad_input_is_one_line(
     error = capsys.readouterr().err
     assert said in error
     assert len(error.strip().splitlines()) == 1
+
+
+def test_frames_later_than_their_forces_are_waited_for(press: Path, tmp_path: Path, capsys: Captured) -> None:
+    folder, late_s = tmp_path / "late", 1.3
+    (folder / "frames").mkdir(parents=True)
+    rows = (press / "force.csv").read_text().splitlines(keepends=True)
+    index_at = rows[0].strip().split(",").index("frame_index")
+    few = [row for row in rows[1:] if int(row.split(",")[index_at]) < 4]
+    (folder / "force.csv").write_text("".join([rows[0], *few]))
+    frames = open_frames(press)
+
+    def record() -> None:
+        time.sleep(late_s)
+        for index in range(4):
+            cv2.imwrite(str(folder / "half.png"), frames[index].astype("uint8"))
+            (folder / "half.png").rename(folder / "frames" / f"{index}.png")
+
+    thread = threading.Thread(target=record)
+    thread.start()
+    main(["stream", str(folder), "--follow", "--quiet", "2.5"])
+    thread.join()
+    said = capsys.readouterr()
+    assert said.err.startswith(f"waiting for frames and forces in {folder}\n")
+    assert said.err.count("waiting") == 1
+    assert "frame    3" in said.out
+
+
+def test_frames_that_never_come_are_named_after_the_quiet_time(press: Path, tmp_path: Path, capsys: Captured) -> None:
+    folder = tmp_path / "never"
+    folder.mkdir()
+    shutil.copy(press / "force.csv", folder)
+    assert main(["stream", str(folder), "--follow", "--quiet", "0.2"]) == 2
+    assert "never: expected" in capsys.readouterr().err

@@ -102,8 +102,9 @@ def test_a_width_that_cannot_be_reached_is_said_before_the_first_press(
     options = ("--repetitions", 1, "--calibration", known, "--stop-at", 1)
     status, _, err = rig("run", rig_file(ELASTIC), *ONE, *options)
     assert status == 0
-    first, second = err.splitlines()[:2]
+    first, note, second = err.splitlines()[:3]
     assert first.startswith("emg2vsa: a width of ±1.0% cannot be reached with this calibration")
+    assert note.endswith("known.json reaches to 7 N, and these presses turn back at 5 N: kappa is told up to there.")
     assert second.startswith("1/1 ")
 
 
@@ -156,6 +157,26 @@ def test_a_width_out_of_range_is_refused(
         rig("run", rig_file(), *ONE, "--calibration", known, f"--stop-at={width}")
     assert exit_.value.code == 2
     assert "expected a percentage of kappa from 0.5 to 100, such as 5, but found" in capsys.readouterr().err
+
+
+def test_presses_unlike_those_of_the_calibration_are_noted_or_refused(
+    rig: Rig, rig_file: RigFile, tmp_path: Path
+) -> None:
+    measured = write_calibration(tmp_path / "measured.json", known_calibration(simulated=False))
+    one = (*ONE, "--repetitions", 1, "--calibration", measured)
+    path = rig_file(ELASTIC)
+    strong = path.read_text()
+    path.write_text(strong.replace("f_max_n = 5", "f_max_n = 0.8"))
+    status, _, err = rig("run", path, *one)
+    assert (status, "expected presses beyond 1 N, where measured.json begins, but found f_max_n = 0.8" in err) == (
+        2,
+        True,
+    )
+    path.write_text(strong.replace("f_max_n = 5", "f_max_n = 2"))
+    status, _, err = rig("run", path, *one)
+    assert status == 0, err
+    assert "emg2vsa: measured.json is by presses of a real rig, and an emulated one presses here" in err
+    assert "emg2vsa: measured.json reaches to 7 N, and these presses turn back at 2 N" in err
 
 
 def test_a_calibration_of_the_emulated_rig_judges_no_real_one(

@@ -12,7 +12,7 @@ import pytest
 
 from emg2vsa.calibration.cut_presses import cut_forces
 from emg2vsa.calibration.online import OnlineCalibration
-from emg2vsa.calibration_file import write_calibration
+from emg2vsa.calibration_file import open_calibration, sha256_of, write_calibration
 
 Rig = Callable[..., tuple[int, str, str]]
 KAPPA = np.array([7.63, 3.35, 1.11])
@@ -33,9 +33,11 @@ def known(tmp_path: Path) -> list[Path]:
     ]
 
 
-def judged_run(folder: Path, half_width: float = 0.3, condition: str = "modular") -> Path:
+def judged_run(folder: Path, half_width: float = 0.3, condition: str = "modular", specimen: str = "S4") -> Path:
     folder.mkdir()
-    (folder / "plan.json").write_text(json.dumps({"plan": {"angle_deg": 0.0, "condition": condition}}))
+    (folder / "plan.json").write_text(
+        json.dumps({"plan": {"specimen": specimen, "angle_deg": 0.0, "condition": condition}})
+    )
     rows = ["repetition,force_n,kappa_n_per_mm,low_n_per_mm,cues", "1,0.6,,,area"]
     rows += [f"{press},6.5,3.0,{3 / (1 + half_width)},area" for press in (1, 2)]
     (folder / "kappa.csv").write_text("\n".join(rows) + "\n")
@@ -105,3 +107,25 @@ def test_one_clear_error_for_a_calibration_or_run_that_cannot_be_used(
     (unjudged / "kappa.csv").unlink()
     status, _, err = rig("next", *known, "--done", unjudged)
     assert (status, "kappa.csv: expected presses that were judged, but found none" in err) == (2, True)
+
+
+def test_no_evidence_counts_twice_and_none_of_another_specimen_counts(
+    rig: Rig, known: list[Path], tmp_path: Path
+) -> None:
+    run = judged_run(tmp_path / "run")
+    calibration = open_calibration(known[1])
+    again = write_calibration(tmp_path / "again.json", calibration)
+    other = judged_run(tmp_path / "other", specimen="S2")
+    judged_otherwise = judged_run(tmp_path / "otherwise")
+    (judged_otherwise / "kappa.json").write_text(json.dumps({"sha256": "0" * 64}))
+    for options, wanted in (
+        ((*known, "--done", run, "--done", tmp_path / "other" / ".." / "run"), "expected every run once, but found it"),
+        ((*known, "--done", run, "--done", other), "expected a run of S4, as run is, but found one of S2"),
+        ((*known, again), "again.json: expected one calibration for each angle and condition, but found "),
+        ((*known, "--done", judged_otherwise), "kappa.json, sha256: expected that of modular.json, "),
+    ):
+        status, _, err = rig("next", *options)
+        assert (status, wanted in err) == (2, True), err
+    (judged_otherwise / "kappa.json").write_text(json.dumps({"sha256": sha256_of(calibration)}))
+    status, _, err = rig("next", *known, "--done", judged_otherwise)
+    assert status in (0, 1), err

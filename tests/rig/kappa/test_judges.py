@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
+import shutil
 import signal
 import time
 from collections.abc import Iterator
@@ -15,7 +17,7 @@ import pytest
 from benchmarks.rig.known_calibration import known_calibration
 from casr.frames import force_per_frame
 from casr.synthetic import PressSettings, TabulatedWorld, simulate_press
-from emg2vsa.calibration.online import WIDTH_REACHED
+from emg2vsa.calibration.online import NO_GAIN, WIDTH_REACHED
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.devices import Frame
 from emg2vsa.rig.kappa.judges import SLOTS, OwnProcess, SameProcess, stop_text, stop_word, write_about
@@ -39,7 +41,7 @@ class Press:
         self.force_n = np.interp(self.time_s, 0.05 * np.arange(len(chosen)), force[chosen])
         self.peak_n = float(force.max())
 
-    def shown_to(self, judge: SameProcess | OwnProcess, repetition: int = 1, beat_s: float = 0.0) -> list[str]:
+    def shown_to(self, judge: SameProcess | OwnProcess, repetition: int = 1, *, wait: bool = False) -> list[str]:
         """What the judge said of stopping after each reading."""
         frames, said = list(self.frames), []
         for time_s, force_n in zip(self.time_s.tolist(), self.force_n.tolist(), strict=True):
@@ -47,7 +49,8 @@ class Press:
                 judge.frame(repetition, frames.pop(0))
             judge.force(time_s, force_n, float("nan"))
             said.append(judge.stop(repetition))
-            time.sleep(beat_s)
+            while wait and judge._sent - judge._words[0] > 1:  # then no frame is dropped, however slow the machine is
+                time.sleep(0.002)
         judge.press_over()
         return said
 
@@ -93,12 +96,12 @@ def test_a_process_of_its_own_says_the_same_and_asks_to_stop(press: Press, plan:
     said = press.shown_to(here)
     here.close()
     there = OwnProcess(plan, tmp_path / "there.csv", press.frames[0].image.shape)
-    press.shown_to(there, beat_s=0.004)
+    press.shown_to(there, wait=True)
     assert (tmp_path / "there.csv").exists()  # rows are written as they come
     end_s = time.monotonic() + 20
     while there.stop(1) == "" and time.monotonic() < end_s:
         time.sleep(0.01)
-    assert there.stop(1).startswith(WIDTH_REACHED)
+    assert there.stop(1).startswith(said[-1].partition(",")[0])
     assert there.stop(2) == ""
     there.close()
     assert (there.tally.dropped, there.tally.trouble) == (0, "")
@@ -107,9 +110,9 @@ def test_a_process_of_its_own_says_the_same_and_asks_to_stop(press: Press, plan:
     # domes are looked for when no frame waits, which is another moment there
     np.testing.assert_allclose([r.area or 0 for r in mine], [r.area or 0 for r in theirs], rtol=0.01)
     stopped = next(row for row in mine if row.stop)
-    assert stopped.stop == WIDTH_REACHED
+    assert stopped.stop in (WIDTH_REACHED, NO_GAIN)
     assert stopped.half_width <= 0.4
-    assert said[-1].startswith(WIDTH_REACHED)
+    assert said[-1].startswith(stopped.stop)
 
 
 def test_frames_beyond_the_slots_are_dropped_and_counted_and_nobody_waits(beside: OwnProcess, press: Press) -> None:
@@ -130,6 +133,50 @@ def test_frames_beyond_the_slots_are_dropped_and_counted_and_nobody_waits(beside
     assert beside.tally.dropped == 2 * SLOTS
     assert beside.tally.answered == SLOTS
     assert beside.tally.about()["latency"] is None
+
+
+def test_more_readings_than_a_page_of_the_pipe_holds_make_nobody_wait(beside: OwnProcess, press: Press) -> None:
+    assert beside.pid is not None
+    os.kill(beside.pid, signal.SIGSTOP)
+    try:
+        longest_s = 0.0
+        for k in range(4000):  # 1000 readings and 5 frames a second
+            began_s = time.perf_counter()
+            if k % 200 == 0:
+                beside.frame(1, Frame(k / 1000, press.frames[0].image))
+            beside.force(k / 1000, 0.0, float("nan"))
+            longest_s = max(longest_s, time.perf_counter() - began_s)
+    finally:
+        os.kill(beside.pid, signal.SIGCONT)
+    assert longest_s < 0.1
+    beside.close()
+    assert (beside.tally.trouble, beside.tally.dropped) == ("", 20 - SLOTS)
+    assert beside.tally.answered == SLOTS
+
+
+def test_readings_of_a_frame_that_was_dropped_come_with_the_next(beside: OwnProcess, press: Press) -> None:
+    assert beside.pid is not None
+    os.kill(beside.pid, signal.SIGSTOP)
+    try:
+        for k in range(SLOTS + 3):
+            beside.frame(1, Frame(0.05 * k, press.frames[0].image))
+            beside.force(0.05 * k + HOLD_S, 0.01 * k, float("nan"))
+    finally:
+        os.kill(beside.pid, signal.SIGCONT)
+    end_s = time.monotonic() + 20
+    while beside._words[0] < SLOTS and time.monotonic() < end_s:
+        time.sleep(0.01)
+    beside.frame(1, Frame(2.0, press.frames[0].image))
+    beside.force(2.0 + HOLD_S, 1.0, float("nan"))
+    sent = beside._readings[SLOTS % SLOTS, :4].tolist()
+    assert [force_n for _, force_n, _ in sent] == pytest.approx([0.16, 0.17, 0.18, 1.0])
+
+
+def test_no_room_for_frames_is_said_before_the_first_press(plan: KappaPlan, tmp_path: Path) -> None:
+    room, before = shutil.disk_usage("/dev/shm").total, multiprocessing.active_children()
+    with pytest.raises(DeviceError, match=r"the estimator: expected .* MB of shared memory for 16 frames"):
+        OwnProcess(plan, tmp_path / "kappa.csv", (1024, 2 * room // 1024 // SLOTS))
+    assert multiprocessing.active_children() == before
 
 
 def test_a_process_that_is_killed_ends_no_press(
@@ -196,3 +243,11 @@ def test_why_a_press_stops_fits_into_one_word() -> None:
     assert stop_text(word, 3) == "width reached, kappa to 4.9 %"
     assert stop_text(word, 4) == stop_text(0, 3) == ""
     assert stop_word(row()) == 0
+    no_width = stop_word(row(stop=NO_GAIN, half_width=float("inf")))
+    assert stop_text(no_width, 3) == f"{NO_GAIN}, kappa open to rigid"
+    assert stop_text(stop_word(row(stop=NO_GAIN, half_width=1e9)), 3).endswith("kappa to 104857 %")
+
+
+def test_an_interval_without_an_end_has_no_share() -> None:
+    assert row(half_width=float("inf")).told().startswith("1 N/mm, 95 %: 1 to rigid; ")
+    assert "1 to 2 (±5%)" in row(high_n_per_mm=2.0).told()
