@@ -15,7 +15,7 @@ import pytest
 from emg2vsa.cli import main
 
 CELLS = [f"{p}/{s}" for p in ("P01", "P02") for s in ("S1", "S3", "S5")]
-AGGREGATES = ["hypotheses/study", "profiles/study", "schedules/study", "report/study"]
+AGGREGATES = ["hypotheses/study", "exemplary/study", "profiles/study", "schedules/study", "report/study"]
 
 
 def run(study: Path, capsys: pytest.CaptureFixture[str], *more: str) -> dict[str, object]:
@@ -64,7 +64,7 @@ def test_nothing_changed_loads_nothing_heavy(ran: Path) -> None:
         (
             "[profile]",
             "[fit]\nrobust = true\n[profile]",
-            {"fits", "hypotheses", "profiles", "schedules", "pages", "report"},
+            {"fits", "hypotheses", "exemplary", "profiles", "schedules", "pages", "report"},
         ),
         ("[profile]", "[hypotheses]\nalpha = 0.01\n[profile]", {"hypotheses", "report"}),
         ("5.32", "5.0", {"profiles", "schedules", "report"}),
@@ -158,7 +158,7 @@ def test_a_bad_and_a_missing_recording_stop_nobody(study: Path, capsys: pytest.C
 
 def test_only_what_is_asked_for(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stages = {str(step).partition("/")[0] for step in run(study, capsys, "--only", "schedules")["ran"]}
-    assert stages == {"trials", "fits", "profiles", "schedules"}
+    assert stages == {"trials", "fits", "exemplary", "profiles", "schedules"}
 
 
 def test_killed_and_resumed(study: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -172,7 +172,7 @@ def test_an_error_of_the_run_closes_everything_too(settings: DeviceSettings, mon
 
 
 def test_bias_makes_the_load_of_the_start_the_zero(settings: DeviceSettings, servers: EmulatedServers) -> None:
-    servers.bench.box._bias[2] = -5.0  # what the box takes off: it reads 5 N too much
+    servers.bench.box._bias = (0.0, 0.0, -5.0, 0.0, 0.0, 0.0)  # what the box takes off: it reads 5 N too much
     without_camera = replace(settings, camera=None)
     with open_rig(without_camera, PATIENT, "modular", WallClock()) as opened:
         assert opened.devices.force.read().force_n[2] == pytest.approx(5.0, abs=0.1)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Stage
+from emg2vsa.pipeline.stage import Given, Keyed, Stage
 from emg2vsa.pipeline.stages import profiles
 
 if TYPE_CHECKING:
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    return profiles.settings(campaign, item)
+    profile = campaign.study.profile
+    counts = profile.participant, profile.specimens, profile.grid_points
+    return profiles.settings(campaign, item) | {"profile": Keyed(profile, counts)}
 
 
 def run(given: Given) -> Choice | None:
