@@ -33,14 +33,14 @@ class Ruler:
         self.start_mm = self.probe_mm()
         self.touch_mm = math.nan
         self.most_n = 0.0
-        wrench = self.bench.box._wrench
+        wrenches = self.bench.box._wrenches
 
-        def felt(time_s: float) -> Any:
-            found = wrench(time_s)
-            self.most_n = max(self.most_n, math.hypot(*found[:3]))
+        def felt(times_s: Any) -> Any:
+            found = wrenches(times_s)
+            self.most_n = max(self.most_n, *(math.hypot(*each[:3]) for each in found))
             return found
 
-        self.bench.box._wrench = felt
+        self.bench.box._wrenches = felt
 
     def probe_mm(self) -> float:
         self.bench.firmware.advance()
