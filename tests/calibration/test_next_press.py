@@ -63,7 +63,7 @@ def test_nothing_is_pressed_once_the_width_is_reached_or_cannot_be_narrowed(hert
     assert next_press([calibration], done, width=0.0) is not None
     assert next_press([calibration], done, width=0.5) is None
     rough = calibration_of(hertz, 0.01, presses=3)
-    assert next_press([rough], {0: done_of(hertz, rough, presses=16)}) is None
+    assert next_press([rough], {0: done_of(hertz, rough, presses=64)}) is None
 
 
 def test_belief_is_flat_at_first_and_agrees_with_the_interval_of_a_good_press(hertz):

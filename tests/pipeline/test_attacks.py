@@ -18,6 +18,7 @@ from emg2vsa.pipeline.stages import emulation, runs
 from emg2vsa.pipeline.store import WrittenFiles, remove_left_files
 from emg2vsa.rig.emulated import virtual_run
 from emg2vsa.rig.emulated.settings import EmulatedSettings
+from emg2vsa.rig.experiment import ExperimentSettings, Run
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.study_file import load_study
 
@@ -67,16 +68,16 @@ def test_an_emulated_run_that_the_computer_cut_short_is_no_result(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def cut_short(*given: object, started: object) -> Ended:
+    def cut_short(*given: object, started: object, effect: object) -> Ended:
         folder = given[3]
         folder.mkdir()
         (folder / "ended.json").write_text(json.dumps({"how": on_disk}))
         return Ended(how, cause, "no room", "load", 1, 1.0, "")
 
     monkeypatch.setattr(virtual_run, "run_virtual", cut_short)
-    monkeypatch.setattr("emg2vsa.rig.experiment.plan_of", lambda *given: None)
-    used = {"run": ("S1", 0.0, "modular"), "experiment": None, "rig": None, "emulated": EmulatedSettings()}
-    given = Given("S1_0_modular", used, inputs={"schedules": []}, folder=tmp_path)
+    experiment, of = ExperimentSettings(specimens=("S1",)), Run("S1", 0.0, "high-stiffness")
+    used = {"run": of, "experiment": experiment, "rig": None, "emulated": EmulatedSettings(), "order": None}
+    given = Given(of.name, used, inputs={"schedules": []}, folder=tmp_path)
     if error is None:
         assert [path.name for path in emulation.run(given)] == ["ended.json"]
         return

@@ -109,7 +109,6 @@ def test_it_serves_until_quit(
         (("[emulated]\ngap_mm = 2\n", ""), (), "a table [emulated]"),
         (("", ""), ("--specimen", "S9"), "stiffness of the specimen"),
         (("", ""), ("--angle", "90"), "0 to below 90"),
-        (("[emulated]", '[emulated]\ncontrol = "P1"'), (), "a world that needs no schedule, but found P1"),
     ],
 )
 def test_what_cannot_be_emulated(
@@ -119,6 +118,16 @@ def test_what_cannot_be_emulated(
     assert (status, out) == (2, "")
     assert says in err
     assert "Traceback" not in err
+
+
+def test_a_control_that_needs_a_schedule_cannot_be_emulated_behind_ports(
+    rig: Rig, rig_file: Callable[..., Path]
+) -> None:
+    path = rig_file(("[emulated]", '[emulated]\ncontrol = "P1"'))
+    path.write_text(path.read_text().replace("modular = [0, 30]", "modular = [0]"))
+    status, out, err = rig("emulate", path)
+    assert (status, out) == (2, "")
+    assert "a world that needs no schedule, but found P1" in err
 
 
 def test_on_windows_it_says_what_to_do(

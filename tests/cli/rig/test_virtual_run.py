@@ -71,10 +71,11 @@ def test_every_mounting_has_a_folder_of_its_own(rig: Rig, rig_file: RigFile, tmp
 def test_a_run_that_ends_early_is_told_and_done_again(rig: Rig, rig_file: RigFile, tmp_path: Path) -> None:
     options = ("--virtual", "--specimen", "S1", "--angle", 0, "--condition", "high-stiffness", "--repetitions", 1)
     far = rig_file(("gap_mm = 2", "gap_mm = 14.8"))
+    far.write_text(far.read_text().replace("force_n = 50", "force_n = 50\ncontact_mm = 20"))
     status, out, err = rig("run", far, *options)
     assert status == 1
-    assert "1/1 S1_0_high-stiffness: guard: no contact in approach of press 1 (" in err
-    assert "high-stiffness, 0 degrees  0, no contact\n" in out
+    assert "1/1 S1_0_high-stiffness: guard: travel in approach of press 1 (" in err
+    assert "high-stiffness, 0 degrees     0, travel\n" in out
     assert rig("run", rig_file(), *options)[0] == 0
     assert how_ended(tmp_path / "runs-virtual" / "S1_0_high-stiffness-2") == "completed"
 

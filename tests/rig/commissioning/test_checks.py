@@ -131,8 +131,8 @@ def test_no_touch_is_told() -> None:
 
 def test_a_sensor_that_feels_nothing_does_not_let_the_probe_press_on() -> None:
     ruler = Ruler(pad="S1")
-    truly = ruler.bench.box._wrench
-    ruler.bench.box._wrench = lambda time_s: tuple(0.0 * part for part in truly(time_s))
+    truly = ruler.bench.box._wrenches
+    ruler.bench.box._wrenches = lambda times_s: [tuple(0.0 * part for part in each) for each in truly(times_s)]
     with pytest.raises(
         DeviceError, match="expected a force felt where the springs give way, but found springs that press"
     ):
