@@ -23,7 +23,7 @@ RENEW = "If the change is meant, renew it with scripts/reference and commit the 
 
 PEOPLE = 300
 """Quantities about people there are at least."""
-OF_BOTH = {"claims", "claims_together", "factors"}
+OF_BOTH = {"claims", "claims_on_settings", "claims_together", "claims_untested", "factors"}
 """Tables of people and runs together: claims are corrected over all of them. Of people alone they are others."""
 
 
