@@ -7,6 +7,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from casr.specimens import SPECIMENS
 from emg2vsa.actuator import RAD_PER_TICK, SPRINGS, Springs
@@ -82,7 +83,7 @@ def test_springs_contact_and_friction_are_in_balance(tilt: Tilt) -> None:
         first = s.k1_nm * math.sinh(s.a1_per_rad * (ahead_rad + preset_rad))
         return first + s.k2_nm * math.sinh(s.a2_per_rad * (ahead_rad - preset_rad))
 
-    start_rad = float(mpmath.findroot(lambda ahead: pull_nm(float(ahead), preset[0]) - 0.01, 0.0, solver="secant"))
+    start_rad = float(brentq(lambda ahead: pull_nm(ahead, preset[0]) - 0.01, -1.0, 1.0, xtol=1e-15))
     for k in ends[1:].tolist():
         way_mm = contact("S3").depth_mm(paths.convolved_n[k, 0]) / math.cos(math.radians(tilt.angle_deg))
         ahead_rad = start_rad + (5.0 * paths.time_s[k] - way_mm) / mm_per_rad
