@@ -163,7 +163,7 @@ def test_zero_tare_and_parameters(rig: Rig, served: SimpleNamespace, tmp_path: P
     at = served.bench.answer(bytes.fromhex("3a3a 01 02 84 84"))
     assert all(abs(int.from_bytes(at[k : k + 2], signed=True)) <= 16 for k in (5, 7, 9))
 
-    served.bench.box._bias[2] = -5.0
+    served.bench.box._bias = (0.0, 0.0, -5.0, 0.0, 0.0, 0.0)
     status, out, _ = rig("tare", served.path)
     assert status == 0
     assert out.startswith("before: ")

@@ -115,7 +115,7 @@ def test_more_than_one_run_is_listed(rig: Rig, rig_file: Callable[..., Path], tm
     assert "4 runs, 3 still to do. Name one as listed; --all leads through them; --virtual emulates them." in err
     status, out, _ = rig("run", path, "--angle", 0, "--json")
     assert json.loads(out)["to_do"][0] == {
-        "specimen": "S1", "angle_deg": 0, "condition": "high-stiffness", "presses_left": 1,
+        "specimen": "S1", "angle_deg": 0, "condition": "high-stiffness", "mounting": 1, "presses_left": 1,
     }  # fmt: skip
 
 
