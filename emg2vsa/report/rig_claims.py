@@ -69,16 +69,18 @@ def area_claims(results: StudyResults, q: Quantities) -> Iterator[Claim]:
     ratio = _of(q, [f"runs.{_RIGID}.{angle:g}.area.softest_over_stiffest" for angle in angles])
     known = bool(np.isfinite(p).all())
     missing = _missing(results, [(_RIGID, angle) for angle in angles])
-    powerless = known and bool((p >= alpha).all()) and not _can_reject(results, alpha)
+    alike = bool((p >= alpha).all())
+    powerless = known and alike and not _can_reject(results, alpha)
+    said = _said(not_tested(missing), _NOT_EQUAL if alike else "")
     yield Claim(
         "area_same_on_specimens",
         "initial area is the same on all specimens (Kruskal-Wallis)",
         f"p = {', '.join(bounded(each, 2) for each in paper.AREA_SPECIMENS_P.values())}",
         p_text(float(p.min())) if known else "not tested",
         float(p.min()),
-        _on_all(known and not powerless, bool((p >= alpha).all()), missing),
+        _on_all(known and not powerless, alike, missing),
         companion=f"softest : stiffest up to {ratio.max():.2f}" if known else "",
-        why=_TOO_FEW if powerless else _said(not_tested(missing), _NOT_EQUAL) if known else _NOT_PRESSED,
+        why=_TOO_FEW if powerless else said if known else _NOT_PRESSED,
     )
     worst = float(q.get(f"runs.{_RIGID}.area.angles.worst_p", np.nan))
     alone = [key for key in q if key.startswith(f"runs.{_RIGID}.area.angles.") and key.endswith(".worst_p")]

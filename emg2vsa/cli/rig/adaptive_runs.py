@@ -16,7 +16,7 @@ from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration_file import open_calibration
 from emg2vsa.cli.rig.ending import UNSAFE, summary
 from emg2vsa.cli.rig.kappa_options import kappa_plans
-from emg2vsa.cli.rig.next import last_estimates, with_run
+from emg2vsa.cli.rig.next import check_judged_by, last_estimates, with_run
 from emg2vsa.cli.rig.real_run import press_plan
 from emg2vsa.cli.rig.same_presses import check_same_presses
 from emg2vsa.cli.rig.virtual_runs import press_virtually
@@ -50,7 +50,7 @@ def run_adaptively(arguments: argparse.Namespace, file: RigFile, root: Path) -> 
         check_plan(plan, file.rig)
     judged = _judged(kappa_plans(arguments, file, plans))
     calibrations = [judged[run].calibration for run in runs]
-    done = {index: _done_before(root, run) for index, run in enumerate(runs)}
+    done = {index: _done_before(root, run, judged[run]) for index, run in enumerate(runs)}
     left = arguments.repetitions or file.experiment.repetitions * len(runs)
     bench, made, status = Bench(), list[dict[str, Any]](), 0
     while left and (choice := next_press(calibrations, done, arguments.stop_at or 0.0)):
@@ -106,13 +106,14 @@ def _judged(plans: Mapping[Run, KappaPlan | None]) -> dict[Run, KappaPlan]:
     return {run: plan for run, plan in plans.items() if plan is not None}
 
 
-def _done_before(root: Path, run: Run) -> Done:
-    """Judged presses of this specimen, angle and condition in ``root``."""
+def _done_before(root: Path, run: Run, judged: KappaPlan) -> Done:
+    """Presses of this specimen, angle and condition in ``root``. DataError where another calibration judged them."""
     done = Done()
     for mounting in range(1, _next_mounting(root, run)):
         new = True
         for folder in _there(root, run._replace(mounting=mounting)):
             if told := last_estimates(folder / KAPPA_FILE):
+                check_judged_by(folder, judged.calibration, judged.name)
                 done, new = with_run(done, told, len(told), new_mounting=new), False
     return done
 

@@ -147,13 +147,13 @@ def _done(folders: Sequence[Path], calibrations: Sequence[OnlineCalibration], pa
             do = "Press with rig run --calibration."
             raise DataError(folder / _KAPPA_FILE, wanted="presses that were judged", found="none", do=do)
         index = places.index(place)
-        _check_judged_by(folder, calibrations[index], paths[index])
+        check_judged_by(folder, calibrations[index], paths[index].name)
         found[index] = with_run(found.get(index, Done()), rows, len(rows), new_mounting=True)
     return found
 
 
-def _check_judged_by(folder: Path, calibration: OnlineCalibration, path: Path) -> None:
-    """DataError where kappa.json names another calibration; runs of earlier versions do not tell."""
+def check_judged_by(folder: Path, calibration: OnlineCalibration, name: str) -> None:
+    """DataError where kappa.json names another calibration than the file ``name``; earlier versions do not tell."""
     from emg2vsa.calibration_file import sha256_of
     from emg2vsa.errors import DataError
     from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
@@ -168,7 +168,7 @@ def _check_judged_by(folder: Path, calibration: OnlineCalibration, path: Path) -
         raise DataError(about, wanted="by which calibration presses were judged", found=_why(error), do=do) from error
     if told is not None and told != (own := sha256_of(calibration)):
         do = "Give the calibration that the run was judged by, or press again."
-        raise DataError(f"{about}, sha256", wanted=f"that of {path.name}, {own[:12]}", found=str(told)[:12], do=do)
+        raise DataError(f"{about}, sha256", wanted=f"that of {name}, {own[:12]}", found=str(told)[:12], do=do)
 
 
 def with_run(before: Done, rows: Sequence[tuple[float, float, str]], presses: int, *, new_mounting: bool) -> Done:

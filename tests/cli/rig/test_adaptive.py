@@ -63,6 +63,11 @@ def test_the_next_run_is_the_one_that_rig_next_says(
     _, again, _ = rig("run", slow_rig, *START, *options(known), "--stop-at", 30, "--repetitions", 1, "--json")
     said, _ = json.JSONDecoder().raw_decode(again)
     assert said["belief"]["high_n_per_mm"] - said["belief"]["low_n_per_mm"] <= 1.05 * (float(high) - float(low))
+    # presses that another calibration judged are no evidence of this one
+    about = folder / "kappa.json"
+    about.write_text(json.dumps(json.loads(about.read_text()) | {"sha256": "0" * 64}))
+    status, _, err = rig("run", slow_rig, *START, *options(known), "--stop-at", 30, "--repetitions", 1)
+    assert (status, "kappa.json, sha256: expected that of good.json" in err) == (2, True)
 
 
 def test_it_ends_where_the_width_is_reached(rig: Rig, slow_rig: Path, known: list[Path]) -> None:
