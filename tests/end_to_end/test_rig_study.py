@@ -16,31 +16,13 @@ import numpy as np
 import pytest
 import tifffile
 
+from benchmarks.small_study import small_rig
 from casr.frame_files import read_camera
 from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.runs import RunScores
 
-RIG = """
-[actuator]
-port = "/dev/ttyUSB0"
-[motor]
-port = "/dev/ttyUSB1"
-[force]
-kind = "net-ft"
-host = "192.168.1.1"
-[camera]
-source = 0
-[experiment]
-specimens = ["S1", "S3", "S5", "S_new"]
-repetitions = 2
-pause_s = 0.1
-[experiment.angles_deg]
-high-stiffness = [0]
-modular = [0]
-[emulated]
-stiffness_n_per_mm = { S1 = 7.63, S3 = 3.35, S5 = 1.11, S_new = 5.32 }
-"""
+RIG = small_rig("high-stiffness = [0]\nmodular = [0]\n")
 SPECIMENS = ("S1", "S3", "S5", "S_new")
 PARTS = ("people", "rig")
 RUNS = [f"{s}_0_{c}" for c in ("high-stiffness", "modular") for s in SPECIMENS]
