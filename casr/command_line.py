@@ -7,12 +7,15 @@ import importlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+import traceback
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
 from functools import partial
-from typing import Any
+from typing import Any, NoReturn
 
 from casr.errors import UserError
+from casr.terminal import VOICE, coloured
 
 Group = argparse._ActionsContainer  # a parser or a group of its options
 Commands = Any  # argparse gives its collection of sub-parsers no public type
@@ -45,6 +48,7 @@ class Program:
     version, description, epilog : for ``--version`` and ``--help``; the exit statuses are added to the epilog.
     commands : in the order of the help.
     stopped : what Ctrl-C leaves, said after it.
+    extras : library to the extra of the package that installs it.
     """
 
     name: str
@@ -53,31 +57,47 @@ class Program:
     epilog: str
     commands: tuple[str, ...]
     stopped: str
+    extras: Mapping[str, str] = field(default_factory=dict)
 
     def main(self, argv: Sequence[str] | None = None) -> int:
         """Run one sub-command; returns the exit status: 0 done, 1 something is not good, 2 unusable input."""
         words = sys.argv[1:] if argv is None else argv
         only = [name for name in words[:1] if name in self.commands]
-        arguments = self.parser(only or self.commands).parse_args(words)
         try:
+            arguments = self.parser(only or self.commands).parse_args(words)
+            VOICE.quiet, VOICE.verbose = arguments.quiet, arguments.verbose
             status: int = arguments.run(arguments)
             sys.stdout.flush()
             return status
         except UserError as error:
-            print(error.told_by(self.name), file=sys.stderr)
+            self._complain(error.told_by(self.name))
+        except ModuleNotFoundError as error:
+            library = str(error.name).partition(".")[0]
+            if library not in self.extras:
+                raise
+            do = f'Install it: pip install "emg2vsa[{self.extras[library]}]".'
+            self._complain(f"{self.name}: expected the library {library}, but found none. {do}")
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         except OSError as error:
-            print(f"{self.name}: {error.filename or 'input or output'}: {error.strerror or error}", file=sys.stderr)
+            self._complain(f"{self.name}: {error.filename or 'input or output'}: {error.strerror or error}")
         except KeyboardInterrupt:
             print(f"\nStopped. {self.stopped}", file=sys.stderr)
             return 130
         return 2
 
+    def _complain(self, text: str) -> None:
+        """The error that is being handled, for a person; with ``-v`` where it arose."""
+        if VOICE.verbose:
+            traceback.print_exc()
+        name, colon, rest = text.partition(": ")
+        known = colon and name == self.name
+        print(f"{coloured(name, 'bad', sys.stderr)}: {rest}" if known else text, file=sys.stderr)
+
     def parser(self, names: Sequence[str] = ()) -> argparse.ArgumentParser:
         """The parser of the whole command line, or of these commands only."""
-        whole = argparse.ArgumentParser(
+        whole = Parser(
             prog=self.name,
             description=self.description,
             epilog=f"{self.epilog} Exit status: 0 done; 1 something is not good; 2 unusable input, nothing was done; "
@@ -90,19 +110,48 @@ class Program:
     def reference_page(self, inputs: str) -> str:
         """Help of every command as Markdown. inputs : what can be unusable."""
         parts = []
-        for parser in _with_commands(self.parser()):
+        for parser in parsers_of(self.parser()):
             parser.formatter_class = partial(argparse.HelpFormatter, width=PAGE_COLUMNS)  # type: ignore[assignment]
             parts.append(f"\n## `{parser.prog}`\n\n```text\n{parser.format_help()}```\n")
         return PAGE_HEAD.format(name=self.name, inputs=inputs) + "".join(parts)
 
 
-def _with_commands(whole: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+class Parser(argparse.ArgumentParser):
+    """A parser that names the nearest word to a mistyped command, option or choice."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        found, left = self.parse_known_args(args, namespace)
+        if left:
+            parser: argparse.ArgumentParser = getattr(found, "parser", self)
+            options = list(parser._option_string_actions)
+            near = [nearest(word.partition("=")[0], options) for word in left if word.startswith("-")]
+            parser.error(f"unrecognized arguments: {' '.join(left)}.{''.join(near)}")
+        return found
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            known = [str(each) for each in action.choices]
+            listed = f"expected one of {', '.join(known)}, but found {str(value)!r}.{nearest(str(value), known)}"
+            raise argparse.ArgumentError(action, listed)
+
+    def error(self, message: str) -> NoReturn:
+        self.print_usage(sys.stderr)
+        self.exit(2, f"{coloured(self.prog, 'bad', sys.stderr)}: {message}\n")
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """A question that names the known word that is most like a mistyped one; "" where none is."""
+    near = get_close_matches(word, list(known), 1)
+    return f" Did you mean {near[0]}?" if near else ""
+
+
+def parsers_of(whole: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
     """``whole``, then its commands, each followed by its own."""
     yield whole
     for action in whole._actions:
         if isinstance(action, argparse._SubParsersAction):
             for command in action.choices.values():
-                yield from _with_commands(command)
+                yield from parsers_of(command)
 
 
 def add_subcommands(parser: argparse.ArgumentParser, package: str, names: Sequence[str]) -> None:
@@ -117,7 +166,11 @@ def add_command(commands: Commands, name: str, run: Any, summary: str, epilog: s
     parser: argparse.ArgumentParser = commands.add_parser(
         name, help=summary, description=summary, epilog=epilog or None
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, parser=parser)
+    parser.add_argument("-q", "--quiet", action="store_true", help="leave out progress and notes")
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="say more: reasons, and where in the program an error arose"
+    )
     return parser
 
 

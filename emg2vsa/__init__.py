@@ -3,4 +3,4 @@
 The stages are modules, in the order of the data: recordings, trials, fits, hypotheses, profiles, schedules.
 """
 
-__version__ = "0.2.0"
+from casr import __version__ as __version__

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from casr.command_line import Group, whole_number
+from casr.terminal import note
 
 if TYPE_CHECKING:
     from casr.frames import FrameSequence
@@ -111,8 +111,8 @@ def open_sequence(arguments: argparse.Namespace, path: Path | None = None) -> Fr
 
 def say_notes(notes: Iterable[str], name: str = "") -> None:
     """One line on the error stream for each."""
-    for note in notes:
-        print(f"note: {name}: {note}" if name else f"note: {note}", file=sys.stderr)
+    for text in notes:
+        note(f"note: {name}: {text}" if name else f"note: {text}")
 
 
 def frame_pair(text: str) -> tuple[int, int]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from casr.cli.arguments import names, not_negative, numbers, positive
 from casr.command_line import Commands, add_command, add_json, print_json, whole_number
+from casr.terminal import VOICE
 
 if TYPE_CHECKING:
     from casr.synthetic import PressSettings, World
@@ -178,7 +179,7 @@ def _print(made: list[dict[str, Any]], out: Path) -> None:
 
 
 def _say_progress(done: int, total: int) -> None:
-    if sys.stderr.isatty():
+    if sys.stderr.isatty() and not VOICE.quiet:
         print(f"\rsimulate: {done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from casr.cli.arguments import add_frames, positive, say_notes
 from casr.cli.score import add_lag, add_method, block_of, check_forces, settings_of
 from casr.command_line import Commands, add_command, add_json, finite
 from casr.errors import SettingError
+from casr.terminal import note
 
 if TYPE_CHECKING:
     from casr.frame_files.growing import GrowingPress, NewFrame
@@ -38,7 +38,7 @@ def add_to(commands: Commands) -> None:
     add_frames(parser)
     parser.add_argument("--follow", action="store_true", help="wait for frames that are still to come")
     parser.add_argument(
-        "--quiet", type=positive, default=2.0, metavar="SECONDS",
+        "--idle", type=positive, default=2.0, metavar="SECONDS",
         help="with --follow: end when, after the first frame or the force of one, nothing new has come for so long "
         "(default %(default)s)",
     )  # fmt: skip
@@ -91,11 +91,11 @@ def _frames(press: GrowingPress, arguments: argparse.Namespace) -> Iterator[NewF
             newest_s = time.monotonic()
             yield frame
         if newest_s is None and not told:
-            print(f"waiting for frames and forces in {arguments.path}", file=sys.stderr, flush=True)
+            note(f"waiting for frames and forces in {arguments.path}")
             told = True
         if newest_s is None and press.behind:
             newest_s = time.monotonic()
-        if newest_s is not None and time.monotonic() - newest_s > arguments.quiet:
+        if newest_s is not None and time.monotonic() - newest_s > arguments.idle:
             break
         time.sleep(_LOOK_S)
     yield from press.new_frames(ended=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from casr.command_line import Commands, add_command, add_json, print_json
+from casr.terminal import Look, coloured, note
 from emg2vsa.cli.arguments import add_jobs, add_study, add_work, jobs_of, study_of
 
 if TYPE_CHECKING:
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
     from emg2vsa.study import RecordingEntry, Study
 
 STAGES = ("trials", "fits")
-COLOURS = {"good": 32, "usable": 33, "repeat": 31, "unreadable": 31}
-"""Of a terminal."""
+LOOKS: dict[str, Look] = {"good": "good", "usable": "doubtful", "repeat": "bad", "unreadable": "bad"}
+"""Of the words of verdicts on a terminal."""
 POLL_S = 0.25
 """A file that has kept its size and time over two looks so far apart is complete."""
 
@@ -158,11 +159,8 @@ def _counted(verdicts: Counter[str]) -> str:
 
 
 def _coloured(word: str, stream: TextIO) -> str:
-    """The word of a verdict in capitals; in colour on a terminal, unless NO_COLOR is set (no-color.org)."""
-    padded = f"{word.upper():<10}"
-    if not stream.isatty() or os.environ.get("NO_COLOR"):
-        return padded
-    return f"\x1b[1;{COLOURS[word]}m{padded}\x1b[0m"
+    """The word of a verdict in capitals, in its colour on a terminal."""
+    return coloured(f"{word.upper():<10}", LOOKS[word], stream)
 
 
 def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Path | None) -> int:
@@ -202,7 +200,7 @@ def _watch(arguments: argparse.Namespace, study: Study, whole: Study, below: Pat
 
     _warm_up(study, below)
     verdicts: dict[str, str] = {}
-    print(f"Watching {folder}; Ctrl-C ends.", file=sys.stderr)
+    note(f"Watching {folder}; Ctrl-C ends.")
     try:
         for entry in landings(now, time.sleep):
             one = dataclasses.replace(study, recordings=(entry,))

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TextIO
 
+from casr.terminal import VOICE
 from emg2vsa.pipeline.plan import Step
 from emg2vsa.pipeline.run import Progress
 
@@ -71,9 +72,9 @@ def shortened(reasons: tuple[str, ...], most: int = 3) -> str:
 
 
 def progress(explain: bool = False, quiet: bool = False) -> Progress:
-    """Progress for a terminal or a log; none when ``quiet``."""
-    screen = Screen(sys.stderr, explain)
-    if quiet:
+    """Progress for a terminal or a log; none when ``quiet``, nor with ``-q``. ``-v`` explains too."""
+    screen = Screen(sys.stderr, explain or VOICE.verbose)
+    if quiet or VOICE.quiet:
         return Progress(lambda stage, total: None, lambda step: None, lambda: None, screen.say)
     return Progress(screen.begin, screen.step, screen.end, screen.say)
 
@@ -83,6 +84,8 @@ def counter(what: str) -> Callable[[int, int, str], None]:
     screen = Screen(sys.stderr)
 
     def show(done: int, total: int, name: str) -> None:
+        if VOICE.quiet:
+            return
         if done <= 1:
             screen.begin(what, total)
         screen.advance(done)

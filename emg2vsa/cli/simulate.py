@@ -20,7 +20,7 @@ def add_to(commands: Commands) -> None:
         "simulate",
         run,
         "Write synthetic recordings, and their true values, into the data folder of the study.",
-        "The same seed gives the same bytes. Existing recordings are never overwritten without --force.",
+        "The same seed gives the same bytes. Existing recordings are never overwritten without --overwrite.",
     )
     add_study(parser)
     parser.add_argument(
@@ -32,7 +32,7 @@ def add_to(commands: Commands) -> None:
         help="file format (default: the format of the recordings of the study)",
     )
     parser.add_argument("--seed", type=int, metavar="N", help="seed to use instead of the seed of the study")
-    parser.add_argument("--force", action="store_true", help="replace existing recordings")
+    parser.add_argument("--overwrite", action="store_true", help="replace existing recordings")
     add_json(parser)
 
 
@@ -52,10 +52,10 @@ def run(arguments: argparse.Namespace) -> int:
         simulation = dataclasses.replace(study.simulation, seed=arguments.seed)
         study = dataclasses.replace(study, simulation=simulation)
     folder = arguments.out or study.data
-    if folder.exists() and any(folder.iterdir()) and not arguments.force:
+    if folder.exists() and any(folder.iterdir()) and not arguments.overwrite:
         raise SettingError(
             folder, wanted="an empty or absent folder", found="files in it",
-            do="Choose another with --out, or replace them with --force.",
+            do="Choose another with --out, or replace them with --overwrite.",
         )  # fmt: skip
     format = arguments.format or _format_of(study)
     made = simulate_study(study, folder, format=format, progress=counter("simulate"))

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from casr.command_line import Commands, add_command
+from casr.command_line import Commands, add_command, add_json
 from emg2vsa.cli.rig.choice import add_rig
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "--write", type=Path, metavar="FILE", help="write a copy of RIG with the addresses of the emulated devices"
     )
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -101,11 +102,16 @@ def _introduce(file: RigFile, servers: EmulatedServers, arguments: argparse.Name
 
     specimen = arguments.specimen or file.experiment.specimens[0]
     under = "the rigid motor" if arguments.rigid else f"the qbmove ({servers.bench.model})"
-    print(f"# {specimen} at {arguments.angle:g} degrees under {under}")
-    print("\n".join(toml_lines(served_tables(servers))).strip())
     if arguments.write:
         check_replaceable(arguments.write)
         write_text_atomic(arguments.write, served_file(file, servers, arguments.write.absolute().parent))
+    if arguments.json:  # one line: what reads it need not wait for the end
+        told = {"specimen": specimen, "angle_deg": arguments.angle, "devices": served_tables(servers)}
+        print(json.dumps(told | {"faults": list(faults)}), flush=True)
+        return
+    print(f"# {specimen} at {arguments.angle:g} degrees under {under}")
+    print("\n".join(toml_lines(served_tables(servers))).strip())
+    if arguments.write:
         print(f"\n# written: {arguments.write}")
     for fault in faults:
         print(f"# {fault}")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from casr.command_line import Commands
+from casr.command_line import Commands, add_json, print_json
 from emg2vsa.cli.rig.hand import add_hand_command, hand_rig
 
 _RISE_N = 0.5
 
 
 def add_to(commands: Commands) -> None:
-    add_hand_command(
+    parser = add_hand_command(
         commands,
         "home",
         run,
@@ -19,6 +19,7 @@ def add_to(commands: Commands) -> None:
         "The move ends where the force is 0.5 N above that at the start. The motors are off afterwards. Exit status 0: "
         "at home and free; 1: a force ended the move, or remains; 2: nothing has moved, or a device is lost.",
     )
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -32,6 +33,17 @@ def run(arguments: argparse.Namespace) -> int:
         force_n = ready.opened.devices.force.read().force_n
     remains = float(abs(force_n).max()) > TOUCH_N
     depth_mm = file.rig.depth_at(place.shaft_ticks)
+    if arguments.json:
+        print_json(
+            {
+                "shaft_ticks": place.shaft_ticks,
+                "from_home_mm": depth_mm,
+                "force_n": list(map(float, force_n)),
+                "touched": place.touched,
+                "force_remains": remains,
+            }
+        )
+        return int(place.touched or remains)
     print(f"shaft at {place.shaft_ticks} ticks, {depth_mm:.2f} mm from home; motors off")
     print("force {:.2f}, {:.2f}, {:.2f} N".format(*force_n))
     if place.touched:

@@ -17,6 +17,7 @@ from casr.atomic import write_text_atomic
 from casr.command_line import print_json
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
+from casr.terminal import note
 from emg2vsa.cli.rig.ending import told
 from emg2vsa.cli.rig.kappa_options import KappaPlans, say_kappa, say_reachable
 from emg2vsa.cli.rig.prove_watchdog import remark
@@ -243,5 +244,5 @@ class PressLines:
             return
         done = int(repetition) - (phase not in ("pause", "done"))
         for press in range(self._said + 1, done + 1):
-            print(f"press {press} of {self._repetitions} done at {float(time_s):.1f} s", file=sys.stderr, flush=True)
+            note(f"press {press} of {self._repetitions} done at {float(time_s):.1f} s")
         self._said = max(self._said, done)

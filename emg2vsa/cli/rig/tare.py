@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from casr.command_line import Commands, add_command
+from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.rig.choice import add_rig
 
 _LEFT_N = 0.2
@@ -22,6 +22,7 @@ def add_to(commands: Commands) -> None:
         "the command prints it.",
     )
     add_rig(parser)
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -39,11 +40,15 @@ def run(arguments: argparse.Namespace) -> int:
         sensor = open_force(file.devices.force, file.rig.guards, clock)
         try:
             sensor.start()
-            print("before: {:.3f}, {:.3f}, {:.3f} N".format(*sensor.read().force_n))
+            before_n = sensor.read().force_n
             sensor.bias()
             clock.sleep_until(clock.now_s() + _WAIT_S)
             force_n = sensor.read().force_n
-            print("now: {:.3f}, {:.3f}, {:.3f} N".format(*force_n))
         finally:
             sensor.close()
+    if arguments.json:
+        print_json({"before_n": list(map(float, before_n)), "force_n": list(map(float, force_n))})
+    else:
+        print("before: {:.3f}, {:.3f}, {:.3f} N".format(*before_n))
+        print("now: {:.3f}, {:.3f}, {:.3f} N".format(*force_n))
     return int(not float(abs(force_n).max()) <= _LEFT_N)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from casr.command_line import print_json
+from casr.terminal import note
 from emg2vsa.cli.rig.ending import summary
 from emg2vsa.cli.rig.kappa_options import KappaPlans, say_kappa, say_reachable
 from emg2vsa.cli.rig.same_presses import check_same_presses
@@ -83,7 +83,7 @@ def run_virtually(
     for run, result in _carried_out(waiting, jobs):
         results[run] = result
         line = result if isinstance(result, str) else summary(result, plans[run].repetitions)
-        print(f"{len(results)}/{len(runs)} {run.name}: {line}", file=sys.stderr, flush=True)
+        note(f"{len(results)}/{len(runs)} {run.name}: {line}")
         if isinstance(result, Ended) and result.how == "interrupted":
             raise KeyboardInterrupt
     ends = [result for result in results.values() if isinstance(result, Ended)]

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from casr.command_line import Commands, add_command
+from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_study
 
 
@@ -22,15 +22,16 @@ def add_to(commands: Commands) -> None:
     )
     add_study(parser)
     parser.add_argument("--participant", required=True, metavar="CODE", help="a code of [participants]: P03")
+    add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    return finish(arguments.study, arguments.participant)
+    return finish(arguments.study, arguments.participant, as_json=arguments.json)
 
 
-def finish(study_file: Path, participant: str) -> int:
+def finish(study_file: Path, participant: str, *, as_json: bool = False) -> int:
     """Exit status as above."""
-    from emg2vsa.cli.check import judge, of_participants, told
+    from emg2vsa.cli import check
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.run import run_study
     from emg2vsa.session.dataset import write_dataset
@@ -40,16 +41,29 @@ def finish(study_file: Path, participant: str) -> int:
     study = load_study(study_file)
     settings_of(study, participant)
     written = write_dataset(folder_of(study, participant), study)
-    print(f"recordings: {len(written.files)} in {study.data / f'sub-{participant}'}")
-    for stay, why in written.left_out:
-        print(f"left out: {stay}: {why}")
-    for note in written.notes:
-        print(f"note: {note}")
+    folder = study.data / f"sub-{participant}"
     whole = load_study(study_file)  # whose recordings are there now
-    own = of_participants(whole, [participant])
-    verdicts = judge(own, whole, 1, progress(quiet=True), None)
-    for line in told(verdicts, sys.stdout):
-        print(line)
+    own = check.of_participants(whole, [participant])
+    verdicts = check.judge(own, whole, 1, progress(quiet=True), None)
     run_study(own, stages=("trials", "fits", "pages"), jobs=1, progress=progress(quiet=True))
-    print(f"page: {own.reports / 'participants' / f'{participant}.html'}")
+    page = own.reports / "participants" / f"{participant}.html"
+    if as_json:
+        print_json(
+            {
+                "recordings": [str(path) for path in written.files],
+                "left_out": [{"stay": stay, "why": why} for stay, why in written.left_out],
+                "notes": list(written.notes),
+                "verdicts": {verdict.participant: check.as_json(verdict) for verdict in verdicts},
+                "page": str(page),
+            }
+        )
+    else:
+        print(f"recordings: {len(written.files)} in {folder}")
+        for stay, why in written.left_out:
+            print(f"left out: {stay}: {why}")
+        for note in written.notes:
+            print(f"note: {note}")
+        for line in check.told(verdicts, sys.stdout):
+            print(line)
+        print(f"page: {page}")
     return int(bool(written.left_out) or any(each.verdict in ("repeat", "unreadable") for each in verdicts))

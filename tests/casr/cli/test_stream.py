@@ -90,7 +90,7 @@ def test_a_press_that_is_being_recorded_is_followed_to_its_end(
 
     thread = threading.Thread(target=record)
     thread.start()
-    assert main(["stream", str(folder), "--follow", "--quiet", "1.5", "--json"]) == 0
+    assert main(["stream", str(folder), "--follow", "--idle", "1.5", "--json"]) == 0
     thread.join()
     *frames, last = lines_of(capsys.readouterr().out)
     score = last["score"]
@@ -143,7 +143,7 @@ def test_frames_later_than_their_forces_are_waited_for(press: Path, tmp_path: Pa
 
     thread = threading.Thread(target=record)
     thread.start()
-    main(["stream", str(folder), "--follow", "--quiet", "2.5"])
+    main(["stream", str(folder), "--follow", "--idle", "2.5"])
     thread.join()
     said = capsys.readouterr()
     assert said.err.startswith(f"waiting for frames and forces in {folder}\n")
@@ -155,5 +155,5 @@ def test_frames_that_never_come_are_named_after_the_quiet_time(press: Path, tmp_
     folder = tmp_path / "never"
     folder.mkdir()
     shutil.copy(press / "force.csv", folder)
-    assert main(["stream", str(folder), "--follow", "--quiet", "0.2"]) == 2
+    assert main(["stream", str(folder), "--follow", "--idle", "0.2"]) == 2
     assert "never: expected" in capsys.readouterr().err
