@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 
+import casr.cli
+import emg2vsa.cli
 from casr.command_line import Commands, Program, add_command, print_json
+from casr.completion import SHELLS, completion
 from casr.errors import SettingError
+from casr.terminal import VOICE, coloured, note
 from emg2vsa.errors import StudyError
 
 HEAVY = ("numpy", "scipy", "pandas", "cv2", "numba", "tifffile", "matplotlib", "pydantic")
+BASH = shutil.which("bash")
 REFUSED = SettingError("here", wanted="sense", found="none", do="Think.")
 
 
@@ -31,7 +38,18 @@ def program(monkeypatch: pytest.MonkeyPatch) -> Program:
     module.add_to = add_to  # type: ignore[attr-defined]
     for name in ("toy", "toy.cli", "toy.cli.go"):
         monkeypatch.setitem(sys.modules, name, module)
-    return Program(name="toy", version="1", description="", epilog="", commands=("go", "never"), stopped="All is kept.")
+    return Program(
+        name="toy", version="1", description="", epilog="", commands=("go", "never"), stopped="All is kept.",
+        extras={"parrots": "birds"},
+    )  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _own_voice(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(VOICE, "quiet", False)
+    monkeypatch.setattr(VOICE, "verbose", False)
+    for name in ("NO_COLOR", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
 
 
 @pytest.mark.parametrize(
@@ -40,6 +58,11 @@ def program(monkeypatch: pytest.MonkeyPatch) -> Program:
         (REFUSED, 2, "toy: here: expected sense, but found none. Think.\n"),
         (StudyError(("a: no", "b: no")), 2, "a: no\nb: no\n2 problems; nothing was run.\n"),
         (FileNotFoundError(2, "No such file", "x.csv"), 2, "toy: x.csv: No such file\n"),
+        (
+            ModuleNotFoundError("No module named 'parrots.beak'", name="parrots.beak"),
+            2,
+            'toy: expected the library parrots, but found none. Install it: pip install "emg2vsa[birds]".\n',
+        ),
         (KeyboardInterrupt(), 130, "\nStopped. All is kept.\n"),
     ],
 )
@@ -49,6 +72,95 @@ def test_what_stops_a_command_is_said(
     sys.modules["toy.cli.go"].raised = raised  # type: ignore[attr-defined]
     assert program.main(["go"]) == status
     assert capsys.readouterr().err == said
+
+
+def test_a_module_of_no_extra_is_a_fault_of_the_program(program: Program) -> None:
+    sys.modules["toy.cli.go"].raised = ModuleNotFoundError("No module named 'toy.x'", name="toy.x")  # type: ignore[attr-defined]
+    with pytest.raises(ModuleNotFoundError):
+        program.main(["go"])
+
+
+def test_verbose_says_where_an_error_arose(program: Program, capsys: pytest.CaptureFixture[str]) -> None:
+    sys.modules["toy.cli.go"].raised = REFUSED  # type: ignore[attr-defined]
+    assert program.main(["go", "--verbose"]) == 2
+    said = capsys.readouterr().err
+    assert "test_command_line.py" in said
+    assert said.endswith("toy: here: expected sense, but found none. Think.\n")
+
+
+def test_quiet_leaves_notes_out(program: Program, capsys: pytest.CaptureFixture[str]) -> None:
+    sys.modules["toy.cli.go"].raised = REFUSED  # type: ignore[attr-defined]
+    for words, told in ((["go"], "by the way\n"), (["go", "-q"], "")):
+        program.main(words)
+        capsys.readouterr()
+        note("by the way")
+        assert capsys.readouterr().err == told
+
+
+@pytest.mark.parametrize(
+    ("environment", "terminal", "colour"),
+    [
+        ({}, True, True),
+        ({}, False, False),
+        ({"NO_COLOR": "1"}, True, False),
+        ({"TERM": "dumb"}, True, False),
+        ({"FORCE_COLOR": "1"}, False, True),
+        ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, True, False),
+    ],
+)
+def test_colours(monkeypatch: pytest.MonkeyPatch, environment: dict[str, str], terminal: bool, colour: bool) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: terminal, raising=False)
+    assert coloured("word", "bad", sys.stdout) == ("\x1b[1;31mword\x1b[0m" if colour else "word")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["runn", "x"], "but found 'runn'. Did you mean run?"),
+        (["run", "x", "--only", "fitz"], "but found 'fitz'. Did you mean fits?"),
+        (["run", "x", "--jbos", "2"], "unrecognized arguments: --jbos 2. Did you mean --jobs?"),
+        (["rig", "rnu"], "Did you mean run?"),
+        (["session", "finsh"], "Did you mean finish?"),
+        (["run", "x", "y"], "unrecognized arguments: y.\n"),
+    ],
+)
+def test_a_mistyped_word_is_answered_with_the_nearest(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        emg2vsa.cli.main(words)
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("program", [emg2vsa.cli.PROGRAM, casr.cli.PROGRAM], ids=["emg2vsa", "casr"])
+@pytest.mark.parametrize("shell", SHELLS)
+def test_completion_knows_every_command(program: Program, shell: str) -> None:
+    script = completion(program, shell)
+    assert [name for name in program.commands if name not in script] == []
+
+
+@pytest.mark.skipif(BASH is None, reason="no bash")
+@pytest.mark.parametrize(
+    ("typed", "completed"),
+    [
+        ("emg2vsa ru", ["run"]),
+        ("emg2vsa rig em", ["emulate"]),
+        ("emg2vsa run s.toml --exp", ["--explain"]),
+        ("emg2vsa run --only fi", ["fits"]),
+        ("emg2vsa run stu", ["study.toml"]),
+    ],
+)
+def test_completion_in_bash(tmp_path: Path, typed: str, completed: list[str]) -> None:
+    (tmp_path / "study.toml").touch()
+    (tmp_path / "completion").write_text(completion(emg2vsa.cli.PROGRAM, "bash"))
+    words = typed.split()
+    ask = f'source ./completion; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _shtab_emg2vsa; echo "${{COMPREPLY[@]}}"'
+    done = subprocess.run([str(BASH), "-c", ask], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == completed
 
 
 def test_only_the_command_that_runs_is_loaded(program: Program) -> None:

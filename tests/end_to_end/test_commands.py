@@ -62,7 +62,7 @@ def test_check_names_an_unknown_participant(study: Path, capsys: pytest.CaptureF
 
 def test_simulate_never_overwrites(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["simulate", str(study)]) == 2
-    assert "--force" in capsys.readouterr().err
+    assert "--overwrite" in capsys.readouterr().err
 
 
 def test_fit_lists_channels_then_fits(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
