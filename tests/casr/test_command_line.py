@@ -158,7 +158,8 @@ def test_completion_in_bash(tmp_path: Path, typed: str, completed: list[str]) ->
     (tmp_path / "study.toml").touch()
     (tmp_path / "completion").write_text(completion(emg2vsa.cli.PROGRAM, "bash"))
     words = typed.split()
-    ask = f'source ./completion; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _shtab_emg2vsa; echo "${{COMPREPLY[@]}}"'
+    ask = f"COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _shtab_emg2vsa; "
+    ask = f'source ./completion; {ask} echo "${{COMPREPLY[@]}}"'
     done = subprocess.run([str(BASH), "-c", ask], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.split() == completed
 
