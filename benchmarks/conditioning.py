@@ -17,11 +17,11 @@ from scipy import signal
 
 from benchmarks.slope_of_b import print_slope_table
 from emg2vsa.arrays import Floats, Ints
+from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.envelope import decimation, envelopes_at, smoother
 from emg2vsa.signals.filters import band_pass, force_low_pass
-from emg2vsa.trials.extract import extract_trials
 
 FS_HZ, TRIAL_S, PER_RECORD, MUSCLES = 1000.0, 10.0, 10, ("EDC", "FDS")
 REST_S, LOAD_S, HOLD_S, RELEASE_S = 3.0, 2.7, 0.3, 1.0

@@ -19,11 +19,11 @@ from scipy import signal
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.curves.press_fits import fit_presses
+from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.synthetic.laboratory import Laboratory, simulate_session
-from emg2vsa.trials.extract import extract_trials
 
 CLEAN = Laboratory()
 BEFORE = FilterSettings(mains="keep", rest_level="keep")

@@ -12,13 +12,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.multiplicity import adjust
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.paired import paired_tests
-from emg2vsa.stats.post_hoc import lsd
-from emg2vsa.stats.unbalanced_mixed import unbalanced_mixed
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.multiplicity import adjust
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.paired import paired_tests
+from emg2vsa.statistics.post_hoc import lsd
+from emg2vsa.statistics.unbalanced_mixed import unbalanced_mixed
 
 SHAPE = (14, 5, 10)
 MODELS = ((0.0, 0.0), (1.0, 0.0), (0.0, 0.1), (0.0, 0.2), (0.0, 0.3), (0.0, 0.5), (1.0, 0.5), (1.0, 1.0))

@@ -1,4 +1,4 @@
-"""How ``emg2vsa/stats/lilliefors_table.py`` is made: the law of Lilliefors' D by simulation down to p = 1e-8.
+"""How ``emg2vsa/statistics/lilliefors_table.py`` is made: the law of Lilliefors' D by simulation down to p = 1e-8.
 
 ``python -m benchmarks.lilliefors_table`` prints the tables; half an hour of one core. The body of each law is plain
 Monte Carlo, down to p = .01, of 3e8 values and at most 1e7 samples. The tail is multilevel splitting (Kahn and Harris
@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from emg2vsa.arrays import Floats
-from emg2vsa.stats.lilliefors_table import LARGE, LEVELS, reach
+from emg2vsa.statistics.lilliefors_table import LARGE, LEVELS, reach
 
 SIZES = [*range(4, 13), 14, 15, 17, 20, 25, 30, 40, 50, 70, 100, 300, 1000]
 SAMPLES, MOST_VALUES, DEGREE = 10_000_000, 300_000_000, 5

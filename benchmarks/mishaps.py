@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from emg2vsa.errors import SignalError
+from emg2vsa.extraction.extract import extract_trials
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.fits import fit_trials, usable
 from emg2vsa.recordings import Channel
 from emg2vsa.session_verdict import SpecimenVerdict, judge_session
@@ -30,8 +32,6 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 from emg2vsa.synthetic.recording import make_recording
-from emg2vsa.trials.extract import extract_trials
-from emg2vsa.trials.remedies import remedy_of
 
 Floats = NDArray[np.float64]
 RESULTS = Path(__file__).parent / "results" / "mishaps.md"

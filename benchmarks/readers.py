@@ -28,7 +28,7 @@ from casr.decoder_process import child_pid
 from casr.frame_files import open_frames
 from casr.frame_files.video import VideoDecoder
 from casr.frames import FrameSequence
-from casr.score import score
+from casr.scoring import score
 from casr.synthetic.press import simulate_press
 from casr.synthetic.settings import PressSettings, TimelineSettings
 from casr.synthetic.write import write_press

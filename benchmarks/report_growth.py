@@ -25,6 +25,8 @@ from pathlib import Path
 
 import numpy as np
 
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, concatenate, fit_trials
 from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.profiles import build_profiles
@@ -37,8 +39,6 @@ from emg2vsa.schedules.build import build_schedules
 from emg2vsa.study import RecordingEntry, Study
 from emg2vsa.study_file import load_study
 from emg2vsa.synthetic import simulate_study
-from emg2vsa.trials import Trials
-from emg2vsa.trials.extract import extract_trials
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "palpation" / "study.toml"
 SIZES = (50, 200, 1000)

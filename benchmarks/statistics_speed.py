@@ -19,7 +19,7 @@ from scipy import stats
 
 from emg2vsa.arrays import Floats
 from emg2vsa.cli import main as command
-from emg2vsa.stats.mann_whitney import mann_whitney
+from emg2vsa.statistics.mann_whitney import mann_whitney
 
 GROUPS, VALUES = 200, 10
 LARGE = (300_000, 3_000_000)

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import (
@@ -24,8 +26,6 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 from emg2vsa.synthetic.laboratory import Laboratory, simulate_session
-from emg2vsa.trials import Trials
-from emg2vsa.trials.extract import extract_trials
 
 RESULTS = Path(__file__).parent / "results" / "verdict_thresholds.md"
 BASE = Laboratory()

@@ -42,6 +42,12 @@ def frame_columns(unit: str) -> tuple[str, ...]:
     )  # fmt: skip
 
 
+def frame_table(score: Score) -> dict[str, list[Value]]:
+    """The columns of ``frame_rows`` by name, as a DataFrame or any other table takes them."""
+    names = frame_columns(score.area_unit)
+    return dict(zip(names, map(list, zip(*frame_rows(score), strict=True)), strict=True))
+
+
 def frame_rows(score: Score) -> list[tuple[Value, ...]]:
     """A row for each scored frame; None for what is not known.
 

@@ -196,6 +196,14 @@ class Score:
     camera_lag: CameraLag | None = None
     doubts: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """The answer; the arrays are too long to read."""
+        rate, interval = self.rate, self.interval
+        told = "no spread rate" if rate is None else f"CASR {rate.value:.4g} {rate.unit}"
+        told += f" [{interval.low:.4g}, {interval.high:.4g}]" if interval else ""
+        doubts = f", {len(self.doubts)} doubts" if self.doubts else ""
+        return f"Score({self.name!r}: {told} by {self.settings.quantity}, {len(self.frames)} frames{doubts})"
+
     @property
     def contact_px(self) -> NDArray[np.float64]:
         """(N, 2) the pins in the first scored frame."""

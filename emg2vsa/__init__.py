@@ -1,6 +1,64 @@
 """From surface EMG and pressing force to variable stiffness schedules.
 
-The stages are modules, in the order of the data: recordings, trials, fits, hypotheses, profiles, schedules.
+In Python::
+
+    import emg2vsa
+
+    recording = emg2vsa.read("P01_S1.csv", emg=["EDC", "FDS"], force="Fz", sign=-1)
+    emg2vsa.fit(recording)                      # v = a + b ln F of every press, one row each
+    emg2vsa.load("study.toml").fits             # the results of a whole study, as DataFrames
+
+The stages are modules, in the order of the data: recordings, extraction, fits, hypotheses, profiles, schedules.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from casr import __version__ as __version__
+
+if TYPE_CHECKING:
+    from emg2vsa.errors import Emg2vsaError as Emg2vsaError
+    from emg2vsa.public.recordings import Recording as Recording
+    from emg2vsa.public.recordings import channels as channels
+    from emg2vsa.public.recordings import fit as fit
+    from emg2vsa.public.recordings import read as read
+    from emg2vsa.public.recordings import samples as samples
+    from emg2vsa.public.recordings import trials as trials
+    from emg2vsa.public.results import Results as Results
+    from emg2vsa.public.results import load as load
+    from emg2vsa.public.results import run as run
+    from emg2vsa.public.schedules import schedule as schedule
+    from emg2vsa.public.settings import Settings as Settings
+    from emg2vsa.public.tests import stats as stats
+
+_NAMES = {
+    "Emg2vsaError": "errors",
+    "Recording": "public.recordings",
+    "Results": "public.results",
+    "Settings": "public.settings",
+    "channels": "public.recordings",
+    "fit": "public.recordings",
+    "load": "public.results",
+    "read": "public.recordings",
+    "run": "public.results",
+    "samples": "public.recordings",
+    "schedule": "public.schedules",
+    "stats": "public.tests",
+    "trials": "public.recordings",
+}
+"""Public name to the module below this package that has it; loaded when it is first asked for."""
+__all__ = ["__version__", *_NAMES]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _NAMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -18,9 +18,9 @@ from emg2vsa.arrays import Floats, Ints, median
 from emg2vsa.curves.force_bins import bin_edges
 from emg2vsa.curves.press_fits import PressFits, fit_presses
 from emg2vsa.errors import DataError
+from emg2vsa.extraction import Trials
 from emg2vsa.settings import CocontractionSettings, FitSettings, PressJudgement, WindowSettings
 from emg2vsa.signals.cocontraction import cocontraction_index
-from emg2vsa.trials import Trials
 
 MIN_POINTS = 3
 """Fewest points a trial is fitted on: two parameters and one degree of freedom for their errors."""

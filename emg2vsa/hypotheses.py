@@ -13,9 +13,9 @@ from emg2vsa.companions.force_laws import ForceLaws, force_laws
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import HypothesisSettings
-from emg2vsa.stats.clusters import Clusters, Names, clusters_of, in_order
-from emg2vsa.stats.power import n_for_power, power_rm
-from emg2vsa.stats.trend import Trend, trend
+from emg2vsa.statistics.clusters import Clusters, Names, clusters_of, in_order
+from emg2vsa.statistics.power import n_for_power, power_rm
+from emg2vsa.statistics.trend import Trend, trend
 
 EFFECT_F, RHO, EPSILON, TARGET = 0.25, 0.5, 1.0, 0.8
 """Assumptions of the power: effect size of the paper, its target; correlation and sphericity as G*Power's."""

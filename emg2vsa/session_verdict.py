@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import median
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.reasons import grouped, put_aside
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.fits import Fits, usable
 from emg2vsa.settings import PressJudgement
-from emg2vsa.trials import Trials
-from emg2vsa.trials.reasons import grouped, put_aside
-from emg2vsa.trials.remedies import remedy_of
 
 LAG_APART_S = 0.03
 """Recordings of a session whose lags differ by more from their median were not started alike."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from emg2vsa.trials.remedies import REMEDIES
+from emg2vsa.extraction.remedies import REMEDIES
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "how-to" / "coordinator.md"
 HEADINGS = {True: "Reasons that reject", None: "Reasons that warn or reject", False: "Reasons and remarks that warn"}

@@ -11,10 +11,10 @@ from scipy import signal
 
 from emg2vsa.curves.logarithmic import fit_log
 from emg2vsa.errors import DataError
+from emg2vsa.extraction import DelayBudget, Trials
 from emg2vsa.fits import Fits, concatenate, fit_trials, usable
 from emg2vsa.session_verdict import judge_session
 from emg2vsa.settings import FitSettings, PressJudgement, WindowSettings
-from emg2vsa.trials import DelayBudget, Trials
 
 A_V, B_V = 30e-6, 15e-6
 WINDOW = WindowSettings()

@@ -14,7 +14,7 @@ from scipy import stats
 from emg2vsa import artifacts, hypotheses
 from emg2vsa.fits import Fits
 from emg2vsa.settings import HypothesisSettings
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed
 
 PAPER = HypothesisSettings(kept_specimens=("S1", "S3", "S5"))
 

@@ -10,7 +10,7 @@ from benchmarks.statistics.exact_laws import power_of_rm
 from benchmarks.statistics.nist_samples import CEILING, FROM_TEXT, OURS
 from benchmarks.statistics.nist_tables import NistTables
 from benchmarks.statistics.task import Measured
-from emg2vsa.stats.power import power_rm
+from emg2vsa.statistics.power import power_rm
 
 POWER = 0.819421399316
 Line = tuple[str, str, str, bool]

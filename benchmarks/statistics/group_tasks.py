@@ -11,10 +11,10 @@ from mpmath import mpf
 from benchmarks.statistics import mean_peers, rank_peers
 from benchmarks.statistics.exact_tests import exact_anova, exact_kruskal, exact_mann_whitney, exact_tukey
 from benchmarks.statistics.task import Exact, Numbers, Task
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.kruskal import dunn, kruskal
-from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.post_hoc import lsd, tukey
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.kruskal import dunn, kruskal
+from emg2vsa.statistics.mann_whitney import mann_whitney
+from emg2vsa.statistics.post_hoc import lsd, tukey
 
 TUKEY_NOTE = "The notes have no ratio for equal work; theirs is tukey_hsd beside our LSD, in the table above."
 TIED_NOTE = "scipy's exact method does not know of ties; its permutations do."

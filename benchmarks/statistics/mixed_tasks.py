@@ -12,7 +12,7 @@ import pandas as pd
 from benchmarks.statistics.exact_tests import mean, mpq, squares
 from benchmarks.statistics.peers import statsmodels_formula
 from benchmarks.statistics.task import Exact, Numbers, Peer, Task
-from emg2vsa.stats.mixed import balanced_mixed
+from emg2vsa.statistics.mixed import balanced_mixed
 
 VOLTS = 1e-5
 NOTE = "The 0.04 ms of the notes are for the estimates; ours adds intervals and checks of the input."

@@ -16,8 +16,8 @@ from benchmarks.statistics.digit_table import DigitTable, files
 from benchmarks.statistics.exact_tests import f_statistic, fractions, mpq
 from benchmarks.statistics.peers import pingouin, statsmodels_api, statsmodels_formula
 from emg2vsa.curves.press_fits import autocorrelation
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.moments import group_moments
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.moments import group_moments
 
 OURS, FROM_TEXT, CEILING = "emg2vsa", "from decimal text", "doubles allow"
 

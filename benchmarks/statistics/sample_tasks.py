@@ -14,9 +14,9 @@ from scipy import special, stats
 from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
 from benchmarks.statistics.peers import pingouin, statsmodels_api
 from benchmarks.statistics.task import Exact, Numbers, Peer, Task
-from emg2vsa.stats.lilliefors import lilliefors
-from emg2vsa.stats.normality import ks_normal
-from emg2vsa.stats.shapiro import shapiro_wilk
+from emg2vsa.statistics.lilliefors import lilliefors
+from emg2vsa.statistics.normality import ks_normal
+from emg2vsa.statistics.shapiro import shapiro_wilk
 
 SIMULATED = 2_000_000
 

@@ -16,7 +16,7 @@ from casr.contact_area import RULES, initial_area
 from casr.errors import CasrError
 from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.spread import AREA_LAWS, RATE_RULES, contact_areas, spread_rate
 from casr.synthetic.press import SimulatedPress, simulate_press
 from casr.synthetic.settings import PressSettings

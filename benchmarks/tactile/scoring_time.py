@@ -12,7 +12,7 @@ from benchmarks.tactile.table import Cell, Table
 from benchmarks.tactile.timing import Run, best_times, one_thread
 from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frame_files import open_frames
-from casr.score import ScoreSettings, score
+from casr.scoring import ScoreSettings, score
 from casr.synthetic.press import simulate_press
 from casr.synthetic.settings import PressSettings, TimelineSettings
 from casr.synthetic.write import write_press

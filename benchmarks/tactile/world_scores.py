@@ -15,8 +15,8 @@ from benchmarks.tactile.worlds import world_named
 from casr.dome.view import INNER_RADIUS_MM
 from casr.errors import CasrError
 from casr.front_spread import FrontSpread
-from casr.score import Score, score
 from casr.scored import SkinSpread
+from casr.scoring import Score, score
 from casr.session import Stretch, stretch_of
 from casr.synthetic.press import SimulatedPress, simulate_press
 from casr.synthetic.settings import PressSettings

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from casr.frames import FrameSequence
     from casr.overlays import Picture
     from casr.page import Embedded
-    from casr.score import Score
+    from casr.scoring import Score
 
 
 def write_press(sequence: FrameSequence, score: Score, page: Path | None, figures: Path | None) -> None:

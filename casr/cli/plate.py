@@ -14,7 +14,7 @@ def check_plate(arguments: argparse.Namespace) -> int:
     from casr.dome.library import worlds
     from casr.errors import CameraError
     from casr.frame_files import open_frames, read_camera
-    from casr.score import score
+    from casr.scoring import score
 
     sequence = open_frames(arguments.plate, camera=arguments.out if arguments.out and arguments.out.exists() else None)
     camera = read_camera(arguments.out) if arguments.out and arguments.out.exists() else sequence.camera

@@ -29,8 +29,8 @@ from casr.errors import CasrError, SettingError
 
 if TYPE_CHECKING:
     from casr.flow.region import Region
-    from casr.score import Score, ScoreSettings
     from casr.scored import Spread
+    from casr.scoring import Score, ScoreSettings
 
 QUANTITIES = ("front", "skin")
 AREA_LAWS = ("ode", "paper")
@@ -157,7 +157,7 @@ def check_forces(arguments: argparse.Namespace) -> None:
 def settings_of(arguments: argparse.Namespace) -> ScoreSettings:
     """The settings that the options ask for."""
     from casr.flow.estimate import FlowSettings
-    from casr.score import ScoreSettings
+    from casr.scoring import ScoreSettings
 
     return ScoreSettings(
         quantity=arguments.quantity,
@@ -251,7 +251,7 @@ def _name(path: Path, root: Path) -> str:
 
 
 def _score(arguments: argparse.Namespace, path: Path, settings: ScoreSettings) -> Score:
-    from casr.score import score
+    from casr.scoring import score
 
     return score(open_sequence(arguments, path), settings)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from casr.frames import FrameSequence
-    from casr.score import Score
+    from casr.scoring import Score
 
 __all__ = [
     "Picture", "area_picture", "flow_picture", "pin_ways", "pins_picture", "press_pictures", "spreading_picture",

@@ -15,7 +15,7 @@ from casr.spread.correlated_errors import normal_quantile
 from casr.spread.rate import CONFIDENCE
 
 if TYPE_CHECKING:
-    from casr.score import Score
+    from casr.scoring import Score
     from casr.spread import PowerLaw
 
 

@@ -14,7 +14,7 @@ from casr.palette import GREEN, RED
 from casr.pins import pin_pitch_px
 
 if TYPE_CHECKING:
-    from casr.score import Score
+    from casr.scoring import Score
 
 _EARLY_TO_LATE = ("#7e03a8", "#b12a90", "#d6556d", "#f2844b", "#feba2c", "#f7e425")
 "Dark to bright."

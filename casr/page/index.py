@@ -15,7 +15,7 @@ from casr.palette import BLUE
 from casr.spread import readable
 
 if TYPE_CHECKING:
-    from casr.score import Score
+    from casr.scoring import Score
 
 _WIDTH, _HEIGHT, _LEFT, _BOTTOM, _TOP = 240, 170, 44, 30, 10
 

@@ -27,7 +27,7 @@ from casr.spread import readable
 
 if TYPE_CHECKING:
     from casr.camera import Camera
-    from casr.score import Score
+    from casr.scoring import Score
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from casr.spread import readable
 
 if TYPE_CHECKING:
-    from casr.score import Score
     from casr.scored import Spread
+    from casr.scoring import Score
 
 
 UNDEFINED = "–"

@@ -225,7 +225,7 @@ def _warm_up(study: Study, below: Path | None) -> None:
 
     from emg2vsa.pipeline.plan import survey
 
-    for name in ("emg2vsa.readers.roles", "emg2vsa.readers.plain_csv", "emg2vsa.trials.extract", "emg2vsa.fits"):
+    for name in ("emg2vsa.readers.roles", "emg2vsa.readers.plain_csv", "emg2vsa.extraction.extract", "emg2vsa.fits"):
         importlib.import_module(name)
     survey(study, STAGES, lambda text: None, below=below)
 

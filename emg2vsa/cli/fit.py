@@ -10,8 +10,8 @@ from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_channels, add_reading, channels_of, checked_settings, given, reading_of
 
 if TYPE_CHECKING:
+    from emg2vsa.extraction import Trials
     from emg2vsa.fits import Fits
-    from emg2vsa.trials import Trials
 
 
 def add_to(commands: Commands) -> None:

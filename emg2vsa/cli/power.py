@@ -79,8 +79,8 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _pair(arguments: argparse.Namespace) -> int:
-    from emg2vsa.stats.power import fewest_people
-    from emg2vsa.stats.power_pairs import effect_for_power, margin_for_power, power_paired, power_tost
+    from emg2vsa.statistics.power import fewest_people
+    from emg2vsa.statistics.power_pairs import effect_for_power, margin_for_power, power_paired, power_tost
 
     n, alpha, target = arguments.participants, arguments.alpha, arguments.target
     if arguments.design == "paired":
@@ -115,7 +115,7 @@ def _pair(arguments: argparse.Namespace) -> int:
 
 
 def _repeated(arguments: argparse.Namespace) -> int:
-    from emg2vsa.stats.power import MEANING, n_for_power, power_rm, power_table
+    from emg2vsa.statistics.power import MEANING, n_for_power, power_rm, power_table
 
     n, m, effect = arguments.participants, arguments.measurements, arguments.effect
     effect = 0.25 if effect is None else effect

@@ -12,7 +12,7 @@ from casr.command_line import Commands, add_command, add_json, print_json
 if TYPE_CHECKING:
     from emg2vsa.companions.tidy import TidyTests
     from emg2vsa.readers.tidy_table import TidyTable
-    from emg2vsa.stats.mixed_variances import MixedResiduals
+    from emg2vsa.statistics.mixed_variances import MixedResiduals
 
 
 def add_to(commands: Commands) -> None:

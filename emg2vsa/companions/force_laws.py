@@ -18,8 +18,8 @@ from emg2vsa.curves.exponential import fit_exponential
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.logarithmic import fit_log
 from emg2vsa.fits import Fits, usable
-from emg2vsa.stats.clusters import Names, in_order
-from emg2vsa.stats.outcome import Outcome
+from emg2vsa.statistics.clusters import Names, in_order
+from emg2vsa.statistics.outcome import Outcome
 
 LAWS = ("logarithm", "power", "linear")
 LEFT_OUT = ("press", "bin")

@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats
-from emg2vsa.stats.anova import Anova, VarianceTests, brown_forsythe, one_way
-from emg2vsa.stats.bayes import BayesFactors, jzs_anova
-from emg2vsa.stats.effect_size import omega2, share_interval
-from emg2vsa.stats.equivalence import Equivalence, MarginUnit, tost
-from emg2vsa.stats.kruskal import KruskalWallis, kruskal
-from emg2vsa.stats.lilliefors import Lilliefors, lilliefors
-from emg2vsa.stats.moments import group_moments, unmasked
-from emg2vsa.stats.normality import KsTests, ks_normal
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.shapiro import ShapiroWilk, shapiro_wilk
-from emg2vsa.stats.welch import WelchAnova, welch
+from emg2vsa.statistics.anova import Anova, VarianceTests, brown_forsythe, one_way
+from emg2vsa.statistics.bayes import BayesFactors, jzs_anova
+from emg2vsa.statistics.effect_size import omega2, share_interval
+from emg2vsa.statistics.equivalence import Equivalence, MarginUnit, tost
+from emg2vsa.statistics.kruskal import KruskalWallis, kruskal
+from emg2vsa.statistics.lilliefors import Lilliefors, lilliefors
+from emg2vsa.statistics.moments import group_moments, unmasked
+from emg2vsa.statistics.normality import KsTests, ks_normal
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.shapiro import ShapiroWilk, shapiro_wilk
+from emg2vsa.statistics.welch import WelchAnova, welch
 
 
 @dataclass(frozen=True)

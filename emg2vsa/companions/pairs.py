@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.groups import GroupTests
-from emg2vsa.stats.effect_size import hedges_g
-from emg2vsa.stats.kruskal import RankPairs, dunn
-from emg2vsa.stats.mann_whitney import MannWhitney, mann_whitney
-from emg2vsa.stats.multiplicity import adjust
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import PairDifferences, lsd, tukey
-from emg2vsa.stats.welch import games_howell
+from emg2vsa.statistics.effect_size import hedges_g
+from emg2vsa.statistics.kruskal import RankPairs, dunn
+from emg2vsa.statistics.mann_whitney import MannWhitney, mann_whitney
+from emg2vsa.statistics.multiplicity import adjust
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.post_hoc import PairDifferences, lsd, tukey
+from emg2vsa.statistics.welch import games_howell
 
 
 @dataclass(frozen=True)

@@ -20,19 +20,19 @@ from emg2vsa.companions.groups import (
     normality_of,
 )
 from emg2vsa.companions.pairs import PairTests, pair_tests
-from emg2vsa.stats.agreement import IntraclassCorrelations, icc
-from emg2vsa.stats.clusters import Clusters
-from emg2vsa.stats.equivalence import MarginUnit
-from emg2vsa.stats.friedman import Friedman, friedman
-from emg2vsa.stats.mixed import MixedModel, balanced_mixed
-from emg2vsa.stats.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
-from emg2vsa.stats.moments import group_moments
-from emg2vsa.stats.multiplicity import adjust
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.paired import PairedTests, paired_tests
-from emg2vsa.stats.post_hoc import PairDifferences
-from emg2vsa.stats.repeated import RepeatedAnova, rm_anova
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
+from emg2vsa.statistics.agreement import IntraclassCorrelations, icc
+from emg2vsa.statistics.clusters import Clusters
+from emg2vsa.statistics.equivalence import MarginUnit
+from emg2vsa.statistics.friedman import Friedman, friedman
+from emg2vsa.statistics.mixed import MixedModel, balanced_mixed
+from emg2vsa.statistics.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
+from emg2vsa.statistics.moments import group_moments
+from emg2vsa.statistics.multiplicity import adjust
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.paired import PairedTests, paired_tests
+from emg2vsa.statistics.post_hoc import PairDifferences
+from emg2vsa.statistics.repeated import RepeatedAnova, rm_anova
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
 
 _NO_DESIGN = np.empty((0, 2, 1))
 

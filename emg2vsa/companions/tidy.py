@@ -13,8 +13,8 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.companions.groups import EqualityTests, equality_tests
 from emg2vsa.companions.table import TableTests, table_tests
 from emg2vsa.errors import DataError
-from emg2vsa.stats.clusters import Names, clusters_of
-from emg2vsa.stats.moments import shifted_doubles
+from emg2vsa.statistics.clusters import Names, clusters_of
+from emg2vsa.statistics.moments import shifted_doubles
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from emg2vsa.discrimination.separation import (
     repetition_cv,
 )
 from emg2vsa.settings import DiscriminationSettings
-from emg2vsa.stats.bootstrap import Bootstrap, Statistic, bca
-from emg2vsa.stats.kruskal import KruskalWallis, kruskal
+from emg2vsa.statistics.bootstrap import Bootstrap, Statistic, bca
+from emg2vsa.statistics.kruskal import KruskalWallis, kruskal
 
 
 @dataclass(frozen=True)

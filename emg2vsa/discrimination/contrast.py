@@ -27,7 +27,7 @@ from scipy import stats
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID, RunTable, mean_of
 from emg2vsa.discrimination.separation import pressed_everywhere
-from emg2vsa.stats.multiplicity import adjust
+from emg2vsa.statistics.multiplicity import adjust
 
 Measure = Literal["slope", "frame_sum"]
 Verdict = Literal["raises", "lowers", "not shown", "cannot be told"]

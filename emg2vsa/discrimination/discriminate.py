@@ -24,9 +24,9 @@ from emg2vsa.discrimination.run_table import RunTable, mean_of, run_table
 from emg2vsa.errors import DataError
 from emg2vsa.runs import RunScores
 from emg2vsa.settings import DiscriminationSettings
-from emg2vsa.stats.kruskal import RankPairs, dunn, kruskal
-from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.multiplicity import adjust
+from emg2vsa.statistics.kruskal import RankPairs, dunn, kruskal
+from emg2vsa.statistics.mann_whitney import mann_whitney
+from emg2vsa.statistics.multiplicity import adjust
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from emg2vsa.arrays import Floats
 from emg2vsa.discrimination.run_table import RunTable
 from emg2vsa.settings import DiscriminationSettings
-from emg2vsa.stats.factorial import Factorial, factorial
+from emg2vsa.statistics.factorial import Factorial, factorial
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.discrimination.run_table import mean_of
-from emg2vsa.stats.effect_size import hedges_g
+from emg2vsa.statistics.effect_size import hedges_g
 
 
 @dataclass(frozen=True)

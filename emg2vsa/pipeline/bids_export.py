@@ -27,14 +27,14 @@ from emg2vsa.bids import (
     write_tsv,
 )
 from emg2vsa.errors import Emg2vsaError, SettingError
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.fits import Fits, fit_trials
 from emg2vsa.readers.bids_sidecars import side_files
 from emg2vsa.readers.roles import RoleChannels, read_roles
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import LABEL_CHARACTERS, CocontractionSettings, FitSettings, ReadingSettings
 from emg2vsa.study import RecordingEntry, RecordingPart
-from emg2vsa.trials import Trials
-from emg2vsa.trials.extract import extract_trials
 
 EVENT_COLUMNS = ("onset", "duration", "trial_type", "repetition", "verdict", "peak_force", "reason")
 _EVENTS: Json = {

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from emg2vsa.errors import RecordingError
-from emg2vsa.trials import Trials
-from emg2vsa.trials.reasons import by_session
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.reasons import by_session
 
 _COLUMNS = ("onset", "duration", "trial_type", "counts", "decision", "reason")
 _NOT_ASKED_FOR = "not a press that the screen asked for"

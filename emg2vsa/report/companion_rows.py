@@ -15,7 +15,7 @@ from emg2vsa.report.outcome_text import Style, effect_said, range_said, span_sai
 from emg2vsa.report.table import Column, Table, records
 from emg2vsa.report.verdicts import UNDECIDED, change, change_of_claim, change_of_evidence, decided, how_many
 from emg2vsa.report.wording import bounded, number
-from emg2vsa.stats.outcome import Outcome
+from emg2vsa.statistics.outcome import Outcome
 
 COLUMNS = (
     Column("paper", "Paper's test"),

@@ -18,7 +18,7 @@ from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
 from emg2vsa.report.table import Column
 from emg2vsa.report.wording import SIMULATED, number
-from emg2vsa.stats.bootstrap import Bootstrap
+from emg2vsa.statistics.bootstrap import Bootstrap
 
 DESIGN = Column("design", "Condition, angle")
 BOXES = "Boxes are Hazen's quartiles, whiskers reach the furthest value within 1.5 interquartile ranges."

@@ -12,6 +12,7 @@ from emg2vsa.calibration.results import CalibrationResults
 from emg2vsa.contact_mechanics.stiffness_effect import StiffnessEffect
 from emg2vsa.discrimination import Discrimination
 from emg2vsa.exemplary import Choice
+from emg2vsa.extraction import Trials
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, usable
 from emg2vsa.hypotheses import Hypotheses
@@ -20,7 +21,6 @@ from emg2vsa.report.failures import Failure
 from emg2vsa.runs import RunScores
 from emg2vsa.schedules import Schedule
 from emg2vsa.study import Study
-from emg2vsa.trials import Trials
 from emg2vsa.truth import Truth
 
 

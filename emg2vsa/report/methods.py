@@ -16,6 +16,7 @@ import numpy as np
 from emg2vsa.calibration.presses import MOST_OUTLIERS
 from emg2vsa.calibration.results import CalibrationResults, LawResult
 from emg2vsa.exemplary import Choice
+from emg2vsa.extraction import Trials
 from emg2vsa.report.wording import count, listed
 from emg2vsa.runs import RunScores
 from emg2vsa.settings import (
@@ -30,7 +31,6 @@ from emg2vsa.settings import (
     WindowSettings,
 )
 from emg2vsa.study import Person, RecordingEntry, Study
-from emg2vsa.trials import Trials
 
 AUTHORS_ADD = (
     "Electrode type, size, distance and placement; amplifier, its gain, input impedance "

@@ -11,7 +11,7 @@ import numpy as np
 from emg2vsa.arrays import Floats
 from emg2vsa.report.latex import latex_number, latex_text
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number, p_text
-from emg2vsa.stats.outcome import Outcome
+from emg2vsa.statistics.outcome import Outcome
 
 Style = Literal["apa", "ieee", "latex", "plain"]
 STYLES: tuple[Style, ...] = ("apa", "ieee", "latex", "plain")

@@ -16,7 +16,7 @@ from emg2vsa.report.section import Claim, Quantities, Verdict, not_tested, verdi
 from emg2vsa.report.verdicts import dunn_bounds
 from emg2vsa.report.wording import NO_BREAK, bounded, exact_p, number, p_text, signed
 from emg2vsa.rig.force.moving_average import MovingAverage
-from emg2vsa.stats.kruskal import kruskal
+from emg2vsa.statistics.kruskal import kruskal
 
 _RIGID, _HUMAN_LIKE = "high-stiffness", "modular"
 _OLD, _NEW = "circle", "paper"

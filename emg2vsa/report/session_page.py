@@ -11,6 +11,8 @@ import numpy as np
 
 from casr import html
 from casr.atomic import write_text_atomic
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.fits import Fits, by_recording
 from emg2vsa.report.failures import Failure, ShortPaths
@@ -27,8 +29,6 @@ from emg2vsa.report.table import Column, Table, activity_column, rows_of
 from emg2vsa.report.wording import NO_BREAK, number, percent
 from emg2vsa.session_verdict import Advice, Doubts, SessionVerdict, SpecimenVerdict, doubts_between, judge_session
 from emg2vsa.study import RecordingEntry, Study
-from emg2vsa.trials import Trials
-from emg2vsa.trials.remedies import remedy_of
 
 VERDICT_TEXT = {
     "good": "Every press can be used.",

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, median
+from emg2vsa.extraction import Trials
 from emg2vsa.figures.activity_scale import ActivityScale, activity_scale
 from emg2vsa.figures.palette import RED, VERDICT_COLOURS
 from emg2vsa.fits import Fits
 from emg2vsa.report.wording import activity, number
-from emg2vsa.trials import Trials
 
 INK, MUTED, GRID, BLUE = "var(--ink)", "var(--muted)", "var(--line)", "var(--link)"
 _TEXT = 24

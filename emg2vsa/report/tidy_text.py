@@ -26,8 +26,8 @@ from emg2vsa.report.companion_rows import (
 from emg2vsa.report.outcome_text import Style, p_said, said
 from emg2vsa.report.verdicts import decided, dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, UNDEFINED, number
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.post_hoc import PairDifferences
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.post_hoc import PairDifferences
 
 _WIDTHS = (28, 36, 30, 22)
 _SUMMARY = frozenset({"groups", "groups over blocks"})

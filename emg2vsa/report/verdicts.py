@@ -8,8 +8,8 @@ import numpy as np
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.report.outcome_text import Style, p_said, statistic_said
-from emg2vsa.stats.kruskal import smallest_worst_p
-from emg2vsa.stats.outcome import Outcome
+from emg2vsa.statistics.kruskal import smallest_worst_p
+from emg2vsa.statistics.outcome import Outcome
 
 NO = "no"
 UNDECIDED = "cannot be said"

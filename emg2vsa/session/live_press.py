@@ -14,6 +14,8 @@ import numpy as np
 
 from emg2vsa.arrays import bridge_gaps
 from emg2vsa.errors import Emg2vsaError
+from emg2vsa.extraction.extract import extract_trials
+from emg2vsa.extraction.remedies import remedies_of
 from emg2vsa.fits import fit_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.session.press_cycle import Attempt
@@ -21,8 +23,6 @@ from emg2vsa.session.quality import FLAT_V, HUM_V
 from emg2vsa.session_settings import SessionSettings
 from emg2vsa.settings import CocontractionSettings, FilterSettings, FitSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.quality import mains_ratios
-from emg2vsa.trials.extract import extract_trials
-from emg2vsa.trials.remedies import remedies_of
 
 MARGIN_S = 0.5
 "A press that the filters find belongs to an attempt whose time it touches within this."

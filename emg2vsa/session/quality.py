@@ -10,13 +10,13 @@ from scipy import signal
 
 from emg2vsa.arrays import Floats, bridge_gaps
 from emg2vsa.errors import Emg2vsaError
+from emg2vsa.extraction.contractions import contraction_levels_v, mean_levels_v
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.recordings import Channel
 from emg2vsa.session.views import SignalView
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.quality import MAINS_HZ, raw_qualities
 from emg2vsa.signals.verdicts import MAINS_WARNING
-from emg2vsa.trials.contractions import contraction_levels_v, mean_levels_v
-from emg2vsa.trials.remedies import remedy_of
 
 REST_S, CONTRACTION_S = 10.0, 3.0
 "How long each is measured."

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from casr.score import ScoreSettings, score
+from casr.scoring import ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld, PressSettings, simulate_press
 from emg2vsa.calibration.calibrate import calibrate

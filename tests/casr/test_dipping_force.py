@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casr.frames import FrameSequence
-from casr.score import score
+from casr.scoring import score
 from casr.synthetic import PressSettings, SimulatedFrames, simulate_press
 
 

@@ -21,7 +21,7 @@ from casr.overlays.canvas import colours_of, photo, ticks, view_of
 from casr.overlays.curves import area_curve, growth_curve
 from casr.overlays.motion import flow_picture, growth_between
 from casr.palette import RED
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.synthetic import TACTIP_127, PressSettings, TimelineSettings, simulate_press
 
 PINS_PX = TACTIP_127.pins_px((149.5, 149.5))

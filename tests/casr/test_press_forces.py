@@ -13,7 +13,7 @@ from benchmarks.tactile.array_frames import ArrayFrames
 from casr.errors import FramesError, PinsError, SettingError
 from casr.frames import ForceReadings, FrameSequence
 from casr.page.wording import camera_lag, force_zero, verdict
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer
 from casr.synthetic import ContactWorld, PressSettings, SimulatedPress, simulate_press

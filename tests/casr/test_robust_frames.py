@@ -20,7 +20,7 @@ from casr.flow.estimate import FlowSettings, FlowTracker
 from casr.flow.region import Region
 from casr.frames import FrameSequence, force_per_frame
 from casr.pins import Pins, PinSettings
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import SKIPPED, StreamScorer
 from casr.synthetic import ContactWorld, PressSettings, Skin, simulate_press

@@ -22,7 +22,7 @@ from casr.frame_files import open_frames
 from casr.frames import FrameSequence, force_per_frame
 from casr.pins import detect_pins, match_pins
 from casr.press_scorer import PressScorer
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.spread import spread_rate
 from casr.synthetic import ContactWorld, PressSettings, SimulatedPress, World, simulate_press

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from casr.frames import FrameSequence, force_per_frame
-from casr.score import Score, score
+from casr.scoring import Score, score
 from casr.session import Stretch, stretch_of, unlike_others
 from casr.specimens import SPECIMENS
 from casr.synthetic import PressSettings, simulate_press

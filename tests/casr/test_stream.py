@@ -13,7 +13,7 @@ from benchmarks.tactile.array_frames import ArrayFrames
 from casr.errors import CasrError, FramesError, NoContactError
 from casr.flow.estimate import ENGINES, FlowSettings
 from casr.frames import FrameSequence, force_per_frame
-from casr.score import Score, ScoreSettings, score
+from casr.scoring import Score, ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer, StreamState
 from casr.synthetic import ContactWorld, PressSettings, TabulatedWorld, World, simulate_press

@@ -15,7 +15,7 @@ from emg2vsa.cli import main
 from emg2vsa.companions.tidy import TidyTests, tidy_tests
 from emg2vsa.errors import DataError
 from emg2vsa.report.tidy_text import hypotheses, outcomes, text
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed
 
 SETS = ("SiRstv", "SmLs01", "SmLs02", "SmLs03", "AtmWtAg", "SmLs04", "SmLs05", "SmLs07", "SmLs08")
 

@@ -172,7 +172,7 @@ from dataclasses import replace
 from pathlib import Path
 from emg2vsa.cli import main
 from emg2vsa.pipeline.stages import trials
-import emg2vsa.trials.extract as edited
+import emg2vsa.extraction.extract as edited
 
 declared = trials.STAGE
 def run(given):

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DeviceError, RecordingError
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
-from emg2vsa.trials.remedies import remedy_of
 
 GAUGES = ("G0", "G1", "G2", "G3", "G4", "G5")
 RNG = np.random.default_rng(5)

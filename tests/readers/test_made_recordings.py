@@ -12,11 +12,11 @@ import scipy.io
 
 from benchmarks import made_recordings as made
 from emg2vsa.errors import RecordingError
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.readers.front_door import open_recording, read
 from emg2vsa.readers.opened import OpenRecording, StoredChannel
 from emg2vsa.readers.roles import read_roles
 from emg2vsa.settings import ChannelSettings, EmgChannelSettings, ForceChannelSettings
-from emg2vsa.trials.remedies import remedy_of
 
 N = made.N
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.extract import extract_trials
+from emg2vsa.extraction.remedies import remedy_of
 from emg2vsa.readers.session_events import SessionPress, only_counted
 from emg2vsa.recordings import Channel
 from emg2vsa.session_verdict import judge_session
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
-from emg2vsa.trials import Trials
-from emg2vsa.trials.extract import extract_trials
-from emg2vsa.trials.remedies import remedy_of
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emg2vsa.extraction import Trials
 from emg2vsa.fits import Fits, concatenate, fit_trials
 from emg2vsa.hypotheses import test_hypotheses as run_hypotheses
 from emg2vsa.profiles import build_profiles
@@ -31,7 +32,6 @@ from emg2vsa.settings import (
 )
 from emg2vsa.signals.delays import DelayBudget
 from emg2vsa.study import RecordingEntry, Specimen, Study
-from emg2vsa.trials import Trials
 
 PRESSES, SAMPLES, FS_HZ = 6, 200, 100.0
 TRUE = {"S1": (42e-6, 20e-6), "S2": (36e-6, 17e-6), "S3": (28e-6, 13e-6), "S5": (16e-6, 7e-6)}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.report.outcome_text import STYLES, effect_said, p_said, range_said, said
-from emg2vsa.stats.outcome import Outcome
+from emg2vsa.statistics.outcome import Outcome
 
 ANOVA = Outcome(
     method="one-way ANOVA", n=50, statistic_name="F", statistic=5.231, df=(4.0, 45.0), p=0.0016,

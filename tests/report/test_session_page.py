@@ -96,7 +96,7 @@ def test_same_bytes_again(write):
 
 
 def test_pages_load_neither_matplotlib_nor_the_statistics():
-    heavy = ("matplotlib", "pandas", "emg2vsa.stats", "emg2vsa.discrimination", "emg2vsa.calibration")
+    heavy = ("matplotlib", "pandas", "emg2vsa.statistics", "emg2vsa.discrimination", "emg2vsa.calibration")
     code = f"import sys, emg2vsa.report.session_page; sys.exit(not sys.modules.keys().isdisjoint({heavy}))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from emg2vsa.report.verdicts import change, change_of_claim, change_of_evidence, dunn_bounds, how_many
-from emg2vsa.stats.kruskal import dunn, kruskal
+from emg2vsa.statistics.kruskal import dunn, kruskal
 
 NAN = np.nan
 

@@ -11,8 +11,8 @@ import pytest
 from casr.errors import FramesError, SettingError
 from casr.flow.estimate import FlowSettings
 from casr.frames import FrameSequence
-from casr.score import score
 from casr.scored import Score, ScoreSettings
+from casr.scoring import score
 from casr.specimens import SPECIMENS
 from casr.synthetic import ContactWorld, PressSettings, simulate_press
 from casr.synthetic.settings import TimelineSettings

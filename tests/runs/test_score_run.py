@@ -9,8 +9,8 @@ import pytest
 
 from casr.contact_area import initial_area
 from casr.frames import FrameSequence
-from casr.score import score
 from casr.scored import ScoreSettings
+from casr.scoring import score
 from casr.synthetic import PressSettings, SimulatedFrames, SimulatedPress, simulate_press
 from emg2vsa.runs import ALGORITHMS, PICTURED_N, RunScores
 from emg2vsa.runs.press import Press

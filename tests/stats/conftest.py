@@ -8,7 +8,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 
-from emg2vsa.stats.clusters import Clusters, clusters_of
+from emg2vsa.statistics.clusters import Clusters, clusters_of
 
 LMER = Path(__file__).parent / "lmer"
 STUDIES = ("interior.csv", "no_participants.csv", "no_interaction.csv")

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emg2vsa.errors import DataError
-from emg2vsa.stats.agreement import KINDS, icc
-from emg2vsa.stats.anova import one_way
+from emg2vsa.statistics.agreement import KINDS, icc
+from emg2vsa.statistics.anova import one_way
 
 RATINGS = np.array([[9, 2, 5, 8], [6, 1, 3, 2], [8, 4, 6, 8], [7, 1, 2, 6], [10, 5, 6, 9], [6, 2, 4, 7.0]])
 """Four judges on six targets, Shrout and Fleiss (1979), table 2."""

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from emg2vsa.errors import DataError
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.post_hoc import lsd
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.post_hoc import lsd
 
 CEILING = {
     "SiRstv": 13.1, "SmLs01": 15, "SmLs02": 15, "SmLs03": 15, "AtmWtAg": 10.2, "SmLs04": 10.4,

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy import integrate, linalg
 
 from emg2vsa.errors import DataError
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.bayes import SCALE, jzs_anova
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.bayes import SCALE, jzs_anova
 
 CASES = [(20, 20, 1.1), (10, 10, 0.0), (5, 9, -9.0), (2, 1, 1.5), (300, 700, 0.2)]
 

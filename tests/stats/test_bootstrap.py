@@ -8,7 +8,7 @@ from scipy import stats
 from scipy.stats._resampling import BootstrapResult
 
 from emg2vsa.errors import DataError, SettingError
-from emg2vsa.stats.bootstrap import bca, resampled
+from emg2vsa.statistics.bootstrap import bca, resampled
 
 
 def mean(x: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from emg2vsa.stats.anova import brown_forsythe
+from emg2vsa.statistics.anova import brown_forsythe
 
 
 def test_groups_of_two_are_no_test() -> None:

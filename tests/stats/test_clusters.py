@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from emg2vsa.stats.clusters import clusters_of, in_order
+from emg2vsa.statistics.clusters import clusters_of, in_order
 
 
 def test_names_in_natural_order() -> None:

@@ -15,21 +15,21 @@ from emg2vsa.companions.groups import group_tests, normality_of
 from emg2vsa.companions.pairs import pair_tests
 from emg2vsa.companions.tidy import tidy_tests
 from emg2vsa.errors import DataError
-from emg2vsa.stats.agreement import icc
-from emg2vsa.stats.anova import brown_forsythe, one_way
-from emg2vsa.stats.equivalence import tost
-from emg2vsa.stats.factorial import factorial
-from emg2vsa.stats.friedman import friedman
-from emg2vsa.stats.kruskal import dunn, kruskal
-from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.paired import paired_tests
-from emg2vsa.stats.post_hoc import lsd, tukey
-from emg2vsa.stats.repeated import rm_anova
-from emg2vsa.stats.trend import trend
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
-from emg2vsa.stats.welch import games_howell, welch
+from emg2vsa.statistics.agreement import icc
+from emg2vsa.statistics.anova import brown_forsythe, one_way
+from emg2vsa.statistics.equivalence import tost
+from emg2vsa.statistics.factorial import factorial
+from emg2vsa.statistics.friedman import friedman
+from emg2vsa.statistics.kruskal import dunn, kruskal
+from emg2vsa.statistics.mann_whitney import mann_whitney
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.paired import paired_tests
+from emg2vsa.statistics.post_hoc import lsd, tukey
+from emg2vsa.statistics.repeated import rm_anova
+from emg2vsa.statistics.trend import trend
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
+from emg2vsa.statistics.welch import games_howell, welch
 
 nan = np.nan
 PAIRS: dict[str, Callable[[np.ndarray], Outcome]] = {

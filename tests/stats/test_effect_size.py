@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.effect_size import hedges_g, omega2, share_interval
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.effect_size import hedges_g, omega2, share_interval
 
 
 def test_omega2_from_the_sums_of_squares() -> None:

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy import integrate, stats
 
 from emg2vsa.errors import DataError, SettingError
-from emg2vsa.stats.equivalence import Kind, tost
-from emg2vsa.stats.post_hoc import pair_numbers
-from emg2vsa.stats.power_pairs import margin_for_power, power_tost
+from emg2vsa.statistics.equivalence import Kind, tost
+from emg2vsa.statistics.post_hoc import pair_numbers
+from emg2vsa.statistics.power_pairs import margin_for_power, power_tost
 
 DESIGNS = np.random.default_rng(2).standard_normal((6, 3, 9)) + 0.4 * np.arange(3)[:, None]
 DESIGNS[2, 1, 5:] = np.nan

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import DataError
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.factorial import Factorial, factorial
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.factorial import Factorial, factorial
 
 
 def design(seed: int, shape: tuple[int, ...] = (2, 3, 4), least: int = 2) -> tuple[np.ndarray, dict[str, list[str]]]:

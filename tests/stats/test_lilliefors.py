@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from statsmodels.stats import _lilliefors_critical_values as published
 
-from emg2vsa.stats.lilliefors import lilliefors, lilliefors_survival
-from emg2vsa.stats.lilliefors_table import LARGER, LEVELS, SMALL, largest_d
-from emg2vsa.stats.normality import ks_normal
+from emg2vsa.statistics.lilliefors import lilliefors, lilliefors_survival
+from emg2vsa.statistics.lilliefors_table import LARGER, LEVELS, SMALL, largest_d
+from emg2vsa.statistics.normality import ks_normal
 
 
 def test_numbers_of_the_statistics_notes() -> None:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
-from emg2vsa.stats.reml import by_variances, cells_of, lowest
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.mixed_variances import MixedResiduals, MixedVariances, mixed_residuals, mixed_variances
+from emg2vsa.statistics.reml import by_variances, cells_of, lowest
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
 from tests.stats.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import SettingError
-from emg2vsa.stats.multiplicity import claim_family
+from emg2vsa.statistics.multiplicity import claim_family
 
 
 def test_holm_over_named_claims() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import special
 
-from emg2vsa.stats.effect_size import hedges_g, noncentral_f, noncentral_t, share_interval
+from emg2vsa.statistics.effect_size import hedges_g, noncentral_f, noncentral_t, share_interval
 
 
 def columns(*values: float) -> list[np.ndarray]:

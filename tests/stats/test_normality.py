@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from emg2vsa.stats.ks_exact import ks_survival
-from emg2vsa.stats.normality import ks_normal
+from emg2vsa.statistics.ks_exact import ks_survival
+from emg2vsa.statistics.normality import ks_normal
 
 
 def exact_survival(d: float, n: int) -> Fraction:

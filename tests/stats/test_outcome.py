@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.normality import ks_normal
-from emg2vsa.stats.post_hoc import lsd
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.normality import ks_normal
+from emg2vsa.statistics.post_hoc import lsd
 
 
 def test_holds_no_numpy() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from emg2vsa.stats.paired import paired_tests
+from emg2vsa.statistics.paired import paired_tests
 
 
 def test_paired_t_is_scipys() -> None:

@@ -13,11 +13,11 @@ from statsmodels.stats.oneway import anova_oneway
 from emg2vsa.companions.groups import group_tests
 from emg2vsa.companions.pairs import pair_tests
 from emg2vsa.errors import DataError
-from emg2vsa.stats import studentized_range
-from emg2vsa.stats.anova import brown_forsythe, one_way
-from emg2vsa.stats.multiplicity import Adjustment, adjust
-from emg2vsa.stats.post_hoc import lsd, tukey
-from emg2vsa.stats.welch import games_howell, welch
+from emg2vsa.statistics import studentized_range
+from emg2vsa.statistics.anova import brown_forsythe, one_way
+from emg2vsa.statistics.multiplicity import Adjustment, adjust
+from emg2vsa.statistics.post_hoc import lsd, tukey
+from emg2vsa.statistics.welch import games_howell, welch
 
 UPPER = np.triu_indices(4, 1)
 

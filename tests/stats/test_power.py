@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import special
 
 from emg2vsa.errors import SettingError
-from emg2vsa.stats.power import MEANING, n_for_power, power_rm, power_table
+from emg2vsa.statistics.power import MEANING, n_for_power, power_rm, power_table
 
 
 def mixture_power(n: int, m: int, f: float, rho: float, epsilon: float, alpha: float) -> float:

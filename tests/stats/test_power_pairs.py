@@ -10,8 +10,8 @@ from scipy import stats
 
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
-from emg2vsa.stats.power import fewest_people
-from emg2vsa.stats.power_pairs import effect_for_power, power_paired, power_tost
+from emg2vsa.statistics.power import fewest_people
+from emg2vsa.statistics.power_pairs import effect_for_power, power_paired, power_tost
 
 
 @pytest.mark.parametrize(("n", "effect", "alpha"), [(14, 0.5, 0.05), (5, 0.2, 0.01), (40, -0.3, 0.05), (3, 0.0, 0.2)])

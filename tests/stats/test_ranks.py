@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from emg2vsa.stats.differences import differences_at
-from emg2vsa.stats.friedman import friedman
-from emg2vsa.stats.kruskal import dunn, kruskal, midranks, smallest_worst_p
-from emg2vsa.stats.mann_whitney import mann_whitney
+from emg2vsa.statistics.differences import differences_at
+from emg2vsa.statistics.friedman import friedman
+from emg2vsa.statistics.kruskal import dunn, kruskal, midranks, smallest_worst_p
+from emg2vsa.statistics.mann_whitney import mann_whitney
 
 SEPARATED = np.arange(30.0).reshape(3, 10)
 
@@ -102,8 +102,8 @@ def test_differences_of_long_samples_are_those_of_all_of_them(monkeypatch: pytes
     values = np.round(rng.standard_normal((3, 4, 14)) * 3, 1)  # rounded: with ties
     values[0, 1, 5:] = np.nan
     direct = mann_whitney(values)
-    monkeypatch.setattr("emg2vsa.stats.differences._FEW", 0)
-    monkeypatch.setattr("emg2vsa.stats.differences._MANY", 20)
+    monkeypatch.setattr("emg2vsa.statistics.differences._FEW", 0)
+    monkeypatch.setattr("emg2vsa.statistics.differences._MANY", 20)
     searched = mann_whitney(values)
     for name in ("shift", "low", "high"):
         np.testing.assert_allclose(getattr(searched, name), getattr(direct, name), rtol=0, atol=1e-12)
@@ -113,7 +113,7 @@ def test_differences_of_long_samples_are_those_of_all_of_them(monkeypatch: pytes
 def test_order_statistics_of_differences_are_those_of_the_sorted_ones(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("emg2vsa.stats.differences._MANY", 2000)
+    monkeypatch.setattr("emg2vsa.statistics.differences._MANY", 2000)
     rng = np.random.default_rng(len(kind))
     for _ in range(10):
         n, m = rng.integers(200, 600, 2)

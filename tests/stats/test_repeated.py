@@ -11,8 +11,8 @@ from scipy import stats
 from statsmodels.stats.anova import AnovaRM
 
 from emg2vsa.errors import DataError
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.repeated import rm_anova
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.repeated import rm_anova
 
 
 def treated(seed: int, n: int = 14, k: int = 5) -> np.ndarray:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from emg2vsa.stats.agreement import icc
-from emg2vsa.stats.effect_size import hedges_g, paired_g
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.mixed_variances import mixed_variances
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.paired import paired_tests
-from emg2vsa.stats.repeated import rm_anova
-from emg2vsa.stats.unbalanced_mixed import unbalanced_mixed
+from emg2vsa.statistics.agreement import icc
+from emg2vsa.statistics.effect_size import hedges_g, paired_g
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.mixed_variances import mixed_variances
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.paired import paired_tests
+from emg2vsa.statistics.repeated import rm_anova
+from emg2vsa.statistics.unbalanced_mixed import unbalanced_mixed
 
 PERSON, SPECIMEN = np.indices((4, 3))
 ADDITIVE = (SPECIMEN + 1 + 3 * PERSON).astype(np.float64)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from emg2vsa.stats.shapiro import shapiro_wilk
+from emg2vsa.statistics.shapiro import shapiro_wilk
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 7, 10, 11, 12, 20, 50, 300, 5000])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from emg2vsa.stats.trend import Trend, trend
+from emg2vsa.statistics.trend import Trend, trend
 
 
 def study(seed: int, slope: float, people: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -8,9 +8,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from emg2vsa.stats.mixed import balanced_mixed
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
+from emg2vsa.statistics.mixed import balanced_mixed
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed, unbalanced_mixed
 from tests.stats.conftest import LMER, STUDIES, clusters, dense_minus_2_reml, study
 
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.extract import extract_trials
 from emg2vsa.recordings import Channel
 from emg2vsa.settings import CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.delays import DelayBudget
-from emg2vsa.trials import Trials
-from emg2vsa.trials.extract import extract_trials
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import SignalError
+from emg2vsa.extraction.contractions import contraction_levels_v
 from emg2vsa.settings import FilterSettings
-from emg2vsa.trials.contractions import contraction_levels_v
 
 
 def contraction(channel, level_v, seconds=6.0, held_s=2.0, seed=0):

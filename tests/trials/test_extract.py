@@ -9,10 +9,10 @@ import pytest
 from scipy import signal
 
 from emg2vsa.errors import SettingError, SignalError
+from emg2vsa.extraction.extract import _rests_differ
 from emg2vsa.settings import PAPER, CocontractionSettings, FilterSettings, ForceChannelSettings, WindowSettings
 from emg2vsa.signals.filters import one_pass_band_hz
 from emg2vsa.signals.pairing import Instants
-from emg2vsa.trials.extract import _rests_differ
 
 FS_HZ = 1000.0
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]

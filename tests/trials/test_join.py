@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from emg2vsa.errors import SignalError
-from emg2vsa.trials import Trials
-from emg2vsa.trials.join import _JOINED, join_trials
+from emg2vsa.extraction import Trials
+from emg2vsa.extraction.join import _JOINED, join_trials
 
 RISE = [(0, 0), (2.6, 7.6), (2.9, 7.6), (3.6, 0)]
 

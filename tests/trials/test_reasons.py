@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.trials.reasons import grouped, most_frequent
+from emg2vsa.extraction.reasons import grouped, most_frequent
 
 
 def test_equal_reasons_are_one_line_with_the_range_of_their_numbers():

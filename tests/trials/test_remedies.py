@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from emg2vsa.trials.remedies import REMEDIES, remedy_of
+from emg2vsa.extraction.remedies import REMEDIES, remedy_of
 from scripts.reasons import table
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "coordinator.md"

@@ -12,9 +12,9 @@ from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.readers.bids_sidecars import session_events, side_file_paths
 
 if TYPE_CHECKING:
+    from emg2vsa.extraction import Trials
     from emg2vsa.pipeline.campaign import Campaign
     from emg2vsa.settings import ChannelSettings, CocontractionSettings, FilterSettings, ReadingSettings, WindowSettings
-    from emg2vsa.trials import Trials
 
 LOUD = "NYQUIST RULE"
 """Notes that begin so are said on screen, not only recorded: the study asked for a filter that cannot be built."""
@@ -58,7 +58,7 @@ def _role(name: str, number: int) -> str:
 
 def run(given: Given) -> Trials:
     """The presses of one recording, or of all of the item's; one that cannot be used is left out of several."""
-    from emg2vsa.trials.join import join_trials
+    from emg2vsa.extraction.join import join_trials
 
     given_settings = dict(given.settings)
     further = given_settings.pop("further")
@@ -102,8 +102,8 @@ def _part(given: Given, number: int, channels: ChannelSettings, fault: str, shar
 
 def _with_contractions(files: Sequence[Path], used: dict[str, Any]) -> CocontractionSettings:
     """The settings with the levels of recorded maximum contractions in the place of typed ones."""
+    from emg2vsa.extraction.contractions import contraction_levels_v
     from emg2vsa.readers.roles import read_emg
-    from emg2vsa.trials.contractions import contraction_levels_v
 
     recordings = [read_emg(path, used["channels"], used["reading"]) for path in files]
     cocontraction: CocontractionSettings = used["cocontraction"]
@@ -131,10 +131,10 @@ def trials_of(
 
     Raises as ``read_roles`` and ``extract_trials``.
     """
+    from emg2vsa.extraction.extract import extract_trials
+    from emg2vsa.extraction.remedies import remedy_of
     from emg2vsa.readers.roles import read_roles
     from emg2vsa.readers.session_events import only_counted, session_presses
-    from emg2vsa.trials.extract import extract_trials
-    from emg2vsa.trials.remedies import remedy_of
 
     roles = read_roles(emg_file, force_file, channels, reading, cal_file)
     trials = extract_trials(
@@ -167,5 +167,5 @@ STAGE = Stage(
     files=files,
     says=says,
     alone=8,
-    loads=("emg2vsa.readers.roles", "emg2vsa.trials.extract"),
+    loads=("emg2vsa.readers.roles", "emg2vsa.extraction.extract"),
 )

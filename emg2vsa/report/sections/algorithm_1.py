@@ -20,7 +20,7 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Table, rows_of
 from emg2vsa.runs import FirstContact, RunScores
-from emg2vsa.stats.kruskal import midranks
+from emg2vsa.statistics.kruskal import midranks
 
 _ANGLE_DEG = 45.0
 """Of the paper's Fig. 2."""

@@ -28,14 +28,14 @@ from emg2vsa.report.section import Claim, Quantities, Section, not_tested, of_pe
 from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
 from emg2vsa.report.verdicts import dunn_bounds, how_many
 from emg2vsa.report.wording import NO_BREAK, bounded, listed, p_text, percent
-from emg2vsa.stats.clusters import Names
-from emg2vsa.stats.ks_exact import ks_survival
-from emg2vsa.stats.mixed import MixedModel
-from emg2vsa.stats.outcome import Outcome
-from emg2vsa.stats.power import power_anova
-from emg2vsa.stats.studentized_range import survival
-from emg2vsa.stats.trend import trend
-from emg2vsa.stats.unbalanced_mixed import UnbalancedMixed
+from emg2vsa.statistics.clusters import Names
+from emg2vsa.statistics.ks_exact import ks_survival
+from emg2vsa.statistics.mixed import MixedModel
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.power import power_anova
+from emg2vsa.statistics.studentized_range import survival
+from emg2vsa.statistics.trend import trend
+from emg2vsa.statistics.unbalanced_mixed import UnbalancedMixed
 
 
 def _quantities(results: StudyResults) -> Items:
@@ -314,12 +314,13 @@ def _statements(found: Hypotheses) -> Table:
     columns = (Column("key", "Of"), Column("method", "Test"), *(Column(style, _HEADS[style]) for style in STYLES))
     rows = tuple(
         {"key": key, "method": outcome.method} | {style: said(outcome, style) for style in STYLES}
-        for key, outcome in _outcomes(found)
+        for key, outcome in outcomes(found)
     )
     return Table("statements", "Results as text", columns, rows)
 
 
-def _outcomes(found: Hypotheses) -> Iterator[tuple[str, Outcome]]:
+def outcomes(found: Hypotheses) -> Iterator[tuple[str, Outcome]]:
+    """Every test of the study, with what it tests."""
     tests = found.tests
     if tests.blocks is not None:
         for outcome in tests.blocks.outcomes():

@@ -14,9 +14,9 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Quantities, Section
 from emg2vsa.report.table import Column, Row, Table, activity_column, rows_of
 from emg2vsa.report.wording import number
-from emg2vsa.stats.factorial import Factorial
-from emg2vsa.stats.mixed_variances import SOURCES, MixedResiduals, MixedVariances
-from emg2vsa.stats.multiplicity import ClaimFamily, claim_family
+from emg2vsa.statistics.factorial import Factorial
+from emg2vsa.statistics.mixed_variances import SOURCES, MixedResiduals, MixedVariances
+from emg2vsa.statistics.multiplicity import ClaimFamily, claim_family
 
 _SAYS = {
     "specimens_within_participants": "b differs between specimens in every participant (ANOVA)",

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from emg2vsa.extraction.reasons import most_frequent
 from emg2vsa.fits import by_recording
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items
@@ -16,7 +17,6 @@ from emg2vsa.report.table import Cell, Column, Row, Table, records, rows_of
 from emg2vsa.report.wording import count
 from emg2vsa.session_verdict import doubts_between
 from emg2vsa.study import RecordingEntry
-from emg2vsa.trials.reasons import most_frequent
 
 
 def _applies(results: StudyResults) -> bool:

@@ -13,7 +13,7 @@ from emg2vsa.report.numbers import Items
 from emg2vsa.report.section import Claim, Quantities, Section, of_people, verdict_of_all
 from emg2vsa.report.table import Column, Table
 from emg2vsa.report.wording import bounded, count
-from emg2vsa.stats.power import power_rm, power_table
+from emg2vsa.statistics.power import power_rm, power_table
 
 _PARTICIPANTS, _REPETITIONS, _ALPHA = 14, 10, 0.05
 _PLANNED = "Sample size: 14 people by ten measurements"

@@ -18,7 +18,7 @@ from casr.contact_area.library_front import FREE_MISFIT, library_front
 from casr.dome.library import SHIPPED, Library, worlds
 from casr.errors import CameraError, PinsError
 from casr.front_spread import FORCE_ZERO_SD_N, front_doubt, front_spread
-from casr.score import score
+from casr.scoring import score
 from casr.spread import SpreadRate, spread_rate
 from casr.synthetic import ContactWorld, PressSettings, Scene, TabulatedWorld, TimelineSettings, World, simulate_press
 

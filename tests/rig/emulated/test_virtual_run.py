@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.rig.logs import read_log
 from casr.frame_files import open_frames, read_force_log
-from casr.score import score
+from casr.scoring import score
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DeviceError, ScheduleError, SettingError
 from emg2vsa.rig.devices import Frame

@@ -1,0 +1,35 @@
+"""What ``import casr`` offers in Python besides the classes themselves: one press from its files to its score."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from casr.errors import SettingError
+from casr.frame_files import open_frames
+from casr.frames import FrameSequence
+from casr.scored import Score, ScoreSettings
+from casr.scoring import score as score_frames
+
+
+def score(press: str | PathLike[str] | FrameSequence, settings: ScoreSettings | None = None, **files: Any) -> Score:
+    """Contact area spread rate (CASR) of one press, with the contact area of every frame of the loading phase.
+
+    Parameters
+    ----------
+    press : a press folder (frames, force.csv, camera.toml), a TIFF, AVI, MP4 or .npy file, or what `open_frames` gave.
+    settings : how; the defaults are those of ``casr score``.
+    files : ``force``, ``camera``, ``column``, ``force_rule`` of `open_frames`, where ``press`` is a path.
+
+    `Score.rate`, `Score.interval` and `Score.area` are the answer; `frame_table` has a row a frame.
+    Raises as `open_frames` and ``casr.scoring.score``: a `CasrError` that names file, frame and what to do.
+    """
+    if isinstance(press, FrameSequence):
+        if files:
+            found = ", ".join(files)
+            do = "Give them to open_frames."
+            raise SettingError("score", wanted="no files beside frames that are open", found=found, do=do)
+        return score_frames(press, settings)
+    named = {key: Path(value) if key in ("force", "camera") else value for key, value in files.items()}
+    return score_frames(open_frames(Path(press), **named), settings)

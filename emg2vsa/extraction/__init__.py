@@ -1,0 +1,92 @@
+"""The stage from signals to trials: its product. ``emg2vsa.extraction.extract`` makes it.
+
+The product stands apart from its making, so that what only reads trials does not load the filters.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.signals.delays import DelayBudget
+from emg2vsa.signals.overview import EmgOverview
+
+__all__ = ["DelayBudget", "Trials"]
+
+
+@dataclass(frozen=True)
+class Trials:
+    """The presses of one recording in time order; (n,) unless said, times on the recording's clock.
+
+    Rejected trials stay. ``offsets`` cuts the ragged arrays: trial i is ``[offsets[i]:offsets[i + 1]]``.
+    """
+
+    participant: str
+    specimen: str
+    muscles: tuple[str, ...]
+    repetition: Ints
+    "From 1, in time order."
+    start_s: Floats
+    "Last rise through the lower force before the upper force is first reached."
+    stop_s: Floats
+    "First reach of the upper force; of a press that never reaches it, its peak."
+    duration_s: Floats
+    peak_force_n: Floats
+    falling_share: Floats
+    "Share of the force path between start and stop that falls, noise left out."
+    snr_db: Floats
+    "Mean envelope over that of the rest, of the muscle with the lowest; NaN without a rest."
+    verdict: NDArray[np.str_]
+    "ok, warned or rejected."
+    reasons: tuple[str, ...]
+    fs_hz: float
+    "Rate of the ragged arrays."
+    offsets: Ints
+    "(n + 1,)"
+    force_n: Floats
+    "(N,) tared and filtered, at the instants of the envelopes."
+    activity: Floats
+    "(N,) co-contraction, in ``activity_unit``."
+    envelopes_v: Floats
+    "(muscles, N) volts."
+    activity_unit: str
+    "V, or 1 for normalised and ratio indices."
+    rest_force_n: float
+    "Median of the tare that was subtracted."
+    rest_envelope_v: Floats
+    "(muscles,) envelope at rest; NaN without a rest."
+    mains_ratio: Floats
+    "(muscles,) largest share of power at the mains in any trial."
+    clip_share: Floats
+    "(muscles,) largest share of clipped samples in any trial."
+    overview_time_s: Floats
+    "(k,) about 10 Hz over the whole record."
+    overview_force_n: Floats
+    "(k,) tared, filtered force."
+    delay: DelayBudget
+    notes: tuple[str, ...]
+    "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
+    lag_s: float = math.nan
+    "Force follows EMG so late (``estimate_lag``), filters and stated delays aside; NaN where it is not known."
+    lag_se_s: float = math.nan
+    "Its standard error."
+    lag_bias: Floats = field(default_factory=lambda: np.empty(0))
+    "Share by which the lag that was left in is expected to change b; 0 where it is not certain, or was taken out."
+    floor_bias: Floats = field(default_factory=lambda: np.empty(0))
+    "Share by which the rest level flattens b while it stays in the envelope; NaN where it cannot be said."
+    floor_subtracted: bool = False
+    "Whether that level was subtracted in power, so that ``floor_bias`` is what b was corrected by."
+    tare: str = "rest"
+    "rest: on the lulls; none: as the study says; impossible: the record never rests, and every press says so."
+    zero_shift_n: Floats = field(default_factory=lambda: np.empty(0))
+    "How far the force's zero moves around each press beside its steady drift, newtons; NaN where it is not known."
+    fault: str = ""
+    "A mistake in the file or the study file that rejects every press, such as a wrong sign or unit; empty if none."
+    remarks: tuple[str, ...] = ()
+    "What is doubtful about the recording as a whole; its presses are used."
+    overviews: tuple[EmgOverview, ...] = ()
+    "The raw EMG of each recording, for its picture."

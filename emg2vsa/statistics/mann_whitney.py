@@ -1,0 +1,167 @@
+"""Two groups by their ranks: Wilcoxon-Mann-Whitney, exact with ties, for all pairs of groups of many designs.
+
+The exact law of the rank sum of one of two groups, ties included, counts every way to deal the ranks out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import special
+
+from emg2vsa.arrays import Floats, Ints
+from emg2vsa.statistics.differences import differences_at
+from emg2vsa.statistics.kruskal import midranks
+from emg2vsa.statistics.moments import shifted_doubles
+from emg2vsa.statistics.outcome import Outcome
+from emg2vsa.statistics.post_hoc import pair_numbers
+
+MOST_EXACT = 100
+"""Values of both groups together up to which counting is done."""
+
+
+@dataclass(frozen=True)
+class MannWhitney:
+    """All q pairs of k groups of d designs, as ``pair_numbers`` has them; (d, q), NaN where undefined.
+
+    u : pairs of values of which the first group's is larger, ties count half. p : two-sided. rank_biserial :
+    2 U / (n1 n2) - 1. shift : Hodges-Lehmann, the median difference, with its interval low to high at ``confidence``.
+    """
+
+    u: Floats
+    p: Floats
+    rank_biserial: Floats
+    shift: Floats
+    low: Floats
+    high: Floats
+    n1: Ints
+    n2: Ints
+    confidence: float
+
+    def outcome(self, i: int = 0, pair: int = 0) -> Outcome:
+        large = self.n1[i, pair] + self.n2[i, pair] > MOST_EXACT
+        return Outcome(
+            method="Mann-Whitney, " + ("normal" if large else "exact (all permutations, ties kept)"),
+            n=int(self.n1[i, pair] + self.n2[i, pair]),
+            statistic_name="U",
+            statistic=float(self.u[i, pair]),
+            p=float(self.p[i, pair]),
+            estimate_name="Hodges-Lehmann shift",
+            estimate=float(self.shift[i, pair]),
+            interval=(float(self.low[i, pair]), float(self.high[i, pair])),
+            confidence=self.confidence,
+            effect_name="rank-biserial",
+            effect_size=float(self.rank_biserial[i, pair]),
+            notes=self._notes(i, pair, large),
+        )
+
+    def _notes(self, i: int, pair: int, large: bool) -> tuple[str, ...]:
+        if np.isnan(self.p[i, pair]):
+            return ("undefined: a group has no values",)
+        return (f"more than {MOST_EXACT} values: normal instead of exact",) if large else ()
+
+
+def mann_whitney(values: ArrayLike, confidence: float = 0.95) -> MannWhitney:
+    """Test every pair of groups of ``values`` (d, k, n), or of one design (k, n); NaN: no value there.
+
+    p is exact, P(|U - mean| >= |u - mean|) over all ways to deal the observed, possibly tied, values out; for more than
+    100 values normal, with the variance corrected for ties, which for two groups is Kruskal-Wallis.
+    """
+    doubles, _ = shifted_doubles(values)
+    doubles = np.sort(np.where(np.isfinite(doubles), doubles, np.nan), axis=2)  # once, not for every pair
+    first, second = pair_numbers(doubles.shape[1])
+    left, right = doubles[:, first], doubles[:, second]
+    n1, n2 = (np.count_nonzero(~np.isnan(side), axis=2) for side in (left, right))
+    ranks = midranks(np.concatenate([left, right], axis=2))
+    own = ranks[..., : left.shape[2]]
+    rank_sum = np.sum(own, axis=2, where=~np.isnan(own))
+    u = np.where((n1 > 0) & (n2 > 0), rank_sum - n1 * (n1 + 1) / 2, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        biserial = 2 * u / (n1 * n2) - 1
+        p = _exact_p(_normal_p(u, ranks, n1, n2), ranks, rank_sum, n1, n2)
+    shift, low, high = _shift(left, right, n1, n2, confidence)
+    return MannWhitney(u, p, biserial, shift, low, high, n1, n2, confidence)
+
+
+def _normal_p(u: Floats, ranks: Floats, n1: Ints, n2: Ints) -> Floats:
+    total = n1 + n2
+    centred = ranks - ((total + 1) / 2)[..., None]
+    variance = np.sum(centred**2, axis=2, where=~np.isnan(ranks)) * n1 * n2 / (total * (total - 1.0))
+    distance = np.abs(u - n1 * n2 / 2)
+    return np.asarray(2 * special.ndtr(-distance / np.sqrt(variance)))
+
+
+def _exact_p(p: Floats, ranks: Floats, rank_sum: Floats, n1: Ints, n2: Ints) -> Floats:
+    """``p`` with the exact one where the groups are small enough; equal tie patterns share one distribution."""
+    exact = p.copy()
+    small = (n1 > 0) & (n2 > 0) & (n1 + n2 <= MOST_EXACT)
+    patterns: dict[tuple[int, bytes], list[tuple[int, int]]] = {}
+    for i, j in np.argwhere(small):
+        row = ranks[i, j]
+        doubled = np.sort(np.rint(2 * row[~np.isnan(row)]).astype(np.int64))
+        patterns.setdefault((int(n1[i, j]), doubled.tobytes()), []).append((i, j))
+    for (size, pattern), places in patterns.items():
+        at = tuple(np.transpose(places))
+        doubled = np.frombuffer(pattern, dtype=np.int64)
+        exact[at] = _rank_sum_p(np.rint(2 * rank_sum[at]).astype(np.int64), doubled, size)
+    return exact
+
+
+def _shift(left: Floats, right: Floats, n1: Ints, n2: Ints, confidence: float) -> tuple[Floats, Floats, Floats]:
+    """Median of all differences, and the differences between which the interval lies (Hodges and Lehmann 1963)."""
+    count = n1 * n2
+    reach = _shift_reach(n1, n2, confidence)
+    places = np.stack([(count - 1) // 2, count // 2, reach, count - 1 - reach]).astype(np.int64)
+    found = np.where(count > 0, differences_at(left, right, places), np.nan)
+    low, high = np.where(reach >= 0, found[2], -np.inf), np.where(reach >= 0, found[3], np.inf)
+    return (found[0] + found[1]) / 2, low, high
+
+
+def _rank_sum_p(doubled_sum: Ints, doubled_ranks: Ints, n1: int) -> Floats:
+    """Two-sided p of rank sums (j,) of n1 out of N values with ``doubled_ranks`` (N,); both doubled, to be integers.
+
+    P(|W - mean| >= |w - mean|); the mean is n1 (N + 1) / 2 whatever the ties.
+    """
+    law = _law(doubled_ranks, n1)
+    centre = n1 * (doubled_ranks.size + 1)  # doubled
+    distance = np.abs(np.arange(law.size) - centre)
+    order = np.argsort(-distance, kind="stable")
+    # summed from the far end inwards, small terms first; every sum at the same distance belongs to the tail
+    tail = np.cumsum(law[order])
+    reached = np.searchsorted(-distance[order], -np.abs(doubled_sum - centre), side="right") - 1
+    return np.minimum(tail[reached], 1.0)
+
+
+def _shift_reach(n1: Ints, n2: Ints, confidence: float) -> Ints:
+    """Place, from 0, of the lowest of the ordered differences inside the interval; -1: it has no lower end.
+
+    The largest c with P(U <= c) <= tail for untied values; exact for up to 100 values, normal beyond.
+    """
+    tail = (1 - confidence) / 2
+    reach = np.full(np.broadcast(n1, n2).shape, -1, dtype=np.int64)
+    for size1, size2 in set(zip(np.ravel(n1).tolist(), np.ravel(n2).tolist(), strict=True)):
+        if size1 > 0 and size2 > 0:
+            reach[(n1 == size1) & (n2 == size2)] = _reach(size1, size2, tail)
+    return reach
+
+
+def _reach(n1: int, n2: int, tail: float) -> int:
+    total = n1 + n2
+    if total > MOST_EXACT:
+        sd = np.sqrt(n1 * n2 * (total + 1) / 12)
+        return int(np.floor(n1 * n2 / 2 + special.ndtri(tail) * sd - 0.5))
+    law = _law(2 * np.arange(1, total + 1), n1)[n1 * (n1 + 1) :: 2]  # of U = 0, 1, ...
+    return int(np.count_nonzero(np.cumsum(law) <= tail)) - 1
+
+
+def _law(doubled_ranks: Ints, n1: int) -> Floats:
+    """Probability of every doubled rank sum 0, 1, ..., of n1 values drawn without replacement."""
+    total = int(np.sum(np.sort(doubled_ranks)[-n1:]))
+    ways = np.zeros((n1 + 1, total + 1))
+    ways[0, 0] = 1.0
+    for taken, rank in enumerate(doubled_ranks.tolist(), start=1):
+        most = min(taken, n1)
+        ways[1 : most + 1, rank:] += ways[:most, : total + 1 - rank]
+    return np.asarray(ways[n1] / special.binom(doubled_ranks.size, n1))
