@@ -1,7 +1,8 @@
 """Mistakes that leave a recording readable and its numbers wrong, each recognised by what it does to the samples.
 
 A remark says what was found and asks for the cause; ``emg2vsa.extraction.reasons`` holds the remedy of each. Limits
-were set on simulated mishaps and on clean signals of many kinds (benchmarks/mishaps.py, benchmarks/verdict_thresholds.py).
+were set on simulated mishaps and on clean signals of many kinds (benchmarks/mishaps.py,
+benchmarks/verdict_thresholds.py).
 """
 
 from __future__ import annotations
