@@ -11,21 +11,8 @@ In Python::
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
-
-if TYPE_CHECKING:
-    from casr.errors import CasrError as CasrError
-    from casr.frame_files import find_presses as find_presses
-    from casr.frame_files import open_frames as open_frames
-    from casr.frame_files import read_camera as read_camera
-    from casr.press_tables import frame_table as frame_table
-    from casr.public import score as score
-    from casr.scored import Score as Score
-    from casr.scored import ScoreSettings as ScoreSettings
-    from casr.stream import StreamScorer as StreamScorer
-    from casr.synthetic import simulate_press as simulate_press
 
 _NAMES = {
     "CasrError": "errors",
@@ -43,7 +30,7 @@ _NAMES = {
 __all__ = ["__version__", *_NAMES]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _NAMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)

@@ -14,24 +14,8 @@ The stages are modules, in the order of the data: recordings, extraction, fits, 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 from casr import __version__ as __version__
-
-if TYPE_CHECKING:
-    from emg2vsa.errors import Emg2vsaError as Emg2vsaError
-    from emg2vsa.public.recordings import Recording as Recording
-    from emg2vsa.public.recordings import channels as channels
-    from emg2vsa.public.recordings import fit as fit
-    from emg2vsa.public.recordings import read as read
-    from emg2vsa.public.recordings import samples as samples
-    from emg2vsa.public.recordings import trials as trials
-    from emg2vsa.public.results import Results as Results
-    from emg2vsa.public.results import load as load
-    from emg2vsa.public.results import run as run
-    from emg2vsa.public.schedules import schedule as schedule
-    from emg2vsa.public.settings import Settings as Settings
-    from emg2vsa.public.tests import stats as stats
 
 _NAMES = {
     "Emg2vsaError": "errors",
@@ -52,7 +36,7 @@ _NAMES = {
 __all__ = ["__version__", *_NAMES]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _NAMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"{__name__}.{_NAMES[name]}"), name)
