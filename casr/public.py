@@ -31,5 +31,5 @@ def score(press: str | PathLike[str] | FrameSequence, settings: ScoreSettings | 
             do = "Give them to open_frames."
             raise SettingError("score", wanted="no files beside frames that are open", found=found, do=do)
         return score_frames(press, settings)
-    named = {key: Path(value) if key in ("force", "camera") else value for key, value in files.items()}
+    named: dict[str, Any] = {key: Path(value) if key in ("force", "camera") else value for key, value in files.items()}
     return score_frames(open_frames(Path(press), **named), settings)
