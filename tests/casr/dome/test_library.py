@@ -57,7 +57,7 @@ def test_tables_come_back_from_the_grid() -> None:
     arrays = arrays_of(5.3)
     force = np.interp([3.0, 6.0, 9.0], arrays["contact_radius_mm"], arrays["force_n"])
     np.testing.assert_allclose(np.interp([3.0, 6.0, 9.0], library.radius_mm, library.force_n[row]), force, rtol=1e-9)
-    motion = library.motion_at(np.array([5.0]), np.array([row]), slice(None))[:, 0, :, 0]
+    motion = library.motion_at(np.array([5.0]), np.array([row]), slice(None))[:, 0, 0]
     assert motion.shape == (3, library.radius_mm.size)
 
 
