@@ -75,12 +75,12 @@ class DisplacementField:
         return np.asarray(left.view(np.float64))
 
     def _shapes(self, p: Array) -> tuple[Points, Points]:
-        centre, ellipse = p[:, :1] + 1j * p[:, 1:2], p[:, 3:4] + 1j * p[:, 4:5]
+        centre, ellipse = p[..., :1] + 1j * p[..., 1:2], p[..., 3:4] + 1j * p[..., 4:5]
         away = self.rest - centre
-        return _skin_shapes(away, _edges_away(away, p[:, 2:3], ellipse), self.middle - centre, np.exp(p[:, 5:6]))
+        return _skin_shapes(away, _edges_away(away, p[..., 2:3], ellipse), self.middle - centre, np.exp(p[..., 5:6]))
 
     def residuals(self, p: Array) -> tuple[Array, Array]:
-        """(P, 2N) residuals and (P, 2) strengths of bending and stretching, of (P, 6) parameters."""
+        """(..., 2N) residuals and (..., 2) strengths of bending and stretching, of (..., 6) parameters."""
         bent, stretched = shapes = [self._unshifted(shape) for shape in self._shapes(p)]
         bb, bs, ss = ((a * b).sum(axis=-1) for a, b in ((bent, bent), (bent, stretched), (stretched, stretched)))
         bd, sd = (shape @ self._target for shape in shapes)
@@ -89,7 +89,7 @@ class DisplacementField:
         # where one comes out negative the other does without it
         bending, stretching = np.where(stretching < 0, bd / bb, bending), np.where(bending < 0, sd / ss, stretching)
         strengths = np.maximum(np.stack([bending, stretching], axis=-1), 0.0)
-        return self._target - strengths[:, :1] * bent - strengths[:, 1:] * stretched, strengths
+        return self._target - strengths[..., :1] * bent - strengths[..., 1:] * stretched, strengths
 
     def trusting(self, p: Array) -> DisplacementField:
         """The same field with less trust in pins far from the contact or far off the model."""
@@ -103,33 +103,37 @@ class DisplacementField:
         return float((self.residuals(p[None])[0] ** 2).sum())
 
     def derivatives(self, p: Array) -> Array:
-        """(2N, 6) Jacobian of the residuals."""
-        ahead, behind = self.residuals(np.concatenate([p + np.diag(STEPS), p - np.diag(STEPS)]))[0].reshape(2, 6, -1)
-        return np.asarray(((ahead - behind) / (2 * STEPS[:, None])).T)
+        """(K, 6, 2N) of the residuals by the parameters (K, 6)."""
+        around = p[:, None] + np.concatenate([np.diag(STEPS), -np.diag(STEPS)])
+        ahead, behind = np.split(self.residuals(around)[0], 2, axis=1)
+        return np.asarray((ahead - behind) / (2 * STEPS[:, None]))
 
     def lowest(self, starts: list[Array], enough: float = ENOUGH) -> Array:
         """The best of the minima that these lead to."""
-        return min((self.minimised(start, enough) for start in starts), key=self.cost)
+        return min(self.minimised(np.array(starts), enough), key=self.cost)
 
     def minimised(self, p: Array, enough: float) -> Array:
-        damping, errors = 1e-2, self.residuals(p[None])[0][0]
-        cost = float(errors @ errors)
+        """(K, 6) where Levenberg-Marquardt leads to from (K, 6), each for itself but all at once."""
+        p, damping, going = p.copy(), np.full(len(p), 1e-2), np.arange(len(p))
+        errors = self.residuals(p[:, None])[0][:, 0]
+        cost = np.array([float(each @ each) for each in errors])
         for _ in range(MAX_ITERATIONS):
-            jacobian = self.derivatives(p)
-            normal, gradient = jacobian.T @ jacobian, jacobian.T @ errors
-            dampings = damping * TRIAL_DAMPINGS
-            ridge = (np.diag(normal) + 1e-9) * np.eye(6) * dampings[:, None, None]
-            steps = np.linalg.solve(normal + ridge, np.broadcast_to(gradient[:, None], (dampings.size, 6, 1)))[..., 0]
-            trials = p - np.clip(steps, -REACH, REACH)
+            slopes, dampings = self.derivatives(p[going]), damping[going, None] * TRIAL_DAMPINGS
+            normal, gradient = slopes @ slopes.transpose(0, 2, 1), slopes @ errors[going, :, None]
+            diagonal = np.diagonal(normal, axis1=1, axis2=2) + 1e-9
+            ridge = (diagonal[:, None] * np.eye(6))[:, None] * dampings[..., None, None]
+            steps = np.linalg.solve(normal[:, None] + ridge, np.repeat(gradient[:, None], TRIAL_DAMPINGS.size, axis=1))
+            trials = p[going, None] - np.clip(steps[..., 0], -REACH, REACH)
             trial_errors = self.residuals(trials)[0]
             costs = (trial_errors**2).sum(axis=-1)
-            chosen = int(np.argmin(costs))
-            gain = cost - float(costs[chosen])
-            if gain <= 0:
-                break
-            p, errors, cost, damping = trials[chosen], trial_errors[chosen], float(costs[chosen]), dampings[chosen] / 10
-            damping = max(damping, 1e-9)
-            if gain < enough * cost:
+            least = np.arange(going.size), np.argmin(costs, axis=1)
+            gain = cost[going] - costs[least]
+            better = gain > 0
+            going, gain, least = going[better], gain[better], tuple(each[better] for each in least)
+            p[going], errors[going], cost[going] = trials[least], trial_errors[least], costs[least]
+            damping[going] = np.maximum(dampings[least] / 10, 1e-9)
+            going = going[gain >= enough * cost[going]]
+            if not going.size:
                 break
         return p
 
@@ -142,7 +146,7 @@ class DisplacementField:
 
     def standard_errors(self, p: Array) -> Array:
         """(6,) of the parameters."""
-        jacobian = self.derivatives(p)
+        jacobian = self.derivatives(p[None])[0].T
         freedom = self._target.size - p.size - LINEAR
         return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * self.cost(p) / freedom)
 
