@@ -30,9 +30,7 @@ def counted_pins(
         return None
 
 
-def _counted(
-    frames: FrameSequence, settings: RunSettings, repetition: int, seen: SkinScore | None
-) -> FirstContact:
+def _counted(frames: FrameSequence, settings: RunSettings, repetition: int, seen: SkinScore | None) -> FirstContact:
     frames, asked = asked_of(frames, settings, settings.recipe_of("paper"), "skin")
     force_n = press_forces(frames, asked).force_n
     phase = loading_phase(force_n, start_n=asked.force_start_n, stop_n=asked.force_stop_n)
