@@ -25,8 +25,8 @@ def _edges_away(from_centre: Points, log_size: Array, ellipse: Points) -> Array:
     return np.asarray(np.abs(np.cosh(oblong) * from_centre + turned * from_centre.conj()) / np.exp(log_size))
 
 
-def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radius: Array) -> tuple[Points, Points]:
-    """Displacements of unit growth inside the contact: of a skin that bends, and of one that stretches.
+def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radius: Array) -> Points:
+    """Displacements (2, ...) of unit growth inside the contact: of a skin that bends, and of one that stretches.
 
     *Bending.* A pin is a lever on the skin, its tip moves by pin length times the change of slope under it. Inside the
     contact the dome is flattened, which is linear in the distance from the centre; outside, a half-space leaves
@@ -48,7 +48,7 @@ def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radi
     rim = np.sqrt(np.maximum(along**2 + rim_radius**2 - np.abs(rim_centre) ** 2, 0.0)) + along
     rim = np.maximum(rim, NEAREST_RIM * distance * inward)
     stretching = inward * np.clip((rim - distance) / (rim - distance * inward), 0.0, 1.0)
-    return from_centre * bending, from_centre * np.where(edges > 1, stretching, 1.0)
+    return from_centre * np.stack([bending, np.where(edges > 1, stretching, 1.0)])
 
 
 STEPS = np.array([0.02, 0.02, 1e-3, 1e-3, 1e-3, 1e-3])  # of the numerical derivatives, px or 1
@@ -74,16 +74,16 @@ class DisplacementField:
         left = (points - (points @ self._share)[..., None]) * self._root
         return np.asarray(left.view(np.float64))
 
-    def _shapes(self, p: Array) -> tuple[Points, Points]:
+    def _shapes(self, p: Array) -> Points:
         centre, ellipse = p[..., :1] + 1j * p[..., 1:2], p[..., 3:4] + 1j * p[..., 4:5]
         away = self.rest - centre
         return _skin_shapes(away, _edges_away(away, p[..., 2:3], ellipse), self.middle - centre, np.exp(p[..., 5:6]))
 
     def residuals(self, p: Array) -> tuple[Array, Array]:
         """(..., 2N) residuals and (..., 2) strengths of bending and stretching, of (..., 6) parameters."""
-        bent, stretched = shapes = [self._unshifted(shape) for shape in self._shapes(p)]
-        bb, bs, ss = ((a * b).sum(axis=-1) for a, b in ((bent, bent), (bent, stretched), (stretched, stretched)))
-        bd, sd = (shape @ self._target for shape in shapes)
+        bent, stretched = shapes = self._unshifted(self._shapes(p))
+        (bb, ss), bs = (shapes * shapes).sum(axis=-1), (bent * stretched).sum(axis=-1)
+        bd, sd = shapes @ self._target
         spread = np.maximum(bb * ss - bs**2, 1e-12 * bb * ss)
         bending, stretching = (ss * bd - bs * sd) / spread, (bb * sd - bs * bd) / spread
         # where one comes out negative the other does without it
@@ -140,7 +140,7 @@ class DisplacementField:
     def strengths(self, p: Array) -> tuple[Array, complex]:
         """(2,) of bending and stretching, and the common shift x + iy."""
         strengths = self.residuals(p[None])[1][0]
-        bent, stretched = (shape[0] for shape in self._shapes(p[None]))
+        bent, stretched = self._shapes(p[None])[:, 0]
         left = self.displacement - strengths[0] * bent - strengths[1] * stretched
         return strengths, complex(left @ self._share)
 

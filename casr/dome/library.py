@@ -78,7 +78,7 @@ class Library:
         low = place.astype(np.intp)
         share = (place - low).astype(np.float32)[:, None, None]
         motion = self._by_arc[:, :, worlds][..., radii]
-        between = motion.take(low, axis=1)
+        between: NDArray[np.float32] = motion.take(low, axis=1)
         between *= 1 - share
         above = motion.take(low + 1, axis=1)
         above *= share

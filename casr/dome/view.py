@@ -131,7 +131,7 @@ class PinsAroundAxis:
         )
 
         def coordinate(k: int) -> NDArray[Real]:
-            place = out * outward[k]
+            place: NDArray[Real] = out * outward[k]
             place += tips[k]
             place += up * kind.type(self.axis[k])
             if pulled_mm is not None:

@@ -153,9 +153,10 @@ def _fitted_from(
         if not beyond.size:
             return "the force does not rise within these frames"
         n = max(int(beyond[0]), FEWEST_MOVING)
-        law = law_of(n)
-        if isinstance(law, str):
-            return law
+        found = law_of(n)
+        if isinstance(found, str):
+            return found
+        law = found
         before_s, lag_s = lag_s, law.best_lag_s
         if abs(lag_s - before_s) < FINEST_S:
             break
