@@ -48,7 +48,7 @@ def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radi
     rim = np.sqrt(np.maximum(along**2 + rim_radius**2 - np.abs(rim_centre) ** 2, 0.0)) + along
     rim = np.maximum(rim, NEAREST_RIM * distance * inward)
     stretching = inward * np.clip((rim - distance) / (rim - distance * inward), 0.0, 1.0)
-    return from_centre * np.stack([bending, np.where(edges > 1, stretching, 1.0)])
+    return np.asarray(from_centre * np.stack([bending, np.where(edges > 1, stretching, 1.0)]))
 
 
 STEPS = np.array([0.02, 0.02, 1e-3, 1e-3, 1e-3, 1e-3])  # of the numerical derivatives, px or 1
