@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,9 +46,18 @@ class Stretch:
 
     def between(self, low_n: float, high_n: float) -> float:
         """Rise of the logarithm between two forces, in a straight line from frame to frame in the order of forces."""
-        order = np.argsort(self.force_n, kind="stable")
-        low, high = np.interp([low_n, high_n], self.force_n[order], self.log_ratio[order])
+        low, high = np.interp([low_n, high_n], *self._by_force)
         return float(high - low)
+
+    @cached_property
+    def range_n(self) -> tuple[float, float]:
+        """The least and the largest force."""
+        return float(self.force_n.min()), float(self.force_n.max())
+
+    @cached_property
+    def _by_force(self) -> tuple[Array, Array]:
+        order = np.argsort(self.force_n, kind="stable")
+        return self.force_n[order], self.log_ratio[order]
 
 
 def stretch_of(score: Score) -> Stretch | None:
@@ -72,9 +82,9 @@ def unlike_others(stretches: Mapping[str, Stretch]) -> dict[str, str]:
     """
     limit = normal_quantile(1 - CHANCE / max(len(stretches), 1))
     found = {}
-    for name, own in stretches.items():
-        pairs = [_pair(own, other) for key, other in stretches.items() if key != name]
-        compared = np.array([pair for pair in pairs if pair is not None])
+    pairs = _pairs(list(stretches.values()))
+    for row, (name, own) in enumerate(stretches.items()):
+        compared = np.array([pair for pair in pairs[row] if pair is not None])
         if len(compared) < FEWEST_OTHERS:
             continue
         apart = compared[:, 0] - compared[:, 1]
@@ -90,10 +100,19 @@ def unlike_others(stretches: Mapping[str, Stretch]) -> dict[str, str]:
     return found
 
 
+def _pairs(stretches: list[Stretch]) -> list[list[tuple[float, float] | None]]:
+    """Of each press its ``_pair`` with every other one, in their order; with itself it has none."""
+    pairs: list[list[tuple[float, float] | None]] = [[None] * len(stretches) for _ in stretches]
+    for row, own in enumerate(stretches):
+        for column, other in enumerate(stretches[:row]):
+            pair = _pair(own, other)
+            pairs[row][column], pairs[column][row] = pair, None if pair is None else pair[::-1]
+    return pairs
+
+
 def _pair(own: Stretch, other: Stretch) -> tuple[float, float] | None:
     """Rise of both over their common forces; None where these are too few."""
-    low_n = max(own.force_n.min(), other.force_n.min())
-    high_n = min(own.force_n.max(), other.force_n.max())
+    low_n, high_n = max(own.range_n[0], other.range_n[0]), min(own.range_n[1], other.range_n[1])
     if high_n < LEAST_FORCE_RATIO * low_n:
         return None
     return own.between(low_n, high_n), other.between(low_n, high_n)

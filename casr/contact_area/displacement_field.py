@@ -25,8 +25,8 @@ def _edges_away(from_centre: Points, log_size: Array, ellipse: Points) -> Array:
     return np.asarray(np.abs(np.cosh(oblong) * from_centre + turned * from_centre.conj()) / np.exp(log_size))
 
 
-def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radius: Array) -> tuple[Points, Points]:
-    """Displacements of unit growth inside the contact: of a skin that bends, and of one that stretches.
+def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radius: Array) -> Points:
+    """Displacements (2, ...) of unit growth inside the contact: of a skin that bends, and of one that stretches.
 
     *Bending.* A pin is a lever on the skin, its tip moves by pin length times the change of slope under it. Inside the
     contact the dome is flattened, which is linear in the distance from the centre; outside, a half-space leaves
@@ -48,7 +48,7 @@ def _skin_shapes(from_centre: Points, edges: Array, rim_centre: Points, rim_radi
     rim = np.sqrt(np.maximum(along**2 + rim_radius**2 - np.abs(rim_centre) ** 2, 0.0)) + along
     rim = np.maximum(rim, NEAREST_RIM * distance * inward)
     stretching = inward * np.clip((rim - distance) / (rim - distance * inward), 0.0, 1.0)
-    return from_centre * bending, from_centre * np.where(edges > 1, stretching, 1.0)
+    return np.asarray(from_centre * np.stack([bending, np.where(edges > 1, stretching, 1.0)]))
 
 
 STEPS = np.array([0.02, 0.02, 1e-3, 1e-3, 1e-3, 1e-3])  # of the numerical derivatives, px or 1
@@ -74,22 +74,22 @@ class DisplacementField:
         left = (points - (points @ self._share)[..., None]) * self._root
         return np.asarray(left.view(np.float64))
 
-    def _shapes(self, p: Array) -> tuple[Points, Points]:
-        centre, ellipse = p[:, :1] + 1j * p[:, 1:2], p[:, 3:4] + 1j * p[:, 4:5]
+    def _shapes(self, p: Array) -> Points:
+        centre, ellipse = p[..., :1] + 1j * p[..., 1:2], p[..., 3:4] + 1j * p[..., 4:5]
         away = self.rest - centre
-        return _skin_shapes(away, _edges_away(away, p[:, 2:3], ellipse), self.middle - centre, np.exp(p[:, 5:6]))
+        return _skin_shapes(away, _edges_away(away, p[..., 2:3], ellipse), self.middle - centre, np.exp(p[..., 5:6]))
 
     def residuals(self, p: Array) -> tuple[Array, Array]:
-        """(P, 2N) residuals and (P, 2) strengths of bending and stretching, of (P, 6) parameters."""
-        bent, stretched = shapes = [self._unshifted(shape) for shape in self._shapes(p)]
-        bb, bs, ss = ((a * b).sum(axis=-1) for a, b in ((bent, bent), (bent, stretched), (stretched, stretched)))
-        bd, sd = (shape @ self._target for shape in shapes)
+        """(..., 2N) residuals and (..., 2) strengths of bending and stretching, of (..., 6) parameters."""
+        bent, stretched = shapes = self._unshifted(self._shapes(p))
+        (bb, ss), bs = (shapes * shapes).sum(axis=-1), (bent * stretched).sum(axis=-1)
+        bd, sd = shapes @ self._target
         spread = np.maximum(bb * ss - bs**2, 1e-12 * bb * ss)
         bending, stretching = (ss * bd - bs * sd) / spread, (bb * sd - bs * bd) / spread
         # where one comes out negative the other does without it
         bending, stretching = np.where(stretching < 0, bd / bb, bending), np.where(bending < 0, sd / ss, stretching)
         strengths = np.maximum(np.stack([bending, stretching], axis=-1), 0.0)
-        return self._target - strengths[:, :1] * bent - strengths[:, 1:] * stretched, strengths
+        return self._target - strengths[..., :1] * bent - strengths[..., 1:] * stretched, strengths
 
     def trusting(self, p: Array) -> DisplacementField:
         """The same field with less trust in pins far from the contact or far off the model."""
@@ -103,46 +103,50 @@ class DisplacementField:
         return float((self.residuals(p[None])[0] ** 2).sum())
 
     def derivatives(self, p: Array) -> Array:
-        """(2N, 6) Jacobian of the residuals."""
-        ahead, behind = self.residuals(np.concatenate([p + np.diag(STEPS), p - np.diag(STEPS)]))[0].reshape(2, 6, -1)
-        return np.asarray(((ahead - behind) / (2 * STEPS[:, None])).T)
+        """(K, 6, 2N) of the residuals by the parameters (K, 6)."""
+        around = p[:, None] + np.concatenate([np.diag(STEPS), -np.diag(STEPS)])
+        ahead, behind = np.split(self.residuals(around)[0], 2, axis=1)
+        return np.asarray((ahead - behind) / (2 * STEPS[:, None]))
 
     def lowest(self, starts: list[Array], enough: float = ENOUGH) -> Array:
         """The best of the minima that these lead to."""
-        return min((self.minimised(start, enough) for start in starts), key=self.cost)
+        return min(self.minimised(np.array(starts), enough), key=self.cost)
 
     def minimised(self, p: Array, enough: float) -> Array:
-        damping, errors = 1e-2, self.residuals(p[None])[0][0]
-        cost = float(errors @ errors)
+        """(K, 6) where Levenberg-Marquardt leads to from (K, 6), each for itself but all at once."""
+        p, damping, going = p.copy(), np.full(len(p), 1e-2), np.arange(len(p))
+        errors = self.residuals(p[:, None])[0][:, 0]
+        cost = np.array([float(each @ each) for each in errors])
         for _ in range(MAX_ITERATIONS):
-            jacobian = self.derivatives(p)
-            normal, gradient = jacobian.T @ jacobian, jacobian.T @ errors
-            dampings = damping * TRIAL_DAMPINGS
-            ridge = (np.diag(normal) + 1e-9) * np.eye(6) * dampings[:, None, None]
-            steps = np.linalg.solve(normal + ridge, np.broadcast_to(gradient[:, None], (dampings.size, 6, 1)))[..., 0]
-            trials = p - np.clip(steps, -REACH, REACH)
+            slopes, dampings = self.derivatives(p[going]), damping[going, None] * TRIAL_DAMPINGS
+            normal, gradient = slopes @ slopes.transpose(0, 2, 1), slopes @ errors[going, :, None]
+            diagonal = np.diagonal(normal, axis1=1, axis2=2) + 1e-9
+            ridge = (diagonal[:, None] * np.eye(6))[:, None] * dampings[..., None, None]
+            steps = np.linalg.solve(normal[:, None] + ridge, np.repeat(gradient[:, None], TRIAL_DAMPINGS.size, axis=1))
+            trials = p[going, None] - np.clip(steps[..., 0], -REACH, REACH)
             trial_errors = self.residuals(trials)[0]
             costs = (trial_errors**2).sum(axis=-1)
-            chosen = int(np.argmin(costs))
-            gain = cost - float(costs[chosen])
-            if gain <= 0:
-                break
-            p, errors, cost, damping = trials[chosen], trial_errors[chosen], float(costs[chosen]), dampings[chosen] / 10
-            damping = max(damping, 1e-9)
-            if gain < enough * cost:
+            least = np.arange(going.size), np.argmin(costs, axis=1)
+            gain = cost[going] - costs[least]
+            better = gain > 0
+            going, gain, least = going[better], gain[better], tuple(each[better] for each in least)
+            p[going], errors[going], cost[going] = trials[least], trial_errors[least], costs[least]
+            damping[going] = np.maximum(dampings[least] / 10, 1e-9)
+            going = going[gain >= enough * cost[going]]
+            if not going.size:
                 break
         return p
 
     def strengths(self, p: Array) -> tuple[Array, complex]:
         """(2,) of bending and stretching, and the common shift x + iy."""
         strengths = self.residuals(p[None])[1][0]
-        bent, stretched = (shape[0] for shape in self._shapes(p[None]))
+        bent, stretched = self._shapes(p[None])[:, 0]
         left = self.displacement - strengths[0] * bent - strengths[1] * stretched
         return strengths, complex(left @ self._share)
 
     def standard_errors(self, p: Array) -> Array:
         """(6,) of the parameters."""
-        jacobian = self.derivatives(p)
+        jacobian = self.derivatives(p[None])[0].T
         freedom = self._target.size - p.size - LINEAR
         return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * self.cost(p) / freedom)
 

@@ -44,7 +44,7 @@ class FrontEdge:
             directions = np.cos(angle) * fit.axis + np.sin(angle) * around
             row = float(np.interp(radius, library.radius_mm, np.arange(library.radius_mm.size)))
             low = min(int(row), library.radius_mm.size - 2)
-            u = library.motion_at(np.full(1, arc), fit.worlds[:1], slice(low, low + 2))[:, 0, :, 0].astype(np.float64)
+            u = library.motion_at(np.full(1, arc), fit.worlds[:1], slice(low, low + 2))[:, 0, 0].astype(np.float64)
             u_r, u_z, tilt = (np.full(_OUTLINE, (1 - row + low) * each[0] + (row - low) * each[1]) for each in u)
             pins = fit.view.around(directions, fit.axis)
             outlines.append(fit.view.rest_px(directions) + pins.moved_px(u_r, u_z, tilt))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +23,6 @@ Mask = NDArray[np.bool_]
 PULL = 0.05
 """Of the amplitude towards 1, as a share of the squared motion: the amplitude carries how flat the dome is pressed."""
 _CHOICE_FRAMES = 12
-_COARSE = slice(None, None, 4)
 _KEPT = (24, 12)
 "Worlds left after the first and the second look at the press."
 _CENTRED_BY = 4
@@ -80,7 +80,7 @@ def fit_front(
         some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))
         start = None if near is None else view.directions(near.view.rest_px(near.axis[None]))[0]
         axis, worlds = search.of(some).chosen(start, looks)
-    radius, cost, bend = search.fit(axis, worlds)
+    radius, cost, bend = search.fit(axis, worlds, library)
     misfit = cost.sum(axis=1)
     order = np.argsort(misfit, kind="stable")
     freedom = 2 * max(int(seen.sum()), 1)
@@ -127,29 +127,29 @@ class _Search:
         is; None where nobody knows."""
         weight = (self._moved_px[-1] ** 2).sum(axis=-1) ** 1.5 + 1e-12
         axis = _unit(weight @ self._directions) if start is None else start
-        worlds = np.arange(self._library.n_worlds)
         for kept in _KEPT[-looks:]:
-            misfit = self.fit(axis, np.arange(self._library.n_worlds), _COARSE)[1].sum(axis=1)
+            misfit = self.fit(axis, slice(None), self._library.coarse)[1].sum(axis=1)
             worlds = np.argsort(misfit, kind="stable")[:kept]
             axis = self._centred(axis, worlds[:_CENTRED_BY])
         return axis, worlds
 
-    def fit(self, axis: Array, worlds: Rows, radii: slice = slice(None)) -> tuple[Array, Array, Array]:
+    def fit(self, axis: Array, worlds: Rows | slice, library: Library) -> tuple[Array, Array, Array]:
         """(W, T) best radius in mm, least cost in px^2, and the cost's second derivative by the radius."""
         around = self._view.around(self._directions, axis)
-        u_r, u_z, tilt = self._library.motion_at(around.arc_mm, worlds, radii)
-        motion = around.moved_px(u_r, u_z, tilt)
-        shared, size = self._products(motion)
+        u_r, u_z, tilt = library.motion_at(around.arc_mm, worlds)
+        by_pin = around.moved_px(u_r, u_z, tilt)
+        motion = _by_contact(by_pin)
+        shared, size = self._products(motion, by_pin.mean(axis=0))
         power, pull = self._power, PULL * self._power
         if self._sheared:
-            along = self._along(around, self._library.radius_mm[radii])
-            seen, own = along @ self._flat, np.einsum("wrn,rkn->wrk", motion.reshape(*motion.shape[:2], -1), along)
+            along = self._along(around, library.radius_mm)
+            seen, own = along @ self._flat, np.einsum("wrn,rkn->wrk", motion, along)
             shared = shared - np.einsum("wrk,rkt->wrt", own, seen)
             size = np.maximum(size - (own**2).sum(axis=-1)[..., None], 1e-6)
             power = np.maximum(power - (seen**2).sum(axis=1), 0.0)
         amplitude = (shared + pull) / (size + pull)
         cost = power - 2 * amplitude * shared + amplitude**2 * size + pull * (amplitude - 1) ** 2
-        radius = self._library.radius_mm[radii]
+        radius = library.radius_mm
         step = radius[1] - radius[0]
         best = np.clip(np.argmin(cost, axis=1), 1, radius.size - 2)
         before, least, after = (np.take_along_axis(cost, best[:, None] + k, axis=1)[:, 0] for k in (-1, 0, 1))
@@ -158,17 +158,19 @@ class _Search:
         cost_there = np.maximum(least - bend * shift**2 / 2, 1e-6)
         return radius[0] + step * (best + shift), cost_there.astype(np.float64), bend.astype(np.float64) / step**2
 
-    def _products(self, motion: Array32) -> tuple[Array32, Array32]:
-        """(W, R, T) motion times what was seen, and (W, R, T or 1) its own square; both without the common shift."""
-        n_worlds, n_radii, n_pins = motion.shape[:3]
-        flat = motion.reshape(n_worlds, n_radii, -1)
-        shared = flat @ self._flat
+    def _products(self, motion: Array32, mean: Array32) -> tuple[Array32, Array32]:
+        """(W, R, T) motion times what was seen, and (W, R, T or 1) its own square; both without the common shift.
+
+        motion : (W, R, 2 N) of pins x, y, x, y and so on. mean : (2, W, R) of all pins.
+        """
+        shared = motion @ self._flat
         if self._seen.all():
-            mean = motion.mean(axis=2)
-            size = np.einsum("wrn,wrn->wr", flat, flat) - n_pins * (mean**2).sum(axis=-1)
+            n_pins = motion.shape[-1] // 2
+            size = np.einsum("wrn,wrn->wr", motion, motion) - n_pins * (mean**2).sum(axis=0)
             return shared, size[..., None]
-        square = (motion**2).sum(axis=-1) @ self._mask
-        sums = ((motion[..., k] @ self._mask) ** 2 for k in range(2))
+        pins = motion.reshape(*motion.shape[:2], -1, 2)
+        square = (pins**2).sum(axis=-1) @ self._mask
+        sums = ((pins[..., k] @ self._mask) ** 2 for k in range(2))
         return shared, square - sum(sums) / np.maximum(self._mask.sum(axis=0), 1)
 
     def _along(self, around: PinsAroundAxis, radius_mm: Array) -> Array32:
@@ -205,7 +207,14 @@ class _Search:
         return _unit(axis + place @ across)
 
     def _cost(self, axis: Array, worlds: Rows) -> float:
-        return float(self.fit(axis, worlds, _COARSE)[1].sum(axis=1).min())
+        return float(self.fit(axis, worlds, self._library.coarse)[1].sum(axis=1).min())
+
+
+def _by_contact(by_pin: Array32) -> Array32:
+    """(W, R, 2 N) of (N, 2, W, R)."""
+    n_pins, _, n_worlds, n_radii = by_pin.shape
+    turned = cv2.transpose(by_pin.reshape(2 * n_pins, -1))  # three times as fast as a copy by NumPy
+    return np.asarray(turned.reshape(n_worlds, n_radii, -1), dtype=np.float32)
 
 
 def _unit(vector: Array) -> Array:

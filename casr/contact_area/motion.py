@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.errors import PinsError
 from casr.flow.region import Region
+from casr.median import median
 from casr.pins import pin_pitch_px
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 
@@ -29,7 +31,6 @@ class PinMotion:
     rest_px, contact_px : (n, 2) positions before and at contact.
     displacement_px : (n, 2) from one to the other, without the common shift.
     pitch_px : of the rest frame.
-    apart_px : (n, n) distances between pins at rest.
     notes : what was left out or taken off.
     """
 
@@ -38,10 +39,14 @@ class PinMotion:
     contact_px: Array
     displacement_px: Array
     pitch_px: float
-    apart_px: Array
     notes: tuple[str, ...]
 
-    @property
+    @cached_property
+    def apart_px(self) -> Array:
+        """(n, n) distances between pins at rest."""
+        return np.asarray(np.hypot(*(self.rest_px[:, None] - self.rest_px[None]).transpose(2, 0, 1)))
+
+    @cached_property
     def distance_px(self) -> Array:
         """(n,) how far each pin moved."""
         return np.asarray(np.hypot(*self.displacement_px.T))
@@ -71,14 +76,13 @@ def pin_motion(rest_px: ArrayLike, contact_px: ArrayLike) -> PinMotion:
     notes: tuple[str, ...] = (f"{lost} of {len(rest)} pins are lost at first contact.",) if lost else ()
     rest, contact = rest[ids], contact[ids]
     pitch = pin_pitch_px(rest)
-    apart = np.hypot(*(rest[:, None] - rest[None]).transpose(2, 0, 1))
     displacement = contact - rest
     border = at_border(rest, nearest_pins(rest, NEIGHBOURS)[1])
-    shift = np.median(displacement[border], axis=0) if border.any() else np.zeros(2)
+    shift = median(displacement[border]) if border.any() else np.zeros(2)
     if np.hypot(*shift) > SHIFT_PX:
         displacement = displacement - shift
         notes += (f"A common shift of all pins by ({shift[0]:.2f}, {shift[1]:.2f}) px is taken off.",)
-    return PinMotion(ids, rest, contact, displacement, pitch, apart, notes)
+    return PinMotion(ids, rest, contact, displacement, pitch, notes)
 
 
 def contact_cluster(motion: PinMotion, threshold_px: float) -> tuple[NDArray[np.bool_], tuple[str, ...]]:

@@ -6,7 +6,7 @@ import hashlib
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
 from itertools import pairwise
 from pathlib import Path
@@ -70,14 +70,32 @@ class Library:
         of_worlds = ("dome", "stiffness_n_per_mm", "friction", "computed_mm", "force_n", "edge_arc_mm", "motion")
         return replace(self, **{name: getattr(self, name)[worlds] for name in of_worlds})
 
-    def motion_at(self, arc_mm: Array, worlds: Rows, radii: slice) -> NDArray[np.float32]:
-        """(3, W', R', N) motion at arcs (N,) of some worlds and radii; beyond the last arc that of the last."""
+    def motion_at(
+        self, arc_mm: Array, worlds: Rows | slice = slice(None), radii: slice = slice(None)
+    ) -> NDArray[np.float32]:
+        """(3, N, W', R') motion at arcs (N,) of some worlds and radii; beyond the last arc that of the last."""
         place = np.clip(arc_mm / self.arc_mm[1], 0, self.arc_mm.size - 1.000001)
         low = place.astype(np.intp)
-        share = (place - low).astype(np.float32)[:, None]
-        motion = self.motion[worlds][:, radii]
-        between = motion[:, :, low] * (1 - share) + motion[:, :, low + 1] * share
-        return np.ascontiguousarray(np.moveaxis(between, -1, 0))
+        share = (place - low).astype(np.float32)[:, None, None]
+        motion = self._by_arc[:, :, worlds][..., radii]
+        between: NDArray[np.float32] = motion.take(low, axis=1)
+        between *= 1 - share
+        above = motion.take(low + 1, axis=1)
+        above *= share
+        between += above
+        return between
+
+    @cached_property
+    def coarse(self) -> Library:
+        """The same worlds at every fourth radius."""
+        few = slice(None, None, 4)
+        by_radius = {name: getattr(self, name)[:, few] for name in ("force_n", "edge_arc_mm", "motion")}
+        return replace(self, radius_mm=self.radius_mm[few], **by_radius)
+
+    @cached_property
+    def _by_arc(self) -> NDArray[np.float32]:
+        """(3, S, W, R) the motion, so that what belongs to an arc lies together."""
+        return np.ascontiguousarray(self.motion.transpose(3, 2, 0, 1))
 
     def save(self, file: Path | IO[bytes]) -> None:
         """Write it with the motion in steps of 0.2 micrometres."""

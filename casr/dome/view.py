@@ -104,26 +104,47 @@ class PinsAroundAxis:
         tilt_rad: NDArray[Real],
         pulled_mm: NDArray[Real] | None = None,
     ) -> NDArray[Real]:
-        """(..., N, 2) px from rest, of displacements (..., N) of the skin under the pins across and along the axis.
+        """(N, 2, ...) px from rest, of displacements (N, ...) of the skin under the pins across and along the axis.
 
-        ``pulled_mm``: (..., N, 3) more that friction adds.
+        ``pulled_mm``: (N, 3, ...) more that friction adds.
 
         A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an
         assumption: it takes the clamped base for as far away from that contact as from one at the pole.
         """
         kind = tilt_rad.dtype
-        length, angle = kind.type(self.view.pin_length_mm), self.angle.astype(kind)
+        by_pin = (-1, *(1,) * (tilt_rad.ndim - 1))
+        length, angle = kind.type(self.view.pin_length_mm), self.angle.astype(kind).reshape(by_pin)
         turned = angle - tilt_rad
-        out = u_r_mm - length * (np.sin(turned) - np.sin(angle))
-        up = u_z_mm - length * (np.cos(turned) - np.cos(angle))
-        tips = (self.view.tip_radius_mm * self.directions).astype(kind)
-        outward, axis = self.outward.astype(kind), self.axis.astype(kind)
-        x, y, z = (tips[:, k] + out * outward[:, k] + up * axis[k] for k in range(3))
-        if pulled_mm is not None:
-            x, y, z = (each + pulled_mm[..., k] for k, each in enumerate((x, y, z)))
-        per_mm = 1 / (z + kind.type(self.view.behind_mm))
-        at_rest = (self.view.rest_px(self.directions) - self.view.pole_px).astype(kind)
-        moved = np.empty((*tilt_rad.shape, 2), dtype=kind)
-        for k, along in enumerate((x, y)):
-            moved[..., k] = kind.type(self.view.focal_px[k]) * along * per_mm - at_rest[:, k]
+        # each line changes its array in place: libraries of domes come here, and memory takes longer than the sums
+        out, up = np.sin(turned), np.cos(turned)
+        for along, at_rest, moved_mm in ((out, np.sin(angle), u_r_mm), (up, np.cos(angle), u_z_mm)):
+            along -= at_rest
+            along *= -length
+            along += moved_mm
+        tips, outward, rest_px = (
+            each.astype(kind).T.reshape(-1, *angle.shape)
+            for each in (
+                self.view.tip_radius_mm * self.directions,
+                self.outward,
+                self.view.rest_px(self.directions) - self.view.pole_px,
+            )
+        )
+
+        def coordinate(k: int) -> NDArray[Real]:
+            place: NDArray[Real] = out * outward[k]
+            place += tips[k]
+            place += up * kind.type(self.axis[k])
+            if pulled_mm is not None:
+                place += pulled_mm[:, k]
+            return place
+
+        away = coordinate(2)
+        away += kind.type(self.view.behind_mm)
+        per_mm = np.divide(1, away, out=away)
+        moved = np.empty((len(tilt_rad), 2, *tilt_rad.shape[1:]), dtype=kind)
+        for k in range(2):
+            place = coordinate(k)
+            place *= kind.type(self.view.focal_px[k])
+            place *= per_mm
+            np.subtract(place, rest_px[k], out=moved[:, k])
         return moved

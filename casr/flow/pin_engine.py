@@ -10,6 +10,7 @@ from casr.flow.pin_affine import FEWEST_PINS, Affine, fit_affine
 from casr.flow.region import Points, Region
 from casr.flow.step import FlowSettings, FlowStep
 from casr.images import Grey
+from casr.median import median
 from casr.pins import PinTracker, pin_pitch_px
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 
@@ -141,7 +142,7 @@ class PinEngine:
         Not so if the border of the array jumps with them: it fits in one place only.
         """
         border = move_px[self._border][np.isfinite(move_px[self._border, 0])]
-        moved_px = np.hypot(*(move_px[self._ids] - (np.median(border, axis=0) if len(border) else 0.0)).T)
+        moved_px = np.hypot(*(move_px[self._ids] - (median(border) if len(border) else 0.0)).T)
         typical_px = float(np.nanmedian(moved_px)) if np.isfinite(moved_px).any() else 0.0
         if typical_px <= self._pitch_px / 2:
             return ()

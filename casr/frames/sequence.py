@@ -31,6 +31,37 @@ class FrameSource(Protocol):
     def read(self, index: int) -> Grey: ...
 
 
+MOST_KEPT_BYTES = 64 * 2**20
+"Of decoded frames: 700 of 300 x 300 px, many times a press; a recording of hours must not fill the memory."
+
+
+class KeptFrames:
+    """A source that keeps what it has decoded, as far as it fits; frames are read-only."""
+
+    def __init__(self, source: FrameSource) -> None:
+        self.name = source.name
+        self._source, self._left_bytes = source, MOST_KEPT_BYTES
+        self._kept: dict[int, Grey] = {}
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self._source.shape
+
+    def __len__(self) -> int:
+        return len(self._source)
+
+    def read(self, index: int) -> Grey:
+        if index in self._kept:
+            return self._kept[index]
+        frame = self._source.read(index)
+        if frame.nbytes <= self._left_bytes:
+            frame = frame.view()
+            frame.flags.writeable = False
+            self._kept[index] = frame
+            self._left_bytes -= frame.nbytes
+        return frame
+
+
 @dataclass(frozen=True)
 class FrameSequence:
     """One press: frames in time order, and what else is known of it.
@@ -85,6 +116,10 @@ class FrameSequence:
                 do="Give the log, or take the force at exposure.",
             )
         return replace(self, force_n=self.mean_force_n, readings=None)
+
+    def kept(self) -> FrameSequence:
+        """The same frames, of which the first ``MOST_KEPT_BYTES`` that are read are decoded once only."""
+        return replace(self, source=KeptFrames(self.source))
 
     @property
     def name(self) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.median import median
+
 NOISES = 10.0  # a spike is so many standard deviations of a reading off
 LEAST_N = 0.1
 STEPS = 3.0  # and so many times the steps of the readings beside it
@@ -35,7 +37,7 @@ def spikes(force_n: ArrayLike) -> NDArray[np.bool_]:
 
 def noise_n(y: _Array) -> float:
     """Standard deviation of one of (n,) readings, N, by second differences, to which a steady rise adds nothing."""
-    return float(1.4826 * np.median(np.abs(np.diff(y, 2))) / np.sqrt(6))
+    return float(1.4826 * median(np.abs(np.diff(y, 2))) / np.sqrt(6))
 
 
 def _of_width(y: _Array, width: int, least_n: float) -> NDArray[np.intp]:
@@ -44,7 +46,7 @@ def _of_width(y: _Array, width: int, least_n: float) -> NDArray[np.intp]:
     before = y[first[:, None] - np.arange(BESIDE, 0, -1)]
     after = y[first[:, None] + width + np.arange(BESIDE)]
     inside = y[first[:, None] + np.arange(width)]
-    level_n = np.median(np.hstack([before, after]), axis=1)
+    level_n = median(np.hstack([before, after]), axis=1)
     off_n = inside - level_n[:, None]
     height_n = np.abs(off_n).min(axis=1)
     one_side = (off_n > 0).all(axis=1) | (off_n < 0).all(axis=1)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from casr.median import median
+
 REST_BAND = 0.1  # of the force of first contact: readings this close together are one resting level
 FEWEST_AT_REST = 3
 RECENT = 200  # frames at rest that count: a sensor's zero drifts
@@ -89,7 +91,7 @@ def resting_level(force_n: _Array, start_n: float) -> ForceZero | None:
     if resting.size < FEWEST_AT_REST:
         return None
     error = MEDIAN_ERROR * float(resting.std(ddof=1)) / np.sqrt(resting.size)
-    return ForceZero(float(np.median(resting)), float(error), int(resting.size))
+    return ForceZero(float(median(resting)), float(error), int(resting.size))
 
 
 def force_zero(force_n: ArrayLike, start_n: float) -> ForceZero | None:

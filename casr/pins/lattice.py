@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.median import median
+
 NEIGHBOURS = 6  # of a hexagonal lattice; of a square one, those at one pitch and two of the corners
 BORDER_GAP_DEG = 150.0
 
@@ -45,7 +47,9 @@ def pin_pitch_px(centroids_px: NDArray[np.float64]) -> float:
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < 2:
         return float("nan")
-    return float(np.median(nearest_pins(points, 1)[0]))
+    squared = _squared_distance(points, points)
+    np.fill_diagonal(squared, np.inf)
+    return float(median(np.sqrt(squared.min(axis=1))))
 
 
 def match_pins(

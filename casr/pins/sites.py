@@ -61,20 +61,17 @@ def lattice_sites(points_px: Points) -> Sites:
     walk = _Walk(points_px, lattice_kind(points_px))
     while walk.goes_on(1) or walk.goes_on(2):
         pass
-    sites = np.array(list(walk.row_at), np.int32)
+    sites = walk.sites.astype(np.int32)
     hull = cv2.convexHull(sites).astype(np.float32)
     low, high = sites.min(axis=0), sites.max(axis=0)
     box = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(low, high, strict=True))), axis=-1)
-    free = set(map(tuple, box.reshape(-1, 2).tolist())) - set(walk.row_at)
+    free = set(map(tuple, box.reshape(-1, 2).tolist())) - set(map(tuple, sites.tolist()))
     empty = sum(cv2.pointPolygonTest(hull, (float(x), float(y)), False) >= 0 for x, y in free)
     return Sites(empty, len(points_px) - len(sites))
 
 
 class _Walk:
-    """Sites of pins, in steps along two neighbours of the first.
-
-    row_at : row of the pin at each site that has one.
-    """
+    """Sites of pins, in steps along two neighbours of the first."""
 
     def __init__(self, points_px: Points, kind: Kind) -> None:
         self._points_px, n = points_px, len(points_px)
@@ -82,7 +79,6 @@ class _Walk:
         self._steps = np.concatenate([steps, -steps])
         self._near = nearest_pins(points_px, LEARN_FROM)[1]
         start = _best_surrounded(points_px, self._near, TURN_DEG[kind])
-        self.row_at = {(0, 0): start}
         self._known = np.zeros(n, bool)
         self._site = np.zeros((n, 2), np.intp)
         self._basis = np.zeros((n, 2, 2))
@@ -96,13 +92,15 @@ class _Walk:
         sites = (self._site[rows, None] + steps).reshape(-1, 2)
         places = (self._points_px[rows, None] + steps @ self._basis[rows]).reshape(-1, 2)
         bases = np.repeat(self._basis[rows], len(steps), axis=0)
-        unique, which, support = np.unique(sites, axis=0, return_inverse=True, return_counts=True)
-        which = which.reshape(-1)
-        free = np.array([_site(site) not in self.row_at for site in unique], bool)
-        place, basis = np.zeros((len(unique), 2)), np.zeros((len(unique), 2, 2))
-        np.add.at(place, which, places)
-        np.add.at(basis, which, bases)
-        place, basis = place / support[:, None], basis / support[:, None, None]
+        numbers, first, which, support = np.unique(
+            self._number(sites), return_index=True, return_inverse=True, return_counts=True
+        )
+        unique, free = sites[first], ~np.isin(numbers, self._number(self._site[rows]))
+        place, basis = (
+            np.column_stack([np.bincount(which, each) for each in values.reshape(len(sites), -1).T]) / support[:, None]
+            for values in (places, bases)
+        )
+        basis = basis.reshape(-1, 2, 2)
         within_px = WITHIN_PITCHES * np.hypot(*basis[:, 0].T)
         unnamed = np.flatnonzero(~self._known)
         for sites_told in (free & (support > 1), free):
@@ -115,16 +113,25 @@ class _Walk:
 
     def _name(self, rows: NDArray[np.intp], sites: NDArray[np.intp], bases: Points) -> None:
         self._known[rows], self._site[rows], self._basis[rows] = True, sites, bases
-        self.row_at.update(zip(map(_site, sites), rows.tolist(), strict=True))
-        for row in rows.tolist():
-            self._learn(row)
+        self._learn(rows)
 
-    def _learn(self, row: int) -> None:
-        """The lattice around a pin from those that have a site already."""
-        near = self._near[row][self._known[self._near[row]]]
-        steps, ways = self._site[near] - self._site[row], self._points_px[near] - self._points_px[row]
-        inverse = np.linalg.inv(steps.T @ steps + TRUST_BEFORE * np.eye(2))
-        self._basis[row] = inverse @ (steps.T @ ways + TRUST_BEFORE * self._basis[row])
+    def _learn(self, rows: NDArray[np.intp]) -> None:
+        """The lattice around pins from those that have a site already."""
+        near = self._near[rows]
+        steps = (self._site[near] - self._site[rows, None]) * self._known[near][..., None]
+        ways = self._points_px[near] - self._points_px[rows, None]
+        inverse = np.linalg.inv(steps.transpose(0, 2, 1) @ steps + TRUST_BEFORE * np.eye(2))
+        self._basis[rows] = inverse @ (steps.transpose(0, 2, 1) @ ways + TRUST_BEFORE * self._basis[rows])
+
+    @property
+    def sites(self) -> NDArray[np.intp]:
+        """(n, 2) of those that have a pin."""
+        return self._site[self._known]
+
+    def _number(self, sites: NDArray[np.intp]) -> NDArray[np.intp]:
+        """(n,) one number for each site (n, 2): none is farther from the first than there are pins."""
+        reach = 4 * len(self._points_px)
+        return np.asarray((sites + reach) @ (2 * reach, 1))
 
 
 def _best_surrounded(points_px: Points, near: NDArray[np.intp], turn_deg: float) -> int:
@@ -134,10 +141,6 @@ def _best_surrounded(points_px: Points, near: NDArray[np.intp], turn_deg: float)
     off = np.abs(ways[:, None, :] - (ways[:, :1] * turns)[..., None]).min(axis=2)
     around = (off < WITHIN_PITCHES * np.abs(ways[:, :1])).sum(axis=1)
     return int(np.lexsort((np.hypot(*(points_px - points_px.mean(axis=0)).T), -around))[0])
-
-
-def _site(steps: NDArray[np.intp]) -> tuple[int, int]:
-    return int(steps[0]), int(steps[1])
 
 
 def _basis(points_px: Points, row: int, near: NDArray[np.intp], turn_deg: float) -> Points:

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from casr.errors import PinsError
 from casr.images import Grey
+from casr.median import median
 from casr.pins.detect import Pins, find_pins, fit_view, reach_px
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
 from casr.pins.propagate import common_shifts_px, follow_neighbours, links_of, neighbour_mean
 from casr.pins.settings import PinSettings
 from casr.pins.spots import Spots, measure_spots
-from casr.pins.view import line_noise
+from casr.pins.view import line_noise, noisy_share
 
 LONGEST_LOOK = 0.25  # of the spacing: further than this from where it was expected, a pin may be taken for the next one
 AREA_CHANGE = 2.0  # a pin does not grow or shrink by more from one frame to the next
@@ -136,7 +137,7 @@ class PinTracker:
     def _believed(self, grey: Grey, places: _Places) -> bool:
         """Whether a frame is one of this press, and whole."""
         seen, n_before = ~places.lost, int((~self._places.lost).sum())
-        if seen.sum() < BELIEVED_SHARE * n_before or np.mean(line_noise(grey) > self._most_noise) > NOISY_LINES:
+        if seen.sum() < BELIEVED_SHARE * n_before or noisy_share(grey, self._most_noise) > NOISY_LINES:
             return False
         if self._doubted >= MOST_DOUBTED:
             return True
@@ -174,7 +175,7 @@ class PinTracker:
         border = places.move_px[self._border & ~places.lost]
         if len(border) < NEIGHBOURS:
             return places
-        shift = np.median(border, axis=0)
+        shift = median(border)
         scatter = _median_length(border - shift)
         if np.hypot(*shift) <= KNOCK_PITCHES * self._pitch_px or scatter > KNOCK_SCATTER * self._pitch_px:
             return places

@@ -92,6 +92,19 @@ def line_noise(grey: Grey) -> NDArray[np.float64]:
     return np.asarray(np.median(curved, axis=1) / MEDIAN_OF_NORMAL, np.float64) if curved.size else np.zeros(1)
 
 
+def noisy_share(grey: Grey, most: float) -> float:
+    """Share of those lines whose noise is above ``most``."""
+    curved, _ = _curved_lines(grey)
+    if not curved.size:
+        return float(most < 0)
+    # a line's median is above only where half of it is, which few lines are worth a median to find out
+    over = (curved / MEDIAN_OF_NORMAL > np.float64(most)).sum(axis=1)
+    noisy = 2 * over > curved.shape[1]
+    even = 2 * over == curved.shape[1]
+    noisy[even] = np.median(curved[even], axis=1) / MEDIAN_OF_NORMAL > np.float64(most)
+    return float(noisy.mean())
+
+
 def _curved_lines(grey: Grey) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Second difference along both axes, scaled to the noise of a pixel, and grey level, of pixels on some lines."""
     if min(grey.shape) < 3:

@@ -8,6 +8,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.median import median
 from casr.spread.correlated_errors import standard_error
 
 Vector = NDArray[np.float64]
@@ -78,7 +79,7 @@ def fit_power_law(area: Vector, force_n: Vector) -> PowerLawFit:
     for _ in range(50):
         level, exponent = float(weights @ drawn), float(slope_of @ drawn)
         line = level + exponent * x
-        limit = HUBER_LIMIT * 1.4826 * float(np.median(np.abs(log_area - line)))
+        limit = HUBER_LIMIT * 1.4826 * float(median(np.abs(log_area - line)))
         before, drawn = drawn, np.clip(log_area, line - limit, line + limit)
         if np.abs(drawn - before).max() <= 1e-9 * limit:
             break

@@ -21,7 +21,7 @@ from emg2vsa.calibration.forms import (
     mount_share,
     specimen_share,
 )
-from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse, mm_per_n
+from emg2vsa.calibration.fusion import Fusion, calibrate_indentation, fuse_intervals, mm_per_n
 from emg2vsa.calibration.left_out import compare_laws
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
@@ -32,7 +32,7 @@ from emg2vsa.calibration.results import (
     FusedResult,
     LawResult,
 )
-from emg2vsa.calibration.unknown import estimate
+from emg2vsa.calibration.unknown import Estimate, estimate
 from emg2vsa.errors import DataError
 from emg2vsa.runs import ALGORITHMS, RunScores
 from emg2vsa.settings import PAPER, CalibrationSettings
@@ -167,26 +167,24 @@ class _OneCondition:
             known_kappa=self.kappa,
             exponent=1 / self._growth,
             algorithms={name: self._algorithm(name, depth) for name in ALGORITHMS},
-            indentation=None if depth is None else self._law(depth, mm_per_n(self.new.indent_n_per_mm)),
+            indentation=None if depth is None else self._law(depth),
         )
 
-    def _algorithm(self, name: str, depth: Calibration | None) -> AlgorithmResult:
+    def _algorithm(self, name: str, depth: Estimate | None) -> AlgorithmResult:
         casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
         kept, new_kept = self._kept(casr), self._kept(new_casr[None])[0]
-        chosen = self._calibrated(name, kept, self.settings)
-        paper = self._calibrated(name, casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
+        chosen = self._estimated(self._calibrated(name, kept, self.settings), new_kept)
+        of_paper = self._calibrated(name, casr, dataclasses.replace(self.settings, **PAPER["calibration"]))
         laws = compare_laws(self.kappa, kept, self.settings, casr_unit=self._casr_unit)
         return AlgorithmResult(
             casr=casr,
             new_casr=new_casr,
             casr_unit=self._casr_unit,
-            chosen=self._law(chosen, new_kept, (*self._left_out_presses(casr, new_casr), *self._other_friction)),
-            paper=self._law(paper, new_casr),
+            chosen=self._law(chosen, (*self._left_out_presses(casr, new_casr), *self._other_friction)),
+            paper=self._law(self._estimated(of_paper, new_casr)),
             left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
             best_law=laws.best() or "",
-            fused=None
-            if depth is None
-            else self._fused(fuse(chosen, depth, new_kept, self.new.indent_n_per_mm, self.new.mounting)),
+            fused=None if depth is None else self._fused(self._both(chosen, new_kept, depth)),
         )
 
     def _kept(self, scores: Floats) -> Floats:
@@ -225,11 +223,11 @@ class _OneCondition:
             other_exponent=casr_exponent(self._growth),
         )
 
-    def _indentation(self) -> Calibration | None:
+    def _indentation(self) -> Estimate | None:
         slopes = _padded([run.indent_n_per_mm for run in self.known])
         if not (np.any(np.isfinite(slopes), axis=1).all() and np.any(np.isfinite(self.new.indent_n_per_mm))):
             return None
-        return calibrate_indentation(
+        calibration = calibrate_indentation(
             self.kappa,
             slopes,
             self.settings,
@@ -240,10 +238,18 @@ class _OneCondition:
             mountings=self._labels,
             other_exponent=indentation_exponent(self._growth),
         )
+        return self._estimated(calibration, mm_per_n(self.new.indent_n_per_mm))
 
-    def _law(self, calibration: Calibration, scores: Floats, notes: tuple[str, ...] = ()) -> LawResult:
-        found = estimate(calibration, scores, self.new.mounting)
-        serial, without = found.repeats.serial, found.left_out
+    def _estimated(self, calibration: Calibration, scores: Floats) -> Estimate:
+        return estimate(calibration, scores, self.new.mounting)
+
+    def _both(self, cutaneous: Estimate, scores: Floats, kinesthetic: Estimate) -> Fusion:
+        area, depth = (np.atleast_2d(each) for each in (scores, mm_per_n(self.new.indent_n_per_mm)))
+        c, k = cutaneous.repeats, kinesthetic.repeats
+        return fuse_intervals(cutaneous.calibration, c, area, kinesthetic.calibration, k, depth, self.new.mounting)
+
+    def _law(self, found: Estimate, notes: tuple[str, ...] = ()) -> LawResult:
+        calibration, serial, without = found.calibration, found.repeats.serial, found.left_out
         first, second = calibration.fit.parameters[0].tolist()
         return LawResult(
             law=calibration.settings.law,

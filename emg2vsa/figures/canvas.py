@@ -26,6 +26,7 @@ STYLE: dict[str, Any] = {
     "font.family": ["DejaVu Sans"],  # ships with matplotlib: the same text on every machine
     "font.size": 8,
     "axes.titlesize": 8,
+    "axes.titley": 1.0,  # else every drawing measures all ticks to find out whether a title is in their way
     "axes.labelsize": 8,
     "xtick.labelsize": 8,
     "ytick.labelsize": 8,

@@ -104,6 +104,11 @@ class Measured:
             return Numbers(missing=f"expected {error.wanted}, but found {error.found}")
 
     @property
+    def by_paper(self) -> SkinScore | None:
+        """The skin by the recipe "paper"; None where nobody asked for its numbers, or it finds none."""
+        return self._skins.get(_growth(self._settings.recipe_of("paper")))
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the press's numbers should know."""
         doubts = self._seen.doubts if self._seen else ()

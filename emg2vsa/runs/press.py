@@ -44,7 +44,8 @@ class Press:
 class ScoredPress:
     """Numbers of one press, by algorithm; NaN where an algorithm finds nothing (see ``RunScores``).
 
-    missing : algorithm to why it has no rate. over_array : see ``measured.Numbers``.
+    missing : algorithm to why it has no rate. over_array : see ``measured.Numbers``. by_paper : the skin by the recipe
+    "paper", where that finds some.
     """
 
     a_c0: dict[str, float]
@@ -57,6 +58,7 @@ class ScoredPress:
     missing: dict[str, str]
     over_array: dict[str, float]
     notes: tuple[str, ...]
+    by_paper: SkinScore | None
 
 
 def score_press(press: Press, settings: RunSettings) -> ScoredPress:
@@ -102,6 +104,7 @@ def score_press(press: Press, settings: RunSettings) -> ScoredPress:
         missing={name: found.missing for name, found in by.items() if found.missing},
         over_array={name: found.over_array for name, found in by.items()},
         notes=measured.notes,
+        by_paper=measured.by_paper,
     )
 
 

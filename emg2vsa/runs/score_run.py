@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,7 +37,7 @@ def score_run(
     first_n: list[float] = []
     first_contact: FirstContact | None = None
     unit_of_rejected = "mm2"
-    for press in presses:
+    for press in map(_decoded_once, presses):
         found, reason = _tried(press, settings)
         if not found:
             unit_of_rejected = press.area_unit
@@ -45,7 +46,7 @@ def score_run(
         peaks_n.append(press.peak_n)
         reasons.append(reason)
         scored.append(found)
-        counted = _counted(press, settings)
+        counted = _counted(press, settings, found)
         counts.append(counted.selected.size if counted else -1)
         first_n.append(float(counted.force_n[0]) if counted else np.nan)
         if first_contact is None and counted and counted.selected.size:
@@ -103,10 +104,15 @@ def _tried(press: Press, settings: RunSettings) -> tuple[ScoredPress | None, str
         return None, str(error)
 
 
-def _counted(press: Press, settings: RunSettings) -> FirstContact | None:
+def _decoded_once(press: Press) -> Press:
+    """The same press, whose frames are kept for the next algorithm that looks at them."""
+    return press if press.frames is None else replace(press, frames=press.frames.kept())
+
+
+def _counted(press: Press, settings: RunSettings, found: ScoredPress | None) -> FirstContact | None:
     if press.frames is None or press.frames.force_n is None:
         return None
-    return counted_pins(press.frames, settings, press.repetition)
+    return counted_pins(press.frames, settings, press.repetition, found.by_paper if found else None)
 
 
 def _missing(scored: Sequence[ScoredPress | None], algorithm: str) -> Iterator[str]:

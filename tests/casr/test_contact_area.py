@@ -10,6 +10,7 @@ import pytest
 from casr.camera import Camera
 from casr.contact_area import AS_PRINTED, RULES, initial_area
 from casr.contact_area.array import array_area_px2, check_area
+from casr.contact_area.displacement_field import DisplacementField
 from casr.contact_area.edge import fit_edge
 from casr.errors import AreaError, NoContactError, PinsError, SettingError
 from casr.flow.region import Region
@@ -301,3 +302,14 @@ def test_a_real_flat_press(shared_data):
 def test_edge_of_pins_drawn_together_is_no_edge():
     found = initial_area(as_pins(REST), CENTRE + 0.2 * (REST - CENTRE), rule="edge")
     assert found.rule == "hexagon"
+
+
+def test_starts_that_are_followed_together_lead_where_each_leads_alone():
+    rest = REST
+    away = (rest - rest.mean(axis=0)) @ (1, 1j)
+    moved = 0.3 * away * np.exp(-((np.abs(away) / 50) ** 2)) + np.random.default_rng(4).normal(size=away.size)
+    field = DisplacementField(away, moved, 0j, np.ones(away.size))
+    starts = np.array([[2.0, -3.0, np.log(size), 0.0, 0.0, np.log(140.0)] for size in (20.0, 40.0, 80.0)])
+    alone = [field.minimised(start[None], 1e-5)[0] for start in starts]
+    np.testing.assert_array_equal(field.minimised(starts, 1e-5), alone)
+    assert field.cost(alone[0]) < field.cost(starts[0])

@@ -97,3 +97,14 @@ def test_a_press_without_forces_or_front_has_no_stretch() -> None:
     whole = pressed("S3", 1.0, 2)
     assert stretch_of(dataclasses.replace(whole, force_n=None)) is None
     assert stretch_of(dataclasses.replace(whole, front_spread=None)) is None
+
+
+def test_two_presses_are_compared_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(5)
+    made = {
+        str(k): Stretch(np.sort(rng.uniform(0.5, 7, 20)), np.cumsum(rng.uniform(0, 0.1, 20)), 0.05) for k in range(6)
+    }
+    before, between, calls = unlike_others(made), Stretch.between, []
+    monkeypatch.setattr(Stretch, "between", lambda self, *ends: calls.append(ends) or between(self, *ends))
+    assert unlike_others(made) == before
+    assert len(calls) == 6 * 5

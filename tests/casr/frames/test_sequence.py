@@ -52,3 +52,33 @@ def test_one_force_for_each_frame():
 def test_arrays_that_are_no_stack_of_frames(shape):
     with pytest.raises(FramesError, match="T, H, W"):
         ArrayFrames(np.zeros(shape, np.uint8))
+
+
+class Counted(ArrayFrames):
+    def __init__(self, frames):
+        super().__init__(frames)
+        self.asked = []
+
+    def read(self, index):
+        self.asked.append(index)
+        return super().read(index)
+
+
+def test_a_frame_that_is_kept_is_decoded_once_and_cannot_be_written_to():
+    source = Counted(FRAMES.copy())
+    kept = FrameSequence(source).kept()
+    for index in (2, 0, 2, -2, 0):
+        np.testing.assert_array_equal(kept[index], FRAMES[index])
+    assert source.asked == [2, 0]
+    with pytest.raises(ValueError, match="read-only"):
+        kept[2][0, 0] = 1
+    assert source.read(2).flags.writeable
+
+
+def test_what_is_kept_has_a_limit(monkeypatch):
+    monkeypatch.setattr("casr.frames.sequence.MOST_KEPT_BYTES", 2 * FRAMES[0].nbytes)
+    source = Counted(FRAMES)
+    kept = FrameSequence(source).kept()
+    for _ in range(2):
+        np.testing.assert_array_equal(list(kept), FRAMES)
+    assert source.asked == [0, 1, 2, 3, 2, 3]

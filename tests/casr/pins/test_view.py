@@ -8,7 +8,7 @@ import pytest
 from casr.camera import Camera
 from casr.pins import PinSettings, PinTracker, detect_pins, match_pins
 from casr.pins.pitch import guess_pitch_px
-from casr.pins.view import line_noise
+from casr.pins.view import line_noise, noisy_share
 from casr.synthetic import TACTIP_127, Appearance, Skin
 from casr.synthetic.appearance import draw_surface
 from casr.synthetic.render import render
@@ -94,3 +94,13 @@ def test_what_is_asked_for_is_taken():
         detect_pins(image, PinSettings(min_area_px=400))
     with pytest.raises(Exception, match="bright blobs"):
         detect_pins(image, PinSettings(contrast=200.0))
+
+
+@pytest.mark.parametrize("width", [64, 65, 2])
+def test_the_share_of_noisy_lines_is_that_of_their_medians(width):
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        # from clean to noisy lines, and many equal values, so that medians lie on either side of and at the limit
+        grey = np.clip(128 + rng.normal(size=(70, width)) * np.linspace(0, 20, 70)[:, None], 0, 255).astype(np.uint8)
+        for most in (0.0, 2.0, float(np.median(line_noise(grey))), 8.0):
+            assert noisy_share(grey, most) == np.mean(line_noise(grey) > most)

@@ -1,0 +1,85 @@
+"""What a press costs: each frame is decoded once, and no algorithm follows pins that another one has followed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casr.frames import FrameSequence
+from casr.pins import PinTracker
+from casr.specimens import SPECIMENS
+from casr.synthetic import PressSettings, simulate_press
+from casr.synthetic.settings import TimelineSettings
+from emg2vsa.runs import RunScores
+from emg2vsa.runs.counted_pins import counted_pins
+from emg2vsa.runs.press import Press
+from emg2vsa.runs.score_run import score_run
+from emg2vsa.settings import RunSettings
+
+
+class Counted:
+    """Frames of a press, and how often each is read."""
+
+    def __init__(self, sequence: FrameSequence) -> None:
+        self.name, self.shape, self._source = sequence.name, sequence.shape, sequence.source
+        self.read_of: Counter[int] = Counter()
+
+    def __len__(self) -> int:
+        return len(self._source)
+
+    def read(self, index: int) -> np.ndarray:
+        self.read_of[index] += 1
+        return self._source.read(index)
+
+
+@pytest.fixture(scope="module")
+def sequence() -> FrameSequence:
+    timeline = TimelineSettings(loading_s=1.0)
+    return simulate_press(PressSettings(stiffness_n_per_mm=SPECIMENS["S3"], timeline=timeline)).sequence()
+
+
+def scored(sequence: FrameSequence, force_n: tuple[float, float] = (0.5, 7.0)) -> RunScores:
+    press = Press(1, sequence, "", np.empty(0), np.empty(0))
+    settings = RunSettings(force_n=force_n)
+    return score_run([press], settings, specimen="S3", angle_deg=0.0, condition="modular", simulated=True)
+
+
+def test_all_algorithms_of_a_press_decode_a_frame_once(sequence: FrameSequence) -> None:
+    source = Counted(sequence)
+    found = scored(replace(sequence, source=source))
+    assert found.verdicts == ("ok",)
+    assert all(np.isfinite(rates).all() for rates in found.casr.values())
+    assert set(source.read_of.values()) == {1}
+    assert len(source.read_of) < len(sequence)
+
+
+def test_algorithm_1_counts_pins_that_were_followed_already(
+    sequence: FrameSequence, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: Counter[str] = Counter()
+    for name in ("start", "step"):
+        own = getattr(PinTracker, name)
+
+        def counting(tracker: PinTracker, image: np.ndarray, name: str = name, own=own) -> object:
+            calls[name] += 1
+            return own(tracker, image)
+
+        monkeypatch.setattr(PinTracker, name, counting)
+    found = scored(sequence)
+    assert found.first_contact is not None
+    # from before contact for the camera's lag, from rest for the front, and from rest by the paper's forces
+    assert calls["start"] == 3
+    calls.clear()
+    assert scored(sequence, force_n=(0.5, 40.0)).verdicts == ("rejected",)
+    assert calls.total() == 0
+
+
+def test_pins_counted_of_a_scored_press_are_those_counted_alone(sequence: FrameSequence) -> None:
+    together, alone = scored(sequence).first_contact, counted_pins(sequence, RunSettings(), 1)
+    assert together is not None
+    assert alone is not None
+    for name in ("frames", "force_n", "rest_px", "contact_px", "selected"):
+        np.testing.assert_array_equal(getattr(together, name), getattr(alone, name))
