@@ -64,21 +64,15 @@ class ContactHistory:
         normal_n = (elastic_n - self._alpha_n) / self.beta
         if normal_n <= 0:
             return 0.0, 0.0
-        return normal_n, self.shear_n(normal_n, slope_n_per_mm, way_mm)
-
-    def shear_n(self, normal_n: float, slope_n_per_mm: float, way_mm: float) -> float:
-        """Shear force at the end of the step under that normal force; else as `forces`."""
         stiffness = SHEAR_OVER_NORMAL * slope_n_per_mm
-        pulled_n = self._pulled_n + stiffness * (way_mm + self._given_mm)
-        shear_n = pulled_n / (self.beta + stiffness * self._give)
-        if abs(shear_n) <= self._friction * normal_n:
-            return shear_n
-        return math.copysign(self._after_slip * normal_n, shear_n)
+        shear_n = (self._pulled_n + stiffness * (way_mm + self._given_mm)) / (self.beta + stiffness * self._give)
+        if not -self._friction * normal_n <= shear_n <= self._friction * normal_n:
+            shear_n = math.copysign(self._after_slip * normal_n, shear_n)
+        return normal_n, shear_n
 
     def advance(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
         """Go there; normal and shear force then, as `forces`."""
-        normal_n = max(0.0, (elastic_n - self._alpha_n) / self.beta)
-        shear_n = self.shear_n(normal_n, slope_n_per_mm, way_mm)
+        normal_n, shear_n = self.forces(elastic_n, slope_n_per_mm, way_mm)
         grown_n = self._instant * shear_n
         normal, shear = [], []
         for (_, _, from_new), part, shear_part in zip(self._of_step, self._parts, self._shear_parts, strict=True):

@@ -114,8 +114,11 @@ class Probe:
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
         if not self.remembers:
             return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
-        history = self._in_step()
-        normal_n, shear_n = history.forces(elastic_n, *self._sideways(shaft_rad, elastic_n, growth_n_per_mm))
+        history = self._history if self._begun else self._in_step()
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
+        normal_n, shear_n = history.forces(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
         if normal_n <= 0:
             return 0.0, 0.0
         # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
@@ -134,8 +137,11 @@ class Probe:
             self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
             return APART
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
-        history = self._in_step()
-        normal_n, shear_n = history.advance(elastic_n, *self._sideways(shaft_rad, elastic_n, growth_n_per_mm))
+        history = self._history if self._begun else self._in_step()
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
+        normal_n, shear_n = history.advance(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
         self._at_rad, self._elastic_n = shaft_rad, elastic_n
         self._touch = Touch(normal_n, shear_n, elastic_n, history.way_mm) if normal_n > 0 else APART
         return self._touch
@@ -147,17 +153,9 @@ class Probe:
         return self._along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
 
     def _in_step(self) -> ContactHistory:
-        if not self._begun:
-            self._history.begin(self._step_s)
-            self._begun = True
+        self._history.begin(self._step_s)
+        self._begun = True
         return self._history
-
-    def _sideways(self, shaft_rad: float, elastic_n: float, growth_n_per_mm: float) -> tuple[float, float]:
-        """Mean growth of the elastic force per depth on this step, N/mm, and the way along the surface, mm."""
-        turned_rad = shaft_rad - self._at_rad
-        deeper_mm = turned_rad * self._depth_mm_per_rad
-        mean = (elastic_n - self._elastic_n) / deeper_mm if abs(deeper_mm) > _SAME_MM else growth_n_per_mm
-        return mean, turned_rad * self._mm_per_rad * self._sin
 
     def _along_n(self, normal_n: float, shear_n: float) -> float:
         return normal_n * self._cos + shear_n * self._sin

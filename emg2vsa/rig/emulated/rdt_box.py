@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from operator import add, gt, mul, sub, truediv
 
 import numpy as np
@@ -55,7 +56,7 @@ class BoxSettings:
     axia: bool = False
     seed: int = 0
 
-    @property
+    @cached_property
     def divisor(self) -> int:
         """Internal samples from record to record."""
         return max(1, math.floor(INTERNAL_RATE_HZ / self.rate_hz))
@@ -136,54 +137,61 @@ class RdtBox:
         free : nothing has touched the probe since the records before, so that one load stands for all."""
         if (stream := self._stream) is None:
             return []
-        times_s, divisor = [], self.settings.divisor
-        while stream.next_s <= time_s + 1e-9 and stream.left:
-            times_s.append(stream.next_s)
+        times_s, ticks, next_s, divisor = [], [], stream.next_s, self.settings.divisor
+        while next_s <= time_s + 1e-9 and stream.left:
+            times_s.append(next_s)
+            ticks.append(round(next_s * INTERNAL_RATE_HZ))
             stream.left -= 1
-            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + divisor) / INTERNAL_RATE_HZ
+            next_s = (ticks[-1] + divisor) / INTERNAL_RATE_HZ
         if not times_s:
             return []
-        stream.last_s = times_s[-1]
+        stream.next_s, stream.last_s = next_s, times_s[-1]
         if not stream.left:
             self._stream = None
         loads = self._loads(times_s[-1:]) * len(times_s) if free else self._loads(times_s)
-        return [(self._measured(stream, at_s, load), at_s) for at_s, load in zip(times_s, loads, strict=True)]
+        return list(zip(self._measured(stream, ticks, loads), times_s, strict=True))
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
         """Status word and the six counts at a time."""
         return self._read(self._loads([time_s])[0])
 
     def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
-        out_of_range = self.faults.saturated or True in map(gt, map(abs, load), self.settings.rating)
-        if not self.faults.stuck:
-            noise, of_noise = next(self._noise)
-            if any(load) or any(self._bias):
+        faults, felt = self.faults, load is not _NO_LOAD
+        out_of_range = faults.saturated or (felt and True in map(gt, map(abs, load), self.settings.rating))
+        if not faults.stuck:
+            noise, counts = next(self._noise)
+            if felt or self._bias is not _NO_LOAD:
                 noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
                 counts = tuple(map(round, noisy))
                 if min(counts) < _LEAST or max(counts) > _MOST:  # far out of range, which the status tells
                     counts = tuple([max(_LEAST, min(_MOST, count)) for count in counts])
-                self._counts = counts
-            else:
-                self._counts = of_noise
-        if self.faults.overflow:
+            self._counts = counts
+        if faults.overflow:
             self._counts = (_MOST,) * 6
         return self._alarm if out_of_range else 0, self._counts
 
     def _loads(self, times_s: Sequence[float]) -> list[Sequence[float]]:
         """Six loads in the box's units at each time, before bias."""
-        lag_s = self.faults.lag_s
+        faults = self.faults
+        lag_s = faults.lag_s
         wrenches = self._wrenches([max(0.0, time_s - lag_s) for time_s in times_s] if lag_s else times_s)
-        faults, adds = self.faults, bool(self.faults.push_n or self.faults.drift_n_per_s)
+        strange, adds = faults.strange, bool(faults.push_n or faults.drift_n_per_s)
         return [
-            list(map(truediv, faults.felt(wrench, time_s), self._size)) if adds or any(wrench) else _NO_LOAD
+            list(map(truediv, faults.felt(wrench, time_s) if strange else wrench, self._size))
+            if adds or any(wrench)
+            else _NO_LOAD
             for wrench, time_s in zip(wrenches, times_s, strict=True)
         ]
 
-    def _measured(self, stream: _Stream, time_s: float, load: Sequence[float]) -> Record:
+    def _measured(self, stream: _Stream, ticks: list[int], loads: list[Sequence[float]]) -> list[Record]:
+        """Records of internal samples ``ticks`` under these loads."""
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
-        stream.rdt_sequence = (stream.rdt_sequence + 1) % 2**32
-        ft_sequence = (round(time_s * INTERNAL_RATE_HZ) + self._skipped) % 2**32
-        return Record(stream.rdt_sequence, ft_sequence, *self._read(load))
+        number, skipped, records = stream.rdt_sequence, self._skipped, []
+        for tick, load in zip(ticks, loads, strict=True):
+            number = (number + 1) % 2**32
+            records.append(Record(number, (tick + skipped) % 2**32, *self._read(load)))
+        stream.rdt_sequence = number
+        return records
 
     def _send(self, stream: _Stream, time_s: float) -> None:
         self._post.send(b"".join(stream.waiting), time_s, stream.client, self.faults)

@@ -67,9 +67,15 @@ class ShaftPath:
         """Contact at a time not after the end. DeviceError before what is remembered."""
         after, share = self._place(time_s)
         touch = self._touches[after]
-        if share == 1 or touch is self._touches[after - 1]:
+        if share == 1 or touch is (before := self._touches[after - 1]):
             return touch
-        return Touch(*(a + share * (b - a) for a, b in zip(self._touches[after - 1], touch, strict=True)))
+        normal_n, shear_n, elastic_n, sheared_mm = before
+        return Touch(
+            normal_n + share * (touch.normal_n - normal_n),
+            shear_n + share * (touch.shear_n - shear_n),
+            elastic_n + share * (touch.elastic_n - elastic_n),
+            sheared_mm + share * (touch.sheared_mm - sheared_mm),
+        )
 
     def _place(self, time_s: float) -> tuple[int, float]:
         """The point not before a time, and the share of the way to it from the one before."""
@@ -162,7 +168,8 @@ class World:
 
     def touch(self, time_s: float) -> Touch:
         """The contact, which the camera sees."""
-        self._run(time_s, self._motors_rad)
+        if time_s > self._path.end_s:
+            self._run(time_s, self._motors_rad)
         if self._probe.remembers:
             return self._path.touch(time_s)
         return self._probe.elastic_touch(self._path.angle_rad(time_s))
