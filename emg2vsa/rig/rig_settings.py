@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from emg2vsa.rig.device_settings import LOST_S
 from emg2vsa.settings import TICKS_PER_TURN, Ge, Gt, Le, NonNegative, Positive
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from emg2vsa.rig.devices import ForceSample
 
 
@@ -118,7 +122,7 @@ class RigSettings:
     guards: GuardSettings = field(default_factory=GuardSettings)
     "Limits beyond which a run ends."
 
-    @property
+    @cached_property
     def period_s(self) -> float:
         """Of the control loop."""
         return 1 / self.rate_hz
@@ -133,14 +137,20 @@ class RigSettings:
 
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
-        return float(sample.force_n.dot(self.push_axis))
+        return float(sample.force_n.dot(self._axis))
 
-    @property
+    @cached_property
+    def _axis(self) -> NDArray[np.float64]:
+        import numpy as np
+
+        return np.array(self.push_axis, dtype=np.float64)
+
+    @cached_property
     def lever_m(self) -> float:
         """Travel of the probe per angle of the shaft, m/rad: the torque of the shaft over the force of the probe."""
         return math.degrees(self.gear_mm_per_degree) / 1000
 
-    @property
+    @cached_property
     def _mm_per_tick(self) -> float:
         return self.gear_mm_per_degree * 360 / TICKS_PER_TURN
 

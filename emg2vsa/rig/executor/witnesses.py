@@ -149,7 +149,7 @@ class SlowMotors:
 
     def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
         self._rigid, self._guards = springs is None, guards
-        self._times_s = guards.following_s, min(guards.following_s, GuardSettings.following_s)
+        self._times_s = sorted({guards.following_s, min(guards.following_s, GuardSettings.following_s)}, reverse=True)
         self._slow = [list(self._seen(at)) for _ in self._times_s]
         self._sent: list[float] | None = None
         self._obeyed: list[float] | None = None
