@@ -186,10 +186,10 @@ class RdtBox:
     def _measured(self, stream: _Stream, ticks: list[int], loads: list[Sequence[float]]) -> list[Record]:
         """Records of internal samples ``ticks`` under these loads."""
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
-        number, skipped, records = stream.rdt_sequence, self._skipped, []
+        number, skipped, records, read = stream.rdt_sequence, self._skipped, [], self._read
         for tick, load in zip(ticks, loads, strict=True):
             number = (number + 1) % 2**32
-            records.append(Record(number, (tick + skipped) % 2**32, *self._read(load)))
+            records.append(Record(number, (tick + skipped) % 2**32, *read(load)))
         stream.rdt_sequence = number
         return records
 
