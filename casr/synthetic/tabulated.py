@@ -137,8 +137,17 @@ class TabulatedSkin:
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        radius_mm = self._radius_factor * float(_radius(self._log_force, self._log_radius, np.array(force_n)))
-        return ContactState(radius_mm=radius_mm, normal_n=force_n)
+        return ContactState(radius_mm=self._radius_factor * self._radius_at(force_n), normal_n=force_n)
+
+    def _radius_at(self, force_n: float) -> float:
+        """As `_radius`, of one force: frames and the truth of a press ask for thousands."""
+        if force_n <= 0:
+            return 0.0
+        asked, log_force = np.log(force_n), self._log_force
+        if asked < log_force[0]:
+            start = (self._log_radius[1] - self._log_radius[0]) / (log_force[1] - log_force[0])
+            return float(np.exp(self._log_radius[0] + start * (asked - log_force[0])))
+        return float(np.exp(np.interp(asked, log_force, self._log_radius)))
 
     def area_mm2(self, state: ContactState) -> float:
         return math.pi * state.radius_mm**2

@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from emg2vsa.rig.clock import Beat, Clock
 from emg2vsa.rig.devices import Devices, ForceSample, Measurements
 from emg2vsa.rig.emulated.camera import EmulatedCamera
@@ -34,6 +32,8 @@ Near = Callable[[], bool]
 _PHASES = ("approach", "retract", "pause")
 _UNMEASURED = ("retract", "pause")
 "Nothing that is felt in these is scored."
+_TOGETHER_S = 0.5
+"Turns of no more than this are written together: the driver of the sensor keeps the records of a second."
 
 
 class Nearness:
@@ -159,7 +159,6 @@ class OffContactCycle(ControlCycle):
             most / step for most, step in zip([most_n] * 3 + [most_nm] * 3, self._force.steps, strict=True)
         ]
         self._most_spring_n = min(GAP_AT_REST_N, limits.spring_gap_n, limits.spring_n) - most_n
-        self._axis = np.array(self._rig.push_axis)
 
     def go_on(self, beat: Beat) -> tuple[Motion, float]:
         """Turns off contact, as many as can be gone through together, and the full one after them."""
@@ -211,8 +210,11 @@ class OffContactCycle(ControlCycle):
                 if not actuator.is_active():
                     return False
             self._asked_s = now_s
-        if self._camera and self._camera.due_s <= now_s:
-            self._write()  # rows of the turns before bear the number of the frame before
+        comes = self._camera is not None and self._camera.due_s <= now_s
+        # rows of the turns before a frame bear the number of the frame before
+        if (comes and self._record.pressing) or (self._turns and now_s - self._turns[0].now_s > _TOGETHER_S):
+            self._write()
+        if comes:
             self._look(now_s)
         actuator.set_position_stiffness(*command)
         witnesses.send(*command, now_s)
@@ -231,11 +233,10 @@ class OffContactCycle(ControlCycle):
             return
         with ending("recording"):
             self._record.all_forces(self._devices.force.read_all)
-            samples = [self._force.sample_of(turn.record, turn.time_s) for turn in turns]
-            rows = []
+            samples, rows = [self._force.sample_of(turn.record, turn.time_s) for turn in turns], []
             for turn, sample in zip(turns, samples, strict=True):
                 self._note_peak(sample)
-                raw_n = float(sample.force_n.dot(self._axis))
+                raw_n = self._rig.pushing_n(sample)
                 force = Force(raw_n, self._average.update(raw_n), sample)
                 rows.append(self._row(turn.now_s, 0.0, force, (*turn.at, *turn.currents_ma), turn.motion, turn.command))
             last, before = turns[-1], turns[:-1]

@@ -7,25 +7,18 @@ a second; bias is not answered. The noise is a guess.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from operator import add, gt, mul, sub, truediv
-
-import numpy as np
+from operator import gt, truediv
 
 from emg2vsa.rig.emulated.box_faults import BoxFaults, Client, FaultyPost
+from emg2vsa.rig.emulated.box_noise import MOST_COUNT, NO_LOAD, NoisyCounts
 from emg2vsa.rig.emulated.settings import INTERNAL_RATE_HZ
 from emg2vsa.rig.force.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
 NETBOX_SATURATED = 0x80020000
 AXIA_OUT_OF_RANGE = 0xC0000000
-_LEAST, _MOST = -(2**31), 2**31 - 1
-_NOISE_BLOCK = 256
-"Draws made at once; the records come out the same for any number."
-
-_NO_LOAD = (0.0,) * 6
-
 Wrenches = Callable[[Sequence[float]], Sequence[Sequence[float]]]
 """(R,) times, s, that never go back, to (R, 6) force, N, and torque, N·m, on the sensor at these times."""
 
@@ -88,10 +81,11 @@ class RdtBox:
         self._wrenches = wrenches
         # plain numbers: six at a time are too few for arrays to pay
         self._size = [s.n_per_unit] * 3 + [s.nm_per_unit] * 3
-        self._counts_per_unit = [s.counts_per_force] * 3 + [s.counts_per_torque] * 3
-        self._noise = _noise(s)
+        self._noisy = NoisyCounts(s.noise, (s.counts_per_force, s.counts_per_torque), s.seed)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
-        self._bias: Sequence[float] = _NO_LOAD
+        self._bias: Sequence[float] = NO_LOAD
+        self._judged, self._beyond = self._bias, False
+        "The load of the record before, and whether it is beyond the rating."
         self._skipped = 0
         self._stream: _Stream | None = None
         self._post = FaultyPost()
@@ -156,19 +150,14 @@ class RdtBox:
         return self._read(self._loads([time_s])[0])
 
     def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
-        faults, felt = self.faults, load is not _NO_LOAD
-        out_of_range = faults.saturated or (felt and True in map(gt, map(abs, load), self.settings.rating))
+        faults = self.faults
+        if load is not self._judged:
+            self._judged, self._beyond = load, True in map(gt, map(abs, load), self.settings.rating)
         if not faults.stuck:
-            noise, counts = next(self._noise)
-            if felt or self._bias is not _NO_LOAD:
-                noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
-                counts = tuple(map(round, noisy))
-                if min(counts) < _LEAST or max(counts) > _MOST:  # far out of range, which the status tells
-                    counts = tuple([max(_LEAST, min(_MOST, count)) for count in counts])
-            self._counts = counts
+            self._counts = self._noisy.of(load, self._bias)
         if faults.overflow:
-            self._counts = (_MOST,) * 6
-        return self._alarm if out_of_range else 0, self._counts
+            self._counts = (MOST_COUNT,) * 6
+        return self._alarm if faults.saturated or self._beyond else 0, self._counts
 
     def _loads(self, times_s: Sequence[float]) -> list[Sequence[float]]:
         """Six loads in the box's units at each time, before bias."""
@@ -179,7 +168,7 @@ class RdtBox:
         return [
             list(map(truediv, faults.felt(wrench, time_s) if strange else wrench, self._size))
             if adds or any(wrench)
-            else _NO_LOAD
+            else NO_LOAD
             for wrench, time_s in zip(wrenches, times_s, strict=True)
         ]
 
@@ -196,17 +185,6 @@ class RdtBox:
     def _send(self, stream: _Stream, time_s: float) -> None:
         self._post.send(b"".join(stream.waiting), time_s, stream.client, self.faults)
         stream.waiting.clear()
-
-
-def _noise(settings: BoxSettings) -> Iterator[tuple[list[float], tuple[int, ...]]]:
-    """Noise of the six counts, record by record: in the box's units, and the counts that it alone makes."""
-    rng = np.random.default_rng(settings.seed)
-    size = np.repeat(settings.noise, 3)
-    per_unit = np.repeat([settings.counts_per_force, settings.counts_per_torque], 3)
-    while True:
-        noise = size * rng.standard_normal((_NOISE_BLOCK, 6))
-        counts = np.rint(noise * per_unit).clip(_LEAST, _MOST).astype(int).tolist()
-        yield from zip(noise.tolist(), map(tuple, counts), strict=True)
 
 
 def configuration_page(box: RdtBox) -> bytes:
