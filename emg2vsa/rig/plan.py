@@ -69,4 +69,3 @@ class RunPlan:
     def _presets_ticks(self) -> list[int]:
         assert self.schedule is not None
         return [int(ticks) for ticks in self.schedule.preset_ticks]
-

@@ -12,9 +12,6 @@ from emg2vsa.rig.device_settings import LOST_S
 from emg2vsa.settings import TICKS_PER_TURN, Ge, Gt, Le, NonNegative, Positive
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from emg2vsa.rig.devices import ForceSample
 
 
@@ -137,13 +134,7 @@ class RigSettings:
 
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
-        return float(sample.force_n.dot(self._axis))
-
-    @cached_property
-    def _axis(self) -> NDArray[np.float64]:
-        import numpy as np
-
-        return np.array(self.push_axis, dtype=np.float64)
+        return float(sample.force_n.dot(self.push_axis))
 
     @cached_property
     def lever_m(self) -> float:

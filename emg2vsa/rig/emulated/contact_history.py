@@ -1,4 +1,4 @@
-"""One contact of plain numbers, stepped: `ConvolvedForce` and `Shear` of the same bodies in one pass over their branches.
+"""One contact of plain numbers, stepped: `ConvolvedForce` and `Shear` of the same bodies in one pass over branches.
 
 The numbers are theirs to the last bit (tests/rig/emulated/test_contact_history.py). A solver asks for the forces at the
 end of a step many times, so all that does not depend on the end is computed once a step.
@@ -22,9 +22,7 @@ class ContactHistory:
     A step is: ``begin``, ``forces`` for as many ends of it as wanted, and ``advance`` to the true end.
     """
 
-    def __init__(
-        self, relaxation: Relaxation, *, friction: float, mount_n_per_mm: float, friction_drop: float
-    ) -> None:
+    def __init__(self, relaxation: Relaxation, *, friction: float, mount_n_per_mm: float, friction_drop: float) -> None:
         check_skin(friction, friction_drop, mount_n_per_mm)
         self._friction, self._after_slip = friction, friction - 2 * friction_drop
         self._give, self._instant = 1 / mount_n_per_mm, relaxation.instant

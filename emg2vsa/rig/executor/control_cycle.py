@@ -284,7 +284,7 @@ class ControlCycle:
         )  # fmt: skip
 
 
-class ending:  # noqa: N801
+class ending:
     """A DeviceError within ends the run for this cause. A class, as every turn of the loop enters many."""
 
     __slots__ = ("_cause",)
