@@ -1,8 +1,10 @@
-"""What an emulated run costs, and what scoring it costs, beside another version of the program.
+"""What an emulated run costs beside another version of the program, in all and part by part, and that it is the same.
 
 Run with ``python -m benchmarks.emulation_speed --beside FOLDER [--rounds N]``, where FOLDER holds a checkout of the
-other version. Versions take turns within every round, each in a process of its own, and the least processor time of
-all rounds counts. Presses are ten; the elastic world is the one that both versions know.
+other version. Versions take turns within every round, each in a process of its own, with one thread; times are those of
+the processor. The table gives the least of all rounds, and smallest, median and largest ratio of a round. Folders of
+runs are compared file by file, byte for byte. Parts come from a profile of one more run of each version, which makes
+calls of functions dearer than they are: they tell where time went, not how much.
 """
 
 from __future__ import annotations
@@ -10,86 +12,113 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parent.parent
-RUNS = ("S1 0 modular", "S5 45 modular")
-# what both versions understand: the other one knows no worlds, and no exact mode
+RUNS = ("S1 0 modular viscoelastic", "S5 45 modular viscoelastic", "S3 30 high-stiffness elastic")
 CHILD = """
-import json, sys, time
-from dataclasses import fields, replace
+import cProfile, hashlib, json, pstats, sys, time
+from dataclasses import replace
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
+import cv2
 from benchmarks.rig.plans import modular_plan, rigid_plan
 from emg2vsa.rig.emulated.settings import EmulatedSettings
 from emg2vsa.rig.emulated.virtual_run import run_virtual
 from emg2vsa.rig.rig_settings import RigSettings
-from emg2vsa.run_folders.presses import read_presses
-from emg2vsa.runs.score_run import score_run
-from emg2vsa.settings import RunSettings
-specimen, angle, condition, presses, world, exact, folder = sys.argv[1:]
+specimen, angle, condition, world, presses, profiled, folder = sys.argv[1:]
 make = rigid_plan if condition == "high-stiffness" else partial(modular_plan, condition=condition)
 plan = make(int(presses), specimen=specimen, angle_deg=float(angle))
-told = {"world": world, "exact": exact == "exact"}
-known = {field.name for field in fields(EmulatedSettings)}
-emulated = replace(EmulatedSettings(), **{key: value for key, value in told.items() if key in known})
-import cv2
-times = [time.process_time()]
-ended = run_virtual(plan, RigSettings(), emulated, Path(folder), started=datetime.now(timezone.utc))
-times.append(time.process_time())
-scores = score_run(read_presses([Path(folder)], None), RunSettings(), specimen=specimen, angle_deg=float(angle),
-                   condition=condition, simulated=True)
-times.append(time.process_time())
+emulated = replace(EmulatedSettings(), world=world)
+profile = cProfile.Profile(time.process_time)
+start_s = time.process_time()
+if profiled:
+    profile.enable()
+ended = run_virtual(plan, RigSettings(), emulated, Path(folder), started=datetime(2026, 1, 5, tzinfo=timezone.utc))
+profile.disable()
+cost_s = time.process_time() - start_s
 assert ended.how == "completed", ended
-print(json.dumps({"rows": ended.rows, "emulation_s": times[1] - times[0], "scoring_s": times[2] - times[1]}))
+files = {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+         for path in sorted(Path(folder).rglob("*")) if path.is_file()}
+own = {}
+if profiled:
+    for (file, _, _), (_, _, own_s, _, callers) in pstats.Stats(profile).stats.items():
+        # what is compiled counts for its callers
+        for name, spent_s in [(file, own_s)] if file != "~" else [(of[0], each[2]) for of, each in callers.items()]:
+            own[name] = own.get(name, 0.0) + spent_s
+print(json.dumps({"cost_s": cost_s, "rows": ended.rows, "files": files, "own": own}))
 """
+PARTS = {
+    "contact and shaft": ("contact_mechanics/", "probe.py", "contact_history.py", "actuator_joint.py", "/world.py"),
+    "force sensor": ("rdt", "box_", "net_ft.py", "datagrams.py"),
+    "actuator": ("qbmove", "faults.py", "rigid_motor.py"),
+    "frames": ("casr/", "camera.py", "press_draws.py", "numpy"),
+    "loop and guards": ("executor/", "off_contact.py", "bench.py", "clock.py", "rig_settings.py", "plan.py"),
+    "log and files": ("record/",),
+}
+"""To ends or pieces of the paths of their modules; the first that fits counts."""
 
 
 def main() -> None:
-    """Measure, and print a table."""
+    """Measure, compare, and print tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--beside", type=Path, required=True, metavar="FOLDER", help="checkout of the other version")
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--presses", type=int, default=10)
     arguments = parser.parse_args()
-    versions = {
-        "before": (arguments.beside, "elastic", ""),
-        "exact": (ROOT, "elastic", "exact"),
-        "now": (ROOT, "elastic", ""),
-        "viscoelastic": (ROOT, "viscoelastic", ""),
-    }
-    columns = f"{'rows':>7}{'emulation, s':>14}{'scoring, s':>12}{'of before':>11}{'with scoring':>14}"
-    print(f"{'run':<22}{'version':<14}{columns}")
+    versions = {"before": arguments.beside, "now": ROOT}
+    print(f"{'run':<32}{'rows':>7}{'before, s':>11}{'now, s':>9}{'before / now':>23}  files")
     for run in RUNS:
-        found: dict[str, list[dict[str, float]]] = {name: [] for name in versions}
-        for _ in range(arguments.rounds):
-            for name, version in versions.items():
-                found[name].append(_cost(run, arguments.presses, *version))
-        least = {name: {key: min(one[key] for one in costs) for key in costs[0]} for name, costs in found.items()}
-        before = least["before"]
-        for name, cost in least.items():
-            both = (cost["emulation_s"] + cost["scoring_s"]) / (before["emulation_s"] + before["scoring_s"])
-            print(
-                f"{run:<22}{name:<14}{cost['rows']:>7.0f}{cost['emulation_s']:>14.2f}{cost['scoring_s']:>12.2f}"
-                f"{cost['emulation_s'] / before['emulation_s']:>11.2f}{both:>14.2f}",
-                flush=True,
-            )
+        found = [_measured(run, arguments.presses, versions) for _ in range(arguments.rounds)]
+        ratios = sorted(each["before"]["cost_s"] / each["now"]["cost_s"] for each in found)
+        least = {name: min(each[name]["cost_s"] for each in found) for name in versions}
+        same = all(each["before"]["files"] == each["now"]["files"] for each in found)
+        spread = f"{ratios[0]:.2f} {statistics.median(ratios):.2f} {ratios[-1]:.2f}"
+        print(
+            f"{run:<32}{found[0]['now']['rows']:>7}{least['before']:>11.2f}{least['now']:>9.2f}{spread:>23}"
+            f"  {len(found[0]['now']['files'])} {'the same' if same else 'DIFFERENT'}",
+            flush=True,
+        )
+    run = RUNS[1]
+    profiled = _measured(run, arguments.presses, versions, profiled=True)
+    parts = {name: _parts(each["own"]) for name, each in profiled.items()}
+    print(f"\nparts of {run}, profiled:\n{'part':<24}{'before, s':>11}{'now, s':>9}")
+    for part in parts["now"]:
+        print(f"{part:<24}{parts['before'][part]:>11.2f}{parts['now'][part]:>9.2f}")
 
 
-def _cost(run: str, presses: int, version: Path, world: str, exact: str) -> dict[str, float]:
+def _measured(
+    run: str, presses: int, versions: dict[str, Path], *, profiled: bool = False
+) -> dict[str, dict[str, Any]]:
+    return {name: _run(run, presses, version, profiled) for name, version in versions.items()}
+
+
+def _run(run: str, presses: int, version: Path, profiled: bool) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-c", CHILD, *run.split(), str(presses), world, exact, f"{folder}/run"]
+        given = [*run.split(), str(presses), "profiled" if profiled else "", f"{folder}/run"]
         single = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         environment = os.environ | single | {"PYTHONPATH": str(version)}
+        command = [sys.executable, "-c", CHILD, *given]
         done = subprocess.run(command, cwd=version, env=environment, capture_output=True, text=True)
     if done.returncode:
         raise SystemExit(done.stderr)
-    measured: dict[str, float] = json.loads(done.stdout)
-    return measured
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def _parts(own: dict[str, float]) -> dict[str, float]:
+    """Processor time of each part, s, of that of modules by their paths."""
+    spent = dict.fromkeys([*PARTS, "else"], 0.0)
+    for path, own_s in own.items():
+        part = next((part for part, pieces in PARTS.items() if any(piece in path for piece in pieces)), "else")
+        spent[part] += own_s
+    return spent
 
 
 if __name__ == "__main__":

@@ -98,6 +98,11 @@ def _windows(
 def _add(image: NDArray[np.float32], corner: NDArray[np.int64], spots: NDArray[np.float32]) -> None:
     """Add the windows to the image; what lies outside is dropped."""
     size = spots.shape[1]
+    most_y, most_x = image.shape[0] - size, image.shape[1] - size
     for (x, y), spot in zip(corner.tolist(), spots, strict=True):
-        part = image[max(y, 0) : max(y + size, 0), max(x, 0) : max(x + size, 0)]
-        part += spot[max(-y, 0) :, max(-x, 0) :][: part.shape[0], : part.shape[1]]
+        if 0 <= x <= most_x and 0 <= y <= most_y:
+            part = image[y : y + size, x : x + size]
+            np.add(part, spot, part)
+        else:
+            part = image[max(y, 0) : max(y + size, 0), max(x, 0) : max(x + size, 0)]
+            part += spot[max(-y, 0) :, max(-x, 0) :][: part.shape[0], : part.shape[1]]

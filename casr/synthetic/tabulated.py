@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.dome.library import DEFAULT_WORLD, SHIPPED, Library, read_library, shipped
-from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView, PinsAroundAxis
 from casr.errors import SettingError
 from casr.synthetic.motion import sheared
 from casr.synthetic.region import ContactEllipse, Points
@@ -97,12 +97,12 @@ class TabulatedWorld:
     def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float) -> Array:
         """Contact radius at forces."""
         force, _, _ = self.solution(stiffness_n_per_mm)
-        return _radius(force, tabulated(self.tables), np.asarray(force_n, dtype=np.float64))
+        log_radius = np.log(tabulated(self.tables).radius_mm)
+        return _radius(np.log(force), log_radius, np.asarray(force_n, dtype=np.float64))
 
 
-def _radius(table_force_n: Array, library: Library, force_n: Array) -> Array:
-    """Between rows along a power law; below the first one along it to 0."""
-    log_radius, log_force = np.log(library.radius_mm), np.log(table_force_n)
+def _radius(log_force: Array, log_radius: Array, force_n: Array) -> Array:
+    """At forces, between rows of the tables along a power law; below the first one along it to 0."""
     with np.errstate(divide="ignore"):
         asked = np.log(np.maximum(force_n, 0.0))
     start = (log_radius[1] - log_radius[0]) / (log_force[1] - log_force[0])
@@ -122,7 +122,8 @@ class TabulatedSkin:
                 found=repr(camera.sensor), do="Give the sensor that is simulated.",
             )  # fmt: skip
         self._library, self._radius_factor = tabulated(world.tables), math.sqrt(pressing.area_factor)
-        self._force_n, self._edge_mm, self._motion = world.solution(pressing.stiffness_n_per_mm)
+        force_n, self._edge_mm, self._motion = world.solution(pressing.stiffness_n_per_mm)
+        self._log_force, self._log_radius = np.log(force_n), np.log(self._library.radius_mm)
         self._view = DomeView(
             focal_px=(camera.fx_px, camera.fy_px), pole_px=(camera.cx_px, camera.cy_px), depth_mm=camera.depth_mm,
             pin_length_mm=pin_length_mm,
@@ -131,11 +132,22 @@ class TabulatedSkin:
         y = centre_mm[1] / OUTER_RADIUS_MM
         self._axis = np.array([math.sin(x) * math.cos(y), math.sin(y), math.cos(x) * math.cos(y)])
         self._climbs = np.array([math.cos(x), 0.0, -math.sin(x)])
+        self._newest: tuple[Points, PinsAroundAxis] | None = None
+        "Points at rest that were last asked for: those of one press are the same in every frame."
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        radius_mm = self._radius_factor * float(_radius(self._force_n, self._library, np.array(force_n)))
-        return ContactState(radius_mm=radius_mm, normal_n=force_n)
+        return ContactState(radius_mm=self._radius_factor * self._radius_at(force_n), normal_n=force_n)
+
+    def _radius_at(self, force_n: float) -> float:
+        """As `_radius`, of one force: frames and the truth of a press ask for thousands."""
+        if force_n <= 0:
+            return 0.0
+        asked, log_force = np.log(force_n), self._log_force
+        if asked < log_force[0]:
+            start = (self._log_radius[1] - self._log_radius[0]) / (log_force[1] - log_force[0])
+            return float(np.exp(self._log_radius[0] + start * (asked - log_force[0])))
+        return float(np.exp(np.interp(asked, log_force, self._log_radius)))
 
     def area_mm2(self, state: ContactState) -> float:
         return math.pi * state.radius_mm**2
@@ -149,9 +161,14 @@ class TabulatedSkin:
     def moved_px(self, rest_px: Points, state: ContactState) -> Points:
         if state.normal_n <= 0 or not rest_px.size:
             return rest_px
-        return np.asarray(rest_px + self._moved(self._view.directions(rest_px), state))
+        return np.asarray(rest_px + self._moved(self._around(rest_px), state))
 
     texture_px = moved_px
+
+    def _around(self, rest_px: Points) -> PinsAroundAxis:
+        if self._newest is None or self._newest[0] is not rest_px:
+            self._newest = rest_px, self._view.around(self._view.directions(rest_px), self._axis)
+        return self._newest[1]
 
     def skin_growth(self, before: ContactState, after: ContactState) -> float:
         arc_mm = self._edge_at(self._first)
@@ -168,10 +185,9 @@ class TabulatedSkin:
         around = np.cos(turn)[:, None] * across[0] + np.sin(turn)[:, None] * across[1]
         angle = arc_mm / INNER_RADIUS_MM
         directions = math.cos(angle) * self._axis + math.sin(angle) * around
-        return self._view.rest_px(directions) + self._moved(directions, state)
+        return self._view.rest_px(directions) + self._moved(self._view.around(directions, self._axis), state)
 
-    def _moved(self, directions: Points, state: ContactState) -> Points:
-        around = self._view.around(directions, self._axis)
+    def _moved(self, around: PinsAroundAxis, state: ContactState) -> Points:
         radius = self._library.radius_mm
         low = int(np.clip(np.searchsorted(radius, state.radius_mm) - 1, 0, radius.size - 2))
         share = min((state.radius_mm - radius[low]) / (radius[low + 1] - radius[low]), 1.0)

@@ -53,8 +53,10 @@ class PowerLaw:
 
     def resistance(self, depth_mm: float) -> tuple[float, float]:
         """Force, N, and its growth per indentation, N/mm."""
-        force_n = self.force_n(depth_mm)
-        return force_n, self.power * force_n / depth_mm if depth_mm > 0 else 0.0
+        if depth_mm <= 0:
+            return 0.0, 0.0
+        force_n = (self.per_mm * depth_mm) ** self.power
+        return force_n, self.power * force_n / depth_mm
 
     def radius_mm(self, force_n: ArrayLike) -> Floats:
         """Contact radius at normal forces of any shape; 0 where nothing presses."""

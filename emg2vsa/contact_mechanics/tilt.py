@@ -22,7 +22,7 @@ SHEAR_OVER_NORMAL = 2 / 3
 SHRINK_AT_SLIDING = 0.1
 "Share of the area that is lost when the contact begins to slide (assumption; up to 0.3: Sahli 2018, PNAS 115, 471)."
 
-_TINY_N_PER_MM = 1e-300
+TINY_N_PER_MM = 1e-300
 
 
 class Shear(Generic[Number]):
@@ -47,15 +47,7 @@ class Shear(Generic[Number]):
         mount_n_per_mm: float = math.inf,
         friction_drop: float = 0.0,
     ) -> None:
-        if not (0 <= 2 * friction_drop <= friction < math.inf):
-            raise SettingError(
-                "friction", wanted="a coefficient of 0 or more, of which sliding takes at most half",
-                found=f"{friction!r}, less {friction_drop!r} in sliding", do="Correct the friction.",
-            )  # fmt: skip
-        if not mount_n_per_mm > 0:
-            raise SettingError(
-                "mount_n_per_mm", wanted="a number above 0", found=repr(mount_n_per_mm), do="Correct the mount."
-            )
+        check_skin(friction, friction_drop, mount_n_per_mm)
         self._friction, self._after_slip = friction, friction - 2 * friction_drop
         self._give = 1 / mount_n_per_mm
         self._convolved: ConvolvedForce[Number] = ConvolvedForce(relaxation, zero)
@@ -89,7 +81,7 @@ class Shear(Generic[Number]):
         shear_n, before_n = self.after(step_s, way_mm, slope_n_per_mm, normal_n), self._convolved.convolved_n
         grown_n = self._convolved.advance(step_s, shear_n) - before_n
         # where nothing presses yet there is nothing to shear
-        self.way_mm = self.way_mm + grown_n / (SHEAR_OVER_NORMAL * slope_n_per_mm + _TINY_N_PER_MM)
+        self.way_mm = self.way_mm + grown_n / (SHEAR_OVER_NORMAL * slope_n_per_mm + TINY_N_PER_MM)
         return shear_n
 
     def _held(self, shear_n: Number, normal_n: Number) -> Number:
@@ -101,6 +93,19 @@ class Shear(Generic[Number]):
         limit_n = np.maximum(normal_n, 0.0)
         slides = np.abs(shear_n) > self._friction * limit_n
         return np.where(slides, np.copysign(self._after_slip * limit_n, shear_n), shear_n)
+
+
+def check_skin(friction: float, friction_drop: float, mount_n_per_mm: float) -> None:
+    """SettingError unless a contact can be as `Shear` describes it."""
+    if not (0 <= 2 * friction_drop <= friction < math.inf):
+        raise SettingError(
+            "friction", wanted="a coefficient of 0 or more, of which sliding takes at most half",
+            found=f"{friction!r}, less {friction_drop!r} in sliding", do="Correct the friction.",
+        )  # fmt: skip
+    if not mount_n_per_mm > 0:
+        raise SettingError(
+            "mount_n_per_mm", wanted="a number above 0", found=repr(mount_n_per_mm), do="Correct the mount."
+        )
 
 
 def forces_n(normal_n: Number, shear_n: Number, tilt_rad: float) -> tuple[Number, Number]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from emg2vsa.settings import RIGID, Condition
@@ -50,9 +52,20 @@ class RunPlan:
         """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""
         if self.schedule is None:
             return 0
-        edges = self.schedule.step_force_n
-        return min(max(int(edges.searchsorted(force_n, side="right")) - 1, 0), edges.size - 2)
+        edges = self._edges_n
+        return min(max(bisect_right(edges, force_n) - 1, 0), len(edges) - 2)
 
     def preset_ticks(self, step: int) -> int:
         """Stiffness preset of a force step; 0 for a rigid motor."""
-        return 0 if self.schedule is None else int(self.schedule.preset_ticks[step])
+        return 0 if self.schedule is None else self._presets_ticks[step]
+
+    @cached_property
+    def _edges_n(self) -> list[float]:
+        assert self.schedule is not None
+        edges: list[float] = self.schedule.step_force_n.tolist()
+        return edges
+
+    @cached_property
+    def _presets_ticks(self) -> list[int]:
+        assert self.schedule is not None
+        return [int(ticks) for ticks in self.schedule.preset_ticks]

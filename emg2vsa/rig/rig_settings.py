@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from emg2vsa.rig.device_settings import LOST_S
@@ -118,7 +119,7 @@ class RigSettings:
     guards: GuardSettings = field(default_factory=GuardSettings)
     "Limits beyond which a run ends."
 
-    @property
+    @cached_property
     def period_s(self) -> float:
         """Of the control loop."""
         return 1 / self.rate_hz
@@ -135,12 +136,12 @@ class RigSettings:
         """Force along ``push_axis``, N."""
         return float(sample.force_n.dot(self.push_axis))
 
-    @property
+    @cached_property
     def lever_m(self) -> float:
         """Travel of the probe per angle of the shaft, m/rad: the torque of the shaft over the force of the probe."""
         return math.degrees(self.gear_mm_per_degree) / 1000
 
-    @property
+    @cached_property
     def _mm_per_tick(self) -> float:
         return self.gear_mm_per_degree * 360 / TICKS_PER_TURN
 

@@ -7,7 +7,6 @@ the shaft comes nearer by a first-order law, which is exact for any duration and
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 from emg2vsa.actuator import Springs
@@ -43,28 +42,59 @@ class RigidJoint:
         return probe.load_nm(motors_rad[0]), 0.0
 
 
-@dataclass(frozen=True)
 class SpringJoint:
     """Two springs between motors and shaft.
 
     friction_nm : Coulomb friction of the shaft. settling_s : time constant on the way to rest; 0 is at once.
     """
 
-    springs: Springs
-    friction_nm: float
-    settling_s: float
+    def __init__(self, springs: Springs, friction_nm: float, settling_s: float) -> None:
+        self.springs, self.friction_nm, self.settling_s = springs, friction_nm, settling_s
+        s = springs
+        # half of k e^x, once for both sinh and cosh
+        self._halves = s.a1_per_rad, s.k1_nm / 2, s.k1_nm**2 / 4, s.a2_per_rad, s.k2_nm / 2, s.k2_nm**2 / 4
+        self._least_growth = s.a1_per_rad * s.k1_nm + s.a2_per_rad * s.k2_nm
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
         probe.begin(duration_s)
-        needed = self._needed(shaft_rad, motors_rad, probe)
-        if abs(needed[0]) <= self.friction_nm:
+        a1, half_1, quarter_1, a2, half_2, quarter_2 = self._halves
+        exp, touch_rad, (first_rad, second_rad) = math.exp, probe.touch_rad, motors_rad
+
+        # torque that would hold the shaft there against springs and specimen, N m, and its growth, N m/rad; in line
+        # here and below, as every millisecond of a run asks for it several times
+        up_1, up_2 = half_1 * exp(a1 * (shaft_rad - first_rad)), half_2 * exp(a2 * (shaft_rad - second_rad))
+        down_1, down_2 = quarter_1 / up_1, quarter_2 / up_2
+        load_nm, load_growth = probe.torque_nm(shaft_rad) if shaft_rad > touch_rad else (0.0, 0.0)
+        needed_nm = up_1 - down_1 + up_2 - down_2 + load_nm
+        if abs(needed_nm) <= self.friction_nm:
             return shaft_rad
-        # friction holds the rest, so the shaft stops where springs and specimen still ask for that much
-        rest_rad = self._angle_at(math.copysign(self.friction_nm, needed[0]), shaft_rad, needed, motors_rad, probe)
-        if abs(rest_rad - shaft_rad) < _ARRIVED_RAD:
+
+        # friction holds the rest, so the shaft stops where springs and specimen still ask for that much: Newton's
+        # steps, within a bracket that always holds the root; the growth is nowhere less than that of springs at rest
+        torque_nm = math.copysign(self.friction_nm, needed_nm)
+        margin = self.friction_nm / self._least_growth
+        low, high = min(first_rad, second_rad, touch_rad) - margin, max(first_rad, second_rad) + margin
+        angle = shaft_rad
+        for _ in range(_STEPS):
+            if needed_nm > torque_nm:
+                high = angle
+            else:
+                low = angle
+            growth = a1 * (up_1 + down_1) + a2 * (up_2 + down_2) + load_growth
+            before, angle = angle, angle - (needed_nm - torque_nm) / growth
+            if not low <= angle <= high:
+                angle = (low + high) / 2
+            if -_SOLVED_RAD < angle - before < _SOLVED_RAD:
+                break
+            up_1, up_2 = half_1 * exp(a1 * (angle - first_rad)), half_2 * exp(a2 * (angle - second_rad))
+            down_1, down_2 = quarter_1 / up_1, quarter_2 / up_2
+            load_nm, load_growth = probe.torque_nm(angle) if angle > touch_rad else (0.0, 0.0)
+            needed_nm = up_1 - down_1 + up_2 - down_2 + load_nm
+
+        if abs(angle - shaft_rad) < _ARRIVED_RAD:
             return shaft_rad
-        left = math.exp(-duration_s / self.settling_s) if self.settling_s else 0.0
-        return rest_rad + (shaft_rad - rest_rad) * left
+        left = exp(-duration_s / self.settling_s) if self.settling_s else 0.0
+        return angle + (shaft_rad - angle) * left
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
         s = self.springs
@@ -72,36 +102,3 @@ class SpringJoint:
             s.k1_nm * math.sinh(s.a1_per_rad * (motors_rad[0] - shaft_rad)),
             s.k2_nm * math.sinh(s.a2_per_rad * (motors_rad[1] - shaft_rad)),
         )
-
-    def _needed(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> tuple[float, float]:
-        """Torque that would hold the shaft there against springs and specimen, N m, and its growth, N m/rad."""
-        s = self.springs
-        # half of k e^x, once for both sinh and cosh
-        k1_nm, a1_per_rad, k2_nm, a2_per_rad = s.k1_nm, s.a1_per_rad, s.k2_nm, s.a2_per_rad
-        up_1 = k1_nm / 2 * math.exp(a1_per_rad * (shaft_rad - motors_rad[0]))
-        up_2 = k2_nm / 2 * math.exp(a2_per_rad * (shaft_rad - motors_rad[1]))
-        down_1, down_2 = k1_nm**2 / 4 / up_1, k2_nm**2 / 4 / up_2
-        load_nm, load_growth = probe.torque_nm(shaft_rad) if shaft_rad > probe.touch_rad else (0.0, 0.0)
-        torque_nm = up_1 - down_1 + up_2 - down_2 + load_nm
-        return torque_nm, a1_per_rad * (up_1 + down_1) + a2_per_rad * (up_2 + down_2) + load_growth
-
-    def _angle_at(
-        self, torque_nm: float, start_rad: float, at_start: tuple[float, float], motors_rad: Motors, probe: Probe
-    ) -> float:
-        """Shaft angle at which that torque is needed: Newton's steps, within a bracket that always holds the root.
-
-        ``at_start`` : torque and growth at ``start_rad``."""
-        s = self.springs
-        # the growth is nowhere less than that of both springs at rest
-        margin = abs(torque_nm) / (s.a1_per_rad * s.k1_nm + s.a2_per_rad * s.k2_nm)
-        low, high = min(*motors_rad, probe.touch_rad) - margin, max(motors_rad) + margin
-        angle, (needed_nm, growth) = start_rad, at_start
-        for _ in range(_STEPS):
-            low, high = (low, angle) if needed_nm > torque_nm else (angle, high)
-            before, angle = angle, angle - (needed_nm - torque_nm) / growth
-            if not low <= angle <= high:
-                angle = (low + high) / 2
-            if abs(angle - before) < _SOLVED_RAD:
-                break
-            needed_nm, growth = self._needed(angle, motors_rad, probe)
-        return angle

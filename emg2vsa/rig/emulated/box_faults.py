@@ -64,6 +64,12 @@ class BoxFaults:
     def __post_init__(self) -> None:
         self.chance = random.Random(self.seed)
 
+    @property
+    def strange(self) -> bool:
+        """Whether the sensor takes a load for another."""
+        pushed = self.push_n or self.drift_n_per_s
+        return bool(pushed or self.swapped or self.dead or self.turned or self.gain != 1.0)
+
     def felt(self, wrench: Iterable[float], time_s: float) -> list[float]:
         """Force, N, and torque, N m, as the sensor takes them."""
         x, y, z, *torque = wrench

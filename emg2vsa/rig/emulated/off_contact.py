@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from emg2vsa.rig.clock import Beat, Clock
 from emg2vsa.rig.devices import Devices, ForceSample, Measurements
 from emg2vsa.rig.emulated.camera import EmulatedCamera
@@ -34,6 +32,8 @@ Near = Callable[[], bool]
 _PHASES = ("approach", "retract", "pause")
 _UNMEASURED = ("retract", "pause")
 "Nothing that is felt in these is scored."
+_TOGETHER_S = 0.5
+"Turns of no more than this are written together: the driver of the sensor keeps the records of a second."
 
 
 class Nearness:
@@ -89,12 +89,19 @@ class OffContactNetFt(NetFt):
         """The newest record and its time. far : nothing is near the probe."""
         assert self._newest is not None
         now_s = self._looked_s = self._clock.now_s()
-        newest_s = self._newest[1]
+        newest, newest_s = self._newest
         free, self._far = far and self._far, far
-        for record, sent_s in self._box.records_until(now_s, free=free):
+        # as a stream without gaps: faults are put only into exact benches
+        records = self._box.records_until(now_s, free=free)
+        for record, sent_s in records:
             age_s = now_s - sent_s
             newest_s = max(now_s - age_s, newest_s)  # as of a datagram, whose age is told
-            self._take(record, newest_s)
+            if record.counts != newest.counts:
+                self._changed_s = newest_s
+            newest = record
+            self._unread.append((record, newest_s))
+        self._records += len(records)
+        self._newest = newest, newest_s
         return self._newest
 
     def sample_of(self, record: Record, time_s: float) -> ForceSample:
@@ -152,7 +159,6 @@ class OffContactCycle(ControlCycle):
             most / step for most, step in zip([most_n] * 3 + [most_nm] * 3, self._force.steps, strict=True)
         ]
         self._most_spring_n = min(GAP_AT_REST_N, limits.spring_gap_n, limits.spring_n) - most_n
-        self._axis = np.array(self._rig.push_axis)
 
     def go_on(self, beat: Beat) -> tuple[Motion, float]:
         """Turns off contact, as many as can be gone through together, and the full one after them."""
@@ -204,8 +210,11 @@ class OffContactCycle(ControlCycle):
                 if not actuator.is_active():
                     return False
             self._asked_s = now_s
-        if self._camera and self._camera.due_s <= now_s:
-            self._write()  # rows of the turns before bear the number of the frame before
+        comes = self._camera is not None and self._camera.due_s <= now_s
+        # rows of the turns before a frame bear the number of the frame before
+        if (comes and self._record.pressing) or (self._turns and now_s - self._turns[0].now_s > _TOGETHER_S):
+            self._write()
+        if comes:
             self._look(now_s)
         actuator.set_position_stiffness(*command)
         witnesses.send(*command, now_s)
@@ -224,11 +233,10 @@ class OffContactCycle(ControlCycle):
             return
         with ending("recording"):
             self._record.all_forces(self._devices.force.read_all)
-            samples = [self._force.sample_of(turn.record, turn.time_s) for turn in turns]
-            rows = []
+            samples, rows = [self._force.sample_of(turn.record, turn.time_s) for turn in turns], []
             for turn, sample in zip(turns, samples, strict=True):
                 self._note_peak(sample)
-                raw_n = float(sample.force_n.dot(self._axis))
+                raw_n = self._rig.pushing_n(sample)
                 force = Force(raw_n, self._average.update(raw_n), sample)
                 rows.append(self._row(turn.now_s, 0.0, force, (*turn.at, *turn.currents_ma), turn.motion, turn.command))
             last, before = turns[-1], turns[:-1]

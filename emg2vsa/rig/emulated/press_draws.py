@@ -80,14 +80,19 @@ class SeenPress:
         """What area and pins follow: a contact as large as that of the elastic force, which adhesion enlarges and shear
         shrinks. Adhesion is left out of depth and force, where it is far below the noise."""
         if touch.normal_n <= 0:
-            return self.scene.skin.state(0.0)
+            return self._apart
         # bodies of s times the modulus under s times the force have the same contact
         elastic_n = float(adhesive_force_n(touch.elastic_n, self.adhesion_mj_per_m2)) / self.modulus
         if self.effect:
             elastic_n = self._as_large_n(elastic_n, area_factor * self.effect.factor(touch.normal_n))
         state = self.scene.skin.state(elastic_n)
         left = math.sqrt(area_share(touch.shear_n, touch.normal_n, self.friction))
-        return replace(state, radius_mm=left * state.radius_mm, tangential_mm=(1 - self.specimen) * touch.sheared_mm)
+        pulled_mm = (1 - self.specimen) * touch.sheared_mm
+        return ContactState(radius_mm=left * state.radius_mm, normal_n=state.normal_n, tangential_mm=pulled_mm)
+
+    @cached_property
+    def _apart(self) -> ContactState:
+        return self.scene.skin.state(0.0)
 
     def area_mm2(self, touch: Touch) -> float:
         """True contact area."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from emg2vsa.contact_mechanics import ELASTIC, ConvolvedForce, Shear
-from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL, forces_n
+from emg2vsa.contact_mechanics import ELASTIC
+from emg2vsa.contact_mechanics.tilt import SHEAR_OVER_NORMAL
+from emg2vsa.rig.emulated.contact_history import ContactHistory
 from emg2vsa.rig.emulated.world_settings import WorldSettings
 from emg2vsa.rig.specimen_contact import specimen_contact
 
@@ -62,24 +63,24 @@ class Probe:
             else specimen_contact(settings.stiffness_n_per_mm, settings.contact)
         )
         self._mm_per_rad = math.degrees(settings.mm_per_degree)
-        self._tilt_rad = math.radians(settings.angle_deg)
-        self._sin, self._cos = math.sin(self._tilt_rad), math.cos(self._tilt_rad)
+        tilt_rad = math.radians(settings.angle_deg)
+        self._sin, self._cos = math.sin(tilt_rad), math.cos(tilt_rad)
         # work along the axis is work along the normal: both the force and the indentation take a cosine
         self._depth_mm_per_rad = self._cos * self._mm_per_rad
         self._lever_m_per_rad = self._depth_mm_per_rad / 1000
+        self._stiffer = self._cos**2 + SHEAR_OVER_NORMAL * self._sin**2
         self.touch_rad = settings.gap_mm / self._mm_per_rad
         "Shaft angle at first contact."
         self.remembers = settings.relaxation != ELASTIC or settings.skin_friction > 0
         "Whether the force depends on more than the angle."
-        self._normal: ConvolvedForce[float] = ConvolvedForce(settings.relaxation, 0.0)
-        self._shear: Shear[float] = Shear(
+        self._history = ContactHistory(
             settings.relaxation,
-            0.0,
             friction=settings.skin_friction,
             mount_n_per_mm=settings.mount_n_per_mm,
             friction_drop=settings.friction_drop,
         )
-        self._step_s = 0.0
+        self._step_s, self._begun = 0.0, False
+        "Whether the history has begun that step: it need not while nothing is touched."
         self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
 
     def position_mm(self, shaft_rad: float) -> float:
@@ -97,52 +98,52 @@ class Probe:
 
     def force_n(self, touch: Touch) -> Force:
         """Force on the specimen: x the way its surface falls off, y, and z down the probe's axis, so pressing is +."""
-        across_n, along_n = forces_n(touch.normal_n, touch.shear_n, self._tilt_rad)
-        return across_n, 0.0, along_n
+        normal_n, shear_n = touch.normal_n, touch.shear_n
+        return normal_n * self._sin - shear_n * self._cos, 0.0, self._along_n(normal_n, shear_n)
 
     def begin(self, step_s: float) -> None:
         """A step of that length begins where the last one has ended."""
-        self._step_s = step_s
+        self._step_s, self._begun = step_s, False
 
     def torque_nm(self, shaft_rad: float) -> tuple[float, float]:
         """What holds the shaft back at the end of the step, N m, and its growth, N m/rad. The tilted guide takes the
         force across it."""
-        depth_mm = self._depth_mm(shaft_rad)
+        depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
         if depth_mm <= 0:
             return 0.0, 0.0
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
         if not self.remembers:
             return elastic_n * self._lever_m_per_rad, growth_n_per_mm * self._depth_mm_per_rad * self._lever_m_per_rad
-        alpha_n, beta = self._normal.alpha_beta(self._step_s)
-        normal_n = (elastic_n - alpha_n) / beta
+        history = self._history if self._begun else self._in_step()
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
+        normal_n, shear_n = history.forces(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
         if normal_n <= 0:
             return 0.0, 0.0
-        shear_n = self._shear.after(self._step_s, *self._sideways(shaft_rad, elastic_n, growth_n_per_mm), normal_n)
         # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
-        stiffer = self._cos**2 + SHEAR_OVER_NORMAL * self._sin**2
-        growth_nm = growth_n_per_mm / beta * stiffer * self._mm_per_rad**2 / 1000
-        return self._along_n(normal_n, shear_n) * self._mm_per_rad / 1000, growth_nm
+        growth_nm = growth_n_per_mm / history.beta * self._stiffer * self._mm_per_rad**2 / 1000
+        return (normal_n * self._cos + shear_n * self._sin) * self._mm_per_rad / 1000, growth_nm
 
     def settle(self, shaft_rad: float) -> Touch:
         """The step ends with the shaft there; the contact then. It ends where nothing pushes back any more; one that
         the probe has left altogether is forgotten, so that the next is a first one."""
         if not self.remembers:
             return self.elastic_touch(shaft_rad)
-        depth_mm = self._depth_mm(shaft_rad)
+        depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad
         if depth_mm <= 0:
             if self._at_rad > self.touch_rad:
-                self._normal.reset()
-                self._shear.reset()
+                self._history.reset()
             self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
             return APART
         elastic_n, growth_n_per_mm = self._contact.resistance(depth_mm)
-        alpha_n, beta = self._normal.alpha_beta(self._step_s)
-        normal_n = max(0.0, (elastic_n - alpha_n) / beta)
-        sideways = self._sideways(shaft_rad, elastic_n, growth_n_per_mm)
-        shear_n = self._shear.advance(self._step_s, *sideways, normal_n)
-        self._normal.advance(self._step_s, normal_n)
+        history = self._history if self._begun else self._in_step()
+        turned_rad = shaft_rad - self._at_rad
+        deeper_mm = turned_rad * self._depth_mm_per_rad
+        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth_n_per_mm
+        normal_n, shear_n = history.advance(elastic_n, slope, turned_rad * self._mm_per_rad * self._sin)
         self._at_rad, self._elastic_n = shaft_rad, elastic_n
-        self._touch = Touch(normal_n, shear_n, elastic_n, self._shear.way_mm) if normal_n > 0 else APART
+        self._touch = Touch(normal_n, shear_n, elastic_n, history.way_mm) if normal_n > 0 else APART
         return self._touch
 
     def load_nm(self, shaft_rad: float) -> float:
@@ -151,12 +152,10 @@ class Probe:
             return self.torque_nm(shaft_rad)[0]
         return self._along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
 
-    def _sideways(self, shaft_rad: float, elastic_n: float, growth_n_per_mm: float) -> tuple[float, float]:
-        """Way along the surface on this step, mm, and the mean growth of the elastic force per depth, N/mm."""
-        turned_rad = shaft_rad - self._at_rad
-        deeper_mm = turned_rad * self._depth_mm_per_rad
-        mean = (elastic_n - self._elastic_n) / deeper_mm if abs(deeper_mm) > _SAME_MM else growth_n_per_mm
-        return turned_rad * self._mm_per_rad * self._sin, mean
+    def _in_step(self) -> ContactHistory:
+        self._history.begin(self._step_s)
+        self._begun = True
+        return self._history
 
     def _along_n(self, normal_n: float, shear_n: float) -> float:
         return normal_n * self._cos + shear_n * self._sin

@@ -82,7 +82,7 @@ class Loop:
                 self.bridge_on = self.current.on if self.motors.faults.flag_only else None
                 self.new, self._watchdog_ms = self.new._replace(on=0), _NEVER_MS
             while self._commanded and self._commanded[0][0] <= self._now_ms:
-                self.new = self.new._replace(ticks=self._commanded.popleft()[1])
+                self.new = References(self._commanded.popleft()[1], self.new.on)
             # only the watchdog, a command, or a load that may stall a motor, comes between
             plain = not (current.input_mode or self.motors.strained or self.current.on != self.new.on)
             next_ms = self._commanded[0][0] if self._commanded else until_ms

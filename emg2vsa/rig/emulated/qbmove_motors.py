@@ -73,7 +73,9 @@ class Motors:
     @property
     def strained(self) -> bool:
         """Whether a motor may stall soon."""
-        return max(map(abs, self.loads_nm)) > _STRAINED * self._most_nm
+        first_nm, second_nm = self.loads_nm
+        most_nm = _STRAINED * self._most_nm
+        return not (-most_nm <= first_nm <= most_nm and -most_nm <= second_nm <= most_nm)
 
     def freeze(self, sensor: int, frozen: bool) -> None:
         """Encoder 0, 1 or 2, the shaft's, stays where it is, or goes on."""
@@ -92,8 +94,7 @@ class Motors:
 
     def measured(self, memory: Memory) -> tuple[int, int, int]:
         """Encoder readings, internal ticks."""
-        first, second, shaft = (self._reading(k, memory) for k in range(3))
-        return first, second, shaft
+        return self._reading(0, memory), self._reading(1, memory), self._reading(_SHAFT, memory)
 
     def forget_turns(self, memory: Memory) -> None:
         """At a start or new zero: an encoder knows its place only within a turn."""
@@ -171,8 +172,9 @@ class Motors:
         return self.faults.jammed or self.faults.unsupplied or against_nm >= self._most_nm
 
     def _raw(self, sensor: int) -> int:
-        held = self.faults.frozen.get(sensor)
-        return math.floor(self._at[sensor] / ENCODER_STEP) * ENCODER_STEP if held is None else held
+        if sensor in self.faults.frozen:
+            return self.faults.frozen[sensor]
+        return math.floor(self._at[sensor] / ENCODER_STEP) * ENCODER_STEP
 
     def _reading(self, sensor: int, memory: Memory) -> int:
         jumped = self.faults.jumped_ticks[sensor] * INTERNAL_PER_TICK

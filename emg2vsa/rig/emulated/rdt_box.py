@@ -7,24 +7,18 @@ a second; bias is not answered. The noise is a guess.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from operator import add, gt, mul, sub, truediv
-
-import numpy as np
+from functools import cached_property
+from operator import gt, truediv
 
 from emg2vsa.rig.emulated.box_faults import BoxFaults, Client, FaultyPost
+from emg2vsa.rig.emulated.box_noise import MOST_COUNT, NO_LOAD, NoisyCounts
 from emg2vsa.rig.emulated.settings import INTERNAL_RATE_HZ
 from emg2vsa.rig.force.rdt import LARGEST_BUFFER, Command, Record, parse_request, record_bytes
 
 NETBOX_SATURATED = 0x80020000
 AXIA_OUT_OF_RANGE = 0xC0000000
-_LEAST, _MOST = -(2**31), 2**31 - 1
-_NOISE_BLOCK = 256
-"Draws made at once; the records come out the same for any number."
-
-_NO_LOAD = (0.0,) * 6
-
 Wrenches = Callable[[Sequence[float]], Sequence[Sequence[float]]]
 """(R,) times, s, that never go back, to (R, 6) force, N, and torque, N·m, on the sensor at these times."""
 
@@ -55,7 +49,7 @@ class BoxSettings:
     axia: bool = False
     seed: int = 0
 
-    @property
+    @cached_property
     def divisor(self) -> int:
         """Internal samples from record to record."""
         return max(1, math.floor(INTERNAL_RATE_HZ / self.rate_hz))
@@ -87,10 +81,11 @@ class RdtBox:
         self._wrenches = wrenches
         # plain numbers: six at a time are too few for arrays to pay
         self._size = [s.n_per_unit] * 3 + [s.nm_per_unit] * 3
-        self._counts_per_unit = [s.counts_per_force] * 3 + [s.counts_per_torque] * 3
-        self._noise = _noise(s)
+        self._noisy = NoisyCounts(s.noise, (s.counts_per_force, s.counts_per_torque), s.seed)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
-        self._bias: Sequence[float] = _NO_LOAD
+        self._bias: Sequence[float] = NO_LOAD
+        self._judged, self._beyond = self._bias, False
+        "The load of the record before, and whether it is beyond the rating."
         self._skipped = 0
         self._stream: _Stream | None = None
         self._post = FaultyPost()
@@ -136,69 +131,60 @@ class RdtBox:
         free : nothing has touched the probe since the records before, so that one load stands for all."""
         if (stream := self._stream) is None:
             return []
-        times_s, divisor = [], self.settings.divisor
-        while stream.next_s <= time_s + 1e-9 and stream.left:
-            times_s.append(stream.next_s)
+        times_s, ticks, next_s, divisor = [], [], stream.next_s, self.settings.divisor
+        while next_s <= time_s + 1e-9 and stream.left:
+            times_s.append(next_s)
+            ticks.append(round(next_s * INTERNAL_RATE_HZ))
             stream.left -= 1
-            stream.next_s = (round(stream.next_s * INTERNAL_RATE_HZ) + divisor) / INTERNAL_RATE_HZ
+            next_s = (ticks[-1] + divisor) / INTERNAL_RATE_HZ
         if not times_s:
             return []
-        stream.last_s = times_s[-1]
+        stream.next_s, stream.last_s = next_s, times_s[-1]
         if not stream.left:
             self._stream = None
         loads = self._loads(times_s[-1:]) * len(times_s) if free else self._loads(times_s)
-        return [(self._measured(stream, at_s, load), at_s) for at_s, load in zip(times_s, loads, strict=True)]
+        return list(zip(self._measured(stream, ticks, loads), times_s, strict=True))
 
     def reading(self, time_s: float) -> tuple[int, tuple[int, ...]]:
         """Status word and the six counts at a time."""
         return self._read(self._loads([time_s])[0])
 
     def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
-        out_of_range = self.faults.saturated or True in map(gt, map(abs, load), self.settings.rating)
-        if not self.faults.stuck:
-            noise, of_noise = next(self._noise)
-            if any(load) or any(self._bias):
-                noisy = map(mul, map(add, map(sub, load, self._bias), noise), self._counts_per_unit)
-                counts = tuple(map(round, noisy))
-                if min(counts) < _LEAST or max(counts) > _MOST:  # far out of range, which the status tells
-                    counts = tuple([max(_LEAST, min(_MOST, count)) for count in counts])
-                self._counts = counts
-            else:
-                self._counts = of_noise
-        if self.faults.overflow:
-            self._counts = (_MOST,) * 6
-        return self._alarm if out_of_range else 0, self._counts
+        faults = self.faults
+        if load is not self._judged:
+            self._judged, self._beyond = load, True in map(gt, map(abs, load), self.settings.rating)
+        if not faults.stuck:
+            self._counts = self._noisy.of(load, self._bias)
+        if faults.overflow:
+            self._counts = (MOST_COUNT,) * 6
+        return self._alarm if faults.saturated or self._beyond else 0, self._counts
 
     def _loads(self, times_s: Sequence[float]) -> list[Sequence[float]]:
         """Six loads in the box's units at each time, before bias."""
-        lag_s = self.faults.lag_s
+        faults = self.faults
+        lag_s = faults.lag_s
         wrenches = self._wrenches([max(0.0, time_s - lag_s) for time_s in times_s] if lag_s else times_s)
-        faults, adds = self.faults, bool(self.faults.push_n or self.faults.drift_n_per_s)
+        strange, adds = faults.strange, bool(faults.push_n or faults.drift_n_per_s)
         return [
-            list(map(truediv, faults.felt(wrench, time_s), self._size)) if adds or any(wrench) else _NO_LOAD
+            list(map(truediv, faults.felt(wrench, time_s) if strange else wrench, self._size))
+            if adds or any(wrench)
+            else NO_LOAD
             for wrench, time_s in zip(wrenches, times_s, strict=True)
         ]
 
-    def _measured(self, stream: _Stream, time_s: float, load: Sequence[float]) -> Record:
+    def _measured(self, stream: _Stream, ticks: list[int], loads: list[Sequence[float]]) -> list[Record]:
+        """Records of internal samples ``ticks`` under these loads."""
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
-        stream.rdt_sequence = (stream.rdt_sequence + 1) % 2**32
-        ft_sequence = (round(time_s * INTERNAL_RATE_HZ) + self._skipped) % 2**32
-        return Record(stream.rdt_sequence, ft_sequence, *self._read(load))
+        number, skipped, records, read = stream.rdt_sequence, self._skipped, [], self._read
+        for tick, load in zip(ticks, loads, strict=True):
+            number = (number + 1) % 2**32
+            records.append(Record(number, (tick + skipped) % 2**32, *read(load)))
+        stream.rdt_sequence = number
+        return records
 
     def _send(self, stream: _Stream, time_s: float) -> None:
         self._post.send(b"".join(stream.waiting), time_s, stream.client, self.faults)
         stream.waiting.clear()
-
-
-def _noise(settings: BoxSettings) -> Iterator[tuple[list[float], tuple[int, ...]]]:
-    """Noise of the six counts, record by record: in the box's units, and the counts that it alone makes."""
-    rng = np.random.default_rng(settings.seed)
-    size = np.repeat(settings.noise, 3)
-    per_unit = np.repeat([settings.counts_per_force, settings.counts_per_torque], 3)
-    while True:
-        noise = size * rng.standard_normal((_NOISE_BLOCK, 6))
-        counts = np.rint(noise * per_unit).clip(_LEAST, _MOST).astype(int).tolist()
-        yield from zip(noise.tolist(), map(tuple, counts), strict=True)
 
 
 def configuration_page(box: RdtBox) -> bytes:

@@ -67,9 +67,15 @@ class ShaftPath:
         """Contact at a time not after the end. DeviceError before what is remembered."""
         after, share = self._place(time_s)
         touch = self._touches[after]
-        if share == 1 or touch is self._touches[after - 1]:
+        if share == 1 or touch is (before := self._touches[after - 1]):
             return touch
-        return Touch(*(a + share * (b - a) for a, b in zip(self._touches[after - 1], touch, strict=True)))
+        normal_n, shear_n, elastic_n, sheared_mm = before
+        return Touch(
+            normal_n + share * (touch.normal_n - normal_n),
+            shear_n + share * (touch.shear_n - shear_n),
+            elastic_n + share * (touch.elastic_n - elastic_n),
+            sheared_mm + share * (touch.sheared_mm - sheared_mm),
+        )
 
     def _place(self, time_s: float) -> tuple[int, float]:
         """The point not before a time, and the share of the way to it from the one before."""
@@ -162,7 +168,8 @@ class World:
 
     def touch(self, time_s: float) -> Touch:
         """The contact, which the camera sees."""
-        self._run(time_s, self._motors_rad)
+        if time_s > self._path.end_s:
+            self._run(time_s, self._motors_rad)
         if self._probe.remembers:
             return self._path.touch(time_s)
         return self._probe.elastic_touch(self._path.angle_rad(time_s))
@@ -180,23 +187,23 @@ class World:
             self._path.append(until_s, self._path.end_rad)
             return
         self._change_press()
-        still = before_rad == motors_rad
-        for end_s, share, step_s in _steps(start_s, until_s, growing=still and self._probe.remembers):
-            now_rad = _between(before_rad, motors_rad, share)
-            angle_rad = self._joint.moved(self._path.end_rad, step_s, now_rad, self._probe)
-            touch = self._probe.settle(angle_rad)
-            at_rest = still and angle_rad == self._path.end_rad
-            if at_rest and (not self._probe.remembers or self._probe.above_mm(angle_rad) >= 0):
-                self._path.append(until_s, angle_rad, touch)
+        still, probe, joint, path = before_rad == motors_rad, self._probe, self._joint, self._path
+        angle_rad = path.end_rad
+        for end_s, share, step_s in _steps(start_s, until_s, growing=still and probe.remembers):
+            from_rad, now_rad = angle_rad, motors_rad if still else _between(before_rad, motors_rad, share)
+            angle_rad = joint.moved(from_rad, step_s, now_rad, probe)
+            touch = probe.settle(angle_rad)
+            if still and angle_rad == from_rad and (not probe.remembers or probe.above_mm(angle_rad) >= 0):
+                path.append(until_s, angle_rad, touch)
                 return
-            self._path.append(end_s, angle_rad, touch)
-            self._keep(touch)
+            path.append(end_s, angle_rad, touch)
+            if touch.normal_n > 0:
+                self._keep(touch)
 
     def _keep(self, touch: Touch) -> None:
-        if touch.normal_n > 0:
-            force_n, loading = self._probe.force_n(touch)[2], self.loadings[-1]
-            if force_n >= (loading[-1][0] if loading else 0.0) + LOADING_STEP_N:
-                loading.append((force_n, touch))
+        force_n, loading = self._probe.force_n(touch)[2], self.loadings[-1]
+        if force_n >= (loading[-1][0] if loading else 0.0) + LOADING_STEP_N:
+            loading.append((force_n, touch))
 
     def _change_press(self) -> None:
         above_mm = self._probe.above_mm(self._path.end_rad)

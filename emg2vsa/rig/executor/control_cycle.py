@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
+from types import TracebackType
 from typing import NamedTuple
 
 from emg2vsa.actuator import ticks_of_percent
@@ -20,7 +21,7 @@ from emg2vsa.rig.executor.witnesses import Witnesses, at_rest
 from emg2vsa.rig.force.moving_average import MovingAverage
 from emg2vsa.rig.plan import RunPlan
 from emg2vsa.rig.record.ended import EndRun
-from emg2vsa.rig.record.run_log import Row, full_force
+from emg2vsa.rig.record.run_log import Row, full_force, loads_of
 from emg2vsa.rig.record.run_record import RunRecord
 from emg2vsa.rig.rig_settings import RigSettings
 
@@ -96,7 +97,7 @@ class ControlCycle:
             growth_n_per_s = self._average.growth_per_s
             wanted = advance(self.motion, self._plan, force.filtered_n, now_s, now_s - self._turned_s, growth_n_per_s)
             if wanted.phase == "load" and self._record.enough(force.filtered_n):
-                wanted = replace(wanted, phase="retract", since_s=now_s)
+                wanted = wanted._replace(phase="retract", since_s=now_s)
             self._judge(force, wanted, now_s, late_s)
             if at_rest(wanted, now_s):
                 self._free(
@@ -279,14 +280,23 @@ class ControlCycle:
     ) -> Row:
         return Row(
             now_s, motion.repetition, motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
-            *sent, *readings, self._record.frame_index, late_s, *full_force(force.sample).values(),
+            *sent, *readings, self._record.frame_index, late_s, *loads_of(force.sample),
         )  # fmt: skip
 
 
-@contextmanager
-def ending(cause: str) -> Iterator[None]:
-    """A DeviceError in here ends the run for this cause."""
-    try:
-        yield
-    except DeviceError as error:
-        raise EndRun("guard", cause, str(error)) from error
+class ending:
+    """A DeviceError within ends the run for this cause. A class, as every turn of the loop enters many."""
+
+    __slots__ = ("_cause",)
+
+    def __init__(self, cause: str) -> None:
+        self._cause = cause
+
+    def __enter__(self) -> None:
+        """Nothing to begin."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if isinstance(error, DeviceError):
+            raise EndRun("guard", self._cause, str(error)) from error

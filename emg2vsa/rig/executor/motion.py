@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from emg2vsa.rig.plan import RunPlan
 
@@ -12,8 +11,7 @@ REST_S = 0.7
 Phase = Literal["home", "approach", "contact", "load", "retract", "pause", "done", "escape"]
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """Where a run is."""
 
     phase: Phase
@@ -47,15 +45,15 @@ def advance(
             return _back(motion, moved_mm, now_s)
         case "approach":
             if force_n >= plan.f_contact_n:
-                return replace(motion, phase="contact", since_s=now_s)
-            return replace(motion, depth_mm=motion.depth_mm + moved_mm)
+                return motion._replace(phase="contact", since_s=now_s)
+            return motion._replace(depth_mm=motion.depth_mm + moved_mm)
         case "contact":
             return _in_contact(motion, plan, force_n, now_s)
         case "load":
             step = max(motion.step, plan.step_at(force_n))
             if force_n + plan.lead_s * max(0.0, growth_n_per_s) >= plan.f_max_n:
-                return replace(motion, phase="retract", since_s=now_s, step=step)
-            return replace(motion, depth_mm=motion.depth_mm + moved_mm, step=step)
+                return motion._replace(phase="retract", since_s=now_s, step=step)
+            return motion._replace(depth_mm=motion.depth_mm + moved_mm, step=step)
         case "pause":
             return _after_pause(motion, plan, now_s)
     return motion
@@ -71,27 +69,27 @@ def _home(motion: Motion, plan: RunPlan, moved_mm: float, now_s: float) -> Motio
     rested = motion.depth_mm == 0 and now_s - motion.since_s >= REST_S
     if depth_mm == 0 and (rested or plan.schedule is None):
         return Motion("approach", now_s, 0.0, repetition=1)
-    return replace(motion, depth_mm=depth_mm, since_s=motion.since_s if motion.depth_mm == 0 else now_s)
+    return motion._replace(depth_mm=depth_mm, since_s=motion.since_s if motion.depth_mm == 0 else now_s)
 
 
 def _back(motion: Motion, moved_mm: float, now_s: float) -> Motion:
     depth_mm = towards_home(motion.depth_mm, moved_mm)
     if depth_mm != 0:
-        return replace(motion, depth_mm=depth_mm)
+        return motion._replace(depth_mm=depth_mm)
     return Motion("pause", now_s, 0.0, motion.repetition)
 
 
 def _in_contact(motion: Motion, plan: RunPlan, force_n: float, now_s: float) -> Motion:
     if force_n < plan.f_contact_n:
-        return replace(motion, phase="approach", since_s=now_s)
+        return motion._replace(phase="approach", since_s=now_s)
     if now_s - motion.since_s < plan.contact_s:
         return motion
-    return replace(motion, phase="load", since_s=now_s)
+    return motion._replace(phase="load", since_s=now_s)
 
 
 def _after_pause(motion: Motion, plan: RunPlan, now_s: float) -> Motion:
     if now_s - motion.since_s < plan.pause_s:
         return motion
     if motion.repetition == plan.repetitions:
-        return replace(motion, phase="done", since_s=now_s)
+        return motion._replace(phase="done", since_s=now_s)
     return Motion("approach", now_s, 0.0, motion.repetition + 1)

@@ -7,9 +7,6 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from emg2vsa.errors import DeviceError
 from emg2vsa.rig.clock import Clock
 from emg2vsa.rig.devices import Actuator, ForceSample
@@ -96,7 +93,7 @@ class _Escape:
         self._depth_mm, self._preset_ticks, self._lowest_n = 0.0, 0, math.inf
         self._held = self._tried = False
         self._failures, self._off_mm = 0, math.inf
-        self._vectors: deque[NDArray[np.float64]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
+        self._vectors: deque[list[float]] = deque(maxlen=max(1, round(2 * _REST_S * rig.rate_hz)))
 
     def retract(self, start: Start) -> bool:
         """Whether encoders and force say that it is retracted."""
@@ -215,7 +212,7 @@ class _Escape:
         felt_n = math.nan if sample is None else size(sample.force_n)
         self.felt_n = felt_n if math.isfinite(felt_n) else None
         if sample is not None and self.felt_n is not None:
-            self._vectors.append(sample.force_n)
+            self._vectors.append(sample.force_n.tolist())
         else:
             self._vectors.clear()
         self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)

@@ -7,7 +7,6 @@ from collections import deque
 from collections.abc import Collection, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from emg2vsa.actuator import RAD_PER_TICK, Springs
 from emg2vsa.rig.devices import ForceSample, Measurements
@@ -35,7 +34,7 @@ class Witnesses:
         self._motors, self._stillness, self._current = SlowMotors(at, springs, rig.guards), Stillness(), MeanCurrent()
         self._at, self._contact_mm, self._lowest_n = at, math.inf, math.inf
         self._sent_s: float | None = None
-        self._vectors: deque[NDArray[np.float64]] = deque(maxlen=rig.filter_samples)
+        self._forces: deque[list[float]] = deque(maxlen=rig.filter_samples)
         self._loads: list[tuple[float, float]] = []
         self.seen = Seen()
 
@@ -48,7 +47,7 @@ class Witnesses:
     @property
     def mean_n(self) -> float:
         """Size of the mean of the last forces, of all three axes: noise of one sample is no contact."""
-        return mean_size(self._vectors)
+        return mean_size(self._forces)
 
     def gain(self) -> float | None:
         """Growth of the felt force over that of the springs in the last loading; None without springs or of a short
@@ -62,7 +61,7 @@ class Witnesses:
     def feel(self, sample: ForceSample, phase: Phase) -> None:
         """The sample of a turn, in the phase that the turn before has led to."""
         self._stillness.see(sample, self.depth_mm, phase)
-        self._vectors.append(sample.force_n)
+        self._forces.append(sample.force_n.tolist())
         felt_n, rise_n = self.mean_n, None
         if phase == "home":
             self._lowest_n = min(self._lowest_n, felt_n)
@@ -120,7 +119,7 @@ class Witnesses:
         if at is None:
             return
         self._stillness.skim(samples, phase)
-        self._vectors.extend(sample.force_n for sample in samples[-self._rig.filter_samples :])
+        self._forces.extend(sample.force_n.tolist() for sample in samples[-self._rig.filter_samples :])
         for pair in currents_ma:
             self._current.see(pair)
         self._at = at
@@ -131,10 +130,11 @@ def at_rest(motion: Motion, now_s: float) -> bool:
     return motion.phase in ("home", "pause") and motion.depth_mm == 0 and now_s - motion.since_s >= _AT_REST_S
 
 
-def mean_size(vectors: Collection[NDArray[np.float64]]) -> float:
-    """Length of the mean of (3,) vectors."""
+def mean_size(vectors: Collection[list[float]]) -> float:
+    """Length of the mean of vectors of three parts."""
     # plain numbers: three at a time are too few for arrays to pay
-    x, y, z = (sum(parts) / len(vectors) for parts in zip(*(vector.tolist() for vector in vectors), strict=True))
+    many = len(vectors)
+    x, y, z = [sum(parts) / many for parts in zip(*vectors, strict=True)]
     return math.sqrt(x * x + y * y + z * z)
 
 
@@ -149,7 +149,7 @@ class SlowMotors:
 
     def __init__(self, at: Measurements, springs: Springs | None, guards: GuardSettings) -> None:
         self._rigid, self._guards = springs is None, guards
-        self._times_s = guards.following_s, min(guards.following_s, GuardSettings.following_s)
+        self._times_s = sorted({guards.following_s, min(guards.following_s, GuardSettings.following_s)}, reverse=True)
         self._slow = [list(self._seen(at)) for _ in self._times_s]
         self._sent: list[float] | None = None
         self._obeyed: list[float] | None = None
@@ -164,9 +164,10 @@ class SlowMotors:
             for time_s, slow in zip(self._times_s, self._slow, strict=True):
                 share = 1 - math.exp(-elapsed_s / time_s)
                 for motor, command in enumerate(self._obeyed):
-                    slow[motor] += max(-most, min(most, share * (command - slow[motor])))
-        new = [position_ticks] if self._rigid else [position_ticks + preset_ticks, position_ticks - preset_ticks]
-        self._before, self._sent = self._sent or self._slow[0], list(map(float, new))
+                    step = share * (command - slow[motor])
+                    slow[motor] += -most if step < -most else most if step > most else step
+        first, second = float(position_ticks + preset_ticks), float(position_ticks - preset_ticks)
+        self._before, self._sent = self._sent or self._slow[0], [first] if self._rigid else [first, second]
         self._on_their_way.append((self._now_s + DEAD_S, self._sent))
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
             self._obeyed = self._on_their_way.popleft()[1]
@@ -176,8 +177,12 @@ class SlowMotors:
         if self._sent is None:
             return 0.0
         farthest = 0.0
-        for seen, *bounds in zip(self._seen(at), *self._slow, self._before, self._sent, strict=True):
-            farthest = max(farthest, min(bounds) - seen, seen - max(bounds))
+        for motor, (seen, before, sent) in enumerate(zip(self._seen(at), self._before, self._sent, strict=True)):
+            low, high = (before, sent) if before < sent else (sent, before)
+            for slow in self._slow:
+                bound = slow[motor]
+                low, high = bound if bound < low else low, bound if bound > high else high
+            farthest = max(farthest, low - seen, seen - high)
         return farthest
 
     def _seen(self, at: Measurements) -> tuple[float, ...]:
@@ -223,19 +228,21 @@ class MeanCurrent:
     """Of the last turns, mA, of the motor that draws more."""
 
     def __init__(self) -> None:
-        self._seen: deque[tuple[int, int]] = deque(maxlen=_CURRENT_TURNS)
+        self._first: deque[int] = deque(maxlen=_CURRENT_TURNS)
+        self._second: deque[int] = deque(maxlen=_CURRENT_TURNS)
 
     @property
     def most_ma(self) -> float:
         """Largest of either motor."""
-        return max(map(max, self._seen), default=0)
+        return max(max(self._first), max(self._second)) if self._first else 0
 
     def see(self, currents_ma: tuple[int, int]) -> float:
         """One more reading; the mean with it, 0 before there are enough."""
-        self._seen.append((abs(currents_ma[0]), abs(currents_ma[1])))
-        if len(self._seen) < _CURRENT_TURNS:
+        self._first.append(abs(currents_ma[0]))
+        self._second.append(abs(currents_ma[1]))
+        if len(self._first) < _CURRENT_TURNS:
             return 0.0
-        return max(map(sum, zip(*self._seen, strict=True))) / _CURRENT_TURNS
+        return max(sum(self._first), sum(self._second)) / _CURRENT_TURNS
 
 
 def spring_force_n(at: Measurements, springs: Springs, rig: RigSettings) -> float:

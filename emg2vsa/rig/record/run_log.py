@@ -92,8 +92,12 @@ class RunLog:
 
 def full_force(sample: ForceSample) -> dict[str, Any]:
     """All that a reading says: the last fields of a row, from fx_n on."""
-    values = (*sample.force_n.tolist(), *sample.torque_nm.tolist(), sample.status.code, sample.sequence)
-    return dict(zip(_OF_FORCE, values, strict=True))
+    return dict(zip(_OF_FORCE, loads_of(sample), strict=True))
+
+
+def loads_of(sample: ForceSample) -> tuple[float, float, float, float, float, float, int, int | None]:
+    """The same, as the last fields of a row."""
+    return (*sample.force_n.tolist(), *sample.torque_nm.tolist(), sample.status.code, sample.sequence)
 
 
 def row_of(line: str, where: str, n_fields: int = len(FIELDS)) -> Row:
@@ -115,7 +119,7 @@ class ForceFile:
 
     def append(self, samples: Sequence[ForceSample]) -> None:
         """Write them, oldest first."""
-        rows = (",".join(map(_text, (sample.time_s, *full_force(sample).values()))) + "\n" for sample in samples)
+        rows = (",".join(map(_text, (sample.time_s, *loads_of(sample)))) + "\n" for sample in samples)
         if text := "".join(rows):
             self._file.append(text.encode())
 

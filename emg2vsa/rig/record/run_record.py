@@ -116,6 +116,11 @@ class RunRecord:
         """Last frame kept of the loading that is being recorded; -1 for none."""
         return -1 if self._press is None else self._press.n_frames - 1
 
+    @property
+    def pressing(self) -> bool:
+        """Whether frames and forces are being kept as a press."""
+        return self._press is not None
+
     def row(self, row: Row) -> None:
         """Log a row; its raw force belongs to the press as well."""
         self.rows([row])

@@ -63,6 +63,13 @@ def test_contacts_grow_with_force_and_with_softness(friction: str) -> None:
     assert world.radius_mm(0.0, 3.35) == 0
 
 
+def test_a_press_and_its_world_agree_on_radii() -> None:
+    """To the last bit: below, between and beyond the forces of the tables."""
+    skin = scene(stiffness_n_per_mm=3.35).skin
+    for force_n in [0.0, *np.geomspace(1e-4, 50.0, 40).tolist()]:
+        assert skin.state(force_n).radius_mm == float(TabulatedWorld().radius_mm(force_n, 3.35))
+
+
 def test_pins_move_without_jumps_and_rest_at_no_force() -> None:
     seen = scene(angle_deg=30.0)
     force = np.concatenate([[0.0], np.geomspace(1e-6, 7, 300)])
