@@ -153,7 +153,8 @@ def _present(
     """Which sines (h,), interpolated from the rests as ``_without`` does, lower the power of the presses."""
     pieces = _touch_pieces(*presses, fs_hz, PIECE_S)
     bounds = np.array(pieces, dtype=np.float64).reshape(-1, 2)
-    expected = _interpolated(bounds.sum(axis=1) / 2 / fs_hz - 0.5 / fs_hz, time_s, turned)
+    middle_s = np.asarray((bounds.sum(axis=1) - 1) / 2 / fs_hz, dtype=np.float64)
+    expected = _interpolated(middle_s, time_s, turned)
     at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, bounds[:, 0]))
     found = sine_phasors((samples,), pieces, hz, fs_hz)[0].T * at_zero
     weights = [1 / max(float(np.vdot(samples[a:b], samples[a:b])) / (b - a), 1e-300) for a, b in pieces]
@@ -214,7 +215,9 @@ def _without(samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz
     size = max(1, round(BLOCK_S * fs_hz))
     starts = np.arange(0, samples.size, size)
     middle_s = (starts + (size - 1) / 2) / fs_hz
-    slow = _interpolated(middle_s, time_s, turned) * np.exp(2j * np.pi / fs_hz * np.outer(hz, starts))
+    slow = _interpolated(np.asarray(middle_s, dtype=np.float64), time_s, turned) * np.exp(
+        2j * np.pi / fs_hz * np.outer(hz, starts)
+    )
     wave = np.exp(2j * np.pi / fs_hz * np.outer(hz, np.arange(size)))
     left = np.zeros(starts.size * size)
     left[: samples.size] = samples
