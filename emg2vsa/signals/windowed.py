@@ -62,7 +62,8 @@ def _by_spectrum(
 ) -> dict[tuple[int, int], Floats]:
     """Pieces [begin, end) of all channels (m, n), filtered in both passes at once by the power gain at each frequency.
 
-    Right but within the support of either end of a piece, where its ends see each other.
+    Right but within the support of either end of a piece, where its ends see each other. The line through its ends is
+    taken out, so that they meet; a symmetric filter leaves a line as it is or, without gain at 0 Hz, nothing of it.
     """
     alike: dict[int, list[tuple[int, int]]] = {}
     for begin, end in pieces:
@@ -76,15 +77,18 @@ def _by_spectrum(
             rows = np.empty((len(some), len(channels), size))
             for of_piece, (begin, end) in zip(rows, some, strict=True):
                 of_piece[:, end - begin :] = 0.0
+                rising = np.arange(end - begin) / (end - 1 - begin)
                 for row, samples in zip(of_piece, channels, strict=True):
                     np.subtract(samples[begin:end], samples[begin], out=row[: end - begin])
+                    row[: end - begin] -= row[end - 1 - begin] * rising
             spectra = np.fft.rfft(rows)
             parts = spectra.view(np.float64)
             parts *= gains
             np.fft.irfft(spectra, size, out=rows)
             for of_piece, (begin, end) in zip(rows, some, strict=True):
                 if iir.passes_offset:
-                    of_piece += np.array([[samples[begin]] for samples in channels])
+                    for row, samples in zip(of_piece, channels, strict=True):
+                        row[: end - begin] += np.linspace(samples[begin], samples[end - 1], end - begin)
                 filtered[begin, end] = of_piece
     return filtered
 

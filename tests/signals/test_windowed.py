@@ -61,6 +61,21 @@ def test_an_offset_costs_windows_no_more_than_its_own_rounding(offset):
         np.testing.assert_allclose(with_offset - gain * offset, without, rtol=0, atol=1e-12 + 10 * rounding)
 
 
+@pytest.mark.parametrize("kind", ["band", "low"])
+def test_a_baseline_a_thousand_times_larger_costs_no_more_digits_than_in_the_whole_record(kind):
+    """Against the impulse response in extended precision; the ends of a piece see each other through the spectrum."""
+    iir = band_pass(FilterSettings(), FS_HZ) if kind == "band" else force_low_pass(FilterSettings(), FS_HZ)
+    rng = np.random.default_rng(5)
+    samples = rng.standard_normal(20_000) + 1e3 * np.cumsum(rng.standard_normal(20_000)) / 30
+    impulse = signal.sosfiltfilt(iir.sos, np.eye(1, 8001, 4000)[0], padlen=0).astype(np.longdouble)
+    (got,) = filter_windows((samples,), np.array([8000]), np.array([10_000]), iir)
+    whole = filter_record(samples, iir)[8000:10_000]
+    at = np.arange(0, 2000, 40)
+    truth = np.array([impulse @ samples[4000 + i : 12_001 + i].astype(np.longdouble) for i in at], dtype=np.float64)
+    allowed = max(4 * np.abs(whole[at] - truth).max(), 1e-14 * np.abs(samples).max())
+    assert np.abs(got[0, at] - truth).max() < allowed
+
+
 def test_single_precision_and_a_strided_channel_are_filtered_in_double():
     channels, band = record(3).astype(np.float32), band_pass(FilterSettings(), FS_HZ)
     start, stop = np.array([5000]), np.array([5400])
