@@ -54,6 +54,17 @@ def median(values: Floats) -> float:
     return float(ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]) / 2
 
 
+def quantiles(ordered: Floats, *shares: float) -> list[float]:
+    """Quantiles of values (n,), n >= 1, in ascending order: numpy's default, linear between neighbours."""
+    found = []
+    for share in shares:
+        at = share * (ordered.size - 1)
+        low = min(int(at), max(ordered.size - 2, 0))
+        high = min(low + 1, ordered.size - 1)
+        found.append(float(ordered[low] + (at - low) * (ordered[high] - ordered[low])))
+    return found
+
+
 def exponent_of(values: Floats) -> NDArray[np.int32]:
     """Binary exponent e of the largest |value| along the last axis (kept), for finite values; 0 where all are zero.
 

@@ -17,7 +17,7 @@ from emg2vsa.curves.variable_projection import has_minimum, log_linear_start, pr
 from emg2vsa.curves.weighted_rows import WeightedRows, check_rows, weighted_rows
 
 _WHERE = "exponential fit"
-_POINTS_AT_ONCE = 16_000  # keeps the temporaries of a block inside the processor's cache
+_POINTS_AT_ONCE = 12_000  # temporaries below 128 kB: the C library maps and clears larger ones anew each time
 
 
 @dataclass(frozen=True)

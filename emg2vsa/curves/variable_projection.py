@@ -40,21 +40,24 @@ class Projected:
 
 def projected(q: Floats, z: Floats, y: Floats, w: Floats) -> Projected:
     """z, y, w : (d, n) finite, |z| <= 1; q : (d,)."""
-    u = np.exp(q[:, None] * z - np.abs(q)[:, None])  # no larger than 1
+    u = q[:, None] * z
+    u -= np.abs(q)[:, None]  # no larger than 1
+    np.exp(u, out=u)
     wu = w * u
     uu = _dot(wu, u)
     p = _dot(wu, y) / uu
-    centre = _dot(wu * u, z) / uu
+    work = wu * u  # one array for all products: new ones would cost more than the arithmetic
+    centre = _dot(work, z) / uu
     arm = z - centre[:, None]
-    residual = y - p[:, None] * u
-    lever = wu * arm
-    gauss_newton = p * _dot(lever, arm * u)
-    newton = gauss_newton - _dot(lever, arm * residual)
+    lever = np.multiply(wu, arm, out=wu)
+    gauss_newton = p * _dot(lever, np.multiply(arm, u, out=work))
+    residual = np.subtract(y, np.multiply(p[:, None], u, out=u), out=u)
+    newton = gauss_newton - _dot(lever, np.multiply(arm, residual, out=work))
     curvature = np.where(newton / gauss_newton > _LEAST_CONVEX, newton, gauss_newton)
     return Projected(
         level=p * np.exp(q * centre - np.abs(q)),
         centre=centre,
-        sse=_dot(w * residual, residual),
+        sse=_dot(np.multiply(w, residual, out=work), residual),
         step=_dot(lever, residual) / curvature,
         level_information=p * p * uu,
         slope_information=p * gauss_newton,

@@ -360,8 +360,11 @@ def _cleaned(
             said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
     hum_hz = hum.hz if hum else None
     touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz)
-    # hum of the rests that stays is part of the rest level
-    touching_v = np.sqrt(np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0))
+    if touching_v.any():
+        # hum of the rests that stays is part of the rest level
+        touching_v = np.sqrt(
+            np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0)
+        )
     stop_s = conditioned.presses.stop_s + force_clock.start_s
     lag = estimate_lag(samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s)
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "

@@ -96,36 +96,51 @@ def envelopes_at(
     """
     if not np.any(counts):
         return np.empty((len(channels), 0))
-    last = first + step * (np.maximum(counts, 1) - 1)
+    first, counts = first[counts > 0], counts[counts > 0]
     n = channels[0].size
-    starts, stops = np.maximum(first - kernel.before, 0), np.minimum(last + kernel.after + 1, n)
-    filtered, columns = filter_windows(channels, starts, stops, iir)
-    inside = np.arange(np.max(counts, initial=0)) < counts[:, None]
-    outside = starts - (first - kernel.before)
-    smoothed = _smooth(filtered, columns, stops - starts, outside, inside.shape[1], step, kernel)[:, inside]
-    smoothed /= _tap_sum(kernel, (first[:, None] + step * np.arange(inside.shape[1]))[inside], n)
+    starts, stops = first - kernel.before, first + step * (counts - 1) + kernel.after + 1
+    filtered = filter_windows(channels, np.maximum(starts, 0), np.minimum(stops, n), iir)
+    smoothed = _smooth(filtered, np.maximum(-starts, 0), counts, step, kernel)
+    if starts.min() < 0 or stops.max() > n:
+        windows = zip(first.tolist(), counts.tolist(), strict=True)
+        smoothed /= _tap_sum(kernel, np.concatenate([begin + step * np.arange(count) for begin, count in windows]), n)
     # a Hamming low-pass has tiny negative side taps; an envelope is never negative
-    return np.sqrt(np.maximum(smoothed, 0)) if kernel.squared else np.maximum(smoothed, 0)
+    np.maximum(smoothed, 0, out=smoothed)
+    return np.sqrt(smoothed) if kernel.squared else smoothed
 
 
-def _smooth(
-    filtered: Floats, columns: Ints, sizes: Ints, outside: Ints, n_out: int, step: int, kernel: Smoother
-) -> Floats:
-    """Smoothed windows (channels, windows, n_out), each of ``sizes`` samples of ``filtered`` from ``columns`` on.
+def _smooth(filtered: Sequence[Floats], outside: Ints, counts: Ints, step: int, kernel: Smoother) -> Floats:
+    """Smoothed windows (channels, N), one after the other, from the filtered samples (channels, n) under each.
 
     outside : (windows,) how many samples under the first output's kernel lie before the record.
+    In blocks of as many samples as the kernel reaches over: the outputs of a block need it and the next only, so that
+    two small matrices of taps make all of them.
     """
-    n_taps = kernel.taps.size
-    # the first full overlap of the convolution must fall on a multiple of the step
-    lead = -(n_taps - 1) % step
-    length = lead + n_taps + step * max(n_out - 1, 0)
-    rectified = np.zeros((len(filtered), columns.size, length))
-    for w, (column, size, begin) in enumerate(zip(columns, sizes, lead + outside, strict=True)):
-        source = filtered[:, column : column + size]
-        target = rectified[:, w, begin : begin + size]
+    n_out = max(1, -(-kernel.taps.size // step) - 1)
+    size = n_out * step
+    blocks = -(-counts // n_out) + 1
+    begins = np.cumsum(blocks) - blocks
+    rectified = np.zeros((len(filtered[0]), int(blocks.sum()) * size))
+    for source, begin in zip(filtered, (begins * size + outside).tolist(), strict=True):
+        target = rectified[:, begin : begin + source.shape[1]]
         np.square(source, out=target) if kernel.squared else np.abs(source, out=target)
-    skip = (lead + n_taps - 1) // step
-    return np.asarray(signal.upfirdn(kernel.taps, rectified, down=step)[:, :, skip : skip + n_out], dtype=np.float64)
+    own, following = _tap_matrices(kernel.taps.tobytes(), step, n_out)
+    rows = rectified.reshape(len(rectified), -1, size)
+    smoothed = rows[:, :-1] @ own
+    smoothed += rows[:, 1:] @ following
+    smoothed = smoothed.reshape(len(rectified), -1)
+    cuts = zip((begins * n_out).tolist(), counts.tolist(), strict=True)
+    return np.concatenate([smoothed[:, begin : begin + count] for begin, count in cuts], axis=1)
+
+
+@lru_cache(maxsize=16)
+def _tap_matrices(taps: bytes, step: int, n_out: int) -> tuple[Floats, Floats]:
+    """What the samples of a block, and those of the next, add to its outputs (n_out * step, n_out), every ``step``."""
+    kernel, size = np.frombuffer(taps), n_out * step
+    both = np.zeros((2 * size, n_out))
+    for k in range(n_out):
+        both[k * step : k * step + kernel.size, k] = kernel
+    return both[:size].copy(), both[size:].copy()
 
 
 def _tap_sum(kernel: Smoother, at: Ints, n_samples: int) -> Floats:

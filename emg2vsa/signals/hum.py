@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.quality import MAINS_HZ
-
-Phasors = NDArray[np.complex128]
+from emg2vsa.signals.sines import Phasors, hann_of_sines, sine_phasors
 
 HARMONICS = 6
 PIECE_S = 0.5
@@ -121,55 +120,51 @@ def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Int
 
     hz : of the mains; None: whichever of both holds more.
     """
+    pieces = _touch_pieces(start, stop, fs_hz)
+    size = np.array([[np.vdot(own[a:b], own[a:b]) / (b - a) for a, b in pieces] for own in channels])
     powers = [
-        _clear_powers(channels, np.asarray(mains_hz * np.arange(1.0, HARMONICS + 1)), fs_hz, start, stop)
+        _clear_powers(channels, pieces, size, np.asarray(mains_hz * np.arange(1.0, HARMONICS + 1)), fs_hz)
         for mains_hz in ((hz,) if hz else MAINS_HZ)
     ]
     return np.asarray(np.sqrt(max(powers, key=np.sum)))
 
 
-def _clear_powers(channels: tuple[Floats, ...], hz: Floats, fs_hz: float, start: Ints, stop: Ints) -> Floats:
-    """Mean square (m,) of sines (h,) within the presses, of those that are clear of their surroundings."""
-    pieces = _touch_pieces(start, stop, fs_hz)
+def _clear_powers(
+    channels: tuple[Floats, ...], pieces: list[tuple[int, int]], size: Floats, hz: Floats, fs_hz: float
+) -> Floats:
+    """Mean square (m,) of those sines (h,) that are clear of their surroundings; size : (m, q) that of the pieces."""
     hz = hz[hz + TOUCH_ASIDE_HZ[-1] < fs_hz / 2]
-    power = np.empty((len(channels), hz.size, len(pieces), 1 + TOUCH_ASIDE_HZ.size))
-    for i, (a, b) in enumerate(pieces):
-        samples = np.stack([own[a:b] for own in channels])
-        aside = _turning(b - a, np.append(0.0, TOUCH_ASIDE_HZ), a, fs_hz)
-        for k, turning in enumerate(_turning(b - a, hz, a, fs_hz)):
-            power[:, k, i] = np.abs(_sines(samples, turning * aside)) ** 2
-    return np.array(
-        [sum(_clear_power(samples, each, pieces) for each in own) for samples, own in zip(channels, power, strict=True)]
-    )
-
-
-def _clear_power(samples: Floats, power: Floats, pieces: list[tuple[int, int]]) -> float:
-    """Of one channel; power : (q, 11) in each piece at the frequency and aside."""
-    size = np.array([np.mean(samples[a:b] ** 2) for a, b in pieces])
-    if not pieces or not size.all():
-        return 0.0
-    aside = power[:, 1:].mean(axis=1)
-    weights = size**-2 / np.sum(size**-2)
-    excess = float(weights @ (power[:, 0] - aside))
-    error = float(np.sqrt((1 + 1 / TOUCH_ASIDE_HZ.size) * np.sum((weights * aside) ** 2)))
-    return excess / 2 if excess > TOUCH_CLEAR * error else 0.0
+    around = np.add.outer(hz, np.append(0.0, TOUCH_ASIDE_HZ))
+    phasors = sine_phasors(channels, pieces, around.ravel(), fs_hz)
+    power = (phasors.real**2 + phasors.imag**2).reshape(*phasors.shape[:2], *around.shape)
+    known = np.all(size > 0, axis=1) & bool(pieces)
+    weights = np.where(known[:, None], size, 1.0) ** -2.0
+    weights /= weights.sum(axis=1, keepdims=True)
+    aside = power[..., 1:].mean(axis=-1)
+    excess = np.einsum("mq,mqh->mh", weights, power[..., 0] - aside)
+    error = np.sqrt((1 + 1 / TOUCH_ASIDE_HZ.size) * np.sum((weights[..., None] * aside) ** 2, axis=1))
+    clear = known[:, None] & (excess > TOUCH_CLEAR * error)
+    return np.asarray(np.sum(np.where(clear, excess / 2, 0.0), axis=1))
 
 
 def _present(
     samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz: float, presses: tuple[Ints, Ints]
 ) -> NDArray[np.bool_]:
     """Which sines (h,), interpolated from the rests as ``_without`` does, lower the power of the presses."""
-    both, own = np.zeros(hz.size), np.zeros(hz.size)
-    for a, b in _touch_pieces(*presses, fs_hz, PIECE_S):
-        middle_s = (a + (b - a - 1) / 2) / fs_hz
-        expected = np.array(
-            [np.interp(middle_s, time_s, row.real) + 1j * np.interp(middle_s, time_s, row.imag) for row in turned]
-        )
-        found = _sines(samples[a:b], _turning(b - a, hz, a, fs_hz))
-        weight = 1 / max(float(np.mean(samples[a:b] ** 2)), 1e-300)
-        both += weight * (found * expected.conj()).real
-        own += weight * np.abs(expected) ** 2
+    pieces = _touch_pieces(*presses, fs_hz, PIECE_S)
+    bounds = np.array(pieces, dtype=np.float64).reshape(-1, 2)
+    middle_s = np.asarray((bounds.sum(axis=1) - 1) / 2 / fs_hz, dtype=np.float64)
+    expected = _interpolated(middle_s, time_s, turned)
+    at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, bounds[:, 0]))
+    found = sine_phasors((samples,), pieces, hz, fs_hz)[0].T * at_zero
+    weights = [1 / max(float(np.vdot(samples[a:b], samples[a:b])) / (b - a), 1e-300) for a, b in pieces]
+    both, own = (found * expected.conj()).real @ weights, np.abs(expected) ** 2 @ weights
     return np.asarray((own == 0) | (both > PRESENT * own))
+
+
+def _interpolated(at_s: Floats, time_s: Floats, turned: Phasors) -> Phasors:
+    """Phasors (h, k) at the times (k,), between those (h, p) at ``time_s`` (p,)."""
+    return np.array([np.interp(at_s, time_s, row.real) + 1j * np.interp(at_s, time_s, row.imag) for row in turned])
 
 
 def _touch_pieces(start: Ints, stop: Ints, fs_hz: float, longest_s: float = TOUCH_S) -> list[tuple[int, int]]:
@@ -183,19 +178,6 @@ def _touch_pieces(start: Ints, stop: Ints, fs_hz: float, longest_s: float = TOUC
     return pieces
 
 
-def _turning(size: int, hz: Floats, begin: int, fs_hz: float) -> Phasors:
-    """What sines (h,) are measured with in a piece from ``begin`` on, (h, size); one for all channels."""
-    return np.asarray(np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begin + np.arange(size))))
-
-
-def _sines(samples: Floats, turning: Phasors) -> Phasors:
-    """Amplitudes and phases (..., h), at the first sample of the record, of sines in pieces (..., n)."""
-    size = samples.shape[-1]
-    window = np.sin(np.pi * (np.arange(size) + 0.5) / size) ** 2
-    weighted = 2 / window.sum() * window * samples
-    return np.asarray(weighted @ turning.real.T + 1j * (weighted @ turning.imag.T))
-
-
 def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]:
     """Amplitude and phase at time 0 of sines in pieces (m, p, size) from ``begins`` (p,) on, and the orders (h,).
 
@@ -207,8 +189,7 @@ def _phasors(pieces: Floats, begins: Ints, fs_hz: float) -> tuple[Phasors, Ints]
     orders = orders[orders * max(MAINS_HZ) < 0.45 * fs_hz]
     hz = np.multiply.outer(MAINS_HZ, orders)[:, None, :] + np.array([-ASIDE_HZ, 0.0, ASIDE_HZ])[:, None]
     bins = np.rint(hz * size / fs_hz).astype(np.int64)
-    window = np.sin(np.pi * (np.arange(size) + 0.5) / size) ** 2
-    spectrum = np.fft.rfft(pieces * (2 / window.sum() * window), axis=-1)
+    spectrum = np.fft.rfft(pieces * hann_of_sines(size), axis=-1)
     middle = (size - 1) / 2
     to_middle = np.exp(2j * np.pi * bins * middle / size)
     at_zero = np.exp(-2j * np.pi / fs_hz * np.multiply.outer(hz, begins + middle))
@@ -234,10 +215,9 @@ def _without(samples: Floats, turned: Phasors, hz: Floats, time_s: Floats, fs_hz
     size = max(1, round(BLOCK_S * fs_hz))
     starts = np.arange(0, samples.size, size)
     middle_s = (starts + (size - 1) / 2) / fs_hz
-    slow = np.stack(
-        [np.interp(middle_s, time_s, row.real) + 1j * np.interp(middle_s, time_s, row.imag) for row in turned]
+    slow = _interpolated(np.asarray(middle_s, dtype=np.float64), time_s, turned) * np.exp(
+        2j * np.pi / fs_hz * np.outer(hz, starts)
     )
-    slow *= np.exp(2j * np.pi / fs_hz * np.outer(hz, starts))
     wave = np.exp(2j * np.pi / fs_hz * np.outer(hz, np.arange(size)))
     left = np.zeros(starts.size * size)
     left[: samples.size] = samples

@@ -45,9 +45,7 @@ def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presse
     length = max(8, round(SEGMENT_S * fs_hz))
     frequency_hz = np.fft.rfftfreq(length, 1 / fs_hz).astype(np.float64)
     kept = frequency_hz <= HIGHEST_HZ
-    of_press = np.array([[_spectrum(x[i:j], length, fs_hz) for i, j in presses.tolist()] for x in samples])
-    of_rest = np.array([[_spectrum(x[i:j], length, fs_hz) for i, j in rests.tolist()] for x in samples])
-    of_press, of_rest = (each.reshape(len(samples), -1, frequency_hz.size) for each in (of_press, of_rest))
+    of_press, of_rest = (_spectra(samples, bounds, length, fs_hz) for bounds in (presses, rests))
     return EmgOverview(
         start_s=start_s,
         step_s=size / fs_hz,
@@ -61,14 +59,19 @@ def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presse
     )
 
 
-def _spectrum(piece: Floats, length: int, fs_hz: float) -> Floats:
-    """Power spectral density (F,) of one piece; NaN where it is shorter than a segment."""
-    if piece.size < length:
-        return np.full(length // 2 + 1, np.nan)
+def _spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) -> Floats:
+    """Power spectral densities (m, q, F) of the pieces [i, j) (q, 2); NaN of those shorter than a segment."""
     window = np.hanning(length + 1)[:-1]
-    segments = np.lib.stride_tricks.sliding_window_view(piece, length)[:: length // 2]
-    power = np.abs(np.fft.rfft((segments - segments.mean(axis=1, keepdims=True)) * window, axis=1)) ** 2
-    return np.asarray(2 * power.mean(axis=0) / (fs_hz * (window @ window)))
+    spectra = np.full((len(samples), len(bounds), length // 2 + 1), np.nan)
+    for own, x in zip(spectra, samples, strict=True):
+        for row, (i, j) in zip(own, bounds.tolist(), strict=True):
+            if j - i < length:
+                continue
+            segments = np.lib.stride_tricks.sliding_window_view(x[i:j], length)[:: length // 2]
+            found = np.fft.rfft((segments - segments.mean(axis=1, keepdims=True)) * window, axis=1)
+            (found.real**2 + found.imag**2).mean(axis=0, out=row)
+    spectra *= 2 / (fs_hz * (window @ window))
+    return spectra
 
 
 def _mean_known(spectra: Floats) -> Floats:

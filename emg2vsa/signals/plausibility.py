@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from emg2vsa.arrays import Floats, Ints, median
+from emg2vsa.arrays import Floats, Ints, median, quantiles
 from emg2vsa.signals.quality import MAINS_HZ
 
 LEVEL_V = (1e-6, 5e-3)
@@ -185,8 +185,9 @@ def force_unit_doubt(force_n: Floats, window_n: tuple[float, float]) -> str:
 
 def _is_clipped(samples: Floats) -> bool:
     """Whether (n,) samples lie at their extreme again and again."""
-    extreme = np.max(np.abs(samples), initial=0.0)
-    return bool(np.count_nonzero(np.abs(samples) >= AT_EXTREME * extreme) > MOST_AT_EXTREME * samples.size)
+    size = np.abs(samples)
+    at_extreme = size >= AT_EXTREME * np.max(size, initial=0.0)
+    return bool(np.count_nonzero(at_extreme) > MOST_AT_EXTREME * samples.size)
 
 
 def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
@@ -196,8 +197,8 @@ def _levels(signals: Signals, besides: Collection[str]) -> Iterator[str]:
         # a unit is wrong in every press, and a press that was clipped or lost its electrode says nothing of it
         clipped = [_is_clipped(samples[first:last]) for first, last in signals.presses.tolist()]
         cut = np.split(row, signals.offsets[1:-1])
-        each_v = [np.quantile(one, 0.8) for one, no in zip(cut, clipped, strict=True) if one.size and not no]
-        level_v = float(np.quantile(each_v, 0.5, method="lower")) if each_v else 0.0
+        each_v = [quantiles(np.sort(one), 0.8)[0] for one, no in zip(cut, clipped, strict=True) if one.size and not no]
+        level_v = sorted(each_v)[(len(each_v) - 1) // 2] if each_v else 0.0
         # a channel that shows nothing of the press is an electrode's matter, not a unit's
         if muscle in besides or level_v <= 0 or level_v < 2 * rest_v or LEVEL_V[0] <= level_v <= LEVEL_V[1]:
             continue
@@ -236,12 +237,12 @@ def _not_raw(
             elif share < EMG_SHARE / 2:
                 yield muscle, f"{low}, and does not follow the force; is its electrode on?"
             continue
-        joined = np.concatenate(pieces[m])
-        lowest, middle, highest = np.quantile(joined, (0.001, 0.5, 0.999))
+        joined = np.sort(np.concatenate(pieces[m]))
+        lowest, middle, highest = quantiles(joined, 0.001, 0.5, 0.999)
         for side, near, far in (("negative", middle - lowest, highest - middle),
                                 ("positive", highest - middle, middle - lowest)):  # fmt: skip
             edge = joined - lowest if side == "negative" else highest - joined
-            clips = np.mean(joined == (joined.min() if side == "negative" else joined.max())) > 0.001
+            clips = np.mean(joined == joined[0 if side == "negative" else -1]) > 0.001
             if near < ONE_SIDED * far and np.mean(edge < 0.1 * near) > PILED_UP and not clips:
                 yield muscle, f"{muscle} is never {side}; is it rectified already?"
 
@@ -310,12 +311,13 @@ def _saturated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator
     for m, (muscle, of) in enumerate(zip(signals.muscles, pieces, strict=True)):
         if np.mean(signals.envelopes_v[m]) < 1.2 * signals.rest_v[m]:
             continue
-        late = np.concatenate([piece[int(0.6 * piece.size) :] - np.median(piece) for piece in of])
+        late = np.concatenate([piece[int(0.6 * piece.size) :] - median(piece) for piece in of])
         if late.size < 500:
             continue
+        late.sort()
         tails = []
-        for side in (late, -late):
-            shoulder, tail = np.quantile(side, (0.95, 0.9995))
+        for side in (late, -late[::-1]):
+            shoulder, tail = quantiles(side, 0.95, 0.9995)
             tails.append(tail / shoulder if shoulder > 0 else np.inf)
         if min(tails) < TAIL:
             yield f"{muscle} has no sample far above {_volts(float(np.quantile(np.abs(late), 0.95)))}; is it saturated?"
@@ -386,7 +388,7 @@ def _contacts(signals: Signals, profiles: Sequence[_Profile]) -> Iterator[tuple[
         if np.count_nonzero(above) < 4 or not begin.any():
             continue
         slope, level = np.polyfit(profile.ln_force[above], profile.typical_v[above], 1)
-        middle = float(np.median(profile.typical_v[above]))
+        middle = median(profile.typical_v[above])
         excess = profile.typical_v[begin] - np.maximum(level + slope * profile.ln_force[begin], 0)
         if middle > 0 and float(excess.max()) > CONTACT * middle:
             yield muscle, f"{muscle} is {_volts(float(excess.max()))} above its curve at contact; does its cable move?"
@@ -420,11 +422,11 @@ def _spikes(signals: Signals, press: int) -> Iterator[tuple[str, str]]:
         if x.size < 50:
             continue
         bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
-        typical = float(np.median(bend)) / 0.6745
+        typical = median(bend) / 0.6745
         if not float(bend.max()) > SPIKE_SD * typical:
             continue
         # the potentials of few motor units stand out as well, but not from the loudest hundredth of the press
-        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - np.median(x)), 0.99))
+        loud = SPIKE_HEIGHT * float(np.quantile(np.abs(x - median(x)), 0.99))
         far = np.flatnonzero(bend > max(SPIKE_SD * typical, loud)) if typical > 0 else np.empty(0, np.int64)
         # a spike bends three samples; a burst of noise many in a row
         near = [np.count_nonzero(bend[max(i - 10, 0) : i + 11] > 0.4 * SPIKE_SD * typical) for i in far[:200].tolist()]
@@ -443,9 +445,9 @@ def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
             piece = samples[begin:end]
             if piece.size < 20 * size:
                 continue
-            total = np.cumsum(np.abs(piece - np.median(piece)))
+            total = np.cumsum(np.abs(piece - median(piece)))
             smooth = (total[size:] - total[:-size]) / size
-            high = smooth > BEAT_LEVEL * np.median(smooth)
+            high = smooth > BEAT_LEVEL * median(smooth)
             at = np.flatnonzero(high)
             seconds += piece.size / signals.fs_hz
             if at.size == 0:
@@ -458,7 +460,7 @@ def _beats(signals: Signals) -> Iterator[tuple[str, str]]:
             continue
         spread = np.array(intervals)
         if float(np.std(spread)) < BEAT_SPREAD * float(np.mean(spread)):
-            yield muscle, f"{muscle} shows the heart at rest, {60 / float(np.median(spread)):.0f} beats a minute"
+            yield muscle, f"{muscle} shows the heart at rest, {60 / median(spread):.0f} beats a minute"
 
 
 def _repeated(signals: Signals, pieces: Sequence[Sequence[Floats]]) -> Iterator[str]:
