@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_jobs, add_study, add_wait, add_work, jobs_of, say_not_used, study_of
+from emg2vsa.cli.machines import add_machines, cluster_of
 from emg2vsa.pipeline.stage_order import ORDER
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def add_to(commands: Commands) -> None:
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)
+    add_machines(parser)
     add_json(parser)
 
 
@@ -63,13 +65,15 @@ def run(arguments: argparse.Namespace) -> int:
     start = time.monotonic()
     study, below = study_of(arguments)
     _check_people(arguments, study)
+    stages, shown = _stages(arguments, study), progress(arguments.explain, arguments.json)
     board = run_study(
         study,
-        stages=_stages(arguments, study),
+        stages=stages,
         jobs=jobs_of(arguments),
-        progress=progress(arguments.explain, arguments.json),
+        progress=shown,
         wait=not arguments.no_wait,
         below=below,
+        cluster=cluster_of(arguments, study, stages, shown.say),
     )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)

@@ -7,16 +7,20 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from emg2vsa.pipeline.lock import study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
 from emg2vsa.pipeline.plan import Board, Step, open_board
-from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.pool import ONE_THREAD, Workers
 from emg2vsa.pipeline.stage_order import module_of, stage
+from emg2vsa.pipeline.store import Store
 from emg2vsa.pipeline.tasks import Ended, Task
 from emg2vsa.study import Study
 
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.cluster import ClusterWorkers
+
 _TRIES = 3
 """So often a study is gone through: a result that turns out damaged is made again by itself."""
 
@@ -43,10 +47,12 @@ def run_study(
     progress: Progress,
     wait: bool = True,
     below: Path | None = None,
+    cluster: ClusterWorkers | None = None,
 ) -> Board:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
+    cluster : workers that take the place of ``jobs`` processes.
 
     Raises
     ------
@@ -59,9 +65,10 @@ def run_study(
     with ExitStack() as held:
         for folder in locked_places(study, stages):
             held.enter_context(study_lock(folder, wait=wait, say=progress.say))
-        workers = held.enter_context(Workers(jobs))
+        Store(study.results).sweep()
+        workers: Workers | ClusterWorkers = Workers(jobs) if cluster is None else cluster
+        held.enter_context(workers)
         board = open_board(study, stages, progress.say, below=below)
-        board.store.sweep()
         board.ledger.compact()
         ran: set[str] = set()
         for last in range(_TRIES - 1, -1, -1):
@@ -79,7 +86,9 @@ def run_study(
     return board
 
 
-def _run_stage(board: Board, stages: Sequence[str], workers: Workers, progress: Progress, ran: set[str]) -> bool:
+def _run_stage(
+    board: Board, stages: Sequence[str], workers: Workers | ClusterWorkers, progress: Progress, ran: set[str]
+) -> bool:
     """Run the stale steps of the first of ``stages``; whether a file it needs turned out unusable, so that all is
     looked up again. Workers are started for the stages after it as well."""
     name = stages[0]
