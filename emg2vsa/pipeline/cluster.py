@@ -30,7 +30,7 @@ from emg2vsa.pipeline.cluster_worker import (
     size_and_time,
 )
 from emg2vsa.pipeline.code import Code
-from emg2vsa.pipeline.fingerprint import Fingerprints
+from emg2vsa.pipeline.plan import memory_of_files
 from emg2vsa.pipeline.pool import OnEnd
 from emg2vsa.pipeline.stage_order import module_of, stage
 from emg2vsa.pipeline.tasks import Ended, Task
@@ -181,7 +181,7 @@ class ClusterWorkers:
 
     def _check_workers(self) -> None:
         """Ask every worker for what its results depend on. DataError where one differs from this process."""
-        prints = Fingerprints(self._study.results / "fingerprints.json")
+        prints = memory_of_files(self._study.results, self._say)
         code = Code(prints)
         libraries = {"dask", "distributed"}
         for name in self._stages:
