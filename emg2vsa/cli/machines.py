@@ -110,7 +110,8 @@ def rest_in_words(board: Board) -> str:
     missing = missing_for(board, left)
     if not missing:
         return f"Not run: {counts}. Run this shard again."
-    return f"Not run: {counts}. They need {missing[-1]}. When all shards have ended: {run} --only {missing[-1]}, then the shards again."
+    then = f"When all shards have ended: {run} --only {missing[-1]}, then the shards again."
+    return f"Not run: {counts}. They need {missing[-1]}. {then}"
 
 
 def to_try_again(board: Board) -> bool:

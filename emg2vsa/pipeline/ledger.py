@@ -122,9 +122,9 @@ class Ledger:
         self._keep(entry)
 
     def compact(self, force: bool = False) -> None:
-        """Write the kept entries anew where shards have some, or replaced, damaged or old lines make up half of the file.
+        """Write the kept entries anew where shards have some, or replaced, damaged or old lines are half of the file.
 
-        Only for the holder of the study's lock, which no shard writes beside.
+        Only the holder of the study's lock may: no shard writes meanwhile.
         """
         needless = self._lines > 2 * len(self._entries) + 2 * len(self._written) + 16
         if force or self.old or self.damaged or self._shards or needless:
@@ -191,7 +191,7 @@ class Ledger:
 
 
 def _when_written(path: Path) -> tuple[int, str]:
-    """Order of the files of shards: of two that tell of one step, which shards of other numbers wrote, the newer counts."""
+    """Order of the files of shards: two may tell of one step, if the number of shards changed. The newer one counts."""
     state = state_of(path)
     return (0 if state is None else state[1]), path.name
 

@@ -68,15 +68,13 @@ def shard_lock(folder: Path, shard: Shard, *, wait: bool, say: Callable[[str], N
 
 @contextlib.contextmanager
 def _one_of(folder: Path, shard: Shard) -> Iterator[None]:
+    """Be the one process that is this shard."""
     try:
-        held = presence(folder / f"{LOCK_FILE}.{shard.name}")
-        with held:
+        with presence(folder / f"{LOCK_FILE}.{shard.name}"):
             yield
     except Present as error:
-        do = "Start each shard once."
-        raise DataError(
-            folder, wanted=f"no other process with shard {shard.number} of {shard.of}", found=error.found, do=do
-        ) from None
+        wanted = f"no other process with shard {shard.number} of {shard.of}"
+        raise DataError(folder, wanted=wanted, found=error.found, do="Start each shard once.") from None
 
 
 def holder(folder: Path) -> str:

@@ -1,8 +1,8 @@
 """Files that say who works at a study, for processes of all computers that share its folder.
 
 A presence appears whole, by a hard link, which one process alone can make, on network file systems too. It goes when
-its holder ends. The system tells whether a holder on this computer still runs. Of a holder on another computer it cannot
-tell, so that presence stays until somebody removes the file.
+its holder ends. The system tells whether a holder on this computer still runs. Of a holder on another computer it
+cannot tell, so that presence stays until somebody removes the file.
 """
 
 from __future__ import annotations
