@@ -214,7 +214,7 @@ class Board:
             reasons = () if last is None else tuple(differences(last.parts, parts, unknown))
             step.status = "stale" if reasons or last is None else "waits"
             step.reasons = reasons or (("never ran",) if last is None else tuple(f"input {one}" for one in unknown))
-            if self._shard is not None and step.status == "waits" and last is not None:
+            if self._shard is not None and own.per == "study" and step.status == "waits" and last is not None:
                 self._take_last(step, own, last)
         else:
             self._look_up(step, own)

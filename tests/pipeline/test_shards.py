@@ -68,6 +68,18 @@ def test_each_step_is_in_one_shard_together_with_what_it_goes_with(study: Path) 
     assert group_of(found, "emulation", "S1_0_modular") == group_of(found, "runs", "S1_0_modular") == "S1_0_modular"
 
 
+def test_one_shard_after_the_other_gives_what_one_run_gives(study: Path) -> None:
+    before = emptied(study)
+    for number in (1, 2):
+        assert main(["run", str(study), "--only", "fits", "--jobs", "1", "--shard", f"{number}/2", "--json"]) == 0
+    assert main(["run", str(study), "--only", "fits", "--jobs", "1", "--json"]) == 0
+    after = outcome(study)
+    assert len(after) == 6 + 6
+    assert {path: before[path] for path in after} == after
+    assert not list((study.parent / ".emg2vsa" / "small").glob("*shard*"))
+
+
+@pytest.mark.slow
 def test_two_at_once_one_of_them_killed_and_run_again_give_what_one_run_gives(study: Path) -> None:
     before = emptied(study)
     first = shard(study, 1, 2, "--human-only")
@@ -87,7 +99,7 @@ def test_two_at_once_one_of_them_killed_and_run_again_give_what_one_run_gives(st
     after = outcome(study)
     parts = ("trials", "fits", "pages", "hypotheses", "exemplary", "profiles", "schedules")
     wanted = {path for path in before if path.startswith(tuple(f"{STORE}/{part}/" for part in parts))}
-    assert len(wanted) == 6 + 6 + 2 + 5
+    assert len(wanted) == 6 + 6 + 2 + 4
     assert {path: before[path] for path in wanted} == {path: after.get(path) for path in wanted}
     assert [path.name for path in results.glob("*shard*")] == []
     assert list((results / "under-way").iterdir()) == []

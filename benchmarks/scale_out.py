@@ -1,0 +1,117 @@
+"""What shards and a cluster cost beside one process: CPU seconds per recording, files, ledger; all results compared.
+
+Run with ``python -m benchmarks.scale_out [--participants 30 60] [--shards 4 16]``. Participants are simulated, five
+recordings each, and brought to their fits: by one process, by shards one after the other, and by a Dask cluster of this
+computer where the extra is installed. CPU times are those of processes and their children.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import hashlib
+import importlib.util
+import io
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from emg2vsa.cli import main as emg2vsa
+
+ROOT = Path(__file__).resolve().parent.parent
+TEMPLATE = ROOT / "studies" / "palpation" / "study.toml"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--participants", type=int, nargs="+", default=[30, 60])
+    parser.add_argument("--shards", type=int, nargs="+", default=[4, 16])
+    arguments = parser.parse_args()
+    print(
+        "| recordings | way | CPU s | CPU ms a recording | nothing to do: CPU s each | last run: CPU s | same bytes |"
+    )
+    print("|---:|---|---:|---:|---:|---:|---|")
+    for count in arguments.participants:
+        with tempfile.TemporaryDirectory() as name:
+            study, wanted = _simulated(Path(name), count), ""
+            ways = [("one process", 0), *((f"{n} shards", n) for n in arguments.shards)]
+            ways += [("--cluster local:2", -1)] if importlib.util.find_spec("distributed") else []
+            for way, shards in ways:
+                shutil.rmtree(study.parent / ".emg2vsa", ignore_errors=True)
+                spent, idle, last = _brought_to_fits(study, shards)
+                found = _digest(study)
+                wanted = wanted or found
+                cells = (
+                    5 * count,
+                    way,
+                    f"{spent:.1f}",
+                    f"{spent / (5 * count) * 1e3:.0f}",
+                    f"{idle:.2f}",
+                    f"{last:.2f}",
+                )
+                print(f"| {' | '.join(map(str, cells))} | {'yes' if found == wanted else 'NO'} |", flush=True)
+            _store(study, count)
+
+
+def _brought_to_fits(study: Path, shards: int) -> tuple[float, float, float]:
+    """CPU seconds of all processes together, of one of them when nothing is left to do, and of a whole run after it."""
+    each: list[tuple[str, ...]] = [("--cluster", "local:2")] if shards < 0 else [("--jobs", "1")]
+    if shards > 0:
+        each = [("--jobs", "1", "--shard", f"{number}/{shards}") for number in range(1, shards + 1)]
+    spent = sum(_cpu_s(study, *options) for options in each)
+    return spent, min(_cpu_s(study, *each[0]) for _ in range(3)), _cpu_s(study, "--jobs", "1")
+
+
+def _store(study: Path, count: int) -> None:
+    """What lies on the disk."""
+    results = next((study.parent / ".emg2vsa").iterdir())
+    stored = [path for path in (results / "store").rglob("*") if path.is_file()]
+    ledger, prints = (results / name for name in ("ledger.jsonl", "fingerprints.json"))
+    data = [path for path in (study.parent / "data").rglob("*") if path.is_file()]
+    print(
+        f"\n{count} participants: {len(data)} files of data ({_mb(data):.0f} MB), {len(stored)} results "
+        f"({_mb(stored):.1f} MB), ledger {ledger.stat().st_size / len(stored):.0f} bytes a step, "
+        f"fingerprints {prints.stat().st_size / (len(stored) + len(data)):.0f} bytes a file\n",
+        flush=True,
+    )
+
+
+def _mb(paths: list[Path]) -> float:
+    return sum(path.stat().st_size for path in paths) / 1e6
+
+
+def _simulated(folder: Path, count: int) -> Path:
+    study = folder / "studies" / "palpation" / "study.toml"
+    study.parent.mkdir(parents=True)
+    text = re.sub(r"\[runs\]\n(.+\n)*", "", TEMPLATE.read_text())
+    names = ", ".join(f'"P{number:04d}"' for number in range(1, count + 1))
+    study.write_text(re.sub(r"ids = \[.*?\]", f"ids = [{names}]", text, flags=re.S))
+    with contextlib.redirect_stdout(io.StringIO()):
+        if emg2vsa(["simulate", str(study), "--json"]):
+            raise SystemExit("the study was not simulated")
+    return study
+
+
+def _digest(study: Path) -> str:
+    found = hashlib.blake2b()
+    for path in sorted((study.parent / ".emg2vsa").rglob("*.result")):
+        found.update(path.name.encode() + path.read_bytes())
+    return found.hexdigest()
+
+
+def _cpu_s(study: Path, *options: str) -> float:
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--only", "fits", "--json", *options]
+    subprocess.run(command, capture_output=True, check=True, cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+if __name__ == "__main__":
+    main()
