@@ -33,9 +33,7 @@ def main() -> None:
     parser.add_argument("--participants", type=int, nargs="+", default=[30, 60])
     parser.add_argument("--shards", type=int, nargs="+", default=[4, 16])
     arguments = parser.parse_args()
-    print(
-        "| recordings | way | CPU s | CPU ms a recording | nothing to do: CPU s each | last run: CPU s | same bytes |"
-    )
+    print("| recordings | way | CPU s | CPU ms a recording | nothing to do: CPU s | last run: CPU s | same bytes |")
     print("|---:|---|---:|---:|---:|---:|---|")
     for count in arguments.participants:
         with tempfile.TemporaryDirectory() as name:
@@ -47,15 +45,10 @@ def main() -> None:
                 spent, idle, last = _brought_to_fits(study, shards)
                 found = _digest(study)
                 wanted = wanted or found
-                cells = (
-                    5 * count,
-                    way,
-                    f"{spent:.1f}",
-                    f"{spent / (5 * count) * 1e3:.0f}",
-                    f"{idle:.2f}",
-                    f"{last:.2f}",
+                row = (
+                    f"| {5 * count} | {way} | {spent:.1f} | {spent / (5 * count) * 1e3:.0f} | {idle:.2f} | {last:.2f} "
                 )
-                print(f"| {' | '.join(map(str, cells))} | {'yes' if found == wanted else 'NO'} |", flush=True)
+                print(f"{row}| {'yes' if found == wanted else 'NO'} |", flush=True)
             _store(study, count)
 
 

@@ -58,8 +58,17 @@ def add_machines(parser: argparse.ArgumentParser) -> None:
 def cluster_of(
     arguments: argparse.Namespace, study: Study, stages: Sequence[str], say: Callable[[str], None]
 ) -> ClusterWorkers | None:
-    """The cluster that was asked for; None for processes of this computer."""
+    """The cluster that was asked for; None for processes of this computer. SettingError : options that do not go
+    together."""
+    from emg2vsa.errors import SettingError
+
+    if arguments.jobs and arguments.scheduler:
+        do = "Leave --jobs out."
+        raise SettingError("emg2vsa run --scheduler", wanted="workers of the scheduler alone", found="--jobs", do=do)
     if arguments.scheduler is None and arguments.cluster is None:
+        if arguments.timeout is not None:
+            do = "Leave --timeout out."
+            raise SettingError("emg2vsa run --timeout", wanted="--scheduler or --cluster", found="neither", do=do)
         return None
     from emg2vsa.pipeline.cluster import ClusterWorkers
 

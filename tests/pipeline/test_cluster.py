@@ -226,6 +226,21 @@ def test_options_that_make_no_sense_are_refused(option: str, found: str, capsys:
     assert found in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        (["--timeout", "3"], "emg2vsa run --timeout: expected --scheduler or --cluster, but found neither."),
+        (["--scheduler", "a:1", "--jobs", "2"], "expected workers of the scheduler alone, but found --jobs."),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(
+    tmp_path: Path, options: list[str], found: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    load_study_of(tmp_path)
+    assert main(["run", str(tmp_path / "study.toml"), *options]) == 2
+    assert found in capsys.readouterr().err
+
+
 def test_without_an_answer_or_the_extra_nothing_is_run(
     small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
