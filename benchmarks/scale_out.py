@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import gc
 import hashlib
 import importlib.util
 import io
+import json
 import os
 import re
 import resource
@@ -19,9 +21,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
+import tracemalloc
 from pathlib import Path
 
 from emg2vsa.cli import main as emg2vsa
+from emg2vsa.pipeline.fingerprint import Fingerprints, _head, part_of
+from emg2vsa.pipeline.ledger import Entry, Ledger, Parts
 
 ROOT = Path(__file__).resolve().parent.parent
 TEMPLATE = ROOT / "studies" / "palpation" / "study.toml"
@@ -32,7 +38,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--participants", type=int, nargs="+", default=[30, 60])
     parser.add_argument("--shards", type=int, nargs="+", default=[4, 16])
+    parser.add_argument("--memories", type=int, metavar="STEPS", help="only read a ledger and fingerprints of so many")
     arguments = parser.parse_args()
+    if arguments.memories:
+        _memories(arguments.memories)
+        return
     print("| recordings | way | CPU s | CPU ms a recording | nothing to do: CPU s | last run: CPU s | same bytes |")
     print("|---:|---|---:|---:|---:|---:|---|")
     for count in arguments.participants:
@@ -73,6 +83,37 @@ def _store(study: Path, count: int) -> None:
         f"fingerprints {prints.stat().st_size / (len(stored) + len(data)):.0f} bytes a file\n",
         flush=True,
     )
+
+
+def _memories(count: int) -> None:
+    """CPU seconds and memory that a ledger of ``count`` steps, and fingerprints of as many files, take to be read."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        shared = [part_of({f"{which}{number}": "0123456789abcdef" for number in range(60)}) for which in "abc"]
+        parts = Parts(shared[0], {"data/P/emg.bdf": "0" * 16, "side.json": "1" * 16}, {"trials": "2" * 16}, *shared[1:])
+        lines = Ledger(folder)
+        for number in range(count):
+            lines.record(Entry(f"trials/P{number:06d}/S1", f"{number:016x}", "done", "", False, "3" * 16, parts))
+        prints = {
+            f"{folder}/store/trials/P{n:06d}/S1/{n:016x}.result": [(1, 2**60, 2**60, n), "4" * 16] for n in range(count)
+        }
+        files = json.dumps(prints).encode()
+        (folder / "fingerprints.json").write_bytes(_head(files) + files + b"}")
+        del lines, prints, files
+        for what, read in (("ledger", Ledger), ("fingerprints", lambda at: Fingerprints(at / "fingerprints.json"))):
+            gc.collect()
+            tracemalloc.start()
+            kept = read(folder)
+            size = tracemalloc.get_traced_memory()[0]
+            tracemalloc.stop()
+            del kept
+            start = time.process_time()
+            read(folder)
+            spent, path = time.process_time() - start, next(folder.glob(f"{what}*"))
+            print(
+                f"{what}: {path.stat().st_size / count:.0f} bytes, {spent / count * 1e6:.1f} CPU us, "
+                f"{size / count / 1e3:.2f} kB of memory a step ({count} steps)"
+            )
 
 
 def _mb(paths: list[Path]) -> float:

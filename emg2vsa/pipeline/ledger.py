@@ -58,8 +58,8 @@ _SHARED = ("settings", "code", "libraries")
 class Ledger:
     """The newest entries of every step.
 
-    warn : is told what could not be read. shard : name of the shard that writes, into a file of its own; the files of
-    all shards are read after the ledger, into which ``compact`` takes them.
+    warn : is told what could not be read. shard : name of the shard that writes, into a file of its own. Files of
+    shards are read after the ledger, into which ``compact`` takes them.
     """
 
     def __init__(
@@ -67,6 +67,9 @@ class Ledger:
     ) -> None:
         self._path = folder / (LEDGER_FILE if shard is None else f"ledger.{shard}.jsonl")
         self._shards = sorted(folder.glob(SHARD_FILES), key=_when_written)
+        if shard is not None:  # others of the same number have other steps
+            others = f"{shard[shard.rindex('-of-') :]}.jsonl"
+            self._shards = [path for path in self._shards if path == self._path or not path.name.endswith(others)]
         self._entries: dict[str, list[Entry]] = {}
         self._parts: dict[str, Part] = {}
         self._lines = 0

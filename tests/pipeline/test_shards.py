@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -13,8 +14,8 @@ import pytest
 
 from emg2vsa.cli import main
 from emg2vsa.pipeline.campaign import campaign
-from emg2vsa.pipeline.fingerprint import Fingerprints
-from emg2vsa.pipeline.ledger import Ledger
+from emg2vsa.pipeline.fingerprint import Fingerprints, part_of
+from emg2vsa.pipeline.ledger import Entry, Ledger, Parts
 from emg2vsa.pipeline.shard import Shard, group_of, shared_stages
 from emg2vsa.pipeline.stage_order import ORDER, items
 from emg2vsa.study_file import load_study
@@ -201,3 +202,19 @@ def test_everything_in_shards_is_everything_in_one_run(study: Path) -> None:
         assert [process.returncode for process in both] == [0, 0], told
         assert main(["run", str(study), *command, "--jobs", "1", "--json"]) == 0
     assert outcome(study) == before
+
+
+def test_of_two_shards_of_other_numbers_the_newer_ledger_counts(tmp_path: Path) -> None:
+    part = part_of({"a": "1"})
+    parts = Parts(part, {}, {}, part, part)
+    for age_s, shard, status in ((20, "shard-3-of-3", "failed"), (10, "shard-1-of-4", "done")):
+        Ledger(tmp_path, shard=shard).record(Entry("trials/P/S", "k", status, "", False, "r", parts))
+        moment = time.time() - age_s
+        os.utime(tmp_path / f"ledger.{shard}.jsonl", (moment, moment))
+    ledger = Ledger(tmp_path)
+    entry = ledger.with_key("trials/P/S", "k")
+    assert entry is not None
+    assert entry.status == "done"
+    ledger.compact()
+    assert [path.name for path in tmp_path.iterdir()] == ["ledger.jsonl"]
+    assert Ledger(tmp_path).with_key("trials/P/S", "k") is not None
