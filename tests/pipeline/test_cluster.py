@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.small_study import small_study
 from emg2vsa.cli import main
 from emg2vsa.errors import DataError
 from emg2vsa.pipeline import cluster_worker
@@ -88,10 +89,13 @@ def _pinned(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def small(study: Path) -> Path:
-    """The study, of whose people nothing was run."""
-    shutil.rmtree(study.parent / ".emg2vsa")
-    return study
+def small(tmp_path: Path) -> Path:
+    """A study of people, of whom nothing was run."""
+    path = tmp_path / "studies" / "small" / "study.toml"
+    path.parent.mkdir(parents=True)
+    path.write_text(small_study(specimens=("S1", "S3"), simulation="seed = 3\nrepetitions = 2\n"))
+    assert main(["simulate", str(path), "--json"]) == 0
+    return path
 
 
 @pytest.fixture
@@ -106,25 +110,24 @@ def deeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list
     return lambda *names: list(module.deeds(names))
 
 
-def test_everything_on_a_cluster_is_everything_on_one_computer_and_a_killed_task_is_one_failure(
-    study: Path, deeds: Callable[..., list[Any]], capsys: pytest.CaptureFixture[str]
+def test_a_cluster_gives_what_one_process_gives_and_a_task_that_kills_workers_is_one_failure(
+    small: Path, deeds: Callable[..., list[Any]], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before = outcome(study)
-    shutil.rmtree(study.parent / ".emg2vsa")
-    capsys.readouterr()
-    assert main(["run", str(study), "--cluster", "local:2", "--only", "schedules", "--json"]) == 0, capsys.readouterr()
-    after = outcome(study)
-    assert len([path for path in after if "/store/" in path]) == 6 + 6 + 3
-    assert {path: before[path] for path in after} == after
+    assert main(["run", str(small), "--only", "fits", "--jobs", "1", "--json"]) == 0
+    before = outcome(small)
+    assert len(before) == 4 + 4
+    shutil.rmtree(small.parent / ".emg2vsa")
+    assert main(["run", str(small), "--only", "fits", "--cluster", "local:2", "--json"]) == 0, capsys.readouterr()
+    assert outcome(small) == before
     ended: dict[str, Ended] = {}
-    with ClusterWorkers(load_study(study), PEOPLE, local=2) as workers:
+    with ClusterWorkers(load_study(small), PEOPLE, local=2) as workers:
         workers.run(deeds("ok", "die", "refuse", "crash", "ok"), lambda one: ended.__setitem__(one.step, one))
     assert [ended[f"trials/s{i}"].status for i in range(5)] == ["done", "failed", "failed", "failed", "done"]
     assert [ended[f"trials/s{i}"].final for i in range(5)] == [False, False, True, False, False]
     assert ended["trials/s1"].message.startswith("every worker that tried it died")
     assert str(os.getpid()) not in {ended["trials/s0"].message, ended["trials/s4"].message}
     assert list(Path("claims").iterdir()) == []
-    assert list((load_study(study).results / "under-way").iterdir()) == []
+    assert list((load_study(small).results / "under-way").iterdir()) == []
 
 
 def test_a_lost_scheduler_is_one_error_and_what_was_done_is_kept(
@@ -177,8 +180,6 @@ def test_facts_tell_what_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def load_study_of(folder: Path) -> Any:
-    from benchmarks.small_study import small_study
-
     (folder / "study.toml").write_text(small_study())
     return load_study(folder / "study.toml")
 
@@ -261,7 +262,9 @@ def test_without_an_answer_or_the_extra_nothing_is_run(
 
 
 @pytest.mark.slow
-def test_a_worker_killed_at_work_costs_its_task_a_second_try(study: Path, address: str) -> None:
+def test_everything_on_a_cluster_of_which_a_worker_is_killed_at_work_is_everything_in_one_run(
+    study: Path, address: str
+) -> None:
     before = outcome(study)
     for part in (study.parent / ".emg2vsa", load_study(study).reports, study.parent / "runs-virtual"):
         shutil.rmtree(part)
