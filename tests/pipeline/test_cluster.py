@@ -105,11 +105,13 @@ def deeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), *filter(None, sys.path)]))
     monkeypatch.chdir(tmp_path)
+    Path("trials").mkdir()
     monkeypatch.delitem(sys.modules, "deeds_of_clusters", raising=False)
     module = importlib.import_module("deeds_of_clusters")
     return lambda *names: list(module.deeds(names))
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_what_one_process_gives_and_a_task_that_kills_workers_is_one_failure(
     small: Path, deeds: Callable[..., list[Any]], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -130,6 +132,7 @@ def test_a_cluster_gives_what_one_process_gives_and_a_task_that_kills_workers_is
     assert list((load_study(small).results / "under-way").iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_lost_scheduler_is_one_error_and_what_was_done_is_kept(
     small: Path, deeds: Callable[..., list[Any]], scheduler: Scheduler
 ) -> None:
@@ -262,9 +265,7 @@ def test_without_an_answer_or_the_extra_nothing_is_run(
 
 
 @pytest.mark.slow
-def test_everything_on_a_cluster_of_which_a_worker_is_killed_at_work_is_everything_in_one_run(
-    study: Path, address: str
-) -> None:
+def test_a_whole_study_on_a_cluster_with_a_worker_killed_is_that_of_one_process(study: Path, address: str) -> None:
     before = outcome(study)
     for part in (study.parent / ".emg2vsa", load_study(study).reports, study.parent / "runs-virtual"):
         shutil.rmtree(part)
