@@ -11,6 +11,15 @@ from typing import TYPE_CHECKING
 
 from casr.command_line import Commands, add_command, add_json, print_json
 from emg2vsa.cli.arguments import add_jobs, add_study, add_wait, add_work, jobs_of, say_not_used, study_of
+from emg2vsa.cli.machines import (
+    add_machines,
+    cluster_of,
+    ended_by_scheduler,
+    left_of,
+    missing_for,
+    rest_in_words,
+    to_try_again,
+)
 from emg2vsa.pipeline.stage_order import ORDER
 
 if TYPE_CHECKING:
@@ -26,7 +35,8 @@ def add_to(commands: Commands) -> None:
         "Run a study from its recordings to fits, tests, schedules and the report.",
         "Only stale steps run. A stopped run continues where it was. A recording that cannot be used is named and "
         "left out. Exit status 0: all steps of the whole study are done; 1: one of them failed; 2: the "
-        "study file has problems.",
+        "study file has problems, or the cluster was lost. With --shard, 0: all its steps that could run did; 1: one "
+        "failed for another reason than its input.",
     )
     add_study(parser)
     part = parser.add_mutually_exclusive_group()
@@ -45,15 +55,19 @@ def add_to(commands: Commands) -> None:
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)
+    add_machines(parser)
     add_json(parser)
 
 
 def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
+    from emg2vsa.pipeline.shard import shared_stages
     from emg2vsa.pipeline.stage_order import stages_for, stages_of
 
     if arguments.human_only:
-        return stages_of("people", study)
-    return stages_of("rig", study) if arguments.casr_only else stages_for(arguments.only)
+        stages = stages_of("people", study)
+    else:
+        stages = stages_of("rig", study) if arguments.casr_only else stages_for(arguments.only)
+    return shared_stages(stages) if arguments.shard else stages
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -63,32 +77,34 @@ def run(arguments: argparse.Namespace) -> int:
     start = time.monotonic()
     study, below = study_of(arguments)
     _check_people(arguments, study)
-    board = run_study(
-        study,
-        stages=_stages(arguments, study),
-        jobs=jobs_of(arguments),
-        progress=progress(arguments.explain, arguments.json),
-        wait=not arguments.no_wait,
-        below=below,
-    )
+    stages, shown = _stages(arguments, study), progress(arguments.explain, arguments.json)
+    with ended_by_scheduler():
+        board = run_study(
+            study,
+            stages=stages,
+            jobs=jobs_of(arguments),
+            progress=shown,
+            wait=not arguments.no_wait,
+            below=below,
+            cluster=cluster_of(arguments, study, stages, shown.say),
+            shard=arguments.shard,
+        )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)
     ran = [step.id for step in board.steps.values() if step.status == "done"]
     notes, rejected = _notes(board), _rejected(board)
     fresh = sum(step.status == "fresh" for step in board.steps.values())
     if arguments.json:
-        print_json(
-            {
-                "study": study.name,
-                "ran": ran,
-                "fresh": fresh,
-                "failures": [dict(zip(("item", "stage", "message"), failure, strict=True)) for failure in failures],
-                "notes": notes,
-                "rejected_presses": rejected,
-                "report": str(_page(board)),
-                "seconds": round(time.monotonic() - start, 3),
-            }
-        )
+        told = {
+            "study": study.name,
+            "ran": ran,
+            "fresh": fresh,
+            "failures": [dict(zip(("item", "stage", "message"), failure, strict=True)) for failure in failures],
+            "notes": notes,
+            "rejected_presses": rejected,
+            "seconds": round(time.monotonic() - start, 3),
+        }
+        print_json(told | (_of_shard(board) if arguments.shard else {"report": str(_page(board))}))
     else:
         say_not_used(board)
         for note in notes:
@@ -96,12 +112,20 @@ def run(arguments: argparse.Namespace) -> int:
         for of in rejected:
             print(f"{of['run']}: {of['message']}")
         seconds, steps = time.monotonic() - start, "step" if len(ran) == 1 else "steps"
+        share = f", shard {arguments.shard.number} of {arguments.shard.of}" if arguments.shard else ""
         print(
-            f"{study.name}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s"
+            f"{study.name}{share}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, "
+            f"{seconds:.1f} s"
         )
-        for line in _report_lines(board):
+        for line in [rest_in_words(board)] if arguments.shard else _report_lines(board):
             print(line)
-    return 1 if study_failed else 0
+    return int(to_try_again(board) if arguments.shard else study_failed)
+
+
+def _of_shard(board: Board) -> dict[str, list[str]]:
+    """What a shard left, for programs."""
+    left = left_of(board)
+    return {"left": [step.id for step in left], "needs": missing_for(board, left)}
 
 
 def _page(board: Board) -> Path:

@@ -7,16 +7,21 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from emg2vsa.pipeline.lock import study_lock
+from emg2vsa.pipeline.lock import shard_lock, study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
 from emg2vsa.pipeline.plan import Board, Step, open_board
-from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.pool import ONE_THREAD, Workers
+from emg2vsa.pipeline.shard import Shard
 from emg2vsa.pipeline.stage_order import module_of, stage
+from emg2vsa.pipeline.store import Store
 from emg2vsa.pipeline.tasks import Ended, Task
 from emg2vsa.study import Study
 
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+if TYPE_CHECKING:
+    from emg2vsa.pipeline.cluster import ClusterWorkers
+
 _TRIES = 3
 """So often a study is gone through: a result that turns out damaged is made again by itself."""
 
@@ -43,10 +48,14 @@ def run_study(
     progress: Progress,
     wait: bool = True,
     below: Path | None = None,
+    cluster: ClusterWorkers | None = None,
+    shard: Shard | None = None,
 ) -> Board:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
+    cluster : workers that take the place of ``jobs`` processes. shard : run its steps only, beside other shards; steps
+    of the whole study do not run, and recordings and runs that need one that is not done are left.
 
     Raises
     ------
@@ -58,11 +67,19 @@ def run_study(
         os.environ.setdefault(name, "1")
     with ExitStack() as held:
         for folder in locked_places(study, stages):
-            held.enter_context(study_lock(folder, wait=wait, say=progress.say))
-        workers = held.enter_context(Workers(jobs))
-        board = open_board(study, stages, progress.say, below=below)
-        board.store.sweep()
-        board.ledger.compact()
+            held.enter_context(
+                study_lock(folder, wait=wait, say=progress.say)
+                if shard is None
+                else shard_lock(folder, shard, wait=wait, say=progress.say)
+            )
+        if shard is None:
+            Store(study.results).sweep()
+        workers: Workers | ClusterWorkers = Workers(jobs) if cluster is None else cluster
+        held.enter_context(workers)
+        board = open_board(study, stages, progress.say, below=below, shard=shard)
+        if shard is None:
+            board.ledger.compact()
+            board.prints.take_in()
         ran: set[str] = set()
         for last in range(_TRIES - 1, -1, -1):
             board.steps.clear()
@@ -75,16 +92,19 @@ def run_study(
         for step in ran:  # a later round finds fresh what an earlier one made
             board.steps[step].status = "done" if board.steps[step].status == "fresh" else board.steps[step].status
             board.store.keep_only(step, board.ledger.keys(step))
-        board.ledger.compact()
+        if shard is None:
+            board.ledger.compact()
     return board
 
 
-def _run_stage(board: Board, stages: Sequence[str], workers: Workers, progress: Progress, ran: set[str]) -> bool:
+def _run_stage(
+    board: Board, stages: Sequence[str], workers: Workers | ClusterWorkers, progress: Progress, ran: set[str]
+) -> bool:
     """Run the stale steps of the first of ``stages``; whether a file it needs turned out unusable, so that all is
     looked up again. Workers are started for the stages after it as well."""
     name = stages[0]
     steps = board.add_stage(name)
-    stale = {step.id: step for step in steps if step.status == "stale"}
+    stale = {step.id: step for step in steps if board.runs_here(step)}
     if not stale:
         return False
     progress.begin(name, len(stale))
@@ -114,4 +134,5 @@ def _loads(stages: Sequence[str]) -> list[str]:
 
 def _task(board: Board, step: Step) -> Task:
     store = board.store
+    store.claim(step.id).unlink(missing_ok=True)  # left by a killed process: nobody else may be at this step
     return Task(step.id, board.given(step), store.unfinished(step.id, step.key), store.claim(step.id))

@@ -46,7 +46,7 @@ def module_of(name: str) -> str:
 
 def stages_for(wanted: str | None) -> tuple[str, ...]:
     """The wanted stage and all it needs, in running order; every stage when nothing is named."""
-    return ORDER if wanted is None else _with_needs({wanted})
+    return ORDER if wanted is None else with_needs({wanted})
 
 
 def stages_of(part: Literal["people", "rig"], study: Study) -> tuple[str, ...]:
@@ -56,7 +56,7 @@ def stages_of(part: Literal["people", "rig"], study: Study) -> tuple[str, ...]:
     """
     own = {name for name in ORDER if stage(name).of in ({"people"} if part == "people" else {"emulated rig", "runs"})}
     both = study.recordings and study.runs_source is not None
-    return (*(name for name in _with_needs(own) if name != "report"), f"{part}_report" if both else "report")
+    return (*(name for name in with_needs(own) if name != "report"), f"{part}_report" if both else "report")
 
 
 def needs_runs(stages: Sequence[str]) -> bool:
@@ -64,7 +64,8 @@ def needs_runs(stages: Sequence[str]) -> bool:
     return any(stage(name).of in ("emulated rig", "runs") for name in stages)
 
 
-def _with_needs(names: set[str]) -> tuple[str, ...]:
+def with_needs(names: set[str]) -> tuple[str, ...]:
+    """These stages and all that they need, in running order."""
     wanted = set(names)
     for name in reversed(ORDER):
         if name in wanted:

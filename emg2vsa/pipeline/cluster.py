@@ -1,0 +1,238 @@
+"""Tasks on the workers of a Dask cluster, with the interface of ``pool.Workers``.
+
+A task is one recording or one run. Steps of the whole study run in the calling process. Dask is loaded when a cluster
+is asked for.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import logging
+import queue
+import secrets
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import Any, Self
+
+from emg2vsa.errors import DataError, SettingError
+from emg2vsa.pipeline.cluster_worker import (
+    AT_A_TIME,
+    Asked,
+    Refused,
+    attempt,
+    begun,
+    digest_of,
+    facts_here,
+    facts_of_worker,
+    size_and_time,
+)
+from emg2vsa.pipeline.code import Code
+from emg2vsa.pipeline.plan import memory_of_files
+from emg2vsa.pipeline.pool import OnEnd
+from emg2vsa.pipeline.stage_order import module_of, stage
+from emg2vsa.pipeline.tasks import Ended, Task
+from emg2vsa.study import Study
+
+_LOOK_S = 1.0
+"""So often the cluster is looked at while no task ends."""
+_AHEAD = 3
+"""Tasks handed over per worker, so that none waits for work, and the scheduler holds few."""
+_SHOWN = 3
+"""Workers that differ, and differences of each, that are named."""
+
+
+class ClusterWorkers:
+    """The workers of a Dask scheduler, or of a cluster of processes on this computer.
+
+    Parameters
+    ----------
+    study, stages : what is to run; every worker has to see the study's folder and to have the same code and libraries.
+    address : of a running scheduler. local : or the number of processes to start here. timeout_s : how long to wait for
+    the scheduler, and for a worker where there is none. say : is told what is waited for.
+
+    Entering raises SettingError where the extra is not installed, and DataError where the scheduler does not answer,
+    has no workers, or a worker differs. So does ``run`` when the scheduler or the last worker is lost.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        stages: Sequence[str],
+        *,
+        address: str = "",
+        local: int = 0,
+        timeout_s: float = 60.0,
+        say: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self._study, self._stages, self._timeout_s, self._say = study, stages, timeout_s, say
+        self._address, self._local = address, local
+        self._mark = study.results / "under-way" / f"cluster-{secrets.token_hex(8)}"
+        self._held = contextlib.ExitStack()
+        self._client: Any = None
+        self._asked = Asked(self._mark, ())
+        self._facts: dict[str, str] = {}
+        self._running: dict[Any, Task] = {}
+        self._most = 1
+
+    def __enter__(self) -> Self:
+        with contextlib.ExitStack() as held:
+            self._open(held)
+            self._check_workers()
+            self._held = held.pop_all()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        with self._held, contextlib.suppress(OSError):  # the scheduler may be what was lost
+            if self._running and self._client.status == "running":
+                self._give_up()
+
+    def run(self, tasks: Sequence[Task], on_end: OnEnd, *, alone: int = 1, load: Sequence[str] = ()) -> None:
+        """Run all tasks, and report each as it ends; ``alone`` and ``load`` are the pool's concern.
+
+        DataError : the scheduler was lost, or all workers were, or one differs.
+        """
+        here = [task for task in tasks if stage(task.step.partition("/")[0]).per == "study"]
+        for task in here:
+            on_end(task())
+        away = tasks if not here else [task for task in tasks if task not in here]
+        for task in self._side_by_side(away, on_end):
+            # workers died with it, perhaps by another task: one at a time, so that the task that kills them is known
+            if self._side_by_side([task], on_end):
+                task.claim.unlink(missing_ok=True)
+                died = "every worker that tried it died (out of memory, or killed). Give workers more memory."
+                on_end(Ended(task.step, "failed", died))
+
+    def _side_by_side(self, tasks: Sequence[Task], on_end: OnEnd) -> list[Task]:
+        """The tasks that were not done because the workers that tried them died."""
+        distributed: Any = importlib.import_module("distributed")
+        waiting, ended, died = deque(tasks), queue.SimpleQueue[Any](), []
+        alive = time.monotonic()
+        while waiting or self._running:
+            while waiting and len(self._running) < self._most:
+                task = waiting.popleft()
+                paths = [str(path) for files in task.given.files.values() for path in files]
+                seen = {path: size_and_time(path) for path in paths}
+                key = f"{task.step}-{secrets.token_hex(8)}"
+                future = self._client.submit(attempt, task, seen, self._asked, key=key, pure=False)
+                self._running[future] = task
+                future.add_done_callback(ended.put)
+            try:
+                future = ended.get(timeout=_LOOK_S)
+            except queue.Empty:
+                alive = time.monotonic() if self._count_workers() else alive
+                if time.monotonic() - alive > self._timeout_s:
+                    raise self._lost("that all its workers are gone") from None
+                continue
+            alive = time.monotonic()
+            task = self._running.pop(future)
+            try:
+                result = future.result()
+            except distributed.KilledWorker:
+                died.append(task)
+                continue
+            except distributed.CancelledError as error:
+                raise self._lost("that the connection to it ended") from error
+            except Exception as error:  # a task keeps its own errors: this is the worker's
+                raise self._lost(f"a worker that cannot carry out a task ({type(error).__name__}: {error})") from error
+            if isinstance(result, Refused):
+                raise self._refuse({"a worker that came later": result.facts}, result.unseen)
+            on_end(result)
+        return died
+
+    def _open(self, held: contextlib.ExitStack) -> None:
+        """Connect, wait for workers, and mark the study's folder."""
+        try:
+            dask: Any = importlib.import_module("dask")
+            distributed: Any = importlib.import_module("distributed")
+        except ModuleNotFoundError as error:
+            do = 'Install it: pip install "emg2vsa[cluster]".'
+            raise SettingError(
+                "emg2vsa run", wanted="the extra for clusters", found=f"no {error.name}", do=do
+            ) from error
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user has to know is said here
+        held.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 1}))  # of a local cluster
+        if self._local:
+            quiet = {"dashboard_address": None, "silence_logs": logging.CRITICAL}
+            cluster = distributed.LocalCluster(self._local, threads_per_worker=1, memory_limit=0, **quiet)
+            self._address = held.enter_context(cluster).scheduler_address
+        try:
+            client = distributed.Client(self._address, timeout=self._timeout_s, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise DataError(
+                f"emg2vsa run --scheduler {self._address}", wanted="a Dask scheduler that answers",
+                found=f"none within {self._timeout_s:g} s ({error})",
+                do="Start it with dask scheduler, or give the address that it prints.",
+            ) from error  # fmt: skip
+        self._client = held.enter_context(client)
+        end = time.monotonic() + self._timeout_s
+        while not self._count_workers():
+            if time.monotonic() > end:
+                raise DataError(
+                    self._address, wanted="one worker or more", found=f"none within {self._timeout_s:g} s",
+                    do=f"Start some with: dask worker {self._address} --nthreads 1. Or wait longer: --timeout.",
+                )  # fmt: skip
+            time.sleep(0.1)
+        self._mark.parent.mkdir(parents=True, exist_ok=True)
+        held.callback(self._mark.unlink, missing_ok=True)
+        self._mark.write_text(self._mark.name)
+
+    def _check_workers(self) -> None:
+        """Ask every worker for what its results depend on. DataError where one differs from this process."""
+        prints = memory_of_files(self._study.results, self._say)
+        code = Code(prints)
+        libraries = {"dask", "distributed"}
+        for name in self._stages:
+            libraries.update(code.reached(module_of(name)).libraries.value)
+        prints.save()
+        asked = Asked(self._mark, tuple(sorted(libraries - {"python"})))
+        self._facts = facts_here(asked.mark, asked.libraries) | {AT_A_TIME: "1"}
+        self._asked = Asked(asked.mark, asked.libraries, digest_of(self._facts))
+        answers = self._client.run(facts_of_worker, asked.mark, asked.libraries, on_error="return")
+        if differ := {worker: facts for worker, facts in answers.items() if facts != self._facts}:
+            raise self._refuse(differ)
+
+    def _count_workers(self) -> int:
+        """Number of workers; raises DataError where the scheduler is lost. How many tasks go out follows it."""
+        try:
+            threads = self._client.nthreads()
+        except Exception as error:
+            raise self._lost(f"that it does not answer ({type(error).__name__})") from error
+        self._most = _AHEAD * max(len(threads), 1)
+        return len(threads)
+
+    def _give_up(self) -> None:
+        """Cancel what is under way, and wait for what workers have begun: no other run may meet it."""
+        self._client.cancel(list(self._running), force=True)
+        self._running.clear()
+        if not self._local and any(self._client.run(begun).values()):
+            self._say("Waiting for tasks that workers have begun. Ctrl-C again to leave them.")
+            while any(self._client.run(begun).values()):
+                time.sleep(_LOOK_S)
+
+    def _lost(self, found: str) -> DataError:
+        do = "See that scheduler and workers run, then give the same command again: what was finished is kept."
+        return DataError(self._address, wanted="a Dask scheduler with workers until the end", found=found, do=do)
+
+    def _refuse(self, workers: dict[str, Any], unseen: str = "") -> DataError:
+        """The error that names workers and what differs there."""
+        told = [f"{one} with {self._differences(facts, unseen)}" for one, facts in list(workers.items())[:_SHOWN]]
+        more = f"; and {len(workers) - _SHOWN} more workers" if len(workers) > _SHOWN else ""
+        return DataError(
+            self._address, wanted="workers with the same program, libraries, threads and files as here",
+            found="; ".join(told) + more,
+            do="Start workers from the same installation, with one thread each, on computers that share the study's "
+            "folder: dask worker ADDRESS --nthreads 1.",
+        )  # fmt: skip
+
+    def _differences(self, facts: Any, unseen: str) -> str:
+        """What differs at a worker, in words. facts : the worker's, or the error that it met when asked."""
+        if isinstance(facts, BaseException):
+            return f"a program that does not know the question ({type(facts).__name__}: {facts})"
+        names = [*self._facts, *(name for name in facts if name not in self._facts)]
+        pairs = [(name, facts.get(name, "absent"), self._facts.get(name, "absent")) for name in names]
+        what = [f"{name} {there} (here {here})" for name, there, here in pairs if there != here]
+        more = f" and {len(what) - _SHOWN} more" if len(what) > _SHOWN else ""
+        return (", ".join(what[:_SHOWN]) or f"another file {unseen}") + more

@@ -1,0 +1,281 @@
+"""A real Dask cluster: the outcome is that of one process, whoever dies meanwhile; what cannot work is said once."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.small_study import small_study
+from emg2vsa.cli import main
+from emg2vsa.errors import DataError
+from emg2vsa.pipeline import cluster_worker
+from emg2vsa.pipeline.cluster import ClusterWorkers
+from emg2vsa.pipeline.cluster_worker import Asked, digest_of, facts_here
+from emg2vsa.pipeline.tasks import Ended
+from emg2vsa.study_file import load_study
+from tests.pipeline.test_pool import DEEDS, soon
+from tests.pipeline.test_shards import outcome
+
+pytest.importorskip("distributed", reason="the extra for clusters is not installed")
+PEOPLE = ("trials", "fits", "pages")
+"""Names that deeds of tests go under: each is the step of a recording or a participant."""
+
+
+@pytest.fixture
+def scheduler() -> Iterator[Scheduler]:
+    """A scheduler without workers, in a process of its own."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with started("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard") as process:
+        yield Scheduler(f"tcp://127.0.0.1:{port}", process)
+
+
+@dataclass(frozen=True)
+class Scheduler:
+    address: str
+    process: subprocess.Popen[bytes]
+
+
+@pytest.fixture
+def address(scheduler: Scheduler) -> str:
+    return scheduler.address
+
+
+class started:
+    """A program of Dask with this project's code; killed at the end."""
+
+    def __init__(self, *arguments: str, **environment: str) -> None:
+        path = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, sys.path)])
+        self._arguments, self._environment = arguments, os.environ | {"PYTHONPATH": path} | environment
+
+    def __enter__(self) -> subprocess.Popen[bytes]:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "dask", *self._arguments], env=self._environment, start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        return self.process
+
+    def __exit__(self, *error: object) -> None:
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+
+
+def worker(address: str, **environment: str) -> started:
+    return started("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny", **PINNED | environment)
+
+
+PINNED = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+@pytest.fixture(autouse=True)
+def _pinned(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in PINNED.items():
+        monkeypatch.setenv(name, value)
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    """A study of people, of whom nothing was run."""
+    path = tmp_path / "studies" / "small" / "study.toml"
+    path.parent.mkdir(parents=True)
+    path.write_text(small_study(specimens=("S1", "S3"), simulation="seed = 3\nrepetitions = 2\n"))
+    assert main(["simulate", str(path), "--json"]) == 0
+    return path
+
+
+@pytest.fixture
+def deeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Any]]:
+    """Tasks that do as their names say, on workers too."""
+    (tmp_path / "deeds_of_clusters.py").write_text(DEEDS.replace('f"s{i}"', 'f"trials/s{i}"'))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), *filter(None, sys.path)]))
+    monkeypatch.chdir(tmp_path)
+    Path("trials").mkdir()
+    monkeypatch.delitem(sys.modules, "deeds_of_clusters", raising=False)
+    module = importlib.import_module("deeds_of_clusters")
+    return lambda *names: list(module.deeds(names))
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_what_one_process_gives_and_a_task_that_kills_workers_is_one_failure(
+    small: Path, deeds: Callable[..., list[Any]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", str(small), "--only", "fits", "--jobs", "1", "--json"]) == 0
+    before = outcome(small)
+    assert len(before) == 4 + 4
+    shutil.rmtree(small.parent / ".emg2vsa")
+    assert main(["run", str(small), "--only", "fits", "--cluster", "local:2", "--json"]) == 0, capsys.readouterr()
+    assert outcome(small) == before
+    ended: dict[str, Ended] = {}
+    with ClusterWorkers(load_study(small), PEOPLE, local=2) as workers:
+        workers.run(deeds("ok", "die", "refuse", "crash", "ok"), lambda one: ended.__setitem__(one.step, one))
+    assert [ended[f"trials/s{i}"].status for i in range(5)] == ["done", "failed", "failed", "failed", "done"]
+    assert [ended[f"trials/s{i}"].final for i in range(5)] == [False, False, True, False, False]
+    assert ended["trials/s1"].message.startswith("every worker that tried it died")
+    assert str(os.getpid()) not in {ended["trials/s0"].message, ended["trials/s4"].message}
+    assert list(Path("claims").iterdir()) == []
+    assert list((load_study(small).results / "under-way").iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_lost_scheduler_is_one_error_and_what_was_done_is_kept(
+    small: Path, deeds: Callable[..., list[Any]], scheduler: Scheduler
+) -> None:
+    ended: list[Ended] = []
+    address, tasks = scheduler.address, deeds("sleep")
+    with worker(address), ClusterWorkers(load_study(small), PEOPLE, address=address) as workers:
+        workers.run(deeds("ok", "ok"), ended.append)
+        threading.Timer(1, scheduler.process.kill).start()
+        with pytest.raises(DataError) as error:
+            workers.run(tasks, ended.append)
+    assert [one.status for one in ended] == ["done", "done"]
+    assert str(error.value).startswith(
+        f"{address}: expected a Dask scheduler with workers until the end, but found that "
+    )
+    assert str(error.value).endswith("give the same command again: what was finished is kept.")
+
+
+def test_a_worker_that_would_compute_something_else_is_refused_by_name(
+    small: Path, address: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["run", str(small), "--only", "trials", "--scheduler", address, "--timeout"]
+    capsys.readouterr()
+    with worker(address, OMP_NUM_THREADS="4"):
+        assert main([*command, "60"]) == 2
+    told = capsys.readouterr().err
+    assert "but found tcp://127.0.0.1:" in told
+    assert "with OMP_NUM_THREADS 4 (here 1). Start workers from the same installation" in told
+    assert not list((small.parent / ".emg2vsa" / "small").rglob("*.result"))
+
+
+def test_facts_tell_what_differs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mark = tmp_path / "mark"
+    mark.write_text("token")
+    here = facts_here(mark, ("numpy", "no-such-thing"))
+    assert here[cluster_worker.MARK] == "token"
+    assert here["no-such-thing"] == "absent"
+    assert here["code of emg2vsa/pipeline/run.py"]
+    assert here["code of casr/atomic.py"]
+    assert facts_here(tmp_path / "none", ())[cluster_worker.MARK] == "unreadable (No such file or directory)"
+    workers = ClusterWorkers(load_study_of(tmp_path), ("trials",), address="tcp://1.2.3.4:5")
+    workers._facts = {"emg2vsa": "0.2.0", "numpy": "2.0", "a": "1", "b": "2"}
+    error = workers._refuse({f"w{i}": {"emg2vsa": "0.1.0", "b": "2"} for i in range(5)})
+    assert "w0 with emg2vsa 0.1.0 (here 0.2.0), numpy absent (here 2.0), a absent (here 1); w1 with" in str(error)
+    assert "w2 with" in str(error)
+    assert "; and 2 more workers. Start workers" in str(error)
+    error = workers._refuse({"w0": ModuleNotFoundError("No module named 'emg2vsa'")})
+    assert "w0 with a program that does not know the question (ModuleNotFoundError: No module named" in str(error)
+
+
+def load_study_of(folder: Path) -> Any:
+    (folder / "study.toml").write_text(small_study())
+    return load_study(folder / "study.toml")
+
+
+def test_a_worker_that_came_later_or_sees_another_file_carries_out_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, deeds: Callable[..., list[Any]]
+) -> None:
+    class OneThread:
+        class state:
+            nthreads = 1
+
+    monkeypatch.setattr(importlib.import_module("distributed"), "get_worker", lambda: OneThread)
+    mark, file = tmp_path / "mark", tmp_path / "file"
+    mark.write_text("token")
+    file.write_text("four")
+    facts = facts_here(mark, ()) | {cluster_worker.AT_A_TIME: "1"}
+    (task,) = deeds("ok")
+    task.claim.parent.mkdir()
+    task.claim.write_text("of a worker that died")
+    size_and_time = cluster_worker.size_and_time(file)
+    refused = cluster_worker.attempt(task, {}, Asked(mark, (), "another"))
+    assert refused == cluster_worker.Refused(facts)
+    asked = Asked(mark, (), digest_of(facts))
+    assert cluster_worker.attempt(task, {str(file): (3, 1)}, asked) == cluster_worker.Refused(facts, str(file))
+    assert task.claim.exists()
+    assert cluster_worker.attempt(task, {str(file): size_and_time}, asked) == Ended(task.step, "done", str(os.getpid()))
+    assert not task.claim.exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "found"),
+    [
+        ("--scheduler=here", "expected an address such as tcp://10.0.0.1:8786, but found 'here'"),
+        ("--scheduler=ftp://a:1", "expected an address such as"),
+        ("--cluster=slurm", "expected local or local:N with N from 1, but found 'slurm'"),
+        ("--cluster=local:0", "expected local or local:N"),
+        ("--timeout=soon", "expected a number of seconds above 0, but found 'soon'"),
+        ("--timeout=0", "expected a number of seconds above 0"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(option: str, found: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as error:
+        main(["run", "study.toml", option])
+    assert error.value.code == 2
+    assert found in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        (["--timeout", "3"], "emg2vsa run --timeout: expected --scheduler or --cluster, but found neither."),
+        (["--scheduler", "a:1", "--jobs", "2"], "expected workers of the scheduler alone, but found --jobs."),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(
+    tmp_path: Path, options: list[str], found: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    load_study_of(tmp_path)
+    assert main(["run", str(tmp_path / "study.toml"), *options]) == 2
+    assert found in capsys.readouterr().err
+
+
+def test_without_an_answer_or_the_extra_nothing_is_run(
+    small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    capsys.readouterr()
+    assert main(["run", str(small), "--scheduler", nobody, "--timeout", "0.5"]) == 2
+    assert f"--scheduler {nobody}: expected a Dask scheduler that answers, but found none within 0.5 s" in (
+        capsys.readouterr().err
+    )
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert main(["run", str(small), "--cluster", "local"]) == 2
+    assert 'expected the extra for clusters, but found no distributed. Install it: pip install "emg2vsa[cluster]".' in (
+        capsys.readouterr().err
+    )
+    assert not list((small.parent / ".emg2vsa" / "small").rglob("*.result"))
+
+
+@pytest.mark.slow
+def test_a_whole_study_on_a_cluster_with_a_worker_killed_is_that_of_one_process(study: Path, address: str) -> None:
+    before = outcome(study)
+    for part in (study.parent / ".emg2vsa", load_study(study).reports, study.parent / "runs-virtual"):
+        shutil.rmtree(part)
+    under_way = study.parent / ".emg2vsa" / "small" / "under-way"
+    with worker(address) as first, worker(address):
+        command = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--scheduler", address, "--json"]
+        run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert soon(lambda: bool(list(under_way.glob("emulation*.json"))), 300)
+        time.sleep(0.5)
+        first.kill()
+        told = run.communicate()
+    assert run.returncode == 0, told
+    assert outcome(study) == before
