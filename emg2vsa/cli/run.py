@@ -42,6 +42,12 @@ def add_to(commands: Commands) -> None:
         help="only the runs of the rig, with the schedules that they need; the report goes to its subfolder rig",
     )
     parser.add_argument("--explain", action="store_true", help="say why each step runs")
+    parser.add_argument(
+        "--profile",
+        action="store_true",
+        help="say for each stage which steps ran, which were skipped and why, what they took, and what was read, "
+        "decoded and fitted",
+    )
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)
@@ -58,9 +64,11 @@ def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.profile import Profile
     from emg2vsa.pipeline.run import run_study
 
     start = time.monotonic()
+    profile = Profile() if arguments.profile else None
     study, below = study_of(arguments)
     _check_people(arguments, study)
     board = run_study(
@@ -70,6 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         progress=progress(arguments.explain, arguments.json),
         wait=not arguments.no_wait,
         below=below,
+        profile=profile,
     )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)
@@ -88,6 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
                 "report": str(_page(board)),
                 "seconds": round(time.monotonic() - start, 3),
             }
+            | ({"profile": profile.as_json()} if profile else {})
         )
     else:
         say_not_used(board)
@@ -99,7 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(
             f"{study.name}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, {seconds:.1f} s"
         )
-        for line in _report_lines(board):
+        for line in (*_report_lines(board), *(profile.lines() if profile else ())):
             print(line)
     return 1 if study_failed else 0
 

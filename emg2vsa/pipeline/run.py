@@ -12,6 +12,7 @@ from emg2vsa.pipeline.lock import study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
 from emg2vsa.pipeline.plan import Board, Step, open_board
 from emg2vsa.pipeline.pool import Workers
+from emg2vsa.pipeline.profile import Profile
 from emg2vsa.pipeline.stage_order import module_of, stage
 from emg2vsa.pipeline.tasks import Ended, Task
 from emg2vsa.study import Study
@@ -43,10 +44,12 @@ def run_study(
     progress: Progress,
     wait: bool = True,
     below: Path | None = None,
+    profile: Profile | None = None,
 ) -> Board:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
+    profile : is told what every step took.
 
     Raises
     ------
@@ -67,7 +70,7 @@ def run_study(
         for last in range(_TRIES - 1, -1, -1):
             board.steps.clear()
             try:
-                again = [_run_stage(board, stages[i:], workers, progress, ran) for i in range(len(stages))]
+                again = [_run_stage(board, stages[i:], workers, progress, ran, profile) for i in range(len(stages))]
             finally:
                 board.prints.save()
             if not any(again) or not last:
@@ -76,10 +79,19 @@ def run_study(
             board.steps[step].status = "done" if board.steps[step].status == "fresh" else board.steps[step].status
             board.store.keep_only(step, board.ledger.keys(step))
         board.ledger.compact()
+        if profile is not None:
+            profile.end(board)
     return board
 
 
-def _run_stage(board: Board, stages: Sequence[str], workers: Workers, progress: Progress, ran: set[str]) -> bool:
+def _run_stage(
+    board: Board,
+    stages: Sequence[str],
+    workers: Workers,
+    progress: Progress,
+    ran: set[str],
+    profile: Profile | None,
+) -> bool:
     """Run the stale steps of the first of ``stages``; whether a file it needs turned out unusable, so that all is
     looked up again. Workers are started for the stages after it as well."""
     name = stages[0]
@@ -100,9 +112,11 @@ def _run_stage(board: Board, stages: Sequence[str], workers: Workers, progress: 
             again = True
         elif step.status == "done":
             ran.add(step.id)
+        if profile is not None and ended.spent is not None:
+            profile.add(step, ended.spent)
         progress.step(step)
 
-    tasks = [_task(board, step) for step in stale.values()]
+    tasks = [_task(board, step, profile is not None) for step in stale.values()]
     workers.run(tasks, on_end, alone=stage(name).alone, load=_loads(stages))
     progress.end()
     return again
@@ -112,6 +126,6 @@ def _loads(stages: Sequence[str]) -> list[str]:
     return [module for name in stages for module in (module_of(name), *stage(name).loads)]
 
 
-def _task(board: Board, step: Step) -> Task:
+def _task(board: Board, step: Step, profiled: bool) -> Task:
     store = board.store
-    return Task(step.id, board.given(step), store.unfinished(step.id, step.key), store.claim(step.id))
+    return Task(step.id, board.given(step), store.unfinished(step.id, step.key), store.claim(step.id), profiled)

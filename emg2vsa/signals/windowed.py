@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import signal
 
+from casr.counts import count
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.filters import IirFilter
 
@@ -51,6 +52,7 @@ def _cut(samples: Floats, begin: int, length: int) -> Floats:
 
 def _run(rows: Floats, iir: IirFilter, lead: int) -> Floats:
     """All passes over rows (r, n); the result without its first ``lead`` samples, which nobody needs: (r, n - lead)."""
+    count("samples conditioned", rows.size)
     filtered = _pass(rows, iir)[:, lead:]
     return _pass(filtered[:, ::-1], iir)[:, ::-1] if iir.zero_phase else filtered
 
