@@ -137,7 +137,9 @@ def without_samples(trials: Trials) -> Trials:
     arrays = {f.name: value for f in fields(trials) if isinstance(value := getattr(trials, f.name), np.ndarray)}
     # a copy lets go of the file that the array was a part of
     left: dict[str, Any] = {name: value.copy() if name in _KEPT else _NOTHING for name, value in arrays.items()}
-    texts = {name: tuple(map(sys.intern, getattr(trials, name))) for name in ("notes", "remarks", "reasons", "muscles")}
+    texts: dict[str, Any] = {
+        name: tuple(map(sys.intern, getattr(trials, name))) for name in ("notes", "remarks", "reasons", "muscles")
+    }
     return replace(trials, **left, **texts, overviews=())
 
 
