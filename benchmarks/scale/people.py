@@ -2,7 +2,7 @@
 
 Fourteen participants are simulated and their trials made once. Everybody else is one of them under another name, with
 activity that differs by 5 % (SD) from person to person: the recordings are links, and the trials are stored as the
-pipeline stores them. Everything after the trials is computed. A recording is conditioned alone, so that stage is linear.
+pipeline stores them. Everything after the trials is computed. Each recording is conditioned alone.
 """
 
 from __future__ import annotations
