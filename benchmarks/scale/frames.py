@@ -19,7 +19,7 @@ from casr.specimens import SPECIMENS
 from casr.stream import StreamScorer
 from casr.synthetic import PressSettings, TabulatedWorld, simulate_press
 
-EVERY = 5000
+EVERY = 50_000
 FORCE_NOISE_N = 0.01
 
 

@@ -72,7 +72,7 @@ def _text(found: dict[str, Rows]) -> list[str]:
         sizes = [row["participants"] for row in people]
         lines += [
             "", "## People", "",
-            "Five recordings a participant, no rig. Trials are stored beforehand, as `benchmarks/scale/people.py` says; all "
+            "Five recordings a participant, no rig. Trials are stored beforehand (`benchmarks/scale/people.py`); all "
             "else is computed. The exponent is of value over participants, with its standard error. A constant part, "
             "such as loading libraries, makes it smaller.", "",
             "| | " + " | ".join(map(str, sizes)) + " | exponent | slope for a participant |",
@@ -86,7 +86,7 @@ def _text(found: dict[str, Rows]) -> list[str]:
     if frames := found["frames"]:
         lines += [
             "", "## Frames", "",
-            "Through `casr.stream.StreamScorer`, 300 x 300 px, a press of 78 frames every 5000 frames.", "",
+            "Through `casr.stream.StreamScorer`, 300 x 300 px, one press every 50 000 frames, rest between.", "",
             "| frames | in contact | CPU s | ms a frame | resident MB |", "|---:|---:|---:|---:|---:|",
         ]  # fmt: skip
         lines += [
