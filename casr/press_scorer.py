@@ -15,6 +15,7 @@ from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.array import check_area
 from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
+from casr.counts import count
 from casr.dome.library import worlds
 from casr.errors import AreaError, FramesError, PinsError
 from casr.flow.estimate import FlowStep, FlowTracker
@@ -146,6 +147,7 @@ class PressScorer:
             raise PinsError(trouble.where, wanted=trouble.wanted, found=found, do=trouble.do)
 
     def _took(self, pins_px: Array) -> None:
+        count("frames scored")
         self.pins_px.append(pins_px)
         self.good.append(self._n_taken)
         self._n_taken += 1

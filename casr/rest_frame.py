@@ -14,6 +14,8 @@ from casr.frames import loading_phase
 from casr.images import Grey, as_grey
 
 RECENT_FRAMES = 64
+LOOKS = 64
+"""A long rest is looked at anew each time it has grown by this part: of a million frames, some hundred times."""
 Kept = tuple[int, Grey]
 
 
@@ -21,7 +23,8 @@ class RestFrame:
     """Knows the frame that ``loading_phase`` would take for the static one if contact came next.
 
     That choice looks at the forces of all frames at rest, so it may fall back on an earlier frame. Kept are the images
-    of the last 64 frames at rest, and the one that was the choice half as long ago or less.
+    of the last 64 frames at rest, and the one that was the choice up to 32 frames ago, or in a long rest up to a 64th
+    of its frames ago.
 
     Parameters
     ----------
@@ -33,14 +36,16 @@ class RestFrame:
         self._force_n = array("d")
         self._recent: deque[Kept] = deque(maxlen=RECENT_FRAMES)
         self._earlier: Kept | None = None
+        self._look_at = RECENT_FRAMES // 2
 
     def take(self, image: NDArray[Any], force_n: float, zero_n: float = 0.0) -> None:
         """Take a frame out of contact and its force, N. zero_n : what counts as 0 N, by the forces so far."""
         # a camera may write its next frame into the same memory
         self._recent.append((len(self._force_n), as_grey(image).copy()))
         self._force_n.append(force_n)
-        if len(self._force_n) % (RECENT_FRAMES // 2) == 0:
+        if (n := len(self._force_n)) == self._look_at:
             self._earlier = self._choice(zero_n)
+            self._look_at = n + max(RECENT_FRAMES // 2, n // LOOKS)
 
     def image(self, zero_n: float = 0.0) -> Grey:
         """The static frame if contact comes now. Raises FramesError when no frame came before contact.

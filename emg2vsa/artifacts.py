@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from casr.atomic import write_bytes_atomic
+from casr.counts import count
 from emg2vsa.errors import DataError
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ def _checked(path: Path) -> bytes:
         data = path.read_bytes()
     except OSError as error:
         raise _damaged(path, error.strerror or str(error)) from error
+    count("files read")
+    count("bytes read", len(data))
     if not data.startswith(_MAGIC):
         raise _damaged(path, "not a result file")
     if _sum(data[_START:]) != data[len(_MAGIC) : _START]:

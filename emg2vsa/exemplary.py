@@ -50,13 +50,14 @@ def compare_participants(
     specimens = profile.specimens or in_study_order(fits.specimen[rows], stiffness_n_per_mm)
     force_n = np.linspace(*window.force_n, profile.grid_points)
     present = list(dict.fromkeys(fits.participant[rows].tolist()))
-    means = {name: _mean_coefficients(fits, rows & (fits.participant == name), specimens) for name in present}
+    means = _mean_coefficients(fits, rows, specimens)
     whole = [name for name in present if np.isfinite(means[name]).all()]
     if len(whole) < 2:
         return None
     shares = np.array([_share(means[name], force_n) for name in whole])
-    between = np.sqrt(np.mean((shares[:, None] - shares[None]) ** 2, axis=(2, 3)))
-    to_others = between.sum(axis=1) / (len(whole) - 1)
+    # one participant at a time: all pairs at once would take gigabytes for a thousand people
+    between = (np.sqrt(np.mean((one - shares) ** 2, axis=(1, 2))) for one in shares)
+    to_others = np.array([distances.sum() for distances in between]) / (len(whole) - 1)
     if used:
         mine = shares[int(np.argmin(to_others)) if used == MEDOID or used not in whole else whole.index(used)]
     else:
@@ -75,12 +76,16 @@ def in_study_order(specimens: NDArray[np.str_], stiffness_n_per_mm: Mapping[str,
     return [name for name in dict.fromkeys([*stiffness_n_per_mm, *present]) if name in present]
 
 
-def _mean_coefficients(fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str]) -> Floats:
-    """(S, 2) mean a and b; NaN where there is no trial."""
-    found = np.full((len(specimens), 2), np.nan)
-    for s, specimen in enumerate(specimens):
-        if (these := rows & (fits.specimen == specimen)).any():
-            found[s] = fits.a_v[these].mean(), fits.b_v[these].mean()
+def _mean_coefficients(fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str]) -> dict[str, Floats]:
+    """Participant, in the order of the rows, to (S, 2) mean a and b; NaN where there is no trial."""
+    cells: dict[tuple[str, str], list[int]] = {}
+    at = np.flatnonzero(rows)
+    for i, who, what in zip(at.tolist(), fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True):
+        cells.setdefault((who, what), []).append(i)
+    found = {who: np.full((len(specimens), 2), np.nan) for who, _ in cells}
+    for (who, what), these in cells.items():
+        if what in specimens:
+            found[who][specimens.index(what)] = fits.a_v[these].mean(), fits.b_v[these].mean()
     return found
 
 

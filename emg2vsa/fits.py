@@ -7,7 +7,8 @@ trial gives sample by sample, as in the paper, stands beside it.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -219,29 +220,52 @@ def by_recording(fits: Fits) -> dict[tuple[str, str], Fits]:
     rows: dict[tuple[str, str], list[int]] = {}
     for i, key in enumerate(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True)):
         rows.setdefault(key, []).append(i)
-    names = [field.name for field in dataclasses.fields(Fits) if field.name not in _COMMON]
-    return {key: replace(fits, **{name: getattr(fits, name)[own] for name in names}) for key, own in rows.items()}
+    return {key: replace(fits, **{name: getattr(fits, name)[own] for name in _COLUMNS}) for key, own in rows.items()}
 
 
-def concatenate(parts: Sequence[Fits]) -> Fits:
-    """Fits of several recordings as one table, in the order given. DataError unless made with the same settings."""
-    if not parts:
+def concatenate(parts: Iterable[Fits], bins: bool = True) -> Fits:
+    """Fits of several recordings as one table, in the order given. DataError unless made with the same settings.
+
+    parts : taken one at a time, so that few of them need be in memory at once. bins : False leaves out the force bins,
+    (n, 0), which take most of the memory and are for laws and pictures of a press alone.
+    """
+    first: Fits | None = None
+    blocks: list[dict[str, Any]] = []
+    rest = iter(parts)
+    while block := list(itertools.islice(rest, _AT_ONCE)):
+        first = first or block[0]
+        for part in block:
+            _check_alike(part, first)
+        blocks.append(_joined([{name: _column(part, name, bins) for name in _COLUMNS} for part in block]))
+    if first is None:
         raise DataError("fits", wanted="at least one recording", found="none", do="Fit a recording first.")
+    return replace(first, **(blocks[0] if len(blocks) == 1 else _joined(blocks)))
+
+
+_AT_ONCE = 64
+_COLUMNS = tuple(field.name for field in dataclasses.fields(Fits) if field.name not in _COMMON)
+
+
+def _column(part: Fits, name: str, bins: bool) -> NDArray[Any]:
+    values: NDArray[Any] = getattr(part, name)
+    if name == "reason":  # as fixed-width text all rows would take the width of the longest
+        return values.astype(object)
+    return values if bins or not name.startswith("bin_") else values[:, :0]
+
+
+def _joined(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in _COLUMNS}
+
+
+def _check_alike(part: Fits, first: Fits) -> None:
     for name in _COMMON:
-        for part in parts:
-            if not np.array_equal(getattr(part, name), getattr(parts[0], name)):
-                raise DataError(
-                    f"fits, {name}",
-                    wanted="the same in all recordings",
-                    found=f"{getattr(parts[0], name)} and {getattr(part, name)}",
-                    do="Fit all recordings with the same settings.",
-                )
-    joined: dict[str, Any] = {
-        f.name: np.concatenate([getattr(part, f.name) for part in parts])
-        for f in dataclasses.fields(Fits)
-        if f.name not in _COMMON
-    }
-    return dataclasses.replace(parts[0], **joined)
+        if not np.array_equal(getattr(part, name), getattr(first, name)):
+            raise DataError(
+                f"fits, {name}",
+                wanted="the same in all recordings",
+                found=f"{getattr(first, name)} and {getattr(part, name)}",
+                do="Fit all recordings with the same settings.",
+            )
 
 
 def in_session(

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.counts import count
 from casr.errors import ImageError, SettingError
 from casr.images import Grey, as_grey
 
@@ -78,6 +79,7 @@ class Dis:
         x1, y1 = (edge + SUPPORT_PX for edge in roi[2:])
         flow = np.full((*image.shape, 2), np.nan, np.float32)
         flow[y0:y1, x0:x1] = dis_flow(self._before[y0:y1, x0:x1], image[y0:y1, x0:x1], preset=self._preset)
+        count("pixels weighed", image[y0:y1, x0:x1].size)
         self._before = image.copy()
         return flow
 

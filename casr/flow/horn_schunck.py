@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.counts import count
 from casr.errors import ImageError
 from casr.flow.compiled import Floats
 from casr.flow.pyramid import Pyramid, longest_px, most_levels
@@ -93,6 +94,7 @@ class HornSchunck:
         if self._smooth is None or self._smooth[0] != box:
             self._smooth = box, self._smoothed(first, box)
         smooth = self._smoothed(second, box)
+        count("pixels weighed", smooth.size)
         if self._fresh:
             self._gradient = rms_gradient(self._smooth[1])
         alpha_notes = self._about_alpha() if self._fresh else ()

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.counts import count
 from casr.errors import FramesError
 from casr.frame_files.camera_file import read_camera
 from casr.frame_files.folder import CAMERA_FILE, FORCE_FILE, FileFrames, folder_contents, open_file, open_folder
@@ -73,6 +74,8 @@ def _check_frames(path: Path, frames: FileFrames) -> None:
             found="; ".join(("one frame", *frames.notes)),
             do="Give all frames of the press: the static frame before contact and those of the loading.",
         )
+    count("frames in folder", len(frames))
+    count("frames decoded")
     first = frames.read(0)
     brightest = float(first.max())
     # 12 bits kept in 16 reach a grey level of 16 at most; floats from 0 to 1 and 8 bits kept in 16 reach 1

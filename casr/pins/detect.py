@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.counts import count
 from casr.errors import PinsError
 from casr.images import Grey, as_grey
 from casr.pins.blobs import Blobs, above_surroundings, find_blobs, round_parts
@@ -91,6 +92,7 @@ def _irregularity(pins: Pins) -> float:
 def find_pins(grey: Grey, view: PinView) -> Pins:
     """Sub-pixel pins of a frame that went through ``view.grey``, in its px."""
     _check_count(grey, min(grey.size, FEWEST_PINS), view)  # OpenCV refuses to compare a single pixel
+    count("pixels weighed", grey.size)
     excess, mask = above_surroundings(grey, view.block_px, view.contrast)
     blobs = find_blobs(grey, excess, mask)
     blobs = blobs.pick(blobs.area_px >= view.min_area_px)

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.counts import count
 from casr.images import Grey
 
 # of the contrast; together the weight of a pixel rises smoothly from zero, which keeps the centroid of a pin from being
@@ -82,6 +83,7 @@ def _weigh(
     start = (centres @ (1, width)).astype(np.intp) - int(disc[:, :2].min()) * (width + 1)
     step = (disc[:, 1] * width + disc[:, 0]).astype(np.intp)
     grey = padded.ravel().take(start[:, None] + step).astype(np.float32)
+    count("pixels weighed", grey.size)
     beyond = (disc[:, 2] > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
     background = np.partition(grey[:, ::EVERY] + beyond[:, ::EVERY], RANK, axis=1)[:, RANK]
     grey -= beyond

@@ -52,6 +52,12 @@ def add_to(commands: Commands) -> None:
         help="only the runs of the rig, with the schedules that they need; the report goes to its subfolder rig",
     )
     parser.add_argument("--explain", action="store_true", help="say why each step runs")
+    parser.add_argument(
+        "--profile",
+        action="store_true",
+        help="say for each stage which steps ran, which were skipped and why, what they took, and what was read, "
+        "decoded and fitted",
+    )
     add_work(parser)
     add_wait(parser)
     add_jobs(parser)
@@ -72,9 +78,11 @@ def _stages(arguments: argparse.Namespace, study: Study) -> tuple[str, ...]:
 
 def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.cli.progress import progress
+    from emg2vsa.pipeline.profile import Profile
     from emg2vsa.pipeline.run import run_study
 
     start = time.monotonic()
+    profile = Profile() if arguments.profile else None
     study, below = study_of(arguments)
     _check_people(arguments, study)
     stages, shown = _stages(arguments, study), progress(arguments.explain, arguments.json)
@@ -88,6 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
             below=below,
             cluster=cluster_of(arguments, study, stages, shown.say),
             shard=arguments.shard,
+            profile=profile,
         )
     failures = board.failures()
     study_failed = any(item == "study" for item, _, _ in failures)
@@ -104,6 +113,7 @@ def run(arguments: argparse.Namespace) -> int:
             "rejected_presses": rejected,
             "seconds": round(time.monotonic() - start, 3),
         }
+        told |= {"profile": profile.as_json()} if profile else {}
         print_json(told | (_of_shard(board) if arguments.shard else {"report": str(_page(board))}))
     else:
         say_not_used(board)
@@ -117,7 +127,8 @@ def run(arguments: argparse.Namespace) -> int:
             f"{study.name}{share}: {len(ran)} {steps} run, {fresh} fresh, {len(failures)} refused or failed, "
             f"{seconds:.1f} s"
         )
-        for line in [rest_in_words(board)] if arguments.shard else _report_lines(board):
+        lines = [rest_in_words(board)] if arguments.shard else [*_report_lines(board)]
+        for line in (*lines, *(profile.lines() if profile else ())):
             print(line)
     return int(to_try_again(board) if arguments.shard else study_failed)
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
@@ -79,13 +80,7 @@ class ForceLaws:
 
 def force_laws(fits: Fits, use: str, confidence: float = 0.95) -> ForceLaws:
     """Compare the laws on the force bins of the trials that ``use`` admits; all bins count alike."""
-    admitted = usable(fits, use)
-    cells = [
-        (participant, specimen, own)
-        for participant in in_order(fits.participant).tolist()
-        for specimen in in_order(fits.specimen).tolist()
-        if np.any(own := admitted & (fits.participant == participant) & (fits.specimen == specimen))
-    ]
+    cells = _cells(fits, usable(fits, use))
     error, unpredicted = np.full((2, len(LAWS), len(cells)), np.nan), np.zeros(2, dtype=np.int64)
     for i, (_, _, own) in enumerate(cells):
         force_n, v = fits.bin_force_n[own], fits.bin_v[own]
@@ -95,6 +90,19 @@ def force_laws(fits: Fits, use: str, confidence: float = 0.95) -> ForceLaws:
     participant = np.array([name for name, _, _ in cells], dtype=np.str_)
     specimen = np.array([name for _, name, _ in cells], dtype=np.str_)
     return _compared(participant, specimen, error, unpredicted, confidence)
+
+
+def _cells(fits: Fits, admitted: NDArray[np.bool_]) -> list[tuple[str, str, list[int]]]:
+    """Participant, specimen and rows of each cell, both in natural order of their names."""
+    at = np.flatnonzero(admitted)
+    rows: dict[tuple[str, str], list[int]] = {}
+    for i, *cell in zip(at.tolist(), fits.participant[at].tolist(), fits.specimen[at].tolist(), strict=True):
+        rows.setdefault((cell[0], cell[1]), []).append(i)
+    people, specimens = (
+        {name: place for place, name in enumerate(in_order(each).tolist())}
+        for each in (fits.participant, fits.specimen)
+    )
+    return sorted(((*cell, own) for cell, own in rows.items()), key=lambda cell: (people[cell[0]], specimens[cell[1]]))
 
 
 _Split = Callable[[Floats, Floats], tuple[Floats, Floats, Floats, Floats]]

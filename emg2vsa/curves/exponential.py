@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casr.counts import count
 from emg2vsa.arrays import Floats, exponent_of
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.variable_projection import has_minimum, log_linear_start, projected, search
@@ -55,6 +56,7 @@ def _least_squares(rows: WeightedRows) -> tuple[Floats, Floats, Floats]:
     unit_x, unit_y = exponent_of(z), exponent_of(rows.y)
     z, y = np.ldexp(z, -unit_x), np.ldexp(rows.y, -unit_y)
     unit_x, unit_y = unit_x[:, 0], unit_y[:, 0]
+    count("fits", len(y))
     q = search(z, y, rows.w, log_linear_start(z, y, rows.w))
     curve = projected(q, z, y, rows.w)
     q = np.where(has_minimum(q, z, y, rows.w, curve), q, np.nan)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
+from casr.counts import count
 from emg2vsa.arrays import Floats
 from emg2vsa.curves.huber import fit_line_huber
 from emg2vsa.curves.line import Line, fit_line, join
@@ -58,6 +59,7 @@ def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: 
 
 
 def _log_fit(line: Line, confidence: float) -> LogFit:
+    count("fits", line.slope.size)
     reach = _t_quantile(line.dof, confidence) * line.slope_se
     return LogFit(
         a=line.intercept,

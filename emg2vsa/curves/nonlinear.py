@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
+from casr.counts import count
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 
@@ -52,6 +53,7 @@ def fit_nonlinear(model: Model, x: ArrayLike, y: ArrayLike, start: ArrayLike) ->
     x, y, start = (np.asarray(values, dtype=np.float64) for values in (x, y, start))
     residual, jacobian = _functions(model, x, y)
     _check(y, start, residual)
+    count("fits")
     with np.errstate(all="ignore"):  # trial steps may leave the model's domain; they are refused
         found = optimize.least_squares(
             _finite(residual),

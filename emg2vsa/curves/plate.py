@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from casr.counts import count
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.curves.line import fit_line
 from emg2vsa.curves.weighted_rows import weighted_rows
@@ -101,6 +102,7 @@ def fit_hooke(indentation: ArrayLike, force: ArrayLike) -> HookeFit:
     w = np.where(np.arange(x.shape[1]) < n_rest[:, None], 0.0, w)
     resting = np.arange(x.shape[1]) < n_rest[:, None]
     line = fit_line(x, y, w)
+    count("fits", len(y))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         rest = np.where(n_rest > 0, np.sum(y, axis=1, where=resting) / n_rest, 0.0)
         contact = (rest - line.intercept) / line.slope

@@ -11,11 +11,15 @@ from emg2vsa.figures.activity_scale import ActivityScale
 from emg2vsa.figures.canvas import TWO_COLUMNS_MM, new_figure
 from emg2vsa.figures.palette import BLUE, INK
 
+MOST_DRAWN = 2000
+"""Points that are drawn one by one; more are one picture, as a page with 100 000 shapes opens slowly."""
+
 
 def draw_mixed_residuals(fitted: Floats, residual: Floats, quantile: Floats, scale: ActivityScale) -> Figure:
     """(a) Residuals over the SD of repetitions against normal quantiles; (b) against fitted slopes; (n,) each."""
     figure, (normal, level) = new_figure(TWO_COLUMNS_MM, 66, (13, 2, 11, 6), shares=(1, 1), gap_mm=16)
     points: dict[str, Any] = {"color": BLUE, "linestyle": "none", "marker": "o", "markeredgewidth": 0, "alpha": 0.6}
+    points["rasterized"] = residual.size > MOST_DRAWN
     ends = [float(quantile.min()), float(quantile.max())]
     normal.plot(ends, ends, color=INK, linestyle="--", linewidth=0.8)
     normal.plot(quantile, residual, **points)

@@ -13,6 +13,7 @@ from emg2vsa.pipeline.lock import shard_lock, study_lock
 from emg2vsa.pipeline.places import check_places, locked_places
 from emg2vsa.pipeline.plan import Board, Step, open_board
 from emg2vsa.pipeline.pool import ONE_THREAD, Workers
+from emg2vsa.pipeline.profile import Profile
 from emg2vsa.pipeline.shard import Shard
 from emg2vsa.pipeline.stage_order import module_of, stage
 from emg2vsa.pipeline.store import Store
@@ -50,12 +51,14 @@ def run_study(
     below: Path | None = None,
     cluster: ClusterWorkers | None = None,
     shard: Shard | None = None,
+    profile: Profile | None = None,
 ) -> Board:
     """Bring the ``stages`` of a study up to date and say how every step ended.
 
     wait : for another run of the same study to end. below : results of the same study elsewhere, read and not written.
     cluster : workers that take the place of ``jobs`` processes. shard : run its steps only, beside other shards; steps
     of the whole study do not run, and recordings and runs that need one that is not done are left.
+    profile : is told what every step took.
 
     Raises
     ------
@@ -84,7 +87,7 @@ def run_study(
         for last in range(_TRIES - 1, -1, -1):
             board.steps.clear()
             try:
-                again = [_run_stage(board, stages[i:], workers, progress, ran) for i in range(len(stages))]
+                again = [_run_stage(board, stages[i:], workers, progress, ran, profile) for i in range(len(stages))]
             finally:
                 board.prints.save()
             if not any(again) or not last:
@@ -94,11 +97,18 @@ def run_study(
             board.store.keep_only(step, board.ledger.keys(step))
         if shard is None:
             board.ledger.compact()
+        if profile is not None:
+            profile.end(board)
     return board
 
 
 def _run_stage(
-    board: Board, stages: Sequence[str], workers: Workers | ClusterWorkers, progress: Progress, ran: set[str]
+    board: Board,
+    stages: Sequence[str],
+    workers: Workers | ClusterWorkers,
+    progress: Progress,
+    ran: set[str],
+    profile: Profile | None,
 ) -> bool:
     """Run the stale steps of the first of ``stages``; whether a file it needs turned out unusable, so that all is
     looked up again. Workers are started for the stages after it as well."""
@@ -120,9 +130,11 @@ def _run_stage(
             again = True
         elif step.status == "done":
             ran.add(step.id)
+        if profile is not None and ended.spent is not None:
+            profile.add(step, ended.spent)
         progress.step(step)
 
-    tasks = [_task(board, step) for step in stale.values()]
+    tasks = [_task(board, step, profile is not None) for step in stale.values()]
     workers.run(tasks, on_end, alone=stage(name).alone, load=_loads(stages))
     progress.end()
     return again
@@ -132,7 +144,7 @@ def _loads(stages: Sequence[str]) -> list[str]:
     return [module for name in stages for module in (module_of(name), *stage(name).loads)]
 
 
-def _task(board: Board, step: Step) -> Task:
+def _task(board: Board, step: Step, profiled: bool) -> Task:
     store = board.store
     store.claim(step.id).unlink(missing_ok=True)  # left by a killed process: nobody else may be at this step
-    return Task(step.id, board.given(step), store.unfinished(step.id, step.key), store.claim(step.id))
+    return Task(step.id, board.given(step), store.unfinished(step.id, step.key), store.claim(step.id), profiled)

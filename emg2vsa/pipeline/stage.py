@@ -7,7 +7,7 @@ what the declaration names and nothing else, so that everything a result depends
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -38,15 +38,22 @@ class Given:
     failures: Sequence[tuple[str, str, str]] = ()
     folder: Path | None = None
 
-    def all(self, stage: str) -> list[Any]:
-        """The results of a stage. DamagedResult where one is not as it was stored."""
+    def each(self, stage: str) -> Iterator[Any]:
+        """The results of a stage, loaded one at a time. DamagedResult where one is not as it was stored.
+
+        Arrays of a result share the memory of its file: a stage of the whole study that keeps one copies it.
+        """
         from emg2vsa import artifacts  # loads NumPy, which planning does without
 
-        return [artifacts.load(path) for path in self.inputs.get(stage, ())]
+        return (artifacts.load(path) for path in self.inputs.get(stage, ()))
+
+    def all(self, stage: str) -> list[Any]:
+        """All results of a stage at once, as ``each``."""
+        return list(self.each(stage))
 
     def one(self, stage: str) -> Any:
         """The result of a stage that has one step; None where it failed."""
-        return next(iter(self.all(stage)), None)
+        return next(self.each(stage), None)
 
 
 @dataclass(frozen=True)

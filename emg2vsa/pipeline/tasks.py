@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from emg2vsa import artifacts
 from emg2vsa.errors import Emg2vsaError, SlowReadingError
+from emg2vsa.pipeline.spent import Spent, measured
 from emg2vsa.pipeline.stage import Given
 from emg2vsa.pipeline.stage_order import stage
 from emg2vsa.pipeline.store import ClaimedElsewhere, claimed, written_files
@@ -18,7 +19,8 @@ class Ended:
     """How one step ended.
 
     status : done or failed. message : what went wrong, or what a person should read of the product. final : the same
-    input would fail the same way. damaged : stored result that could not be read, "" where all could.
+    input would fail the same way. damaged : stored result that could not be read, "" where all could. spent : what it
+    took, where the task was asked.
     """
 
     step: str
@@ -26,18 +28,30 @@ class Ended:
     message: str = ""
     final: bool = False
     damaged: str = ""
+    spent: Spent | None = None
 
 
 @dataclass(frozen=True)
 class Task:
-    """A step to be carried out: its product goes to ``unfinished``, and ``claim`` says meanwhile who works at it."""
+    """A step to be carried out: its product goes to ``unfinished``, and ``claim`` says meanwhile who works at it.
+
+    profiled : how it ended tells what it took.
+    """
 
     step: str
     given: Given
     unfinished: Path
     claim: Path
+    profiled: bool = False
 
     def __call__(self) -> Ended:
+        if not self.profiled:
+            return self._ended()
+        with measured() as spent:
+            ended = self._ended()
+        return replace(ended, spent=spent)
+
+    def _ended(self) -> Ended:
         try:
             with claimed(self.claim):
                 return Ended(self.step, "done", self._make())

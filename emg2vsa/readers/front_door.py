@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from casr.counts import count
 from casr.decoder_child import Limits
 from casr.decoder_process import DecoderFailed, InChild
 from emg2vsa.errors import Emg2vsaError, RecordingError, SlowReadingError, UnsupportedError
@@ -69,6 +70,8 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
 
 
 def _opened(path: Path, reader: Reader, reading: ReadingSettings) -> OpenRecording:
+    count("files read")
+    count("bytes read", path.stat().st_size)
     if reader.library is not None:
         return _OpenInChild(path, reader, reading)
     opened: OpenRecording = importlib.import_module(reader.module).open_recording(path)
@@ -153,9 +156,9 @@ def load_named(
     for name in names:
         if name not in index:
             raise no_such_channel(opened.path, name, contents.names)
+    stored = opened.load([index[name] for name in names])
+    count("samples decoded", sum(channel.samples.size for channel in stored))
     return [
         usable(opened.path, name, channel, fs_hz)
-        for name, channel, fs_hz in zip(
-            names, opened.load([index[name] for name in names]), rates_hz or [None] * len(names), strict=True
-        )
+        for name, channel, fs_hz in zip(names, stored, rates_hz or [None] * len(names), strict=True)
     ]

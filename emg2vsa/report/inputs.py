@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -124,13 +125,22 @@ class StudyResults:
         return f"Failed: {' '.join(reasons)}" if reasons else f"The study has no {stage}."
 
 
+_KEPT = ("repetition", "start_s", "verdict")
+_NOTHING = np.empty(0)
+
+
 def without_samples(trials: Trials) -> Trials:
-    """What a report reads of ``trials``: no force, activity and envelopes over time, which take most of the memory."""
-    samples = ("force_n", "activity", "envelopes_v", "overview_time_s", "overview_force_n")
+    """What a report reads of ``trials``: of its arrays repetition, start and verdict, no others.
+
+    A study of a thousand people is held so in a few megabytes. Texts that many recordings share are held once.
+    """
     arrays = {f.name: value for f in fields(trials) if isinstance(value := getattr(trials, f.name), np.ndarray)}
     # a copy lets go of the file that the array was a part of
-    kept: dict[str, Any] = {name: value[..., : 0 if name in samples else None].copy() for name, value in arrays.items()}
-    return replace(trials, **kept)
+    left: dict[str, Any] = {name: value.copy() if name in _KEPT else _NOTHING for name, value in arrays.items()}
+    texts: dict[str, Any] = {
+        name: tuple(map(sys.intern, getattr(trials, name))) for name in ("notes", "remarks", "reasons", "muscles")
+    }
+    return replace(trials, **left, **texts, overviews=())
 
 
 @dataclass(frozen=True)

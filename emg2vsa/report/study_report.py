@@ -22,6 +22,8 @@ from emg2vsa.report.sections.claims import claim_quantities, claims_tables
 from emg2vsa.report.sections.methods import methods_text, references_bib
 
 _TOO_LONG_FOR_PRINT = frozenset({"fits", "statements"})
+_MOST_PRINTED = 2000
+"""Rows of a table that LaTeX gets; nobody prints a longer one."""
 
 
 def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
@@ -32,21 +34,31 @@ def write_study_report(results: StudyResults, folder: Path) -> list[Path]:
     """
     results = replace(results, failures=ShortPaths(results.study).failures(results.failures))
     content = contents(results)
-    texts = {
-        "index.html": _page(results, content),
-        "results.json": results_json(content.quantities),
-        "numbers.tex": numbers_tex(content.quantities),
-        "methods.txt": methods_text(results) + "\n",
-    }
-    if bib := references_bib(results):
-        texts["references.bib"] = bib
-    if "statements" in content.tables:
-        texts["statements.tex"] = statements_tex(content.tables["statements"])
-    texts |= {f"tables/{name}.csv": table.csv() for name, table in content.tables.items()}
-    texts |= dict(_printed(content))
-    for name, text in texts.items():
+    written = []
+    for name, text in _texts(results, content):  # one at a time: those of many people are long
         write_text_atomic(folder / name, text)
-    return [folder / name for name in texts]
+        written.append(folder / name)
+    return written
+
+
+def _texts(results: StudyResults, content: Content) -> Iterator[tuple[str, str | Iterator[str]]]:
+    """Every file of the report and its text, or the pieces of it."""
+    yield "index.html", _page(results, content)
+    yield "results.json", results_json(content.quantities)
+    yield "numbers.tex", numbers_tex(content.quantities)
+    yield "methods.txt", methods_text(results) + "\n"
+    if bib := references_bib(results):
+        yield "references.bib", bib
+    if "statements" in content.tables:
+        yield "statements.tex", statements_tex(content.tables["statements"])
+    for name, table in content.tables.items():
+        yield f"tables/{name}.csv", table.csv()
+        if table.own_page:
+            yield (
+                table.own_page,
+                html.page(table.caption, f"<h1>{escape(table.caption)}</h1>", [], table.html(most=None), ""),
+            )
+    yield from _printed(content)
 
 
 def contents(results: StudyResults) -> Content:
@@ -93,7 +105,7 @@ def write_figure_pdfs(results: StudyResults, folder: Path) -> list[Path]:
 def _printed(content: Content) -> Iterator[tuple[str, str]]:
     """Figures, and what LaTeX shows of them and of the tables."""
     for name, table in content.tables.items():
-        if name not in _TOO_LONG_FOR_PRINT:
+        if name not in _TOO_LONG_FOR_PRINT and len(table.rows) <= _MOST_PRINTED:
             yield f"tables/{name}.tex", latex_table(table)
     for name, drawing in content.drawings.items():
         yield f"figures/{name}.svg", drawing.svg

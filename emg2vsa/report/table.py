@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,9 @@ from emg2vsa.report.wording import UNDEFINED, number, p_value, typeset
 
 Cell = str | int | float | bool | None
 Row = Mapping[str, Cell]
+MOST_ON_PAGE = 200
+"""Rows of a table that people see on a page; the others are in its file."""
+_AT_ONCE = 500
 
 
 @dataclass(frozen=True)
@@ -54,26 +59,30 @@ class Table:
     name: str
     caption: str
     columns: tuple[Column, ...]
-    rows: tuple[Row, ...]
+    rows: Sequence[Row]
     shown_rows: tuple[Row, ...] | None = None
     kinds: tuple[str, ...] = ()
     links: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         keys = [column.key for column in self.columns]
-        for row in (*self.rows, *(self.shown_rows or ())):
+        for row in itertools.chain(self.rows, self.shown_rows or ()):
             if row.keys() != set(keys):
                 raise ValueError(f"table {self.name}: a row has {sorted(row)}, the columns are {sorted(keys)}")
 
-    def csv(self) -> str:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([column.name or column.key for column in self.columns])
-        writer.writerows([_exact(row[column.key]) for column in self.columns] for row in self.rows)
-        return text.getvalue()
+    def csv(self) -> Iterator[str]:
+        """Pieces of the file, some hundred rows each."""
+        rows = iter(self.rows)
+        lines: list[list[Cell]] = [[column.name or column.key for column in self.columns]]
+        while lines:
+            text = io.StringIO()
+            csv.writer(text, lineterminator="\n").writerows(lines)
+            yield text.getvalue()
+            some = itertools.islice(rows, _AT_ONCE)
+            lines = [[_exact(row[column.key]) for column in self.columns] for row in some]
 
-    def html(self, number: int | None = None) -> str:
-        """Scrolls sideways on a narrow screen. number : of the table on its page."""
+    def html(self, number: int | None = None, most: int | None = MOST_ON_PAGE) -> str:
+        """Scrolls sideways on a narrow screen. number : of the table on its page. most : rows; None for all."""
         classes = [
             "verdict" if column.key == "verdict" else "n" if numeric else ""
             for column, numeric in zip(self.columns, self.numeric(), strict=True)
@@ -84,7 +93,7 @@ class Table:
             for column, kind in zip(self.columns, classes, strict=True)
         )
         body = []
-        for place, cells in enumerate(self.cells()):
+        for place, cells in enumerate(self.cells(most)):
             made = [f"{cell[kind]}{escape(text)}</td>" for kind, text in zip(classes, cells, strict=True)]
             if self.links and self.links[place]:
                 made[0] = f'<td><a href="{escape(self.links[place])}">{escape(cells[0])}</a></td>'
@@ -98,8 +107,21 @@ class Table:
         return (
             f'<div class="wide" role="region" tabindex="0" aria-label="{escape(named)}"><table>'
             f"<caption>{caption}</caption>\n"
-            f"<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>\n"
+            f"<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>\n{self._cut(most)}"
         )
+
+    def _cut(self, most: int | None) -> str:
+        """What is said of rows that the page leaves out."""
+        n = len(self.rows if self.shown_rows is None else self.shown_rows)
+        if most is None or n <= most:
+            return ""
+        whole = escape(self.own_page or f"tables/{self.name}.csv")
+        return f'<p class="small">The first {most} of {n} rows. All rows: <a href="{whole}">{whole}</a>.</p>\n'
+
+    @property
+    def own_page(self) -> str:
+        """Name of the page that shows all rows; "" where the report's page does, or no row has a link."""
+        return f"{self.name}.html" if self.links and len(self.rows) > MOST_ON_PAGE else ""
 
     def numeric(self) -> list[bool]:
         """Which columns hold numbers."""
@@ -108,16 +130,49 @@ class Table:
             for c in self.columns
         ]
 
-    def cells(self) -> list[list[str]]:
-        """What people see."""
+    def cells(self, most: int | None = None) -> list[list[str]]:
+        """What people see, of so many rows at ``most``."""
         rows = self.rows if self.shown_rows is None else self.shown_rows
-        return [[column.shown(row[column.key]) for column in self.columns] for row in rows]
+        return [[column.shown(row[column.key]) for column in self.columns] for row in itertools.islice(rows, most)]
 
 
-def rows_of(columns: Mapping[str, Sequence[Cell] | np.ndarray]) -> tuple[Row, ...]:
+class ColumnRows(Sequence[Row]):
+    """Rows of plain values from columns of equal length, made when they are asked for.
+
+    A dict for each row of a study of a thousand people would take a hundred megabytes.
+    """
+
+    def __init__(self, columns: Mapping[str, Sequence[Cell] | np.ndarray]) -> None:
+        self._columns = dict(columns)
+        lengths = {key: len(values) for key, values in columns.items()}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"columns of unequal length: {lengths}")
+        self._length = next(iter(lengths.values()), 0)
+
+    def __len__(self) -> int:
+        return self._length
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return list(self._some(index))
+        if not -self._length <= index < self._length:
+            raise IndexError(index)
+        at = index % self._length
+        return next(self._some(slice(at, at + 1)))
+
+    def __iter__(self) -> Iterator[Row]:
+        for first in range(0, self._length, _AT_ONCE):
+            yield from self._some(slice(first, first + _AT_ONCE))
+
+    def _some(self, which: slice) -> Iterator[Row]:
+        parts = (values[which] for values in self._columns.values())
+        lists = [part.tolist() if isinstance(part, np.ndarray) else list(part) for part in parts]
+        return (dict(zip(self._columns, values, strict=True)) for values in zip(*lists, strict=True))
+
+
+def rows_of(columns: Mapping[str, Sequence[Cell] | np.ndarray]) -> Sequence[Row]:
     """Rows of plain values from columns of equal length, by key."""
-    lists = [array.tolist() if isinstance(array, np.ndarray) else list(array) for array in columns.values()]
-    return tuple(dict(zip(columns, values, strict=True)) for values in zip(*lists, strict=True))
+    return ColumnRows(columns)
 
 
 def records(objects: Iterable[object], columns: Sequence[Column]) -> tuple[Row, ...]:

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import fft, signal
 
+from casr.counts import count
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.signals.filters import IirFilter
 
@@ -113,6 +114,7 @@ def _power_gains(sos: bytes, size: int) -> Floats:
 
 def _run(rows: Floats, iir: IirFilter, lead: int) -> Floats:
     """All passes over rows (r, n); the result without its first ``lead`` samples, which nobody needs: (r, n - lead)."""
+    count("samples conditioned", rows.size)
     filtered = _pass(rows, iir)[:, lead:]
     return _pass(filtered[:, ::-1], iir)[:, ::-1] if iir.zero_phase else filtered
 

@@ -40,7 +40,7 @@ def effect(*, best: int = 3, swaps: bool = True) -> StiffnessEffect:
 
 
 def table(results: StudyResults, name: str) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(contents(results).tables[name].csv())))
+    return list(csv.DictReader(io.StringIO("".join(contents(results).tables[name].csv()))))
 
 
 def page(results: StudyResults) -> str:

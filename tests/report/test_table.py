@@ -4,11 +4,12 @@ import csv
 import io
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.report.table import Column, Table, rows_of
+from emg2vsa.report.table import MOST_ON_PAGE, Column, Table, rows_of
 
 NAMES = st.text(st.characters(exclude_categories=("C",)), max_size=8)
 
@@ -20,20 +21,20 @@ def table(*rows: tuple, factor: float = 1.0) -> Table:
 
 @given(st.lists(st.tuples(NAMES, st.floats(allow_nan=False)), max_size=5))
 def test_csv_reads_back_exactly(rows):
-    read = list(csv.reader(io.StringIO(table(*rows).csv(), newline="")))
+    read = list(csv.reader(io.StringIO("".join(table(*rows).csv()), newline="")))
     assert read[0] == ["name", "v_v"]
     assert [float(row[1]) for row in read[1:]] == [value for _, value in rows]
 
 
 def test_csv_holds_stored_units_and_people_see_theirs():
     made = table(("S1", 2e-5), factor=1e6)
-    assert made.csv().splitlines()[1] == "S1,2e-05"
+    assert "".join(made.csv()).splitlines()[1] == "S1,2e-05"
     assert "20.0" in made.html()
 
 
 def test_missing_values_are_empty_in_csv_and_a_dash_for_people():
     made = table(("S1", math.nan), ("S2", None))
-    assert made.csv().splitlines()[1:] == ["S1,", "S2,"]
+    assert "".join(made.csv()).splitlines()[1:] == ["S1,", "S2,"]
     assert made.html().count("–") == 2
     assert "nan" not in made.html().lower()
 
@@ -46,19 +47,19 @@ def test_html_escapes_what_a_study_may_call_its_specimens():
 
 def test_people_may_see_fewer_rows_than_programs():
     made = Table("t", "", (Column("name", "Name"),), ({"name": "all"}, {"name": "some"}), ({"name": "some"},))
-    assert made.csv().splitlines() == ["name", "all", "some"]
+    assert "".join(made.csv()).splitlines() == ["name", "all", "some"]
     assert "some" in made.html()
     assert "all" not in made.html()
 
 
 def test_a_column_may_have_another_name_in_csv():
-    assert Table("t", "", (Column("b_v", "b", name="b"),), ()).csv() == "b\n"
+    assert list(Table("t", "", (Column("b_v", "b", name="b"),), ()).csv()) == ["b\n"]
 
 
 def test_people_see_a_p_with_its_bound_and_programs_every_digit():
     made = Table("t", "", (Column("p_holm", "p Holm"),), rows_of({"p_holm": [1.2345e-9, 0.0391, 0.99999, math.nan]}))
     assert made.cells() == [["< .001"], [".039"], ["> .999"], ["–"]]
-    assert made.csv().splitlines()[1:3] == ["1.2345e-09", "0.0391"]
+    assert "".join(made.csv()).splitlines()[1:3] == ["1.2345e-09", "0.0391"]
 
 
 @pytest.mark.parametrize("row", [{"name": "S1"}, {"name": "S1", "v_v": 1.0, "w": 2.0}, {"v_v": 1.0, "title": "S1"}])
@@ -72,7 +73,7 @@ def test_the_order_of_keys_in_a_row_does_not_matter():
     columns = (Column("first", "First"), Column("second", "Second"))
     rows = ({"second": 2.0, "first": "a"}, {"first": "b", "second": 4.0})
     made = Table("t", "", columns, rows)
-    assert made.csv().splitlines() == ["first,second", "a,2.0", "b,4.0"]
+    assert "".join(made.csv()).splitlines() == ["first,second", "a,2.0", "b,4.0"]
     assert made.cells() == [["a", "2.00"], ["b", "4.00"]]
     assert made.numeric() == [False, True]
 
@@ -84,3 +85,34 @@ def test_a_table_on_a_page_has_its_number_links_and_kinds():
     assert "<caption><b>Table 7.</b> All of −1 at 5\N{NO-BREAK SPACE}%</caption>" in made
     assert '<tr class="fails"><td>b</td><td class="verdict">does not hold</td></tr>' in made
     assert '<td><a href="#a">a</a></td>' in made
+
+
+def test_a_long_table_is_cut_on_the_page_and_whole_in_its_file() -> None:
+    made = Table("t", "c", (Column("a", "A"), Column("b", "B")), rows_of({"a": np.arange(1234.0), "b": ["x"] * 1234}))
+    page, file = made.html(), list(made.csv())
+    assert page.count("<tr>") == 1 + MOST_ON_PAGE
+    assert f"The first {MOST_ON_PAGE} of 1234 rows" in page
+    assert 'href="tables/t.csv"' in page
+    assert len(file) > 2
+    assert "".join(file).splitlines()[1:] == [f"{float(i)!r},x" for i in range(1234)]
+
+
+def test_a_long_table_with_links_has_a_page_of_its_own() -> None:
+    names = [f"P{i}" for i in range(MOST_ON_PAGE + 1)]
+    made = Table("t", "c", (Column("a", "A"),), rows_of({"a": names}), links=tuple(f"p/{name}.html" for name in names))
+    assert made.own_page == "t.html"
+    assert 'href="t.html"' in made.html()
+    assert f'href="p/P{MOST_ON_PAGE}.html"' not in made.html()
+    assert f'href="p/P{MOST_ON_PAGE}.html"' in made.html(most=None)
+    assert Table("t", "c", (Column("a", "A"),), rows_of({"a": names[:2]}), links=("p", "q")).own_page == ""
+
+
+def test_rows_of_columns_are_made_when_they_are_asked_for() -> None:
+    rows = rows_of({"a": np.arange(1234), "b": [str(i) for i in range(1234)]})
+    whole = [{"a": i, "b": str(i)} for i in range(1234)]
+    assert (len(rows), list(rows), rows[7], rows[-1], rows[3:5]) == (1234, whole, whole[7], whole[-1], whole[3:5])
+    assert type(rows[0]["a"]) is int
+    with pytest.raises(IndexError):
+        rows[1234]
+    with pytest.raises(ValueError, match="unequal length"):
+        rows_of({"a": [1], "b": [1, 2]})

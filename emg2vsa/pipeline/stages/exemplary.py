@@ -28,7 +28,7 @@ def run(given: Given) -> Choice | None:
 
     used = given.settings
     return compare_participants(
-        concatenate(given.all("fits")), used["specimens"], used["profile"], used["window.force_n"],
+        concatenate(given.each("fits"), bins=False), used["specimens"], used["profile"], used["window.force_n"],
         used["hypotheses.use"],
     )  # fmt: skip
 

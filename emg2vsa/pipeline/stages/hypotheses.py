@@ -21,7 +21,7 @@ def run(given: Given) -> Hypotheses:
     from emg2vsa.hypotheses import test_hypotheses
 
     of = given.settings
-    return test_hypotheses(concatenate(given.all("fits")), of["hypotheses"], of["participants"], of["palpated"])
+    return test_hypotheses(concatenate(given.each("fits")), of["hypotheses"], of["participants"], of["palpated"])
 
 
 STAGE = Stage(per="study", of="people", needs=("fits",), run=run, settings=settings, gives="The tests on people are")

@@ -27,7 +27,7 @@ def run(given: Given) -> Profiles:
 
     used = given.settings
     return build_profiles(
-        concatenate(given.all("fits")), used["specimens"], used["profile"], used["window.force_n"],
+        concatenate(given.each("fits"), bins=False), used["specimens"], used["profile"], used["window.force_n"],
         used["hypotheses.use"], given.one("exemplary"),
     )  # fmt: skip
 

@@ -69,19 +69,18 @@ def write(given: Given, pages: str) -> list[Path]:
 
 def results_of(given: Given, pages: str = "") -> StudyResults:
     """All products of the study; of stages that failed none. pages : as for ``write``; "" links to none."""
-    from emg2vsa import artifacts
     from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
     from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
     from emg2vsa.truth import read_truth
 
-    fits, scores, truth = given.all("fits"), tuple(given.all("runs")), given.files.get("truth", ())
+    scores, truth = tuple(given.each("runs")), given.files.get("truth", ())
     people, runs = None, None
-    if fits:
-        all_fits = concatenate(fits)
+    if given.inputs.get("fits"):
+        all_fits = concatenate(given.each("fits"), bins=False)
         people = People(
             fits=all_fits,
-            trials=tuple(without_samples(artifacts.load(path)) for path in given.inputs["trials"]),
+            trials=tuple(map(without_samples, given.each("trials"))),
             hypotheses=given.one("hypotheses"),
             choice=given.one("exemplary"),
             profiles=given.one("profiles"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -245,7 +246,8 @@ def _asked(results: StudyResults) -> int:
     """Presses that the study asked for; 0 where recordings are missing and nothing says how many presses they had."""
     fits, expected = results.recorded.fits, results.study.window.expected_trials
     cells = [(who, specimen) for who in results.study.participants for specimen in results.study.palpated]
-    there = [int(np.count_nonzero((fits.participant == who) & (fits.specimen == what))) for who, what in cells]
+    presses = Counter(zip(fits.participant.tolist(), fits.specimen.tolist(), strict=True))
+    there = [presses[cell] for cell in cells]
     if expected is None:
         return sum(there) if all(there) else 0
     return max(expected * len(cells), fits.verdict.size)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.special import stdtrit
@@ -232,7 +232,7 @@ def _normality(found: Hypotheses) -> Table:
     return Table("normality", caption, columns, rows)
 
 
-def _anova_rows(design: str, names: Names, tests: GroupTests, more: dict[str, np.ndarray]) -> tuple[Row, ...]:
+def _anova_rows(design: str, names: Names, tests: GroupTests, more: dict[str, np.ndarray]) -> Sequence[Row]:
     anova = tests.anova
     own: dict[str, np.ndarray] = {design: names[: anova.f.size]}
     own |= {key: getattr(anova, key) for key in ("f", "df1", "df2", "p", "eta2")}

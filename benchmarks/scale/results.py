@@ -1,0 +1,116 @@
+"""Results of the scale benchmark: kept as JSON, shown as a table with exponents of growth and as curves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casr.atomic import write_text_atomic
+from emg2vsa.figures.canvas import style, svg_text
+
+Rows = list[dict[str, Any]]
+FOLDER = Path(__file__).resolve().parent.parent.parent / "docs" / "benchmarks"
+STAGES = ("fits", "pages", "hypotheses", "exemplary", "profiles", "report")
+PEOPLE: dict[str, tuple[str, Callable[[dict[str, Any]], float]]] = {
+    "whole": ("whole run after the trials, CPU s", lambda row: row["cpu_s"]),
+    **{name: (f"{name}, CPU s", lambda row, name=name: row["stages"][name]["cpu_s"]) for name in STAGES},
+    "status": ("warm `status`, CPU s", lambda row: row["status_cpu_s"]),
+    "warm": ("warm `run`, CPU s", lambda row: row["warm_cpu_s"]),
+    **{
+        f"{name} memory": (f"{name}, peak MB", lambda row, name=name: row["stages"][name]["peak_mb"]) for name in STAGES
+    },
+    "index": ("index.html, MB", lambda row: row["index_mb"]),
+    "reports": ("folder of the report, MB", lambda row: row["reports_mb"]),
+    "store": ("store, MB", lambda row: row["store_mb"]),
+}
+
+
+def kept() -> dict[str, Rows]:
+    """What earlier runs measured."""
+    path = FOLDER / "scale.json"
+    return json.loads(path.read_text()) if path.exists() else {"people": [], "frames": []}
+
+
+def keep(kind: str, key: str, row: dict[str, Any]) -> None:
+    """Keep a row in the place of an earlier one of the same size, and write table and curves anew."""
+    found = kept()
+    rows = [other for other in found[kind] if other[key] != row[key]] + [row]
+    found[kind] = sorted(rows, key=lambda each: each[key])
+    write_text_atomic(FOLDER / "scale.json", json.dumps(found, indent=1) + "\n")
+    write_text_atomic(FOLDER / "scale.md", "\n".join(_text(found)) + "\n")
+    _draw(found)
+
+
+def growth(sizes: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+    """Exponent of the power law through the points, by least squares in logarithms, and its standard error; NaN where
+    there are too few points."""
+    if len(sizes) < 2:
+        return float("nan"), float("nan")
+    x, y = np.log(np.asarray(sizes, float)), np.log(np.asarray(values, float))
+    dx = x - x.mean()
+    slope = float(dx @ y / (dx @ dx))
+    left = y - y.mean() - slope * dx
+    return slope, float(np.sqrt(left @ left / (x.size - 2) / (dx @ dx))) if x.size > 2 else float("nan")
+
+
+def per_person(sizes: Sequence[float], values: Sequence[float]) -> float:
+    """Slope of the straight line through the points."""
+    return float(np.polyfit(sizes, values, 1)[0]) if len(sizes) > 1 else float("nan")
+
+
+def _text(found: dict[str, Rows]) -> list[str]:
+    lines = [
+        "# Scale on one machine",
+        "",
+        "Made by `python -m benchmarks.scale`. CPU seconds of one process, one thread.",
+    ]
+    if people := found["people"]:
+        sizes = [row["participants"] for row in people]
+        lines += [
+            "", "## People", "",
+            "Five recordings a participant, no rig. Trials are stored beforehand (`benchmarks/scale/people.py`); all "
+            "else is computed. The exponent is of value over participants, with its standard error. A constant part, "
+            "such as loading libraries, makes it smaller.", "",
+            "| | " + " | ".join(map(str, sizes)) + " | exponent | slope for a participant |",
+            "|---|" + "---:|" * (len(sizes) + 2),
+        ]  # fmt: skip
+        for head, value in PEOPLE.values():
+            values = [value(row) for row in people]
+            slope, error = growth(sizes, values)
+            shown = " | ".join(f"{each:.3g}" for each in values)
+            lines.append(f"| {head} | {shown} | {slope:.2f} ± {error:.2f} | {per_person(sizes, values):.2g} |")
+    if frames := found["frames"]:
+        lines += [
+            "", "## Frames", "",
+            "Through `casr.stream.StreamScorer`, 300 x 300 px, one press every 50 000 frames, rest between.", "",
+            "| frames | in contact | CPU s | ms a frame | resident MB |", "|---:|---:|---:|---:|---:|",
+        ]  # fmt: skip
+        lines += [
+            f"| {row['frames']} | {row['in_contact']} | {row['cpu_s']:.2f} | {1e3 * row['cpu_s'] / row['frames']:.3f} "
+            f"| {row['memory_mb']:.0f} |"
+            for row in frames
+        ]
+    return lines
+
+
+def _draw(found: dict[str, Rows]) -> None:
+    from matplotlib.figure import Figure
+
+    with style():
+        for kind, key, curves in (
+            ("people", "participants", {n: PEOPLE[n] for n in ("whole", "report", "report memory", "index")}),
+            ("frames", "frames", {n: (n, lambda row, n=n: row[n]) for n in ("cpu_s", "memory_mb")}),
+        ):
+            if len(rows := found[kind]) < 2:
+                continue
+            figure = Figure(figsize=(5, 3.2), layout="constrained")
+            axes = figure.subplots()
+            for head, value in curves.values():
+                axes.loglog([row[key] for row in rows], [value(row) for row in rows], marker="o", label=head)
+            axes.set(xlabel=key)
+            axes.legend()
+            write_text_atomic(FOLDER / f"scale_{kind}.svg", svg_text(figure))

@@ -1,0 +1,120 @@
+"""What a run computed, what it skipped and why, and what each stage took: ``emg2vsa run --profile``."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from casr.counts import COUNTED
+from emg2vsa.pipeline.plan import Board, Step
+from emg2vsa.pipeline.spent import Spent
+
+_TOLD = ("setting", "library")
+"""Reasons that stand for many steps as they are. Of others the name differs from step to step, and the kind is told."""
+_MOST_REASONS = 6
+
+
+@dataclass
+class StageProfile:
+    """One stage.
+
+    computed, fresh, left : steps that ran, whose stored result holds, and that could not run, as an input or their own
+    last try failed. reasons : why steps ran, to how many of them. cpu_s, wall_s : sums over its steps. slowest_s,
+    slowest : wall seconds of the slowest step, and its item. peak_mb : of the process that held most memory during a
+    step; None where the system does not tell. counts : sums, by the names of ``casr.counts.COUNTED``.
+    """
+
+    computed: int = 0
+    fresh: int = 0
+    left: int = 0
+    reasons: Counter[str] = field(default_factory=Counter)
+    cpu_s: float = 0.0
+    wall_s: float = 0.0
+    slowest_s: float = 0.0
+    slowest: str = ""
+    peak_mb: float | None = None
+    counts: Counter[str] = field(default_factory=Counter)
+
+    def add(self, step: Step, spent: Spent) -> None:
+        """A step that ran."""
+        self.computed += 1
+        self.reasons.update(list(dict.fromkeys(map(kind_of, step.reasons))))
+        self.cpu_s += spent.cpu_s
+        self.wall_s += spent.wall_s
+        if spent.wall_s >= self.slowest_s:
+            self.slowest_s, self.slowest = spent.wall_s, step.item
+        if spent.peak_mb is not None:
+            self.peak_mb = max(self.peak_mb or 0.0, spent.peak_mb)
+        self.counts.update(spent.counts)
+
+
+class Profile:
+    """The stages of a run, by name, in the order of the run; ``run_study`` fills it."""
+
+    def __init__(self) -> None:
+        self.stages: dict[str, StageProfile] = {}
+
+    def add(self, step: Step, spent: Spent) -> None:
+        """A step that ran, and what it took."""
+        self.stages.setdefault(step.stage, StageProfile()).add(step, spent)
+
+    def end(self, board: Board) -> None:
+        """The steps that did not run, as the board has them at the end."""
+        ran, self.stages = self.stages, {}
+        for step in board.steps.values():
+            own = self.stages.setdefault(step.stage, ran.get(step.stage, StageProfile()))
+            own.fresh += step.status == "fresh"
+        for name, own in self.stages.items():
+            steps = sum(step.stage == name for step in board.steps.values())
+            own.left = max(steps - own.computed - own.fresh, 0)
+
+    def as_json(self) -> dict[str, dict[str, Any]]:
+        """Stage to its numbers; seconds with six decimals."""
+        return {
+            name: {
+                "computed": own.computed,
+                "fresh": own.fresh,
+                "left": own.left,
+                "reasons": dict(own.reasons.most_common()),
+                "cpu_s": round(own.cpu_s, 6),
+                "wall_s": round(own.wall_s, 6),
+                "slowest_s": round(own.slowest_s, 6),
+                "slowest": own.slowest,
+                "peak_mb": None if own.peak_mb is None else round(own.peak_mb, 1),
+                "counts": {what: own.counts[what] for what in COUNTED if own.counts[what]},
+            }
+            for name, own in self.stages.items()
+        }
+
+    def lines(self) -> Iterator[str]:
+        """A table of the stages, and beneath it why their steps ran and what was done inside."""
+        width = max(map(len, self.stages), default=0) + 2
+        head = f"{'computed':>9}{'fresh':>7}{'left':>6}{'CPU s':>9}{'wall s':>9}{'slowest s':>11}{'peak MB':>9}"
+        yield f"{'stage':<{width}}{head}"
+        for name, own in self.stages.items():
+            row = f"{name:<{width}}{own.computed:>9}{own.fresh:>7}{own.left:>6}"
+            if own.computed:
+                peak = "" if own.peak_mb is None else f"{own.peak_mb:.0f}"
+                row += f"{own.cpu_s:>9.2f}{own.wall_s:>9.2f}{own.slowest_s:>11.2f}{peak:>9}"
+            yield row
+        for name, own in self.stages.items():
+            for reason, n in own.reasons.most_common(_MOST_REASONS):
+                yield f"{name}: {n} ran because: {reason}"
+            if len(own.reasons) > _MOST_REASONS:
+                yield f"{name}: {len(own.reasons) - _MOST_REASONS} more reasons; --json lists them"
+        for name, own in self.stages.items():
+            if said := ", ".join(f"{own.counts[what]} {what}" for what in COUNTED if own.counts[what]):
+                yield f"{name}: {said}"
+
+
+def kind_of(reason: str) -> str:
+    """A reason without what differs from step to step: the name of a file, the item of an input."""
+    verb, _, rest = reason.partition(" ")
+    what, _, name = rest.partition(" ")
+    if verb in _TOLD or what not in ("file", "input", "code"):
+        return reason
+    if what == "input":
+        return f"{verb} input {name.partition('/')[0]}"
+    return reason if what == "code" else f"{verb} file"
