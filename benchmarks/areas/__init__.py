@@ -6,7 +6,7 @@ from importlib import import_module
 
 from benchmarks.bench.case import Area
 
-NAMES = ("conditioning",)
+NAMES = ("conditioning", "fits", "tests")
 
 
 def area(name: str) -> Area:

@@ -111,6 +111,10 @@ class Area:
         return tuple(name for module, name in self.peers.items() if not installed(module))
 
 
+class NotHere(Exception):
+    """A part needs data that are not on this machine; the message says which, and how to name them."""
+
+
 def installed(module: str) -> bool:
     """Whether a library can be imported; its import is not run."""
     return importlib.util.find_spec(module.partition(".")[0]) is not None

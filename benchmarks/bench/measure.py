@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from benchmarks.bench.case import Area, Case, Size, Way
+from benchmarks.bench.case import Area, Case, NotHere, Size, Way
 from benchmarks.bench.machine import machine
 from benchmarks.bench.memory import peak_mb
 from benchmarks.bench.results import AreaResult, CaseResult, Row, digits_of
@@ -59,8 +59,11 @@ def _cases(area: Area, size: Size, missing: list[str]) -> Iterator[Case]:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 cases = list(part(size))
+        except NotHere as error:
+            missing.append(str(error))
+            continue
         except (ImportError, AttributeError, TypeError) as error:
-            missing.append(f"{part.__name__}: {error}")
+            missing.append(f"{part.__name__}, not in this revision: {error}")
             continue
         yield from cases
 

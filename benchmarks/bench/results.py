@@ -53,7 +53,8 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class AreaResult:
-    """absent : peers that are not installed. missing : parts that this revision cannot run, and why."""
+    """absent : peers that are not installed. missing : what could not be
+    measured here, and why."""
 
     name: str
     question: str

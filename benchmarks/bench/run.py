@@ -127,7 +127,7 @@ def _print(result: AreaResult) -> None:
     for case in result.cases:
         parts += [f"## {case.name}", "", *case_lines(case), ""]
     parts += [f"not installed: {name}" for name in result.absent]
-    parts += [f"not in this revision: {what}" for what in result.missing]
+    parts += [f"not measured: {what}" for what in result.missing]
     print("\n".join(parts), flush=True)
 
 

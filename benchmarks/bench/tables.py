@@ -115,7 +115,7 @@ def _notes(row: Row) -> list[str]:
 
 def _notices(area: AreaResult) -> list[str]:
     lines = [f"not installed: {name}" for name in area.absent]
-    lines += [f"not in this revision: {what}" for what in area.missing]
+    lines += [f"not measured: {what}" for what in area.missing]
     return ["## Not measured", "", *(f"- {line}" for line in lines)] if lines else []
 
 
