@@ -6,7 +6,7 @@ from importlib import import_module
 
 from benchmarks.bench.case import Area
 
-NAMES = ("conditioning", "fits", "tests")
+NAMES = ("readers", "conditioning", "segmentation", "records", "fits", "tests", "calibration")
 
 
 def area(name: str) -> Area:

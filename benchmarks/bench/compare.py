@@ -71,7 +71,8 @@ def compare(name: str, options: dict[str, Any], old: Path, pairs: int) -> list[C
     runs: dict[Path | None, list[AreaResult]] = {old: [], None: []}
     for pair in range(pairs):
         for product in (old, None) if pair % 2 == 0 else (None, old):
-            runs[product].append(measured_in_child(name, {**options, "ours_alone": True, "memory": False}, product))
+            asked = {**options, "ours_alone": True, "memory": False, "older": product is not None}
+            runs[product].append(measured_in_child(name, asked, product))
     before, after = _rows(runs[old]), _rows(runs[None])
     return [
         Compared(
@@ -113,6 +114,6 @@ def _first(rows: list[Row] | None) -> Row | None:
 def _ratio(old: list[Row] | None, new: list[Row] | None) -> Spread | None:
     if not old or not new:
         return None
-    ratios = [(b.median_ms or 0.0) / (a.median_ms or 1.0) for a, b in zip(old, new, strict=False)]
+    ratios = [(b.least_ms or 0.0) / (a.least_ms or 1.0) for a, b in zip(old, new, strict=False)]
     low, median, high = np.quantile(ratios, (0.05, 0.5, 0.95))
     return Spread(float(median), float(low), float(high))

@@ -26,16 +26,18 @@ def measure(
     only: str = "",
     ours_alone: bool = False,
     memory: bool = False,
+    older: bool = False,
     say: Say = lambda _: None,
 ) -> AreaResult:
     """Every case of the area: times, errors, digits, and with ``memory`` peaks.
 
     only : a word that the name of a case or of its library and way must hold. ours_alone : no other library runs.
-    A way that raises is a row that says so; a part that this revision lacks is in ``missing``.
+    older : the product is of another revision; a part whose functions it lacks is in ``missing``, not an error. A way
+    that raises is a row that says so.
     """
     missing: list[str] = []
     results = []
-    for case in _cases(area, size, missing):
+    for case in _cases(area, size, missing, older):
         chosen = _chosen(case, only, ours_alone)
         if chosen is None:
             continue
@@ -53,7 +55,7 @@ def measure(
     )
 
 
-def _cases(area: Area, size: Size, missing: list[str]) -> Iterator[Case]:
+def _cases(area: Area, size: Size, missing: list[str], older: bool) -> Iterator[Case]:
     for part in area.parts:
         try:
             with warnings.catch_warnings():
@@ -63,6 +65,8 @@ def _cases(area: Area, size: Size, missing: list[str]) -> Iterator[Case]:
             missing.append(str(error))
             continue
         except (ImportError, AttributeError, TypeError) as error:
+            if not older:
+                raise
             missing.append(f"{part.__name__}, not in this revision: {error}")
             continue
         yield from cases
