@@ -31,7 +31,7 @@ def measure(
 ) -> AreaResult:
     """Every case of the area: times, errors, digits, and with ``memory`` peaks.
 
-    only : a word that the name of a case or of its library and way must hold. ours_alone : no other library runs.
+    rounds : 0 measures errors alone. only : a word that the name of a case or of its library and way must hold. ours_alone : no other library runs.
     older : the product is of another revision; a part whose functions it lacks is in ``missing``, not an error. A way
     that raises is a row that says so.
     """
@@ -117,13 +117,19 @@ def _row(case: Case, way: Way, time: Timed, output: Any, reference: Timed | None
         work=way.work,
         note=way.note,
         ours=way.ours,
-        least_ms=1e3 * time.least_s,
-        median_ms=1e3 * time.median_s,
-        iqr_ms=1e3 * time.iqr_s,
         first_ms=1e3 * time.first_s,
         rounds=time.known_s.size,
-        ratio=reference and time.ratio_to(reference),
+        **(_times(time, reference) if time.known_s.size else {}),
         error=error,
         digits=digits_of(error) if error is not None and case.error_unit == "relative" else None,
         peak_mb=peak_mb(way.run) if memory else None,
     )
+
+
+def _times(time: Timed, reference: Timed | None) -> dict[str, Any]:
+    return {
+        "least_ms": 1e3 * time.least_s,
+        "median_ms": 1e3 * time.median_s,
+        "iqr_ms": 1e3 * time.iqr_s,
+        "ratio": reference and time.ratio_to(reference),
+    }

@@ -87,7 +87,7 @@ def timed(
     no further turn, but every run has one.
     """
     calls = []
-    for run, first in zip(runs, first_s, strict=True):
+    for run, first in zip(runs, first_s, strict=True) if rounds else ():
         again = _mean(run, 1, clock) if first < 0.2 else first
         calls.append(max(1, min(10_000, round(SHORTEST_S / max(again, 1e-7)))))
     times = np.full((len(runs), rounds), np.nan)

@@ -24,12 +24,7 @@ def anova_cases(size: Size) -> Iterator[Case]:
 
 
 def _anova_case(path: Path) -> Case:
-    lines = path.read_text().splitlines()
-    groups: dict[str, list[str]] = {}
-    for group, value in (line.split() for line in lines[60:] if len(line.split()) == 2):
-        groups.setdefault(group, []).append(value)
-    certified = next(line.split()[-1] for line in lines[40:60] if line.startswith("Between"))
-    text = list(groups.values())
+    text, certified = _read(path)
     decimals = [[Decimal(value) for value in group] for group in text]
     doubles = np.array(text, dtype=np.float64)
     ways = (
@@ -38,11 +33,25 @@ def _anova_case(path: Path) -> Case:
         Way("scipy", "f_oneway", lambda: stats.f_oneway(*doubles).statistic, "equal"),
         *_anova_peers(doubles),
     )
-    ceiling = 10 ** -digits(float(mpq(f_statistic(fractions(doubles))[0])), certified)
-    truth = f"NIST's certified F; doubles of the data allow an error of {ceiling:.0e}"
+    truth = f"NIST's certified F; the data as doubles allow {digits_allowed(path):.1f} digits"
     return Case(
         f"NIST {path.stem}", doubles.size, "values", ways, lambda f: 10 ** -digits(f, certified), "relative", truth
     )
+
+
+def digits_allowed(path: Path) -> float:
+    """Digits of F that are left when the data of a set are rounded to doubles, all else exact."""
+    text, certified = _read(path)
+    return digits(float(mpq(f_statistic(fractions(np.array(text, dtype=np.float64)))[0])), certified)
+
+
+def _read(path: Path) -> tuple[list[list[str]], str]:
+    """Values of each group as text, and the certified F."""
+    lines = path.read_text().splitlines()
+    groups: dict[str, list[str]] = {}
+    for group, value in (line.split() for line in lines[60:] if len(line.split()) == 2):
+        groups.setdefault(group, []).append(value)
+    return list(groups.values()), next(line.split()[-1] for line in lines[40:60] if line.startswith("Between"))
 
 
 def _anova_peers(doubles: np.ndarray) -> Iterator[Way]:
