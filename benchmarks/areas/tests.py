@@ -14,6 +14,13 @@ def means_and_ranks(size: Size) -> Iterator[Case]:
     return group_cases(size)
 
 
+def many_groups_and_values(size: Size) -> Iterator[Case]:
+    """Mann-Whitney where there is much of it."""
+    from benchmarks.statistics.group_cases import many_values
+
+    return many_values(size)
+
+
 def unequal_and_paired(size: Size) -> Iterator[Case]:
     """Welch, Games-Howell, repeated measures, Friedman, equivalence, bootstrap."""
     from benchmarks.statistics.design_cases import design_cases
@@ -45,7 +52,7 @@ def nist(size: Size) -> Iterator[Case]:
 AREA = Area(
     name="tests",
     question="What do the report's statistical tests cost, and how many digits of them are right?",
-    parts=(means_and_ranks, unequal_and_paired, normality, mixed_models, nist),
+    parts=(means_and_ranks, many_groups_and_values, unequal_and_paired, normality, mixed_models, nist),
     peers={"statsmodels": "statsmodels", "pingouin": "pingouin", "scikit_posthocs": "scikit-posthocs"},
     meaning=(
         "Ours computes all designs of a study in one call, so the ratios grow with their number; the growth curves show "

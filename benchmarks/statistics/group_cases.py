@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from mpmath import mpf
+from scipy import stats
 
 from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics import mean_peers, rank_peers
@@ -51,6 +52,46 @@ def group_cases(size: Size) -> Iterator[Case]:
             f"exact Mann-Whitney of 10 and 10, {title}, {len(values)} x 3 pairs", len(values),
             lambda x=values: {"p": mann_whitney(x).p}, peers(values), lambda x=values: _exact_mann_whitney(x),
         )  # fmt: skip
+
+
+def many_values(size: Size) -> Iterator[Case]:
+    """Mann-Whitney of two large samples, and all pairs of many groups."""
+    rng = np.random.default_rng(9)
+    for n in size.pick((300, 3_000), (3_000, 30_000, 300_000)):
+        pair = rng.standard_normal((2, n))
+        family = "Mann-Whitney of two large samples"
+        yield Case(
+            f"{family}, {n} values each", n, "values",
+            (
+                Way("emg2vsa", "mann_whitney", lambda x=pair: mann_whitney(x).u[0, 0], "equal", "shift and interval too"),
+                Way("scipy", "mannwhitneyu", lambda x=pair: stats.mannwhitneyu(*x).statistic, "as used", "U and p alone"),
+            ),
+            lambda u, x=pair: abs(float(u) - _pairs_won(*x)), "pairs of U", "pairs counted in integers", family,
+        )  # fmt: skip
+    for k in size.pick((4, 8), (10, 40, 160)):
+        groups = rng.standard_normal((k, 10))
+        first, second = np.triu_indices(k, 1)
+        family = "Mann-Whitney of all pairs of groups of 10"
+        yield Case(
+            f"{family}, {k} groups", k, "groups",
+            (
+                Way("emg2vsa", "mann_whitney", lambda x=groups: mann_whitney(x).u[0], "equal", "shift and interval too"),
+                Way(
+                    "scipy", "mannwhitneyu, axis-aware",
+                    lambda x=groups, i=first, j=second: stats.mannwhitneyu(x[i], x[j], axis=1, method="exact").statistic,
+                    "as used", "U and p alone",
+                ),
+            ),
+            lambda u, x=groups, i=first, j=second: float(
+                np.max(np.abs(np.asarray(u) - [_pairs_won(x[a], x[b]) for a, b in zip(i, j, strict=True)]))
+            ),
+            "pairs of U", "pairs counted in integers", family,
+        )  # fmt: skip
+
+
+def _pairs_won(x: np.ndarray, y: np.ndarray) -> float:
+    """Pairs whose first value is the larger; values without ties."""
+    return float(np.sum(np.searchsorted(np.sort(y), x)))
 
 
 def _case(

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.bench import compare, run
+from benchmarks.bench import compare, plots, run
 from benchmarks.bench.case import Area, Case, NotHere, Size, Way
 from benchmarks.bench.growth import exponent, growths
 from benchmarks.bench.measure import measure
@@ -145,18 +145,19 @@ def test_the_front_is_of_ways_that_none_beats() -> None:
 
 def test_page_names_what_was_not_measured_and_plots_are_svg(tmp_path: Path) -> None:
     result = _measured()
-    plots = write_plots(result, tmp_path)
-    text = page(result, plots)
+    written = write_plots(result, tmp_path)
+    text = page(result, written)
     for expected in ("Is it right?", "| 2 | peer | slow | equal |", "ValueError: it breaks", "not measured: a data set"):
         assert expected in text
-    for name in (name for names in plots.values() for name in names):
+    for name in (name for names in written.values() for name in names):
         assert f"({name})" in text
         assert 'width="450pt"' in (tmp_path / name).read_text()[:600]
-    assert "exponent" in (tmp_path / plots["sums"][0]).read_text()
+    assert "exponent" in (tmp_path / written["sums"][0]).read_text()
 
 
 def test_an_area_is_written_and_listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "NAMES", ("demo",))
+    monkeypatch.setattr(plots, "write_plots", lambda result, folder: {})
     (tmp_path / "demo-old.svg").write_text("of another case")
     run.write_area(_measured(), tmp_path)
     assert "[demo](demo.md)" in (tmp_path / "README.md").read_text()
@@ -165,7 +166,7 @@ def test_an_area_is_written_and_listed(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_a_run_in_a_child_writes_and_prints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["bench", "calibration", "--smoke", "--repeats", "1", "--only", "interval"]
+    words = ["bench", "calibration", "--smoke", "--repeats", "1", "--only", "intervals"]
     assert main([*words, "--out", str(tmp_path), "--json", str(tmp_path / "all.json")]) == 0
     assert "points of coverage off 95 %" in capsys.readouterr().out
     (area,) = json.loads((tmp_path / "all.json").read_text())
