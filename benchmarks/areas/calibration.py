@@ -50,7 +50,13 @@ def laws_and_intervals(size: Size) -> Iterator[Case]:
 def _ways(scores: Scores) -> Iterator[Way]:
     checks = "bootstrap of 2000, left-out test"
     yield Way("emg2vsa", "calibrate and estimate, all in one call", lambda: _ours(scores), "equal", checks)
-    yield Way("emg2vsa", "calibrate and repeat_interval, all in one call", lambda: _by_repeats(scores), "as used", NO_BOOTSTRAP)
+    yield Way(
+        "emg2vsa",
+        "calibrate and repeat_interval, all in one call",
+        lambda: _by_repeats(scores),
+        "as used",
+        NO_BOOTSTRAP,
+    )
     yield Way("scipy", "curve_fit, loop", _looped(_by_curve_fit, scores), "as used", NO_BOOTSTRAP)
     if odr := peer("scipy.odr"):
         yield Way("scipy", "odr, errors in x, loop", _looped(_odr(odr), scores), "as used", NO_BOOTSTRAP)
@@ -113,9 +119,7 @@ def _lmfit(lmfit: Any) -> EachFit:
     return fit
 
 
-def _with_interval(
-    parameters: np.ndarray, covariance: np.ndarray, unknown: np.ndarray
-) -> tuple[float, float, float]:
+def _with_interval(parameters: np.ndarray, covariance: np.ndarray, unknown: np.ndarray) -> tuple[float, float, float]:
     """kappa at the mean score, with the interval by the delta method: covariance of the fit, and scatter of the mean."""
     mean, se = unknown.mean(), unknown.std(ddof=1) / np.sqrt(unknown.size)
     kappa = float(law(mean, *parameters))

@@ -168,7 +168,9 @@ def _sections_of_peers(rows: np.ndarray, iir: Any) -> Iterator[Way]:
                 ), phase="zero", verbose="error",
             )  # fmt: skip
 
-        yield Way("MNE", "filter_data, iir", by_mne, "equal", "pads the ends otherwise, which is its error on whole records")
+        yield Way(
+            "MNE", "filter_data, iir", by_mne, "equal", "pads the ends otherwise, which is its error on whole records"
+        )
     if neurokit := peer("neurokit2"):
 
         def by_neurokit() -> np.ndarray:

@@ -89,9 +89,7 @@ def video(size: Size) -> Iterator[Case]:
 CHILD = "in the child process, whose processor time counts"
 
 
-def _case(
-    name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = ""
-) -> Case:
+def _case(name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = "") -> Case:
     from emg2vsa.readers.formats import head_of, reader_of
     from emg2vsa.readers.opened import to_si
 
@@ -111,12 +109,12 @@ def _case(
 
 def _as_case(name: str, path: Path, ways: tuple[Way, ...], truth: Samples, family: str = "") -> Case:
     def error(found: Samples) -> float:
-        return max(
-            float(np.max(np.abs(found[name] - samples)) / np.ptp(samples)) for name, samples in truth.items()
-        )
+        return max(float(np.max(np.abs(found[name] - samples)) / np.ptp(samples)) for name, samples in truth.items())
 
     unit = "of the range of a channel"
-    return Case(name, round(path.stat().st_size / 1e6, 2), "MB", ways, error, unit, "the samples that were written", family)
+    return Case(
+        name, round(path.stat().st_size / 1e6, 2), "MB", ways, error, unit, "the samples that were written", family
+    )
 
 
 def _ours(path: Path, names: tuple[str, ...] = NAMES) -> Samples:

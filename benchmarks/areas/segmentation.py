@@ -46,7 +46,10 @@ def by_force(size: Size) -> Iterator[Case]:
             return [np.column_stack([presses.start_s, presses.stop_s]) for presses in found]
 
         family = "presses found by force"
-        ways = [Way("emg2vsa", "condition_force", ours, "equal", "with the drift of the zero and the release"), *_scripts(records)]
+        ways = [
+            Way("emg2vsa", "condition_force", ours, "equal", "with the drift of the zero and the release"),
+            *_scripts(records),
+        ]
         if n <= size.pick(20, 210) and (neurokit := peer("neurokit2")):
             ways.append(
                 Way("NeuroKit2", "signal_filter and a threshold", lambda r=records: _by_neurokit(neurokit, r), "equal")

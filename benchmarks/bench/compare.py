@@ -44,7 +44,16 @@ def product_of(revision: str) -> Iterator[Path]:
     """
     try:
         known = subprocess.run(
-            ["git", "-C", str(SOURCE), "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}"],
+            [
+                "git",
+                "-C",
+                str(SOURCE),
+                "rev-parse",
+                "--verify",
+                "--quiet",
+                "--end-of-options",
+                f"{revision}^{{commit}}",
+            ],
             capture_output=True,
             text=True,
         )
@@ -75,9 +84,7 @@ def compare(name: str, options: dict[str, Any], old: Path, pairs: int) -> list[C
             runs[product].append(measured_in_child(name, asked, product))
     before, after = _rows(runs[old]), _rows(runs[None])
     return [
-        Compared(
-            *key, *(_first(side.get(key)) for side in (before, after)), _ratio(before.get(key), after.get(key))
-        )
+        Compared(*key, *(_first(side.get(key)) for side in (before, after)), _ratio(before.get(key), after.get(key)))
         for key in dict.fromkeys([*after, *before])
     ]
 

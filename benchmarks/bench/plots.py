@@ -70,7 +70,9 @@ def pareto_plot(case: CaseResult, points: Sequence[Row]) -> Figure:
     axes.margins(0.16, 0.16)
     _few_ticks(axes, times, errors)
     axes.grid(True, which="major", color=GRID, lw=0.5)
-    axes.set_title("blue: ours; filled: equal work; hollow: as used; line: unbeaten", fontsize=9, loc="left", color=MUTED)
+    axes.set_title(
+        "blue: ours; filled: equal work; hollow: as used; line: unbeaten", fontsize=9, loc="left", color=MUTED
+    )
     figure.draw_without_rendering()
     numbers = {row.label: i for i, row in enumerate(case.rows, 1)}
     labels = [f"{numbers[row.label]} {row.library}" for row in points]

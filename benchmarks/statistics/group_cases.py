@@ -94,9 +94,7 @@ def _pairs_won(x: np.ndarray, y: np.ndarray) -> float:
     return float(np.sum(np.searchsorted(np.sort(y), x)))
 
 
-def _case(
-    name: str, n: int, ours: Run, peers: Iterator[Way], exact: Callable[[], Exact], family: str = ""
-) -> Case:
+def _case(name: str, n: int, ours: Run, peers: Iterator[Way], exact: Callable[[], Exact], family: str = "") -> Case:
     ways = (Way("emg2vsa", "all designs in one call", ours, "equal"), *peers)
     return Case(name, n, "designs", ways, worst_error(exact), "relative", MPMATH, family)
 

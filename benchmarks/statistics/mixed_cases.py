@@ -72,7 +72,9 @@ def _statsmodels(y: np.ndarray) -> Iterator[Way]:
         numbers = {"var people": found.cov_re.to_numpy()[0], "var cells": found.vcomp, "var rep": [found.scale]}
         return {"mean": _means(found), **numbers}
 
-    yield Way("statsmodels", "MixedLM (1 | person)", simple, "as used", "no variance of cells; a fit that fails has no digits")
+    yield Way(
+        "statsmodels", "MixedLM (1 | person)", simple, "as used", "no variance of cells; a fit that fails has no digits"
+    )
     yield Way("statsmodels", "MixedLM, specimens within", nested, "equal", "a fit that fails has no digits")
 
 

@@ -123,9 +123,7 @@ def _by_curve_fit(data: Regression, start: np.ndarray) -> np.ndarray:
     x, y = nonlinear_data(data)
     with np.errstate(all="ignore"):
         try:
-            return np.asarray(
-                optimize.curve_fit(lambda z, *b: MODELS[data.name](z, np.array(b)), x, y, p0=start)[0]
-            )
+            return np.asarray(optimize.curve_fit(lambda z, *b: MODELS[data.name](z, np.array(b)), x, y, p0=start)[0])
         except RuntimeError:  # it says that it did not converge
             return np.full(start.size, np.nan)
 

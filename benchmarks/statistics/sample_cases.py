@@ -19,6 +19,7 @@ from benchmarks.statistics.peers import pingouin, statsmodels_api
 from emg2vsa.stats.lilliefors import lilliefors
 from emg2vsa.stats.normality import ks_normal
 from emg2vsa.stats.shapiro import shapiro_wilk
+
 MPMATH = "40-digit arithmetic"
 
 

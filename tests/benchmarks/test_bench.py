@@ -147,7 +147,12 @@ def test_page_names_what_was_not_measured_and_plots_are_svg(tmp_path: Path) -> N
     result = _measured()
     written = write_plots(result, tmp_path)
     text = page(result, written)
-    for expected in ("Is it right?", "| 2 | peer | slow | equal |", "ValueError: it breaks", "not measured: a data set"):
+    for expected in (
+        "Is it right?",
+        "| 2 | peer | slow | equal |",
+        "ValueError: it breaks",
+        "not measured: a data set",
+    ):
         assert expected in text
     for name in (name for names in written.values() for name in names):
         assert f"({name})" in text
@@ -184,9 +189,7 @@ def test_a_run_in_a_child_writes_and_prints(tmp_path: Path, capsys: pytest.Captu
         (["--repeats", "0"], "a whole number from 1"),
     ],
 )
-def test_bad_words_are_one_clear_error(
-    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bad_words_are_one_clear_error(words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]) -> None:
     try:
         status = main(["bench", *words])
     except SystemExit as end:
