@@ -55,8 +55,9 @@ AREA = Area(
     parts=(logarithmic, exponential, coverage, nist_nonlinear, nist_exponential, nist_linear),
     peers={"lmfit": "lmfit", "statsmodels": "statsmodels", "pingouin": "pingouin"},
     meaning=(
-        "A study makes hundreds of logarithmic fits and thousands of exponential refits of one shape: ours does each set "
-        "in one call, others loop. The closed form of NumPy shows the floor: it gives a and b without errors or checks. "
-        "NIST's sets try what the data of a study never do; the error there is how many sets a way does not solve."
+        "A study makes hundreds of logarithmic fits and thousands of exponential refits of one shape: ours does "
+        "each set in one call, others loop. The closed form of NumPy shows the floor: it gives a and b without "
+        "errors or checks. NIST's sets try what the data of a study never do; the error there is how many sets a "
+        "way does not solve."
     ),
 )

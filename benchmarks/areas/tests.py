@@ -1,4 +1,4 @@
-"""Every test of the report beside SciPy, statsmodels, pingouin and scikit-posthocs, with digits against exact numbers."""
+"""Every test of the report beside SciPy, statsmodels, pingouin and scikit-posthocs, with digits."""
 
 from __future__ import annotations
 
@@ -55,8 +55,9 @@ AREA = Area(
     parts=(means_and_ranks, many_groups_and_values, unequal_and_paired, normality, mixed_models, nist),
     peers={"statsmodels": "statsmodels", "pingouin": "pingouin", "scikit_posthocs": "scikit-posthocs"},
     meaning=(
-        "Ours computes all designs of a study in one call, so the ratios grow with their number; the growth curves show "
-        "where a single design stands. The digits are those of the worst number that a way returns, the tail "
-        "probability as a rule. Where a library gives less than ours, the note of its row says what is missing."
+        "Ours computes all designs of a study in one call, so the ratios grow with their number; the growth "
+        "curves show where a single design stands. The digits are those of the worst number that a way returns, "
+        "the tail probability as a rule. Where a library gives less than ours, the note of its row says what is "
+        "missing."
     ),
 )

@@ -13,8 +13,8 @@ HOW_MEASURED = (
     "Processor time of one thread. All ways of a case run in turn, in rounds, and the order turns by one each round. "
     "A time is the median of the rounds, with its interquartile range. A ratio is taken within each round against the "
     "first row: median and 5 % to 95 % of the rounds; above 1 means slower than the first row. The first call of a way "
-    "counts nowhere; it is named where it took over five times the median. `equal` work has the input and output of the "
-    "first row; `as used` is the library as its documentation shows it."
+    "counts nowhere; it is named where it took over five times the median. `equal` work has the input and output of "
+    "the first row; `as used` is the library as its documentation shows it."
 )
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 

@@ -36,9 +36,14 @@ def coverage_cases(size: Size) -> Iterator[Case]:
     ways.append(Way("scipy", "linregress on samples at 1000 Hz, loop", lambda: _linregress(force_n, v), "as used"))
     chance = 100 * np.sqrt(0.95 * 0.05 / n)
     yield Case(
-        f"95 % intervals of b of {n} presses", n, "presses", tuple(ways), _coverage_error, "points of coverage off 95 %",
+        f"95 % intervals of b of {n} presses",
+        n,
+        "presses",
+        tuple(ways),
+        _coverage_error,
+        "points of coverage off 95 %",
         f"how many of {n} intervals hold the true b; chance alone is {chance:.1f} points",
-    )  # fmt: skip
+    )
 
 
 def simulate(n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -240,10 +240,15 @@ def test_the_folder_of_another_revision_is_removed_also_after_ctrl_c(
     if not (compare.SOURCE / ".git").exists():
         pytest.skip("this checkout has no git history to take a revision from")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    with pytest.raises(KeyboardInterrupt), compare.product_of("HEAD") as folder:
-        assert (folder / "emg2vsa" / "__init__.py").exists()
-        assert not (folder / "benchmarks").exists()
-        raise KeyboardInterrupt
+
+    def stopped() -> None:
+        with compare.product_of("HEAD") as folder:
+            assert (folder / "emg2vsa" / "__init__.py").exists()
+            assert not (folder / "benchmarks").exists()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
     assert list(tmp_path.iterdir()) == []
 
 
