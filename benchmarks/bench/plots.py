@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from matplotlib.ticker import LogFormatterMathtext, LogLocator, NullLocator
 from matplotlib.transforms import Bbox
 
@@ -138,16 +139,16 @@ def _label(axes: Axes, labels: Sequence[str], x: Sequence[float], y: Sequence[fl
             color=BLUE if ours[i] else INK, fontweight="bold" if ours[i] else "normal",
         )  # fmt: skip
 
-        def crowding(shift: tuple[int, int], label: object = label) -> float:
+        def crowding(shift: tuple[int, int], label: Annotation = label) -> float:
             box = _moved(label, shift).get_window_extent(renderer)
             outside = box.x0 < axes.bbox.x0 or box.x1 > axes.bbox.x1 or box.y0 < axes.bbox.y0 or box.y1 > axes.bbox.y1
-            return box.count_overlaps(taken) + 10 * outside
+            return float(box.count_overlaps(taken) + 10 * outside)
 
         best = min(SHIFTS_PT, key=crowding)
         taken.append(_moved(label, best).get_window_extent(renderer))
 
 
-def _moved(label: object, shift_pt: tuple[int, int]) -> object:
+def _moved(label: Annotation, shift_pt: tuple[int, int]) -> Annotation:
     label.set_position(shift_pt)
     label.set_horizontalalignment("center" if shift_pt[0] == 0 else "left" if shift_pt[0] > 0 else "right")
     return label

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from benchmarks.bench.memory import HOW
 from benchmarks.bench.results import AreaResult, CaseResult, Row
@@ -19,7 +19,7 @@ HOW_MEASURED = (
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 
 
-def page(area: AreaResult, plots: dict[str, Sequence[str]]) -> str:
+def page(area: AreaResult, plots: Mapping[str, Sequence[str]]) -> str:
     """The page of an area. plots : file names of the plots of a case, and of a family of cases."""
     lines = [
         f"# {area.name}", "", area.question, "",
