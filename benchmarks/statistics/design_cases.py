@@ -18,11 +18,11 @@ from benchmarks.statistics.exact_tests import fractions, mean, midranks, mpq, sq
 from benchmarks.statistics.mean_peers import tables
 from benchmarks.statistics.numbers import Exact, Numbers, looped, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
-from emg2vsa.stats.bootstrap import bca
-from emg2vsa.stats.equivalence import tost
-from emg2vsa.stats.friedman import friedman
-from emg2vsa.stats.repeated import rm_anova
-from emg2vsa.stats.welch import games_howell, welch
+from emg2vsa.statistics.bootstrap import bca
+from emg2vsa.statistics.equivalence import tost
+from emg2vsa.statistics.friedman import friedman
+from emg2vsa.statistics.repeated import rm_anova
+from emg2vsa.statistics.welch import games_howell, welch
 
 MPMATH = "rational and 40-digit arithmetic"
 RESAMPLES = 2000

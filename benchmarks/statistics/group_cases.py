@@ -13,10 +13,10 @@ from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics import mean_peers, rank_peers
 from benchmarks.statistics.exact_tests import exact_anova, exact_kruskal, exact_mann_whitney, exact_tukey
 from benchmarks.statistics.numbers import Exact, Numbers, Run, worst_error
-from emg2vsa.stats.anova import one_way
-from emg2vsa.stats.kruskal import dunn, kruskal
-from emg2vsa.stats.mann_whitney import mann_whitney
-from emg2vsa.stats.post_hoc import lsd, tukey
+from emg2vsa.statistics.anova import one_way
+from emg2vsa.statistics.kruskal import dunn, kruskal
+from emg2vsa.statistics.mann_whitney import mann_whitney
+from emg2vsa.statistics.post_hoc import lsd, tukey
 
 MPMATH = "rational and 40-digit arithmetic"
 

@@ -13,7 +13,7 @@ from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.exact_tests import mean, mpq, squares
 from benchmarks.statistics.numbers import Exact, Numbers, worst_error
 from benchmarks.statistics.peers import statsmodels_formula
-from emg2vsa.stats.mixed import balanced_mixed
+from emg2vsa.statistics.mixed import balanced_mixed
 
 VOLTS = 1e-5
 

@@ -15,7 +15,7 @@ from benchmarks.bench.case import Case, Size, Way
 from benchmarks.nist import digits, nist_files
 from benchmarks.statistics.exact_tests import f_statistic, fractions, mpq
 from benchmarks.statistics.peers import pingouin, statsmodels_api, statsmodels_formula
-from emg2vsa.stats.anova import one_way
+from emg2vsa.statistics.anova import one_way
 
 
 def anova_cases(size: Size) -> Iterator[Case]:

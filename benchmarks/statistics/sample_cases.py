@@ -15,9 +15,9 @@ from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
 from benchmarks.statistics.numbers import Exact, Numbers, exact_rows, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
-from emg2vsa.stats.lilliefors import lilliefors
-from emg2vsa.stats.normality import ks_normal
-from emg2vsa.stats.shapiro import shapiro_wilk
+from emg2vsa.statistics.lilliefors import lilliefors
+from emg2vsa.statistics.normality import ks_normal
+from emg2vsa.statistics.shapiro import shapiro_wilk
 
 MPMATH = "40-digit arithmetic"
 

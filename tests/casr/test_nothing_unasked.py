@@ -13,7 +13,7 @@ from casr.flow.horn_schunck import HornSchunck
 from casr.frames import FrameSequence, force_per_frame
 from casr.images import Grey
 from casr.pins import PinTracker
-from casr.score import ScoreSettings, score
+from casr.scoring import ScoreSettings, score
 from casr.specimens import SPECIMENS
 from casr.synthetic import PressSettings, SimulatedPress, TabulatedWorld, simulate_press
 
