@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from scipy import signal
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
 from emg2vsa.signals.filters import IirFilter
@@ -100,12 +100,16 @@ def envelopes_at(
     n = channels[0].size
     starts, stops = np.maximum(first - kernel.before, 0), np.minimum(last + kernel.after + 1, n)
     filtered, columns = filter_windows(channels, starts, stops, iir)
+    if kernel.squared:  # squares of 1e-160 V are zero, of 1e160 infinite; powers of two round nothing
+        unit = exponent_of(filtered)
+        filtered = np.ldexp(filtered, -unit)
     inside = np.arange(np.max(counts, initial=0)) < counts[:, None]
     outside = starts - (first - kernel.before)
     smoothed = _smooth(filtered, columns, stops - starts, outside, inside.shape[1], step, kernel)[:, inside]
     smoothed /= _tap_sum(kernel, (first[:, None] + step * np.arange(inside.shape[1]))[inside], n)
     # a Hamming low-pass has tiny negative side taps; an envelope is never negative
-    return np.sqrt(np.maximum(smoothed, 0)) if kernel.squared else np.maximum(smoothed, 0)
+    positive = np.maximum(smoothed, 0)
+    return np.ldexp(np.sqrt(positive), unit) if kernel.squared else positive
 
 
 def _smooth(
