@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.stress.case import Case, judged
 from benchmarks.stress.table import text, write
 
-AREAS = ("signals", "curves")
+AREAS = ("signals", "curves", "tests", "laws", "calibration", "mechanics", "tactile")
 
 
 def all_cases(smoke: bool = False, areas: tuple[str, ...] = AREAS) -> Iterator[Case]:
