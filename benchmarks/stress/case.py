@@ -85,20 +85,25 @@ def judged(case: Case) -> Row:
     """
     start = time.process_time()
     found, refused = _ours(case)
+    if refused:
+        return _row(case, "-", 0.0, case.condition or 0.0, "says so", found.said, start)
     exact = case.exact(*(_fractions(each) for each in case.inputs))
-    allowed = min(ROUNDED - (_condition(case, exact) if case.condition is None else case.condition), MOST_DIGITS)
+    condition = _condition(case, exact) if case.condition is None else case.condition
     digits = {name: fewest_digits(found.values.get(name), truth, case.size) for name, truth in exact.items()}
     worst = min(digits, key=digits.__getitem__)
-    undefined = refused or all(_undefined(value) for value in found.values.values())
-    if undefined:
+    if all(_undefined(value) for value in found.values.values()):
         verdict = "says so" if found.said else "broken"
     else:
         silent = not found.said and (case.must_say or digits[worst] < FEW_DIGITS)
         verdict = "broken" if silent or digits[worst] < case.bound else "kept"
+    return _row(case, worst, digits[worst], condition, verdict, found.said, start)
+
+
+def _row(case: Case, worst: str, digits: float, condition: float, verdict: str, said: str, start: float) -> Row:
+    allowed = min(max(ROUNDED - condition, 0.0), MOST_DIGITS)
     return Row(
-        case.function, case.world, worst, digits[worst], max(allowed, 0.0), case.bound, verdict,
-        found.said, time.process_time() - start,
-    )  # fmt: skip
+        case.function, case.world, worst, digits, allowed, case.bound, verdict, said, time.process_time() - start
+    )
 
 
 def _ours(case: Case) -> tuple[Found, bool]:

@@ -124,7 +124,10 @@ def exponential_case(
 
     def ours(x: np.ndarray, y: np.ndarray) -> Found:
         fit = fit_exponential_log(x, y) if logarithms else fit_exponential(x, y)
-        return Found({"q": fit.q, "curve": fit.y0 * np.exp(fit.q * (x[5] - fit.x0))}, "undefined (NaN)" * bool(np.isnan(fit.q[0])))
+        return Found(
+            {"q": fit.q, "curve": fit.y0 * np.exp(fit.q * (x[5] - fit.x0))},
+            "undefined (NaN)" * bool(np.isnan(fit.q[0])),
+        )
 
     def exact(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
         at, values = mpfs(x), mpfs(y)

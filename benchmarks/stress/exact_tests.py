@@ -241,7 +241,8 @@ def jzs(groups: Groups, scale: Any) -> dict[str, Any]:
         prior = mp.exp(-1 / (2 * g)) / mp.sqrt(2 * mp.pi * g)
         return prior * (1 + gain) ** (-mpf(k - 1) / 2) * left ** (-mpf(len(values) - 1) / 2)
 
-    return {"log BF01": -mp.log(mp.quad(density, mp.linspace(-8, 120, 33)))}
+    with mp.workdps(30):
+        return {"log BF01": -mp.log(mp.quad(density, mp.linspace(-8, 120, 33)))}
 
 
 def trend(blocks: Sequence[Groups]) -> dict[str, Any]:

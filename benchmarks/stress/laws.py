@@ -36,7 +36,9 @@ def cases() -> Iterator[Case]:
     yield from _bootstraps()
 
 
-def _of(function: str, world: str, ours: Callable[[], Any], truth: Callable[[], Any], bound: float, smoke: bool) -> Case:
+def _of(
+    function: str, world: str, ours: Callable[[], Any], truth: Callable[[], Any], bound: float, smoke: bool
+) -> Case:
     """A function of fixed numbers; their rounding is not the question."""
     return Case(f"stats.{function}", world, (), lambda: Found({"value": ours()}), lambda: {"value": truth()}, bound,
                 condition=0.0, smoke=smoke)  # fmt: skip
@@ -90,6 +92,7 @@ def _exact_noncentral_f(df1: int, df2: int, nc: float, f: float) -> Any:
 
 def _hedges() -> Iterator[Case]:
     for t, n, smoke in ((2.0, 5, True), (-3.0, 1_000_000, False)):
+
         def truth(t: float = t, n: int = n) -> Any:
             df = mpf(2 * n - 2)
             factor = mp.exp(mp.loggamma(df / 2) - mp.loggamma((df - 1) / 2)) / mp.sqrt(df / 2)
@@ -123,6 +126,7 @@ def _bootstraps() -> Iterator[Case]:
         return np.asarray(x[..., 0, 0] + (x - x[..., :1, :1]).mean(axis=(-2, -1)))
 
     for offset, scale, bound in ((1e6, 1.0, 9.0), (0.0, 1e-200, 12.0), (0.0, 2.0**900, 12.0)):
+
         def ours(x: np.ndarray, offset: float = offset, scale: float = scale) -> Found:
             found = bca(x, mean, n_resamples=500)
             return Found({"low": (found.low - offset) / scale, "high": (found.high - offset) / scale})
@@ -133,5 +137,3 @@ def _bootstraps() -> Iterator[Case]:
 
         yield Case("stats.bootstrap.bca", f"offset {offset:g}, scale {scale:.3g} against neither",
                    (scale * values + offset,), ours, truth, bound, size=1.0, condition=float(np.log10(1 + offset)))  # fmt: skip
-
-

@@ -70,7 +70,9 @@ def _actuator(model: str) -> Iterator[Case]:
 
 def _exact_preset(wanted: Any, model: str, near: float) -> Any:
     low, high = mpf(near) * mpf("0.9"), mpf(near) * mpf("1.1")
-    return mp.findroot(lambda t: mp.log(exact_stiffness(t, model) / wanted), (low, high), solver="anderson", tol=mpf("1e-60"))
+    return mp.findroot(
+        lambda t: mp.log(exact_stiffness(t, model) / wanted), (low, high), solver="anderson", tol=mpf("1e-60")
+    )
 
 
 def contact_case(modulus: float, force: float, bound: float) -> Case:
@@ -78,12 +80,18 @@ def contact_case(modulus: float, force: float, bound: float) -> Case:
 
     def ours(x: np.ndarray) -> Found:
         law = PowerLaw(x[0], 20.0, 0.25)
-        return Found({"depth": law.depth_mm(x[1]), "area": law.area_mm2(x[1]), "force": law.force_n(law.depth_mm(x[1]))})
+        return Found(
+            {"depth": law.depth_mm(x[1]), "area": law.area_mm2(x[1]), "force": law.force_n(law.depth_mm(x[1]))}
+        )
 
     def exact(x: np.ndarray) -> dict[str, Any]:
         (e, f), r, n = mpfs(x), mpf(20), mpf(1) / 4
         c = 3 / (4 * e * r**2)
-        return {"depth": f ** (1 - n) / (2 * (1 - n) * e * r * c**n), "area": mp.pi * (r * (c * f) ** n) ** 2, "force": f}
+        return {
+            "depth": f ** (1 - n) / (2 * (1 - n) * e * r * c**n),
+            "area": mp.pi * (r * (c * f) ** n) ** 2,
+            "force": f,
+        }
 
     return Case("contact_mechanics.PowerLaw", f"E* {modulus:g} MPa, {force:g} N", (np.array([modulus, force]),), ours,
                 exact, bound, smoke=force == 7.0)  # fmt: skip

@@ -28,7 +28,9 @@ def text(rows: Sequence[Row]) -> str:
     lines = [f"{'':92}digits allowed  bound  verdict"]
     for row in rows:
         name = f"{row.function}: {row.world}"
-        lines.append(f"{name[:90]:92}{row.digits:6.1f} {row.allowed:7.1f} {row.bound:6.1f}  {row.verdict}  {row.said[:60]}")
+        lines.append(
+            f"{name[:90]:92}{row.digits:6.1f} {row.allowed:7.1f} {row.bound:6.1f}  {row.verdict}  {row.said[:60]}"
+        )
     return "\n".join(lines)
 
 

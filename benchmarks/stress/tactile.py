@@ -21,7 +21,12 @@ from casr.spread import contact_areas, spread_rate
 
 
 def cases() -> Iterator[Case]:
-    for offset, scale, bound, smoke in ((0.0, 1.0, 12.0, True), (1e6, 1.0, 12.0, True), (1e9, 1.0, 12.0, True), (0.0, 1e-200, 12.0, False)):
+    for offset, scale, bound, smoke in (
+        (0.0, 1.0, 12.0, True),
+        (1e6, 1.0, 12.0, True),
+        (1e9, 1.0, 12.0, True),
+        (0.0, 1e-200, 12.0, False),
+    ):
         yield slope_case(offset, scale, bound, smoke)
     for scale, bound in ((1.0, 12.0), (1e-200, 11.0), (1e200, 11.0)):
         yield power_case(scale, bound)
@@ -93,7 +98,10 @@ def region_case(offset: float, bound: float, smoke: bool) -> Case:
         points = list(zip(mpfs(p[:, 0]), mpfs(p[:, 1]), strict=True))
         turns = [(a, b, a[0] * b[1] - b[0] * a[1]) for a, b in zip(points, points[1:] + points[:1], strict=True)]
         area = mp.fsum(turn for *_, turn in turns) / 2
-        return {"area": area, "centre": [mp.fsum((a[i] + b[i]) * turn for a, b, turn in turns) / (6 * area) for i in (0, 1)]}
+        return {
+            "area": area,
+            "centre": [mp.fsum((a[i] + b[i]) * turn for a, b, turn in turns) / (6 * area) for i in (0, 1)],
+        }
 
     def ours(p: np.ndarray) -> Found:
         region = Region(p)
@@ -209,7 +217,9 @@ def spot_case(grey: float, contrast: float, bound: float, smoke: bool) -> Case:
     What is allowed is what whole grey levels leave: about 0.02 px over the contrast in grey levels, for a disc of 80 px.
     """
     rng = np.random.default_rng(13)
-    centres = np.array([[x, y] for x in range(30, 280, 25) for y in range(30, 280, 25)]) + rng.uniform(-0.5, 0.5, (100, 2))
+    centres = np.array([[x, y] for x in range(30, 280, 25) for y in range(30, 280, 25)]) + rng.uniform(
+        -0.5, 0.5, (100, 2)
+    )
     rows, columns = np.mgrid[:300, :300]
     image = np.full((300, 300), grey)
     for x, y in centres:
