@@ -5,6 +5,7 @@ https://www.itl.nist.gov/div898/strd/, doi 10.18434/T43G6C. Line ranges in the h
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from decimal import Decimal
@@ -14,13 +15,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.bench.case import NotHere
 from emg2vsa.curves.nonlinear import Model
+
+NIST = Path(os.environ.get("EMG2VSA_TEST_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "nist"
 
 LINEAR_DEGREE = {
     "Norris": 1, "Pontius": 2, "NoInt1": 1, "NoInt2": 1, "Filip": 10, "Longley": None,
     "Wampler1": 5, "Wampler2": 5, "Wampler3": 5, "Wampler4": 5, "Wampler5": 5,
 }  # fmt: skip
 """Degree of the polynomial; None: the columns as they are."""
+
+
+def nist_files(folder: str) -> list[Path]:
+    """The data files of one of NIST's collections, e.g. ``nist_anova``; NotHere where they are absent."""
+    found = sorted((NIST / folder).glob("*.dat"))
+    if not found:
+        raise NotHere(f"NIST's sets {folder}: EMG2VSA_TEST_DATA names the folder that holds nist/{folder}")
+    return found
 
 
 def digits(value: Any, certified: str, cap: float = 15.0) -> float:

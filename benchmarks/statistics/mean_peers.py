@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import combinations
 from typing import Any
 
@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from benchmarks.bench.case import Way
+from benchmarks.statistics.numbers import Numbers, looped
 from benchmarks.statistics.peers import pingouin, scikit_posthocs, statsmodels_api, statsmodels_formula
-from benchmarks.statistics.task import Numbers, Peer
 
 UPPER = np.triu_indices(5, 1)
 
@@ -22,37 +23,30 @@ def tables(designs: np.ndarray) -> list[pd.DataFrame]:
     return [pd.DataFrame({"y": d.ravel(), "g": np.repeat([f"S{i}" for i in range(k)], n)}) for d in designs]
 
 
-def collected(rows: list[dict[str, Any]]) -> Numbers:
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
-
-
-def looped(each: Callable[[Any], dict[str, Any]], designs: Any) -> Callable[[], Numbers]:
-    return lambda: collected([each(design) for design in designs])
-
-
 def f_oneway(design: np.ndarray) -> dict[str, Any]:
     found = stats.f_oneway(*design)
     return {"F": found.statistic, "p": found.pvalue}
 
 
-def anova_and_lsd(b: np.ndarray) -> Iterator[Peer]:
+def anova_and_lsd(b: np.ndarray) -> Iterator[Way]:
     frames = tables(b)
 
     def axis_aware() -> Numbers:
         found = stats.f_oneway(*np.moveaxis(b, 1, 0), axis=1)
         return {"F": found.statistic, "p": found.pvalue}
 
-    yield Peer("scipy f_oneway, axis-aware, no pairs", axis_aware, (6.5, 1.4))
-    yield Peer("scipy f_oneway and LSD by hand, loop", looped(lambda d: f_oneway(d) | _hand_lsd(d), b), (163, 35.5))
-    yield Peer("scipy f_oneway and tukey_hsd, loop", looped(lambda d: f_oneway(d) | _tukey_hsd(d), b), (11067, 2418))
+    yield Way("scipy", "f_oneway, axis-aware", axis_aware, "as used", "no pairs")
+    yield Way("scipy", "f_oneway and LSD by hand, loop", looped(lambda d: f_oneway(d) | _hand_lsd(d), b), "equal")
     if scikit_posthocs is not None:
-        yield Peer("scikit-posthocs posthoc_lsd alone, loop", looped(_posthoc_lsd, frames), (213, 46.5))
+        yield Way("scikit-posthocs", "posthoc_lsd, loop", looped(_posthoc_lsd, frames), "as used", "no F, no intervals")
         both_tests = looped(lambda t: _posthoc_ttest(t) | _posthoc_lsd(t), frames)
-        yield Peer("scikit-posthocs posthoc_lsd and _ttest", both_tests, (437, 95))
+        yield Way("scikit-posthocs", "posthoc_lsd and posthoc_ttest, loop", both_tests, "as used", "no F, no intervals")
     if statsmodels_api is not None:
-        yield Peer("statsmodels anova_lm and t_test_pairwise", looped(_statsmodels, frames), (998, 218))
+        yield Way("statsmodels", "anova_lm and t_test_pairwise, loop", looped(_statsmodels, frames), "equal")
     if pingouin is not None:
-        yield Peer("pingouin anova and pairwise_tests (own SDs)", looped(_pingouin, frames), (3574, 781))
+        yield Way(
+            "pingouin", "anova and pairwise_tests, loop", looped(_pingouin, frames), "as used", "pairs by their own SDs"
+        )
 
 
 def _hand_lsd(design: np.ndarray) -> dict[str, Any]:
@@ -90,13 +84,13 @@ def _pingouin(table: pd.DataFrame) -> dict[str, Any]:
     return {"F": anova["F"].iloc[0], "p": anova["p_unc"].iloc[0]}
 
 
-def anova_and_tukey(b: np.ndarray) -> Iterator[Peer]:
+def anova_and_tukey(b: np.ndarray) -> Iterator[Way]:
     frames = tables(b)
-    yield Peer("scipy f_oneway and tukey_hsd, loop", looped(lambda d: f_oneway(d) | _tukey_hsd(d), b))
+    yield Way("scipy", "f_oneway and tukey_hsd, loop", looped(lambda d: f_oneway(d) | _tukey_hsd(d), b), "equal")
     if statsmodels_api is not None:
-        yield Peer("statsmodels pairwise_tukeyhsd, loop", looped(_tukeyhsd, frames))
+        yield Way("statsmodels", "pairwise_tukeyhsd, loop", looped(_tukeyhsd, frames), "equal")
     if pingouin is not None:
-        yield Peer("pingouin pairwise_tukey, loop (no intervals)", looped(_pairwise_tukey, frames))
+        yield Way("pingouin", "pairwise_tukey, loop", looped(_pairwise_tukey, frames), "as used", "no intervals")
 
 
 def _tukeyhsd(table: pd.DataFrame) -> dict[str, Any]:

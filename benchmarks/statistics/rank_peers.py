@@ -10,14 +10,16 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from benchmarks.statistics.mean_peers import looped, tables
+from benchmarks.bench.case import Way
+from benchmarks.statistics.mean_peers import tables
+from benchmarks.statistics.numbers import Numbers, looped
 from benchmarks.statistics.peers import pingouin, scikit_posthocs
-from benchmarks.statistics.task import Numbers, Peer
 
 UPPER = np.triu_indices(3, 1)
+P_ALONE = "p alone; ours gives the shift with its interval too"
 
 
-def kruskal_and_pairs(scores: np.ndarray) -> Iterator[Peer]:
+def kruskal_and_pairs(scores: np.ndarray) -> Iterator[Way]:
     groups = np.moveaxis(scores, 1, 0)
 
     def axis_aware() -> Numbers:
@@ -26,14 +28,20 @@ def kruskal_and_pairs(scores: np.ndarray) -> Iterator[Peer]:
             stats.mannwhitneyu(first, second, axis=1)
         return {"H": found.statistic, "p": found.pvalue}
 
-    yield Peer("scipy kruskal, 3 mannwhitneyu, axis-aware", axis_aware)
-    yield Peer("scipy kruskal, 3 mannwhitneyu, loop", looped(_kruskal_and_mwu, scores), (190, 35.8))
+    yield Way("scipy", "kruskal, 3 mannwhitneyu, axis-aware", axis_aware, "as used", "Mann-Whitney pairs for Dunn's")
+    yield Way(
+        "scipy", "kruskal, 3 mannwhitneyu, loop", looped(_kruskal_and_mwu, scores), "as used",
+        "Mann-Whitney pairs for Dunn's",
+    )  # fmt: skip
     frames = tables(scores)
     both = list(zip(scores, frames, strict=True))
     if scikit_posthocs is not None:
-        yield Peer("scipy kruskal, scikit-posthocs posthoc_dunn", looped(_kruskal_and_dunn, both), (218, 41))
+        yield Way("scikit-posthocs", "posthoc_dunn, with scipy kruskal, loop", looped(_kruskal_and_dunn, both), "equal")
     if pingouin is not None:
-        yield Peer("pingouin kruskal and pairwise_tests", looped(_pingouin, frames), (623, 117))
+        yield Way(
+            "pingouin", "kruskal and pairwise_tests, loop", looped(_pingouin, frames), "as used",
+            "Mann-Whitney pairs for Dunn's",
+        )  # fmt: skip
 
 
 def _kruskal(design: np.ndarray) -> dict[str, Any]:
@@ -59,14 +67,14 @@ def _pingouin(table: pd.DataFrame) -> dict[str, Any]:
     return {"H": found["H"].iloc[0], "p": found["p_unc"].iloc[0]}
 
 
-def mann_whitney_untied(scores: np.ndarray) -> Iterator[Peer]:
-    yield Peer("scipy mannwhitneyu(exact), loop", looped(_exact, scores))
-    yield Peer("scipy mannwhitneyu(exact), axis-aware", lambda: _axis_aware(scores))
+def mann_whitney_untied(scores: np.ndarray) -> Iterator[Way]:
+    yield Way("scipy", "mannwhitneyu exact, loop", looped(_exact, scores), "as used", P_ALONE)
+    yield Way("scipy", "mannwhitneyu exact, axis-aware", lambda: _axis_aware(scores), "as used", P_ALONE)
 
 
-def mann_whitney_tied(scores: np.ndarray) -> Iterator[Peer]:
-    yield Peer("scipy mannwhitneyu(exact), loop", looped(_exact, scores))
-    yield Peer("scipy mannwhitneyu(all permutations), loop", looped(_permutations, scores))
+def mann_whitney_tied(scores: np.ndarray) -> Iterator[Way]:
+    yield Way("scipy", "mannwhitneyu exact, loop", looped(_exact, scores), "as used", f"{P_ALONE}; knows no ties")
+    yield Way("scipy", "mannwhitneyu, all permutations", looped(_permutations, scores), "as used", P_ALONE)
 
 
 def _exact(design: np.ndarray) -> dict[str, Any]:

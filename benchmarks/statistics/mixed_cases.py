@@ -9,35 +9,33 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.exact_tests import mean, mpq, squares
+from benchmarks.statistics.numbers import Exact, Numbers, worst_error
 from benchmarks.statistics.peers import statsmodels_formula
-from benchmarks.statistics.task import Exact, Numbers, Peer, Task
+
 from emg2vsa.stats.mixed import balanced_mixed
 
 VOLTS = 1e-5
-NOTE = "The 0.04 ms of the notes are for the estimates; ours adds intervals and checks of the input."
 
 
-def mixed_tasks(n_people: int = 14, n_specimens: int = 5, n_repetitions: int = 10) -> Iterator[Task]:
+def mixed_cases(size: Size) -> Iterator[Case]:
+    """Fourteen people, five specimens, ten repetitions, in volts."""
     rng = np.random.default_rng(5)
-    shape = (n_people, n_specimens, n_repetitions)
-    noise = rng.standard_normal(shape) + 0.5 * np.arange(n_specimens)[:, None]
-    people = rng.standard_normal((n_people, 1, 1))
-    cells = 0.5 * rng.standard_normal((n_people, n_specimens, 1))
+    shape = size.pick((5, 3, 4), (14, 5, 10))
+    noise = rng.standard_normal(shape) + 0.5 * np.arange(shape[1])[:, None]
+    people = rng.standard_normal((shape[0], 1, 1))
+    cells = 0.5 * rng.standard_normal((shape[0], shape[1], 1))
     level = noise - noise.mean(axis=(1, 2), keepdims=True)  # no variance between people at all
-    cases = (
-        ("participants and specimens of participants differ", noise + people + cells),
+    for title, y in (
+        ("participants and their specimens differ", noise + people + cells),
         ("no variance between participants (boundary)", level + cells - cells.mean(axis=1, keepdims=True)),
-    )
-    for title, y in cases:
-        yield Task(
-            f"mixed model of {y.size} rows in volts, {title}",
-            lambda y=VOLTS * y: _ours(y),
-            tuple(_statsmodels(VOLTS * y)),
-            lambda y=VOLTS * y: _exact(y),
-            0.04,
-            note=NOTE,
-        )
+    ):
+        ours = Way("emg2vsa", "balanced_mixed", lambda y=VOLTS * y: _ours(y), "equal", "with intervals and checks")
+        yield Case(
+            f"mixed model in volts, {title}", y.size, "rows", (ours, *_statsmodels(VOLTS * y)),
+            worst_error(lambda y=VOLTS * y: _exact(y)), "relative", "REML of a balanced study in rational arithmetic",
+        )  # fmt: skip
 
 
 def _ours(y: np.ndarray) -> Numbers:
@@ -51,7 +49,7 @@ def _ours(y: np.ndarray) -> Numbers:
     }
 
 
-def _statsmodels(y: np.ndarray) -> Iterator[Peer]:
+def _statsmodels(y: np.ndarray) -> Iterator[Way]:
     if statsmodels_formula is None:
         return
     person, specimen, _ = (index.ravel() for index in np.indices(y.shape))
@@ -74,8 +72,8 @@ def _statsmodels(y: np.ndarray) -> Iterator[Peer]:
         numbers = {"var people": found.cov_re.to_numpy()[0], "var cells": found.vcomp, "var rep": [found.scale]}
         return {"mean": _means(found), **numbers}
 
-    yield Peer("statsmodels MixedLM (1 | person)", simple, (2364, 99))
-    yield Peer("statsmodels MixedLM, specimens within", nested, (7576, 316))
+    yield Way("statsmodels", "MixedLM (1 | person)", simple, "as used", "no variance of cells; a fit that fails has no digits")
+    yield Way("statsmodels", "MixedLM, specimens within", nested, "equal", "a fit that fails has no digits")
 
 
 def _means(fit: Any) -> np.ndarray:

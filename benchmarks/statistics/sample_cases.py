@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -11,51 +11,45 @@ import pandas as pd
 from mpmath import mpf
 from scipy import special, stats
 
+from benchmarks.bench.case import Case, Size, Way
 from benchmarks.statistics.exact_tests import exact_ks, exact_shapiro
+from benchmarks.statistics.numbers import Exact, Numbers, exact_rows, worst_error
 from benchmarks.statistics.peers import pingouin, statsmodels_api
-from benchmarks.statistics.task import Exact, Numbers, Peer, Task
+
 from emg2vsa.stats.lilliefors import lilliefors
 from emg2vsa.stats.normality import ks_normal
 from emg2vsa.stats.shapiro import shapiro_wilk
+MPMATH = "40-digit arithmetic"
 
-SIMULATED = 2_000_000
 
-
-def sample_tasks(n_samples: int = 70, n: int = 10, simulated: int = SIMULATED) -> Iterator[Task]:
-    rows = np.random.default_rng(2).standard_normal((n_samples, n))
+def sample_cases(size: Size) -> Iterator[Case]:
+    """Normality of samples of ten."""
+    rows = np.random.default_rng(2).standard_normal((size.pick(6, 70), 10))
     rows[::3] = np.exp(rows[::3])
-    yield Task(
-        f"{n_samples} Kolmogorov-Smirnov tests of {n} values, standardised, exact p",
-        lambda: _ours(ks_normal(rows, standardise=True), "D"),
-        tuple(_ks_peers(rows)),
-        lambda: _exact_rows(exact_ks, rows, ("D", "p")),
-        0.30,
-    )
-    yield Task(
-        f"{n_samples} Lilliefors tests of {n} values",
-        lambda: _ours(lilliefors(rows), "D"),
-        tuple(_lilliefors_peers(rows)),
-        lambda: _exact_rows(exact_ks, rows, ("D",)) | _simulated_p(rows, simulated),
-        note=f"p against {simulated} simulated samples, to 3 digits at most. Wanted: as the notes have it beside KS.",
-    )
-    yield Task(
-        f"{n_samples} Shapiro-Wilk tests of {n} values",
-        lambda: _ours(shapiro_wilk(rows), "W"),
-        tuple(_shapiro_peers(rows)),
-        lambda: _exact_rows(exact_shapiro, rows, ("W", "p")),
-        note="Wanted: what the notes have beside KS.",
-    )
+    simulated = size.pick(20_000, 2_000_000)
+    for title, ours, peers, exact, truth in (
+        (
+            "Kolmogorov-Smirnov, standardised, exact p", lambda: _ours(ks_normal(rows, standardise=True), "D"),
+            _ks_peers, lambda: exact_rows(exact_ks, ("D", "p"), rows), MPMATH,
+        ),
+        (
+            "Lilliefors", lambda: _ours(lilliefors(rows), "D"), _lilliefors_peers,
+            lambda: _simulated_p(rows, simulated), f"p of {simulated:.0e} simulated samples, to 2 or 3 digits",
+        ),
+        (
+            "Shapiro-Wilk", lambda: _ours(shapiro_wilk(rows), "W"), _shapiro_peers,
+            lambda: exact_rows(exact_shapiro, ("W", "p"), rows), MPMATH + ", Royston's AS R94",
+        ),
+    ):  # fmt: skip
+        yield Case(
+            f"{title}, {len(rows)} samples of 10", len(rows), "samples",
+            (Way("emg2vsa", "all samples in one call", ours, "equal"), *peers(rows)),
+            worst_error(exact), "relative", truth,
+        )  # fmt: skip
 
 
 def _ours(found: Any, statistic: str) -> Numbers:
     return {statistic: getattr(found, statistic.lower()), "p": found.p}
-
-
-def _exact_rows(
-    exact: Callable[[np.ndarray], Mapping[str, mpf]], rows: np.ndarray, names: tuple[str, ...]
-) -> dict[str, dict[int, mpf]]:
-    found = {i: exact(rows[i]) for i in range(0, len(rows), max(1, len(rows) // 20))}
-    return {name: {i: numbers[name] for i, numbers in found.items()} for name in names}
 
 
 def _simulated_p(rows: np.ndarray, simulated: int) -> Exact:
@@ -85,29 +79,29 @@ def _each(test: Callable[[np.ndarray], Any], statistic: str, rows: np.ndarray) -
     return dict(zip((statistic, "p"), np.array([test(row) for row in rows]).T, strict=True))
 
 
-def _ks_peers(rows: np.ndarray) -> Iterator[Peer]:
+def _ks_peers(rows: np.ndarray) -> Iterator[Way]:
     def axis_aware() -> Numbers:
         found = stats.ks_1samp(_standardised(rows), stats.norm.cdf, axis=1)
         return {"D": found.statistic, "p": found.pvalue}
 
-    yield Peer("scipy ks_1samp, axis-aware", axis_aware, (39, 11.7))
+    yield Way("scipy", "ks_1samp, axis-aware", axis_aware, "equal")
     looped = partial(_each, lambda z: stats.kstest(z, "norm"), "D")
-    yield Peer("scipy kstest, loop", lambda: looped(_standardised(rows)), (240, 72))
+    yield Way("scipy", "kstest, loop", lambda: looped(_standardised(rows)), "equal")
 
 
-def _lilliefors_peers(rows: np.ndarray) -> Iterator[Peer]:
+def _lilliefors_peers(rows: np.ndarray) -> Iterator[Way]:
     if statsmodels_api is not None:
         looped = partial(_each, statsmodels_api.stats.lilliefors, "D", rows)
-        yield Peer("statsmodels lilliefors, loop", looped, (253, 76))
+        yield Way("statsmodels", "lilliefors, loop", looped, "equal")
 
 
-def _shapiro_peers(rows: np.ndarray) -> Iterator[Peer]:
+def _shapiro_peers(rows: np.ndarray) -> Iterator[Way]:
     def axis_aware() -> Numbers:
         found = stats.shapiro(rows, axis=1)
         return {"W": found.statistic, "p": found.pvalue}
 
-    yield Peer("scipy shapiro, axis given", axis_aware)
-    yield Peer("scipy shapiro, loop", partial(_each, stats.shapiro, "W", rows), (77, 23))
+    yield Way("scipy", "shapiro, axis given", axis_aware, "equal")
+    yield Way("scipy", "shapiro, loop", partial(_each, stats.shapiro, "W", rows), "equal")
     if pingouin is not None:
         table = pd.DataFrame({"y": rows.ravel(), "row": np.repeat(np.arange(len(rows)), rows.shape[1])})
 
@@ -115,4 +109,4 @@ def _shapiro_peers(rows: np.ndarray) -> Iterator[Peer]:
             found = pingouin.normality(table, dv="y", group="row")
             return {"W": found["W"].to_numpy(), "p": found["pval"].to_numpy()}
 
-        yield Peer("pingouin normality", normality, (220, 66))
+        yield Way("pingouin", "normality", normality, "equal")

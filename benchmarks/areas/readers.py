@@ -1,0 +1,239 @@
+"""Recordings of every binary and text format beside the format's own library, and a video decoded in the child."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from benchmarks.bench.case import Area, Case, Size, Way, peer
+from benchmarks.written_recordings import NAMES, made_samples, write_bdf, write_c3d, write_csv, write_edf, write_mat
+
+Samples = dict[str, np.ndarray]
+_FOLDERS: list[TemporaryDirectory[str]] = []
+"Kept until the process ends, for ways are run after the cases are made."
+
+
+def files_of_formats(size: Size) -> Iterator[Case]:
+    """A recording of the study's size: 70 s of two EMG channels and force at 1000 Hz."""
+    folder, n = _folder(), size.pick(7_000, 70_000)
+    truth = made_samples(n)
+    yield _case("BDF", write_bdf(folder, truth), truth, _bdf_peers)
+    yield _case("EDF", write_edf(folder, truth), truth, _edf_peers)
+    yield _case("CSV", write_csv(folder, truth), truth, _csv_peers)
+    yield _case("C3D", write_c3d(folder, truth), truth, _c3d_peers)
+    yield _case("MATLAB", write_mat(folder, truth), truth, _mat_peers)
+
+
+def growth_with_length(size: Size) -> Iterator[Case]:
+    """BDF files of growing length: what the child process costs is a share of the file, and a constant."""
+    for n in size.pick((2_000, 4_000), (10_000, 100_000, 1_000_000)):
+        folder, truth = _folder(), made_samples(n)
+        yield _case(f"BDF, {n} samples", write_bdf(folder, truth), truth, _bdf_peers, "BDF by length")
+
+
+def one_channel(size: Size) -> Iterator[Case]:
+    """One of three channels of a file."""
+    folder, n = _folder(), size.pick(7_000, 70_000)
+    truth = made_samples(n)
+    path = write_bdf(folder, truth)
+    ways = [Way("emg2vsa", "read, one channel", lambda: _ours(path, ("Fz",)), "equal", CHILD)]
+    if edfio := peer("edfio"):
+        ways.append(Way("edfio", "get_signal", lambda: {"Fz": edfio.read_bdf(path).get_signal("Fz").data}, "equal"))
+    if mne := peer("mne"):
+
+        def by_mne() -> Samples:
+            raw = mne.io.read_raw_bdf(path, include=["Fz"], preload=True, verbose="error")
+            return {"Fz": raw.get_data()[0]}
+
+        ways.append(Way("MNE", "read_raw_bdf, include", by_mne, "equal"))
+    yield _as_case("BDF, force alone", path, tuple(ways), {"Fz": truth["Fz"]})
+
+
+def video(size: Size) -> Iterator[Case]:
+    """Frames of a lossless video."""
+    import cv2
+
+    from casr.frame_files.video import VideoDecoder, open_file
+
+    path, frames = _film(_folder(), size.pick(10, 141))
+
+    def by_child() -> np.ndarray:
+        film = open_file(path)
+        return np.array([film.read(i) for i in range(len(frames))])
+
+    def here() -> np.ndarray:
+        decoder = VideoDecoder(path)
+        return np.array([decoder.read(i) for i in range(len(frames))])
+
+    def by_opencv() -> np.ndarray:
+        capture = cv2.VideoCapture(str(path))
+        read = [capture.read()[1] for _ in range(len(frames))]
+        return np.array([cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY) for frame in read])
+
+    yield Case(
+        f"lossless video of {len(frames)} frames", len(frames), "frames",
+        (
+            Way("casr", "video.open_file", by_child, "equal", CHILD),
+            Way("casr", "VideoDecoder in this process", here, "equal"),
+            Way("OpenCV", "VideoCapture", by_opencv, "equal", "checks nothing"),
+        ),
+        lambda found: float(np.max(np.abs(found.astype(float) - frames))), "grey levels", "the frames that were written",
+    )  # fmt: skip
+
+
+CHILD = "in the child process, whose processor time counts"
+
+
+def _case(
+    name: str, path: Path, truth: Samples, peers: Callable[[Path], Iterator[Way]], family: str = ""
+) -> Case:
+    from emg2vsa.readers.formats import head_of, reader_of
+    from emg2vsa.readers.opened import to_si
+
+    reader = reader_of(path, head_of(path))
+    assert reader is not None
+
+    def here() -> Samples:
+        opened = importlib.import_module(reader.module).open_recording(path)
+        stored = opened.load(range(len(opened.describe())))
+        return {channel.name: to_si(channel).samples for channel in stored}
+
+    ways = [Way("emg2vsa", "read", lambda: _ours(path), "equal", CHILD if reader.library else "")]
+    if reader.library:
+        ways.append(Way("emg2vsa", "read in this process", here, "equal"))
+    return _as_case(name, path, (*ways, *peers(path)), truth, family)
+
+
+def _as_case(name: str, path: Path, ways: tuple[Way, ...], truth: Samples, family: str = "") -> Case:
+    def error(found: Samples) -> float:
+        return max(
+            float(np.max(np.abs(found[name] - samples)) / np.ptp(samples)) for name, samples in truth.items()
+        )
+
+    unit = "of the range of a channel"
+    return Case(name, round(path.stat().st_size / 1e6, 2), "MB", ways, error, unit, "the samples that were written", family)
+
+
+def _ours(path: Path, names: tuple[str, ...] = NAMES) -> Samples:
+    from emg2vsa.readers.front_door import read
+
+    return {channel.name: channel.samples for channel in read(path, names).channels}
+
+
+def _bdf_peers(path: Path) -> Iterator[Way]:
+    if edfio := peer("edfio"):
+        yield Way("edfio", "read_bdf", lambda: _edfio(edfio.read_bdf(path)), "equal", "no checks of the file")
+    if mne := peer("mne"):
+
+        def by_mne() -> Samples:
+            return _mne(mne.io.read_raw_bdf(path, preload=True, verbose="error"))
+
+        yield Way("MNE", "read_raw_bdf", by_mne, "equal")
+
+
+def _edf_peers(path: Path) -> Iterator[Way]:
+    if edfio := peer("edfio"):
+        yield Way("edfio", "read_edf", lambda: _edfio(edfio.read_edf(path)), "equal", "no checks of the file")
+    if mne := peer("mne"):
+
+        def by_mne() -> Samples:
+            return _mne(mne.io.read_raw_edf(path, preload=True, verbose="error"))
+
+        yield Way("MNE", "read_raw_edf", by_mne, "equal")
+
+
+def _edfio(file: Any) -> Samples:
+    return {name: file.get_signal(name).data * (1.0 if name == "Fz" else 1e-6) for name in NAMES}
+
+
+def _mne(raw: Any) -> Samples:
+    return dict(zip(NAMES, raw.get_data(picks=list(NAMES)), strict=True))
+
+
+def _csv_peers(path: Path) -> Iterator[Way]:
+    def samples(table: np.ndarray) -> Samples:
+        return dict(zip(NAMES, table.T[1:], strict=True))
+
+    yield Way("numpy", "loadtxt", lambda: samples(np.loadtxt(path, delimiter=",", skiprows=1)), "equal", PLAIN)
+    if pandas := peer("pandas"):
+        yield Way("pandas", "read_csv", lambda: samples(pandas.read_csv(path).to_numpy()), "equal", PLAIN)
+
+
+PLAIN = "no units, no rate, no check of the time column"
+
+
+def _c3d_peers(path: Path) -> Iterator[Way]:
+    if ezc3d := peer("ezc3d"):
+
+        def by_ezc3d() -> Samples:
+            return dict(zip(NAMES, ezc3d.c3d(str(path))["data"]["analogs"][0], strict=True))
+
+        yield Way("ezc3d", "c3d", by_ezc3d, "equal")
+    if c3d := peer("c3d"):
+
+        def by_c3d() -> Samples:
+            with path.open("rb") as file:
+                blocks = [analog for _, _, analog in c3d.Reader(file).read_frames()]
+            return dict(zip(NAMES, np.concatenate(blocks, axis=1), strict=True))
+
+        yield Way("c3d", "Reader.read_frames", by_c3d, "equal")
+
+
+def _mat_peers(path: Path) -> Iterator[Way]:
+    scipy_io = peer("scipy.io")
+
+    def by_scipy() -> Samples:
+        found = scipy_io.loadmat(path)
+        return {name: found[name].ravel() for name in NAMES}
+
+    yield Way("scipy", "io.loadmat", by_scipy, "equal", "no units, no rate")
+    if pymatreader := peer("pymatreader"):
+
+        def by_pymatreader() -> Samples:
+            found = pymatreader.read_mat(str(path))
+            return {name: found[name] for name in NAMES}
+
+        yield Way("pymatreader", "read_mat", by_pymatreader, "equal", "no units, no rate")
+
+
+def _film(folder: Path, n: int) -> tuple[Path, np.ndarray]:
+    import cv2
+
+    from casr.synthetic.press import simulate_press
+    from casr.synthetic.settings import PressSettings, TimelineSettings
+
+    press = simulate_press(PressSettings(timeline=TimelineSettings(loading_s=max(1.0, n / 20))))
+    frames = np.array([press.frames.read(i) for i in range(n)])
+    path = folder / "press.avi"
+    shape = frames.shape[2], frames.shape[1]
+    film = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"FFV1"), 20, shape, True)
+    for frame in frames:
+        film.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
+    film.release()
+    return path, frames.astype(float)
+
+
+def _folder() -> Path:
+    _FOLDERS.append(TemporaryDirectory(prefix="emg2vsa-readers-"))
+    return Path(_FOLDERS[-1].name)
+
+
+AREA = Area(
+    name="readers",
+    question="What does reading a recording cost beside the format's own library, and are the samples right?",
+    parts=(files_of_formats, one_channel, growth_with_length, video),
+    peers={
+        "edfio": "edfio", "mne": "mne", "pandas": "pandas", "ezc3d": "ezc3d", "c3d": "c3d", "pymatreader": "pymatreader",
+    },  # fmt: skip
+    meaning=(
+        "BDF, EDF, C3D and MATLAB files are decoded by edfio, ezc3d and SciPy: the difference between their own rows and "
+        "ours in this process is what checks, units and a copy that may be changed cost; the difference to the first row "
+        "is the child process, which keeps a decoder that crashes or never ends away from a run (decision 19). An error "
+        "of the size of one quantum of the format (BDF 6e-8, EDF 2e-5 of the range) is that of the file."
+    ),
+)  # fmt: skip

@@ -1,0 +1,93 @@
+"""What was measured, as plain data that goes to JSON and back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from benchmarks.bench.timing import Spread
+
+SCHEMA = "emg2vsa-bench-1"
+MOST_DIGITS = 16.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """One way of one case. Times are processor ms of one call; ratio : times slower than the first way, None for it;
+    error, digits, peak_mb : None where not measured. failed : what the way raised instead."""
+
+    library: str
+    name: str
+    work: str
+    note: str
+    ours: bool
+    least_ms: float | None = None
+    median_ms: float | None = None
+    iqr_ms: float | None = None
+    first_ms: float | None = None
+    rounds: int = 0
+    ratio: Spread | None = None
+    error: float | None = None
+    digits: float | None = None
+    peak_mb: float | None = None
+    failed: str = ""
+
+    @property
+    def label(self) -> str:
+        return f"{self.library}: {self.name}"
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """The rows of a case, in the order of its ways; see ``case.Case`` for the rest."""
+
+    name: str
+    size: float
+    size_unit: str
+    error_unit: str
+    truth: str
+    family: str
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class AreaResult:
+    """absent : peers that are not installed. missing : what could not be
+    measured here, and why."""
+
+    name: str
+    question: str
+    meaning: str
+    size: str
+    machine: dict[str, Any]
+    absent: tuple[str, ...]
+    missing: tuple[str, ...]
+    cases: tuple[CaseResult, ...]
+
+
+def digits_of(error: float) -> float:
+    """-log10 of a relative error, 0 to 16."""
+    if math.isnan(error):
+        return 0.0
+    return MOST_DIGITS if error <= 0 else max(0.0, min(MOST_DIGITS, -math.log10(error)))
+
+
+def to_json(area: AreaResult) -> dict[str, Any]:
+    """With ``schema``; numbers that are not finite become null in the file (``casr.command_line.finite``)."""
+    return {"schema": SCHEMA, **asdict(area)}
+
+
+def from_json(value: dict[str, Any]) -> AreaResult:
+    """The inverse of ``to_json``; ValueError for another schema."""
+    if value.get("schema") != SCHEMA:
+        raise ValueError(f"schema {value.get('schema')!r}, expected {SCHEMA!r}")
+    cases = tuple(
+        CaseResult(**{**case, "rows": tuple(_row(row) for row in case["rows"])}) for case in value["cases"]
+    )
+    rest = {key: item for key, item in value.items() if key not in ("schema", "cases", "absent", "missing")}
+    return AreaResult(**rest, absent=tuple(value["absent"]), missing=tuple(value["missing"]), cases=cases)
+
+
+def _row(value: dict[str, Any]) -> Row:
+    return Row(**{**value, "ratio": value["ratio"] and Spread(**value["ratio"])})

@@ -1,0 +1,143 @@
+"""What was measured, as Markdown."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+
+from benchmarks.bench.memory import HOW
+from benchmarks.bench.results import AreaResult, CaseResult, Row
+from benchmarks.bench.timing import Spread
+
+HOW_MEASURED = (
+    "Processor time of one thread. All ways of a case run in turn, in rounds, and the order turns by one each round. "
+    "A time is the median of the rounds, with its interquartile range. A ratio is taken within each round against the "
+    "first row: median and 5 % to 95 % of the rounds; above 1 means slower than the first row. The first call of a way "
+    "counts nowhere; it is named where it took over five times the median. `equal` work has the input and output of the "
+    "first row; `as used` is the library as its documentation shows it."
+)
+HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
+
+
+def page(area: AreaResult, plots: dict[str, Sequence[str]]) -> str:
+    """The page of an area. plots : file names of the plots of a case, and of a family of cases."""
+    lines = [
+        f"# {area.name}", "", area.question, "",
+        f"Written by `emg2vsa bench {area.name}`; do not edit.", "",
+        f"**How measured.** {HOW_MEASURED} {HOW if _has_memory(area) else ''}".rstrip(), "",
+        f"**On what.** {provenance(area)}", "",
+        f"**What it means.** {area.meaning}", "",
+    ]  # fmt: skip
+    families: set[str] = set()
+    for case in area.cases:
+        lines += [f"## {case.name}", "", *case_lines(case), ""]
+        lines += [f"![{case.name}: time against error]({name})\n" for name in plots.get(case.name, ())]
+        if case.family and case.family not in families and case is _last_of(area, case.family):
+            families.add(case.family)
+            lines += [f"![{case.family}: time against size]({name})\n" for name in plots.get(case.family, ())]
+    lines += _notices(area)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def case_lines(case: CaseResult) -> list[str]:
+    """The table of a case, with what its errors are against."""
+    lines = [f"{case.size:g} {case.size_unit}. Error ({case.error_unit}) against {case.truth}.", ""]
+    lines += table(HEAD, [_cells(i, row) for i, row in enumerate(case.rows, 1)])
+    rows_of: dict[str, list[str]] = {}
+    for i, row in enumerate(case.rows, 1):
+        for note in _notes(row):
+            rows_of.setdefault(note, []).append(str(i))
+    notes = [f"Row {', '.join(rows)}: {note}." for note, rows in rows_of.items()]
+    return lines + (["", " ".join(notes)] if notes else [])
+
+
+def index(areas: Iterable[AreaResult]) -> str:
+    """The page of all areas, one headline row each."""
+    lines = [
+        "# Benchmarks", "",
+        "Time and error of this project beside other libraries, measured in one run.",
+        "`emg2vsa bench AREA` writes the page of an area again; `emg2vsa bench --list` names the areas.",
+        "How it is timed, and why: [decision 29](../decisions/0029-how-we-time.md).", "",
+        HOW_MEASURED, "",
+    ]  # fmt: skip
+    rows = [(f"[{area.name}]({area.name}.md)", area.question, *_headline(area)) for area in areas]
+    head = ("area", "question", "first case", "CPU ms", "nearest peer, equal work", "ratio", "error ours", "error peer")
+    return "\n".join(lines + table(head, rows)) + "\n"
+
+
+def provenance(area: AreaResult) -> str:
+    """Processor, load and versions, one line."""
+    of = area.machine
+    libraries = ", ".join(f"{name} {version}" for name, version in of["libraries"].items())
+    return (
+        f"{of['processor']}, {of['cores']} cores, load {of['load']}; {of['system']}, Python {of['python']}; "
+        f"emg2vsa {of['emg2vsa']} ({of['revision']}), {area.size} size; {libraries}."
+    )
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Lines of a Markdown table."""
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return lines + ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
+
+
+def slug(text: str) -> str:
+    """Part of a file name."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+
+
+def ratio_text(ratio: Spread | None) -> str:
+    """Median and range, e.g. ``2.40 (2.31 to 2.55)``."""
+    return "1" if ratio is None else f"{ratio.median:.3g} ({ratio.low:.3g} to {ratio.high:.3g})"
+
+
+def number(value: float | None, form: str = ".3g") -> str:
+    return "" if value is None else format(value, form)
+
+
+def _cells(i: int, row: Row) -> list[str]:
+    library = f"**{row.library}**" if row.ours else row.library
+    if row.failed:
+        return [str(i), library, row.name, row.work, "failed", "", "", "", ""]
+    cpu = f"{number(row.median_ms)} ± {number(row.iqr_ms, '.2g')}"
+    error = "0" if row.error == 0 else number(row.error, ".2g")
+    ratio = ratio_text(row.ratio)
+    return [
+        str(i), library, row.name, row.work, cpu, ratio, error, number(row.digits, ".1f"), number(row.peak_mb, ".1f")
+    ]  # fmt: skip
+
+
+def _notes(row: Row) -> list[str]:
+    slow = row.first_ms is not None and row.median_ms is not None and row.first_ms > max(5 * row.median_ms, 50)
+    parts = [row.note, row.failed, f"first call {row.first_ms:.0f} ms" if slow else ""]
+    return [part.rstrip(".") for part in parts if part]
+
+
+def _notices(area: AreaResult) -> list[str]:
+    lines = [f"not installed: {name}" for name in area.absent]
+    lines += [f"not measured: {what}" for what in area.missing]
+    return ["## Not measured", "", *(f"- {line}" for line in lines)] if lines else []
+
+
+def _headline(area: AreaResult) -> tuple[str, ...]:
+    if not area.cases:
+        return ("",) * 6
+    case = area.cases[0]
+    ours, *others = case.rows
+    equal = [row for row in others if row.work == "equal" and not row.ours and row.ratio] or [
+        row for row in others if not row.ours and row.ratio
+    ]
+    own = number(ours.error, ".2g")
+    if not equal:
+        return case.name, number(ours.median_ms), "none", "", own, ""
+    peer = min(equal, key=lambda row: row.ratio.median if row.ratio else 0.0)
+    error = number(peer.error, ".2g")
+    return case.name, number(ours.median_ms), f"{peer.label} ({peer.work})", ratio_text(peer.ratio), own, error
+
+
+def _has_memory(area: AreaResult) -> bool:
+    return any(row.peak_mb is not None for case in area.cases for row in case.rows)
+
+
+def _last_of(area: AreaResult, family: str) -> CaseResult:
+    return [case for case in area.cases if case.family == family][-1]

@@ -1,0 +1,108 @@
+"""Processor time of the ways of one case, in turn, so that a busy machine disturbs all of them alike."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from casr.decoder_process import child_pid
+
+SHORTEST_S = 2e-3
+"A way is called several times between two readings of the clock until these seconds have passed."
+
+
+def processor_s() -> float:
+    """Processor time so far of this process and of the child that decodes files (its own on Linux alone)."""
+    pid = child_pid()
+    if pid is None or sys.platform != "linux":
+        return time.process_time()
+    return time.process_time() + time.clock_gettime(~pid << 3 | 2)  # clock_getcpuclockid(3)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Of a ratio: median, 5 % and 95 % quantile over the rounds."""
+
+    median: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Timed:
+    """Processor seconds of one call. first_s : of the first call, which counts nowhere else. rounds_s : mean of each
+    round, NaN for rounds after the way's budget was spent."""
+
+    first_s: float
+    rounds_s: tuple[float, ...]
+
+    @property
+    def known_s(self) -> np.ndarray:
+        times = np.array(self.rounds_s)
+        return times[np.isfinite(times)]
+
+    @property
+    def least_s(self) -> float:
+        return float(np.min(self.known_s))
+
+    @property
+    def median_s(self) -> float:
+        return float(np.median(self.known_s))
+
+    @property
+    def iqr_s(self) -> float:
+        low, high = np.quantile(self.known_s, (0.25, 0.75))
+        return float(high - low)
+
+    def ratio_to(self, other: Timed) -> Spread:
+        """Times slower than the other, taken within each round that both have."""
+        ratios = np.array(self.rounds_s) / np.array(other.rounds_s)
+        low, median, high = np.quantile(ratios[np.isfinite(ratios)], (0.05, 0.5, 0.95))
+        return Spread(float(median), float(low), float(high))
+
+
+def first_call(run: Callable[[], Any], clock: Callable[[], float] = processor_s) -> tuple[float, Any]:
+    """Seconds and output of the first call, in which libraries load, compile and fill caches."""
+    start = clock()
+    output = run()
+    return clock() - start, output
+
+
+def timed(
+    runs: Sequence[Callable[[], Any]],
+    first_s: Sequence[float],
+    *,
+    rounds: int,
+    budget_s: float,
+    clock: Callable[[], float] = processor_s,
+) -> list[Timed]:
+    """Times of runs that were each called once already, which took ``first_s``.
+
+    rounds : in each, every run has one turn; the order is turned by one each time. A run that has used ``budget_s`` has
+    no further turn, but every run has one.
+    """
+    calls = []
+    for run, first in zip(runs, first_s, strict=True) if rounds else ():
+        again = _mean(run, 1, clock) if first < 0.2 else first
+        calls.append(max(1, min(10_000, round(SHORTEST_S / max(again, 1e-7)))))
+    times = np.full((len(runs), rounds), np.nan)
+    spent = np.zeros(len(runs))
+    for turn in range(rounds):
+        for way in np.roll(np.arange(len(runs)), -turn):
+            if turn and spent[way] >= budget_s:
+                continue
+            times[way, turn] = _mean(runs[way], calls[way], clock)
+            spent[way] += times[way, turn] * calls[way]
+    return [Timed(first, tuple(map(float, row))) for first, row in zip(first_s, times, strict=True)]
+
+
+def _mean(run: Callable[[], Any], n_calls: int, clock: Callable[[], float]) -> float:
+    start = clock()
+    for _ in range(n_calls):
+        run()
+    return (clock() - start) / n_calls

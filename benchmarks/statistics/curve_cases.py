@@ -1,0 +1,182 @@
+"""700 logarithmic fits, and 2000 exponential ones on resampled data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pandas as pd
+from scipy import optimize, stats
+
+from benchmarks.bench.case import Case, Size, Way
+from benchmarks.statistics.exact_curves import exact_exponential, exact_log_fit
+from benchmarks.statistics.numbers import Numbers, columns, exact_rows, worst_error
+from benchmarks.statistics.peers import lmfit, pingouin, statsmodels_api, statsmodels_formula
+from emg2vsa.curves.exponential import fit_exponential
+from emg2vsa.curves.logarithmic import fit_log
+
+A_V, B_V, NOISE_V = 30e-6, 15e-6, 5e-6
+KAPPA, CASR, REPETITION_CV = np.array([7.63, 3.35, 1.11]), np.array([0.186, 0.711, 1.416]), 0.05
+LOG_NUMBERS = ("a", "b", "SE(b)", "adj R2")
+MPMATH = "40-digit arithmetic"
+
+
+def log_cases(size: Size) -> Iterator[Case]:
+    """Fits of v = a + b log F, each on its own forces, and all on one grid."""
+    rng = np.random.default_rng(1)
+    n_points = 131
+    for n_fits in size.pick((5, 10), (70, 700, 7000)):
+        force = np.sort(rng.uniform(0.5, 7, (n_fits, n_points)), axis=1)
+        family = "logarithmic fits of 131 points, each on its own forces"
+        v = _noisy(force, rng)
+        ways = (Way("emg2vsa", "fit_log", lambda x=force, v=v: _ours(x, v), "equal"), *_log_peers(force, v, n_fits <= 700))
+        name = f"{family}, {n_fits} fits"
+        yield Case(name, n_fits, "fits", ways, _log_error(force, v), "relative", MPMATH, family)
+    grid = np.linspace(0.5, 7, n_points)
+    rows = np.tile(grid, (size.pick(10, 700), 1))
+    v = _noisy(rows, rng)
+    ways = (Way("emg2vsa", "fit_log", lambda: _ours(grid, v), "equal"), *_grid_peers(grid, v))
+    name = f"logarithmic fits of 131 points, all on one grid, {len(v)} fits"
+    yield Case(name, len(v), "fits", ways, _log_error(rows, v), "relative", MPMATH)
+
+
+def exponential_cases(size: Size) -> Iterator[Case]:
+    """Refits of kappa = p exp(q CASR), as a bootstrap makes them."""
+    rng = np.random.default_rng(1)
+    x = CASR[:, None] * (1 + REPETITION_CV * rng.standard_normal((3, 10)))
+    for n_resamples in size.pick((10, 20), (200, 2000, 20_000)):
+        drawn = x[np.arange(3)[:, None], rng.integers(0, 10, (n_resamples, 3, 10))]
+        family = "bootstrap refits of an exponential, thirty points"
+        points, y = drawn.reshape(n_resamples, 30), np.repeat(KAPPA, 10)
+        yield _refits(f"{family}, {n_resamples} refits", points, y, family, loops=n_resamples <= 2000)
+        if n_resamples == size.pick(20, 2000):
+            name = f"bootstrap refits of an exponential, means of three specimens, {n_resamples} refits"
+            yield _refits(name, drawn.mean(axis=2), KAPPA)
+
+
+def _noisy(force: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    return np.asarray(A_V + B_V * np.log(force) + NOISE_V * rng.standard_normal(force.shape))
+
+
+def _log_error(force: np.ndarray, v: np.ndarray) -> Callable[[Numbers], float]:
+    return worst_error(lambda: exact_rows(exact_log_fit, LOG_NUMBERS, force, v))
+
+
+def _ours(x: np.ndarray, v: np.ndarray) -> Numbers:
+    fit = fit_log(x, v)
+    return {"a": fit.a, "b": fit.b, "SE(b)": fit.b_se, "adj R2": fit.adj_r2}
+
+
+def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
+    """few : so few fits that loops over slow libraries end in seconds."""
+
+    def each(fit: Callable[[np.ndarray, np.ndarray], tuple[float, ...]], *names: str) -> Callable[[], Numbers]:
+        return lambda: columns([fit(np.log(f), y) for f, y in zip(force, v, strict=True)], names or LOG_NUMBERS)
+
+    def linregress(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+        fit = stats.linregress(x, y)
+        return fit.intercept, fit.slope, fit.stderr, 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
+
+    def curve_fit(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+        (a, b), covariance = optimize.curve_fit(lambda z, p, q: p + q * z, x, y)
+        return a, b, np.sqrt(covariance[1, 1])
+
+    yield Way("numpy", "closed form, a and b alone", lambda: _closed_form(force, v), "as used", "no errors, no checks")
+    polyfit = each(lambda x, y: tuple(np.polyfit(x, y, 1)[::-1]), "a", "b")
+    yield Way("numpy", "polyfit, loop", polyfit, "as used", "a and b alone")
+    yield Way("scipy", "linregress, loop", each(linregress), "equal")
+    if not few:
+        return
+    yield Way("scipy", "curve_fit, loop", each(curve_fit, "a", "b", "SE(b)"), "as used", "no R2")
+    if lmfit is not None:
+        line = lmfit.models.LinearModel()
+
+        def by_lmfit(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+            fit = line.fit(y, x=x, slope=1e-5, intercept=1e-5)
+            return fit.params["intercept"].value, fit.params["slope"].value, fit.params["slope"].stderr
+
+        yield Way("lmfit", "LinearModel, loop", each(by_lmfit, "a", "b", "SE(b)"), "as used", "no adjusted R2")
+    if statsmodels_api is not None:
+        yield Way("statsmodels", "OLS, loop", each(_ols), "equal")
+        yield Way("statsmodels", "formula ols, loop", each(_formula_ols), "as used")
+    if pingouin is not None:
+        yield Way("pingouin", "linear_regression, loop", each(_pingouin), "equal")
+
+
+def _ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+    fit = statsmodels_api.OLS(y, np.column_stack([np.ones(x.size), x])).fit()
+    return *fit.params, fit.bse[1], fit.rsquared_adj
+
+
+def _formula_ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+    fit = statsmodels_formula.ols("y ~ x", pd.DataFrame({"x": x, "y": y})).fit()
+    return fit.params["Intercept"], fit.params["x"], fit.bse["x"], fit.rsquared_adj
+
+
+def _pingouin(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
+    fit = pingouin.linear_regression(x, y, as_dataframe=False)
+    return *fit["coef"], fit["se"][1], fit["adj_r2"]
+
+
+def _grid_peers(grid: np.ndarray, v: np.ndarray) -> Iterator[Way]:
+    def lstsq() -> Numbers:
+        columns = np.column_stack([np.ones(grid.size), np.log(grid)])
+        coefficients, residual, _, _ = np.linalg.lstsq(columns, v.T, rcond=None)
+        left = residual / np.sum((v - v.mean(axis=1, keepdims=True)) ** 2, axis=1)
+        return {
+            "a": coefficients[0],
+            "b": coefficients[1],
+            "SE(b)": np.sqrt(residual / (grid.size - 2) * np.linalg.inv(columns.T @ columns)[1, 1]),
+            "adj R2": 1 - left * (grid.size - 1) / (grid.size - 2),
+        }
+
+    yield Way("numpy", "linalg.lstsq, all in one call", lstsq, "equal")
+
+
+def _refits(name: str, x: np.ndarray, y: np.ndarray, family: str = "", loops: bool = True) -> Case:
+    names = ("p", "q")
+
+    def ours() -> Numbers:
+        fit = fit_exponential(x, np.broadcast_to(y, x.shape))
+        return {"p": fit.y0 * np.exp(-fit.q * fit.x0), "q": fit.q}
+
+    def curve_fit() -> Numbers:
+        def each(row: np.ndarray) -> tuple[float, ...]:
+            return tuple(optimize.curve_fit(lambda z, p, q: p * np.exp(q * z), row, y, p0=(8.0, -1.0))[0])
+
+        return columns([each(row) for row in x], names)
+
+    def with_jacobian() -> Numbers:
+        def gradient(z: np.ndarray, p: float, q: float) -> np.ndarray:
+            u = np.exp(q * z)
+            return np.column_stack([u, p * z * u])
+
+        def each(row: np.ndarray) -> tuple[float, ...]:
+            start = (8.0, -1.0)
+            return tuple(optimize.curve_fit(lambda z, p, q: p * np.exp(q * z), row, y, p0=start, jac=gradient)[0])
+
+        return columns([each(row) for row in x], names)
+
+    ways = [Way("emg2vsa", "fit_exponential, all in one call", ours, "equal")]
+    if loops:
+        ways.append(Way("scipy", "curve_fit, good start, loop", curve_fit, "equal"))
+        ways.append(Way("scipy", "curve_fit with the Jacobian, loop", with_jacobian, "equal"))
+    if loops and lmfit is not None:
+        curve = lmfit.models.ExponentialModel()
+
+        def by_lmfit() -> Numbers:
+            fits = [curve.fit(y, x=row, amplitude=8.0, decay=1.0).params for row in x]
+            return columns([(fit["amplitude"].value, -1 / fit["decay"].value) for fit in fits], names)
+
+        ways.append(Way("lmfit", "ExponentialModel, loop", by_lmfit, "equal", "with covariance and report"))
+    rows = np.broadcast_to(y, x.shape)
+    error = worst_error(lambda: exact_rows(exact_exponential, names, x, rows))
+    return Case(name, len(x), "refits", tuple(ways), error, "relative", MPMATH, family)
+
+
+def _closed_form(force: np.ndarray, v: np.ndarray) -> Numbers:
+    x = np.log(force)
+    mean_x, mean_v = x.mean(axis=1), v.mean(axis=1)
+    dx = x - mean_x[:, None]
+    b = np.einsum("ij,ij->i", dx, v) / np.einsum("ij,ij->i", dx, dx)
+    return {"a": mean_v - b * mean_x, "b": b}

@@ -1,0 +1,66 @@
+"""``emg2vsa bench``: runs the benchmarks of a source checkout, which the installed package leaves out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import emg2vsa
+from casr.command_line import Commands, add_command, whole_number
+
+SOURCE = Path(emg2vsa.__file__).parents[1]
+"Folder of the package; in a source checkout the benchmarks lie there too."
+
+
+def add_to(commands: Commands) -> None:
+    parser = add_command(
+        commands,
+        "bench",
+        run,
+        "Measure time and error together, beside other libraries.",
+        "An area is one question with its cases; --list names the areas. All ways of a case run in turn on one thread, "
+        "and times are processor times. Other libraries take part where they are installed. A full run of whole areas "
+        "writes docs/benchmarks; with --smoke, --only or --compare the tables are only printed unless --out is given. "
+        "Needs the folder benchmarks/ of a source checkout. Example: emg2vsa bench conditioning --smoke",
+    )
+    parser.add_argument("area", nargs="*", metavar="AREA", help="areas to measure (default all)")
+    parser.add_argument("--list", action="store_true", help="name the areas with their questions")
+    parser.add_argument("--smoke", action="store_true", help="small sizes and two rounds: seconds")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of pages, plots and JSON")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
+    parser.add_argument("--compare", metavar="REV", help="our ways beside those of another revision of this checkout")
+    parser.add_argument(
+        "--repeats", type=whole_number, metavar="N",
+        help="rounds, or with --compare pairs of processes (default 9, with --smoke 2)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--only", default="", metavar="WORD", help="cases whose name, or ways whose library or name, holds the word"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    if not (SOURCE / "benchmarks" / "bench").is_dir():
+        from emg2vsa.errors import SettingError
+
+        raise SettingError(
+            "bench", wanted=f"a source checkout, with benchmarks/ beside {SOURCE / 'emg2vsa'}", found="none",
+            do=f"Get the sources of emg2vsa {emg2vsa.__version__} and run there: python -m emg2vsa.cli bench",
+        )  # fmt: skip
+    if str(SOURCE) not in sys.path:
+        sys.path.insert(0, str(SOURCE))
+    program = import_module("benchmarks.bench.run")
+    if arguments.list:
+        program.list_areas()
+        return 0
+    program.bench(
+        arguments.area,
+        smoke=arguments.smoke,
+        out=arguments.out,
+        json_file=arguments.json,
+        compare=arguments.compare,
+        repeats=arguments.repeats,
+        only=arguments.only,
+    )
+    return 0
