@@ -63,23 +63,22 @@ def by_emg(size: Size) -> Iterator[Case]:
     from emg2vsa.signals.filters import force_low_pass
     from emg2vsa.signals.force import condition_force
 
-    records = make_records(size.pick(10, 50))
+    n = size.pick(1, 5)
+    record = make_records(PER_RECORD)
+    length = round(n * TRIAL_S * FS_HZ)
+    force_n, emg = record.force_n[0][:length], record.emg[0][0, :length]
     low = force_low_pass(FilterSettings(), FS_HZ)
 
-    def ours() -> list[np.ndarray]:
-        return [
-            condition_force(row, FS_HZ, low, ForceChannelSettings(name="Fz"), WindowSettings()).presses.start_s
-            for row in records.force_n
-        ]
+    def ours() -> np.ndarray:
+        return condition_force(force_n, FS_HZ, low, ForceChannelSettings(name="Fz"), WindowSettings()).presses.start_s
 
     ways = [Way("emg2vsa", "condition_force, by force", ours, "as used")]
     for library, name, onsets in _detectors():
-        ways.append(
-            Way(library, name, lambda onsets=onsets: [onsets(emg[0]) for emg in records.emg], "as used", EARLY)
-        )
+        ways.append(Way(library, name, lambda onsets=onsets: onsets(emg), "as used", EARLY))
     yield Case(
-        "onsets of presses, each library's own way", len(records.emg) * PER_RECORD, "presses", tuple(ways),
-        _onset_scatter, "ms, scatter of the onset", "the start of each simulated press; a constant lead is not counted",
+        "onsets of presses, each library's own way", n, "presses", tuple(ways),
+        lambda found: _onset_scatter(found, _true_s(LOWER_N)[:n]), "ms, scatter of the onset",
+        "the start of each simulated press; a constant lead is not counted",
     )  # fmt: skip
 
 
@@ -151,19 +150,13 @@ def _edge_error(found: list[np.ndarray]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(away) ** 2)))
 
 
-def _onset_scatter(found: list[np.ndarray]) -> float:
+def _onset_scatter(found_s: np.ndarray, true_s: np.ndarray) -> float:
     """RMS of the onsets about their own median lead over the window's lower edge, ms."""
-    true_s = _true_s(LOWER_N)
-    lead_s = np.median(np.concatenate([_lead_s(true_s, onsets) for onsets in found]))
-    away = [_nearest_ms(true_s - lead_s, onsets) for onsets in found]
-    return float(np.sqrt(np.mean(np.concatenate(away) ** 2)))
-
-
-def _lead_s(true_s: np.ndarray, found_s: np.ndarray) -> np.ndarray:
     if not found_s.size:
-        return np.zeros(true_s.size)
+        return MOST_MS
     nearest = found_s[np.argmin(np.abs(true_s[:, None] - found_s), axis=1)]
-    return np.asarray(true_s - nearest)
+    lead_s = np.median(true_s - nearest)
+    return float(np.sqrt(np.mean(_nearest_ms(true_s - lead_s, found_s) ** 2)))
 
 
 def _nearest_ms(true_s: np.ndarray, found_s: np.ndarray) -> np.ndarray:

@@ -31,10 +31,12 @@ def worst_error(exact: Callable[[], Exact]) -> Callable[[Numbers], float]:
     return error
 
 
-def exact_rows(exact: Callable[..., Mapping[str, mpf]], names: tuple[str, ...], *tables: np.ndarray) -> Exact:
-    """Exact numbers of at most 20 of the rows of the tables; the worst of them stands for all."""
+def exact_rows(
+    exact: Callable[..., Mapping[str, mpf]], names: tuple[str, ...], *tables: np.ndarray, most: int = 20
+) -> Exact:
+    """Exact numbers of about ``most`` of the rows of the tables; the worst of them stands for all."""
     n = len(tables[0])
-    found = {i: exact(*(table[i] for table in tables)) for i in range(0, n, max(1, n // 20))}
+    found = {i: exact(*(table[i] for table in tables)) for i in range(0, n, max(1, n // most))}
     return {name: {i: numbers[name] for i, numbers in found.items()} for name in names}
 
 

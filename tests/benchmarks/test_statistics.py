@@ -1,4 +1,4 @@
-"""The benchmark of the statistics on a tiny configuration: its references are right, and so is what it says of us."""
+"""The exact references of the benchmarks' statistics are right, and NIST's analyses of variance keep their digits."""
 
 from __future__ import annotations
 
@@ -10,55 +10,23 @@ import pytest
 from mpmath import mpf
 from scipy import optimize, stats
 
-from benchmarks.statistics import acceptance, digit_table
-from benchmarks.statistics.curve_tasks import curve_tasks
+from benchmarks import nist
+from benchmarks.bench.case import NotHere, Size
+from benchmarks.statistics.design_cases import _exact_bca, _exact_friedman, _exact_repeated, _exact_tost, _exact_welch
 from benchmarks.statistics.exact_curves import exact_exponential
 from benchmarks.statistics.exact_laws import chi2_survival, f_survival, ks_survival, power_of_rm, range_survival
 from benchmarks.statistics.exact_tests import exact_kruskal, exact_mann_whitney
-from benchmarks.statistics.group_tasks import group_tasks
-from benchmarks.statistics.mixed_tasks import mixed_tasks
-from benchmarks.statistics.nist_samples import anova_table
-from benchmarks.statistics.nist_tables import nist_tables
-from benchmarks.statistics.sample_tasks import sample_tasks
-from benchmarks.statistics.task import Peer, Task, digits, measured
-
-TINY = (
-    *curve_tasks(n_fits=2, n_points=12, n_resamples=2),
-    *sample_tasks(n_samples=4, simulated=100_000),
-    *group_tasks(n_people=1, n_angles=2, n=5),
-    *mixed_tasks(n_people=4, n_specimens=3, n_repetitions=3),
-)
-ROUGH = {("Lilliefors", "p"): 1.5}
-"""Digits of numbers that cannot have 12: known from simulation."""
+from benchmarks.statistics.nist_samples import anova_cases, digits_allowed
+from benchmarks.statistics.numbers import worst_error
 
 
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("task", TINY, ids=[task.title for task in TINY])
-def test_every_number_of_ours_is_right(task: Task, capsys: pytest.CaptureFixture[str]) -> None:
-    found = measured(task, repeats=1)
-    assert set(found.digits[""]) == set(task.exact())
-    for name, right in found.digits[""].items():
-        wanted = next((least for (part, which), least in ROUGH.items() if part in task.title and which == name), 12.0)
-        assert right >= wanted, name
-    assert all(
-        found.seconds[peer.name] > 0 and found.digits[peer.name] for peer in task.peers if "tukey" not in peer.name
-    )
-    assert task.title in capsys.readouterr().out
-
-
-def test_digits_are_counted() -> None:
-    truth = {"p": {0: mpf(2), 1: mpf(0)}}
-    assert digits({"p": [2.002, 0.0]}, truth)["p"] == pytest.approx(3)
-    assert digits({"p": [2.0, 0.0]}, truth)["p"] == 16
-    assert digits({"p": [np.nan, 0.0]}, truth)["p"] == 0
-    assert digits({}, truth) == {}
-
-
-def test_wanted_is_half_of_what_was_noted() -> None:
-    peer = Peer("peer", dict, (10.0, 1.0))
-    task = Task("task", dict, (peer,), dict)
-    for seconds, met in ((5.1, True), (4.9, False)):
-        assert acceptance.Measured(task, {"": 1.0, "peer": seconds}, {}).met(peer) is met
+def test_the_worst_number_decides() -> None:
+    error = worst_error(lambda: {"p": {0: mpf(2), 1: mpf(0)}, "F": {0: mpf(4)}})
+    assert error({"p": [2.002, 0.0]}) == pytest.approx(1e-3)
+    assert error({"p": [2.0, 0.0], "F": [5.0]}) == pytest.approx(0.25)
+    assert error({"p": [np.nan, 0.0]}) == 1.0
+    with pytest.raises(ValueError, match="empty"):  # a way that gives none of the numbers is no way
+        error({})
 
 
 def test_laws_are_scipys() -> None:
@@ -87,25 +55,44 @@ def test_exponential_is_curve_fits() -> None:
     assert float(found["q"]) == pytest.approx(q, rel=1e-6)
 
 
-def test_absent_nist_data_are_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(digit_table, "NIST", tmp_path)
-    acceptance.acceptance([], nist_tables())
-    out = capsys.readouterr().out
-    assert "nist_anova is not in" in out
-    assert "power of n = 14" in out
-    assert "NO" not in out
+def test_designs_are_scipys() -> None:
+    rng = np.random.default_rng(1)
+    groups = rng.standard_normal((3, 6)) * np.array([1.0, 2.0, 3.0])[:, None]
+    peer = stats.f_oneway(*groups, equal_var=False)
+    assert float(_exact_welch(groups)["F"]) == pytest.approx(peer.statistic, rel=1e-12)
+    assert float(_exact_welch(groups)["p"]) == pytest.approx(peer.pvalue, rel=1e-12)
+    people = rng.standard_normal((6, 2))
+    pair = stats.ttest_rel(*people.T)
+    assert float(_exact_repeated(people)["F"]) == pytest.approx(pair.statistic**2, rel=1e-12)
+    assert float(_exact_repeated(people)["p"]) == pytest.approx(pair.pvalue, rel=1e-12)
+    people = rng.standard_normal((6, 4))
+    ranks = stats.friedmanchisquare(*people.T)
+    assert float(_exact_friedman(people)["chi2"]) == pytest.approx(ranks.statistic, rel=1e-12)
+    above = stats.ttest_ind(groups[0] + 1, groups[1], alternative="greater").pvalue
+    below = stats.ttest_ind(groups[0] - 1, groups[1], alternative="less").pvalue
+    assert float(_exact_tost(groups[:2], 1.0)["p"]) == pytest.approx(max(above, below), rel=1e-12)
 
 
-def test_nist_anova_meets_what_is_wanted(
-    shared_data: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_the_exact_bootstrap_is_the_limit_of_a_long_one() -> None:
+    rows = np.random.default_rng(2).standard_normal((1, 5))
+    found = stats.bootstrap((rows[0],), np.mean, n_resamples=200_000, rng=np.random.default_rng(0)).confidence_interval
+    assert _exact_bca(rows)[:, 0] == pytest.approx([found.low, found.high], abs=0.02 * rows.std())
+
+
+def test_absent_nist_data_are_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nist, "NIST", tmp_path)
+    with pytest.raises(NotHere, match="EMG2VSA_TEST_DATA names the folder that holds nist/nist_anova"):
+        list(anova_cases(Size.SMOKE))
+
+
+def test_nist_anova_keeps_the_digits_that_doubles_allow(
+    shared_data: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(digit_table, "NIST", shared_data("nist"))
-    table = anova_table()
-    assert table is not None
-    assert len(table.rows) == 11
-    table.show()
-    assert "SmLs09" in capsys.readouterr().out
-    assert table.column("from decimal text").min() >= 14.5
-    assert (table.column("emg2vsa") >= table.column("doubles allow") - 0.1).all()
+    monkeypatch.setattr(nist, "NIST", shared_data("nist"))
+    cases = {case.name.split()[1]: case for case in anova_cases(Size.FULL)}
+    assert len(cases) == 11
+    for path in nist.nist_files("nist_anova"):
+        doubles, text = (case_way for case_way in cases[path.stem].ways if case_way.library == "emg2vsa")
+        errors = [cases[path.stem].error_of(way, way.run()) or 0.0 for way in (doubles, text)]
+        assert -np.log10(errors[0]) >= digits_allowed(path) - 0.1, path.stem
+        assert -np.log10(errors[1]) >= 14.5, path.stem

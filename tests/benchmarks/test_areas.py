@@ -1,0 +1,83 @@
+"""Every area of ``emg2vsa bench`` at smoke size: errors and digits, never time."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from functools import cache
+
+import pytest
+
+from benchmarks.areas import NAMES, area
+from benchmarks.bench.case import Size
+from benchmarks.bench.measure import measure
+from benchmarks.bench.results import AreaResult, CaseResult, Row, from_json, to_json
+
+OURS = {
+    "readers": {"EDF": 2e-5, "video": 0.0, "MATLAB": 0.0, "": 1e-7},
+    "conditioning": {"raw EMG": 0.2, "": 1e-12},
+    "segmentation": {"": 2.0},
+    "records": {"": 0.02},
+    "fits": {"nonlinear": 0.0, "MGH10": 3e-10, "DanWood": 1e-11, "Filip": 4e-8, "": 1e-13},
+    "tests": {"Lilliefors": 0.15, "BCa": 0.15, "NIST AtmWtAg": 1e-10, "": 1e-12},
+    "calibration": {"intervals": 11.0, "": 0.06},
+}
+"""Largest error of ours by area and by a word of the case's name. Rank-deficient NIST sets lose what doubles lose."""
+AGREE = {"readers": 2e-5, "conditioning": 1e-9, "segmentation": 2.0}
+"""Areas whose other libraries must agree where they do equal work; whole records differ at their ends (MNE pads)."""
+
+
+@cache
+def smoke(name: str) -> AreaResult:
+    return measure(area(name), Size.SMOKE, rounds=0)
+
+
+def _rows(result: AreaResult) -> list[tuple[CaseResult, Row]]:
+    return [(case, row) for case in result.cases for row in case.rows]
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", OURS)
+def test_errors_of_ours_are_bounded(name: str) -> None:
+    bounds = OURS[name]
+    result = smoke(name)
+    assert result.cases
+    for case, row in _rows(result):
+        if row.ours:
+            bound = next(limit for word, limit in bounds.items() if word in case.name)
+            assert not row.failed, f"{case.name}, {row.label}: {row.failed}"
+            assert row.error is not None
+            assert row.error <= bound, f"{case.name}, {row.label}"
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", AGREE)
+def test_equal_work_agrees(name: str) -> None:
+    for case, row in _rows(smoke(name)):
+        if row.work == "equal" and not row.failed and "whole records" not in case.name:
+            assert row.error is not None
+            assert row.error <= AGREE[name], f"{case.name}, {row.label}"
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_results_survive_json() -> None:
+    result = smoke("records")
+    value = json.loads(json.dumps(to_json(result)))
+    assert from_json(value) == result
+    assert value["schema"] == "emg2vsa-bench-1"
+    assert {"processor", "cores", "load", "libraries", "revision"} <= set(value["machine"])
+    assert "hostname" not in json.dumps(value).lower()
+    with pytest.raises(ValueError, match="schema"):
+        from_json(value | {"schema": "other"})
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_absent_peers_are_named(name: str) -> None:
+    whole = area(name)
+    assert set(whole.absent) <= set(whole.peers.values())
+    without = dataclasses.replace(whole, parts=(), peers={**whole.peers, "no_such_library": "no-such-library"})
+    assert "no-such-library" in measure(without, Size.SMOKE, rounds=0).absent
+
+
+def test_every_area_has_bounds() -> None:
+    assert set(OURS) <= set(NAMES)
