@@ -28,11 +28,11 @@ def start_up(size: Size) -> Iterator[Case]:
         ("Python", "import numpy"): ["-c", "import numpy"],
     }
     ways = tuple(
-        Way(library, name, lambda words=words: _python(*words), "equal" if library in ("emg2vsa", "casr") else "as used",
+        Way(library, name, lambda words=words: python(*words), "equal" if library in ("emg2vsa", "casr") else "as used",
             "" if library in ("emg2vsa", "casr") else "the floor")
         for (library, name), words in commands.items()
     )  # fmt: skip
-    yield Case("start-up", 1, "process", ways, None, "", "")
+    yield Case("start-up", 1, "process", ways, float, "exit status", "0")
 
 
 def people(size: Size) -> Iterator[Case]:
@@ -46,7 +46,7 @@ def people(size: Size) -> Iterator[Case]:
     )
     recordings = len(list(study.parent.glob("data/sub-*/emg/*_emg.*df")))
     yield Case(
-        "emg2vsa run --human-only", recordings, "recordings", ways, lambda found: float(_differing(found, kept)),
+        "emg2vsa run --human-only", recordings, "recordings", ways, lambda found: float(differing(found, kept)),
         "numbers of results.json unlike the first run's", "the first run of the same study",
     )  # fmt: skip
 
@@ -62,7 +62,7 @@ def _study(size: str) -> Path:
     else:
         for name in ("study.toml", "rig.toml"):
             shutil.copy(STUDY / name, folder)
-    _python("-m", "emg2vsa.cli", "simulate", str(study))
+    python("-m", "emg2vsa.cli", "simulate", str(study))
     _run(study)
     return study
 
@@ -77,7 +77,7 @@ def _folder() -> Path:
 
 
 def _run(study: Path) -> dict[str, Any]:
-    _python("-m", "emg2vsa.cli", "run", str(study), "--human-only", "--jobs", "1")
+    python("-m", "emg2vsa.cli", "run", str(study), "--human-only", "--jobs", "1")
     return _results(study)
 
 
@@ -104,17 +104,18 @@ def _results(study: Path) -> dict[str, Any]:
     return found
 
 
-def _differing(found: Any, kept: Any) -> int:
+def differing(found: Any, kept: Any) -> int:
     """Numbers that are not the same, to the last bit, in two trees of results."""
     if isinstance(kept, dict) and isinstance(found, dict):
-        return sum(_differing(found.get(key), kept.get(key)) for key in {*found, *kept})
+        return sum(differing(found.get(key), kept.get(key)) for key in {*found, *kept})
     if isinstance(kept, list) and isinstance(found, list) and len(kept) == len(found):
-        return sum(_differing(one, other) for one, other in zip(found, kept, strict=True))
+        return sum(differing(one, other) for one, other in zip(found, kept, strict=True))
     return int(found != kept)
 
 
-def _python(*arguments: str) -> None:
-    subprocess.run([sys.executable, "-P", *arguments], check=True, capture_output=True)
+def python(*arguments: str) -> int:
+    """Exit status of a Python process; CalledProcessError where it is not 0."""
+    return subprocess.run([sys.executable, "-P", *arguments], check=True, capture_output=True).returncode
 
 
 AREA = Area(
